@@ -1,7 +1,8 @@
-"""Lin's formulation (2.25, 2.26, Appendix E) with its misprints corrected: a second, independent solver.
+"""Second, independent solver of a ball screw's statics: the equations of Lin's thesis, with its misprints corrected.
 
-Unknowns are ball centres, contact angles and all nodal motions of the screw; plain Newton on the equilibrium equations
-with the explicit Jacobian, dense. It checks the energy solver and shows where the source's iteration fails.
+The unknowns are ball centres, contact angles and all nodal motions of the screw (Lin 2.25, 2.26, Appendix E). The
+equilibrium equations are solved by Newton's method without line search, with an explicit dense Jacobian. The solver checks
+the one that minimises energy, and shows where Lin's iteration fails.
 """
 
 from __future__ import annotations
@@ -32,7 +33,7 @@ Kinematics = Literal["arc", "source"]
 
 Start = Literal["nominal", "guess", "load steps"]
 
-#: Iterations after which Newton gives up.
+#: Number of iterations after which Newton's method gives up.
 MOST = 60
 
 
@@ -40,19 +41,19 @@ MOST = 60
 class SourceSolution:
     """Outcome of Lin's Newton iteration for N balls and n nodes."""
 
-    #: ``"converged"``, or why not.
+    #: ``"converged"``, or the reason of the failure.
     status: str
     #: Contact forces ``(N, 4)`` [N].
     load: Array
-    #: ``(N, 4)`` [rad].
+    #: Contact angles ``(N, 4)`` [rad].
     contact_angle: Array
-    #: Shifts of the balls ``(N, 2)`` [m].
+    #: Shifts of the balls from their nominal positions, radial and binormal ``(N, 2)`` [m].
     centre: Array
     #: Motion of the nodes ``(n, 6)`` [m, rad].
     motion: Array
     #: Reactions of the supports ``(n, 6)`` [N, N m].
     reactions: Array
-    #: Newton steps.
+    #: Number of Newton steps.
     iterations: int
     #: Relative residual.
     residual: float
@@ -68,14 +69,14 @@ class SourceSolution:
 
 
 def element_stiffness(length: float, s: BeamSection) -> Array:
-    """Return the stiffness of a Timoshenko element ``(12, 12)``.
+    """Return the stiffness matrix ``(12, 12)`` of a Timoshenko beam element along z.
 
     Parameters
     ----------
     length
-        [m].
+        Length of the element [m].
     s
-        Section.
+        Stiffnesses of the cross-section.
 
     References
     ----------
@@ -100,7 +101,7 @@ def element_stiffness(length: float, s: BeamSection) -> Array:
 
 
 def beam_matrix(problem: Problem) -> Array:
-    """Return the dense stiffness of the screw ``(6 n, 6 n)``."""
+    """Return the dense stiffness matrix ``(6 n, 6 n)`` of the screw, a beam with n nodes."""
     n = problem.nodes.size
     k = np.zeros((6 * n, 6 * n))
     for e, length in enumerate(np.diff(problem.nodes)):
@@ -110,21 +111,35 @@ def beam_matrix(problem: Problem) -> Array:
 
 @dataclass
 class System:
-    """Scene as the equations need it."""
+    """Constants of the equilibrium equations of one scene with N balls, and the motion of the screw's flanks."""
 
     #: Arrays of the scene.
     problem: Problem
-    #: Whether lever arms follow the contact angle.
+    #: Whether the lever arms of contacts depend on the contact angle (``"source"``) or not (``"arc"``).
     kinematics: Kinematics
-    #: Stiffness of the screw ``(6 n, 6 n)``.
+    #: Stiffness matrix of the screw ``(6 n, 6 n)``.
     K: Array
-    #: Indices of the free unknowns.
+    #: Indices of the free unknowns; the others are prescribed.
     free: NDArray[np.int64]
-    #: Radial and binormal axis of each ball's section ``(N, 2, 3)``.
+    #: Unit vectors of each ball's groove section, radial and binormal ``(N, 2, 3)``.
     axes: Array
 
     def motion_of_flank(self, side: int, gamma: Array) -> tuple[NDArray[np.int64], Array, Array, Array]:
-        """Return first freedom of each flank's nodes, and M with two derivatives ``(N, 2, m)`` (Lin 2.17-2.21, E.13)."""
+        """Return the matrices that map nodal motions of the screw to motions of one flank at its contacts.
+
+        Parameters
+        ----------
+        side
+            Number of the flank, 0 or 1 on the screw.
+        gamma
+            Contact angles ``(N,)`` [rad].
+
+        Returns
+        -------
+        tuple[NDArray[np.int64], Array, Array, Array]
+            Index of the first of m nodal unknowns ``(N,)``; matrices M ``(N, 2, m)`` of Lin 2.17-2.21, and their first and
+            second derivative by the contact angle (Lin E.13).
+        """
         p = self.problem
         if self.kinematics == "arc":
             zero = np.zeros_like(p.B[:, side])
@@ -141,9 +156,11 @@ class System:
         flat = np.array([1.0, 1.0, 0.0])
 
         def arm(r: Array) -> Array:
+            """Return the rows r x axes of the lever arms, r without its axial component."""
             return np.cross((r * flat)[:, None, :], self.axes)
 
         def motion(n: Array, lever: Array | None) -> Array:
+            """Return the matrix of one derivative of the flank's motion: translation and rotation with its lever arm."""
             if lever is None:
                 return self.axes @ n[:, :3]
             return self.axes @ n[:, :3] + lever @ n[:, 3:]
@@ -155,9 +172,9 @@ class System:
         return 6 * j, m0, m1, m2
 
     def flank(self, side: int, gamma: Array) -> tuple[Array, Array, Array]:
-        """Return the flank's profile A(gamma) from the nominal ball centre and its derivatives, ``(N, 2)`` each.
+        """Return the point A(gamma) of a flank at a contact angle, and its first and second derivative, ``(N, 2)`` each.
 
-        Lin 2.3 and 2.27.
+        Coordinates are radial and binormal [m], from the nominal ball centre (Lin 2.3 and 2.27).
         """
         drawn = self.problem.drawn
         r, r1, r2 = groove_profile(gamma, drawn.radius[side], drawn.profile[side])
@@ -172,7 +189,11 @@ class System:
 def _contact_terms(
     system: System, p: Array, gamma: Array, u: Array, side: int
 ) -> tuple[Array, Array, Array, Array, Array, Array, NDArray[np.int64], Array, Array]:
-    """Return normal n, tangent t, dt/dgamma, distance, force, dF/d delta and motion matrices of one flank's contacts."""
+    """Return geometry, forces and motion matrices of the contacts of all balls with one flank.
+
+    These are: normal n, tangent t, dt/dgamma, distance of ball centre and flank, force, its derivative by the approach,
+    and the values of `System.motion_of_flank` without the second derivative.
+    """
     problem = system.problem
     a, t, t1 = system.flank(side, gamma)
     count = p.shape[0]
@@ -194,18 +215,20 @@ def _contact_terms(
 def equations_and_jacobian(
     system: System, x: Array, load: Array, *, jacobian: bool = True
 ) -> tuple[Array, Array | None, Array]:
-    """Return Phi(x) of Lin 2.25 (contact conditions, balls, screw), its Jacobian (Appendix E), and the contact loads.
+    """Return the residual Phi(x) of Lin's equations 2.25, its Jacobian (Appendix E), and the contact loads [N].
+
+    The equations are the contact conditions and the equilibrium of balls and screw.
 
     Parameters
     ----------
     system
-        The scene.
+        Constants of the equations.
     x
         Ball centres, contact angles and nodal motions.
     load
         Loads on the nodes ``(6 n,)`` [N, N m].
     jacobian
-        Whether to compute the Jacobian; None in its place otherwise.
+        Whether to compute the Jacobian; if not, None is returned in its place.
     """
     problem = system.problem
     count = problem.C.shape[0]
@@ -251,7 +274,10 @@ def equations_and_jacobian(
 
 
 def initial_state(system: System, start: Start, fraction: float) -> Array:
-    """Return the nominal state, or a designer's guess: the screw shifted along its axis as if all balls shared the load."""
+    """Return the start of Newton's method: the nominal state, or (`start` is not "nominal") a designer's guess.
+
+    The guess shifts the screw along its axis as if all balls shared the part ``fraction`` of the axial load equally.
+    """
     problem = system.problem
     scene = problem.scene
     count = problem.C.shape[0]
@@ -278,19 +304,19 @@ def solve_source(
     member: int = 0,
     tolerance: float = 1e-12,
 ) -> SourceSolution:
-    """Solve a scene with Lin's equations and plain Newton iteration (Lin 2.26).
+    """Solve a scene by Lin's equations and Newton's method without line search (Lin 2.26).
 
     Parameters
     ----------
     scene
         The scene; its screw must be a beam.
     kinematics
-        ``"source"``: lever arm and station follow the contact angle (Lin 2.18-2.21); ``"arc"``: the same rigid arcs as the
-        energy solver, with which it then agrees to round-off.
+        ``"source"``: lever arm and axial position of a contact depend on its contact angle (Lin 2.18-2.21); ``"arc"``:
+        flanks are rigid arcs as in the solver that minimises energy, with which the result then agrees to round-off.
     start
-        Nominal state, a designer's guess, or ten load steps from that guess.
+        Nominal state, a designer's guess (`initial_state`), or ten load steps from that guess.
     everything
-        Whether the shaft without influence is built too.
+        Whether parts of the shaft that do not influence the result are modelled too.
     member
         Number of the specimen, for a scene with random errors.
     tolerance
@@ -299,11 +325,11 @@ def solve_source(
     Raises
     ------
     ValueError
-        A scene with a rigid screw.
+        The screw of the scene is rigid.
     """
     begin = perf_counter()
     if scene.ingredients.screw == "rigid":
-        raise ValueError("the source's formulation needs a beam screw")
+        raise ValueError("Lin's formulation needs a screw that is modelled as a beam")
     layout = ball_layout(scene)
     problem = build(scene, specimen(scene, layout, member), layout, np.ones(4, dtype=bool), everything=everything)
     axes = np.stack([layout.radial, layout.binormal], axis=1)
@@ -336,16 +362,16 @@ def solve_source(
 
 
 def solve_source_result(scene: Scene, *, everything: bool = False, member: int = 0) -> StaticResult:
-    """Return the result of `solve_source` from the designer's guess, as the other models' record.
+    """Solve a scene by Lin's equations from the designer's guess; return the result in the form of all static models.
 
-    With Hertz constants of error-free parts, as Lin has them, where the scene asks for each contact's actual radii.
+    Hertz constants are those of error-free parts, as in Lin's thesis, even if the scene asks for the radii with errors.
 
     Parameters
     ----------
     scene
-        Scene with one set.
+        Scene with one nut.
     everything
-        Whether all terms are computed; without effect on Lin's method.
+        Whether parts of the shaft that do not influence the result are modelled too.
     member
         Number of the specimen of a scene with random errors.
     """
@@ -357,7 +383,7 @@ def solve_source_result(scene: Scene, *, everything: bool = False, member: int =
     if mechanism.driven:
         return failed_result(problem, "source", Status("not held", mechanism.text), 0.0)
     solution = solve_source(scene, everything=everything, member=member)
-    status = Status("converged") if solution.converged else Status("not converged", f"source's Newton: {solution.status}")
+    status = Status("converged") if solution.converged else Status("not converged", f"Lin's iteration: {solution.status}")
     if not np.all(np.isfinite(solution.load)) or not np.all(np.isfinite(solution.motion)):
         return failed_result(problem, "source", status, solution.seconds)
     angle = solution.contact_angle
@@ -379,14 +405,18 @@ def solve_source_result(scene: Scene, *, everything: bool = False, member: int =
         solution.unknowns,
         problem.nodes.size - 1,
         "numpy, dense",
-        "equilibrium equations of the source",
+        "equilibrium equations of Lin's thesis",
     )
     left_out = ("nothing: all four flanks are built",)
     return assemble_result(solved, "source", status, report, left_out, model_assumptions(scene), own_arms=True)
 
 
 def _residual_measures(system: System, phi: Array, forces: Array, load: Array) -> float:
-    """Return largest unbalanced force over largest force; moments over the pitch radius, contact conditions over r_G."""
+    """Return the relative residual of the equilibrium equations.
+
+    This is the largest unbalanced force over the largest force, or the largest contact condition over the groove radius,
+    whichever is larger. Moments are divided by the pitch radius.
+    """
     count = forces.shape[0]
     arm = system.problem.scene.track.pitch_radius
     weights = np.tile([1.0, 1.0, 1.0, 1.0 / arm, 1.0 / arm, 1.0 / arm], system.problem.nodes.size)
@@ -400,7 +430,7 @@ def _residual_measures(system: System, phi: Array, forces: Array, load: Array) -
 
 
 def newton_iteration(system: System, x: Array, load: Array, tolerance: float) -> tuple[Array, int, float, str]:
-    """Iterate by plain Newton (Lin 2.26); return state, iterations, relative residual and status text."""
+    """Solve the equations by Newton's method (Lin 2.26); return unknowns, iterations, relative residual and status text."""
     best, stalled = np.inf, 0
     residual = np.inf
     for iteration in range(MOST + 1):
@@ -432,14 +462,14 @@ def newton_iteration(system: System, x: Array, load: Array, tolerance: float) ->
 
 
 def solve_with_fallback_start(scene: Scene, kinematics: Literal["arc", "source"]) -> SourceSolution:
-    """Return Lin's Newton from the designer's guess, or by load steps where that fails.
+    """Solve a scene by Lin's equations from the designer's guess or, if that fails, by load steps.
 
     Parameters
     ----------
     scene
-        Scene with one set.
+        Scene with one nut.
     kinematics
-        Motion of the flanks: rigid ``"arc"``, or as the ``"source"`` has it.
+        Motion of the flanks: rigid ``"arc"``, or as in Lin's thesis (``"source"``), see `solve_source`.
     """
     solution = solve_source(scene, kinematics=kinematics, start="guess")
     if solution.converged:

@@ -1,7 +1,7 @@
-"""Elliptical Hertz contact from complete elliptic integrals by the arithmetic-geometric mean.
+"""Elliptical Hertz contact; its elliptic integrals are computed by the arithmetic-geometric mean.
 
-The integrals are Carlson's R_F and R_D: they run from the circle to the line contact without cancellation, where formulas
-with K and E of the eccentricity lose all digits at both ends.
+The integrals are Carlson's R_F and R_D. They keep their accuracy from the circular contact to the line contact, where
+formulas with the complete integrals K and E lose all digits by cancellation.
 """
 
 from __future__ import annotations
@@ -12,19 +12,19 @@ import numpy as np
 
 from rollbench.meshes.arrays import Array
 
-#: Steps of the arithmetic-geometric mean, each of which doubles the digits.
+#: Number of steps of the arithmetic-geometric mean; each step doubles the number of correct digits.
 MEANS = 9
 
 
 @dataclass(frozen=True)
 class HertzConstants:
-    """Constants of elliptical contact: approach and semi-axes as powers of the normal force F.
+    """Constants of elliptical contact, with which approach and semi-axes are powers of the normal force F.
 
-    Each has the shape of the relative curvatures it was computed from (`hertz_constants`). The pressure is semi-ellipsoidal
-    over the contact ellipse; its largest value, at the centre, is 3 F/(2 pi a b).
+    Each array has the shape of the relative curvatures from which `hertz_constants` computed it. The pressure is
+    semi-ellipsoidal over the contact ellipse; its largest value, at the centre, is 3 F/(2 pi a b).
     """
 
-    #: Constant of the approach, C F^(2/3) [m/N^(2/3)].
+    #: Constant C of the approach delta = C F^(2/3) [m/N^(2/3)].
     C: Array
     #: Constant of the major semi-axis, a = C_a F^(1/3) [m/N^(1/3)], a >= b.
     C_a: Array
@@ -52,8 +52,8 @@ def contact_force(approach: Array | float, C: Array | float) -> Array:
     approach
         Approach of the bodies' distant points [m], negative for a gap.
     C
-        Constant of the contact [m/N^(2/3)], see `HertzConstants`. Shapes broadcast. Of two contacts in series that carry
-        the same force it is the sum of both.
+        Constant of the contact [m/N^(2/3)], see `HertzConstants`. Shapes broadcast. For two contacts in series, which carry
+        the same force, pass the sum of both constants.
 
     Examples
     --------
@@ -66,7 +66,7 @@ def contact_force(approach: Array | float, C: Array | float) -> Array:
 
 
 def contact_approach(force: Array | float, C: Array | float) -> Array:
-    """Return the approach C F^(2/3) [m] under a normal force: the inverse of `contact_force`.
+    """Return the approach C F^(2/3) [m] of two bodies in contact under a normal force; inverse of `contact_force`.
 
     Parameters
     ----------
@@ -79,7 +79,7 @@ def contact_approach(force: Array | float, C: Array | float) -> Array:
 
 
 def contact_slope(approach: Array | float, C: Array | float) -> Array:
-    """Return the contact stiffness dF/d(approach) = 3 (approach/C)^(1/2)/(2 C) [N/m]; zero for a gap.
+    """Return the contact stiffness dF/d(approach) = 3 (approach/C)^(1/2)/(2 C) [N/m] at an approach; zero for a gap.
 
     Parameters
     ----------
@@ -92,7 +92,7 @@ def contact_slope(approach: Array | float, C: Array | float) -> Array:
 
 
 def contact_stiffness(force: Array | float, C: Array | float) -> Array:
-    """Return the contact stiffness dF/d(approach) = 3 F^(1/3)/(2 C) [N/m].
+    """Return the contact stiffness dF/d(approach) = 3 F^(1/3)/(2 C) [N/m] at a normal force.
 
     Parameters
     ----------
@@ -143,7 +143,7 @@ def axis_ratio(curvature_ratio: Array) -> Array:
     Parameters
     ----------
     curvature_ratio
-        A/B <= 1, the relative curvature along a over that along b; any shape.
+        A/B <= 1: relative curvature along the major semi-axis a over that along the minor semi-axis b; any shape.
 
     Returns
     -------
@@ -153,7 +153,7 @@ def axis_ratio(curvature_ratio: Array) -> Array:
     Raises
     ------
     ValueError
-        A ratio outside (0, 1]. Accurate from 1e-12 on.
+        The curvature ratio is outside (0, 1]. The result is accurate for ratios above 1e-12.
 
     References
     ----------
@@ -167,7 +167,7 @@ def axis_ratio(curvature_ratio: Array) -> Array:
     ratio = np.asarray(curvature_ratio, dtype=float)
     if np.any(ratio <= 0.0) or np.any(ratio > 1.0 + 1e-12):
         worst = float(np.min(ratio)) if np.any(ratio <= 0.0) else float(np.max(ratio))
-        raise ValueError(f"ratio of relative curvatures {worst:.3g} must lie in (0, 1]")
+        raise ValueError(f"ratio of relative curvatures is {worst:.3g}: it must lie in (0, 1]")
     few, place = np.unique(ratio, return_inverse=True)  # most contacts of a scene are alike
     target = np.log(np.minimum(few, 1.0))
     x = 0.636 * target
@@ -183,6 +183,7 @@ def axis_ratio(curvature_ratio: Array) -> Array:
 
 
 def _log_curvature_ratio(x: Array) -> Array:
+    """Return log(A/B), A/B the ratio of the relative curvatures, for x = log(b/a) of the semi-axes."""
     _, along, across = complete_integrals(np.exp(x))
     return np.asarray(np.log(along / across))
 
@@ -190,9 +191,9 @@ def _log_curvature_ratio(x: Array) -> Array:
 def complete_integrals(k: Array) -> tuple[Array, Array, Array]:
     """Return the elliptic integrals R_F(0, 1, k^2), R_D(0, k^2, 1) and R_D(0, 1, k^2), to a few round-offs.
 
-    By the arithmetic-geometric mean of 1 and k: R_F = K, and with the sum s of its differences R_D(0, k^2, 1) = 3 K (1/2 +
-    s),
-    R_D(0, 1, k^2) = 3 K (1/2 - s)/k^2. scipy.special has them too, but takes longer to import than a scene takes to solve.
+    They follow from the arithmetic-geometric mean of 1 and k: R_F = K; with the sum s of the mean's differences,
+    R_D(0, k^2, 1) = 3 K (1/2 + s) and R_D(0, 1, k^2) = 3 K (1/2 - s)/k^2. scipy.special offers the integrals too, but
+    importing it takes longer than solving a scene.
 
     Parameters
     ----------
@@ -218,11 +219,11 @@ def complete_integrals(k: Array) -> tuple[Array, Array, Array]:
 
 
 def hertz_constants(curvature_1: Array, curvature_2: Array, modulus: float | Array) -> HertzConstants:
-    """Return the constants of elliptical contact for the relative principal curvatures.
+    """Return the constants of elliptical Hertz contact for given relative principal curvatures.
 
-    With a >= b and A <= B the halved relative curvatures: p0 a b R_D(0, a^2, b^2)/(3 E*) = B, the same for A with a and b
-    exchanged, and approach = p0 a b R_F(0, a^2, b^2)/E*. Holds for semi-axes small against the radii of curvature, without
-    friction and plastic deformation.
+    With the semi-axes a >= b and the halved relative curvatures A <= B: p0 a b R_D(0, a^2, b^2)/(3 E*) = B, the same for A
+    with a and b exchanged, and approach = p0 a b R_F(0, a^2, b^2)/E*. Valid for semi-axes small against the radii of
+    curvature, without friction and plastic deformation.
 
     Parameters
     ----------
@@ -235,7 +236,7 @@ def hertz_constants(curvature_1: Array, curvature_2: Array, modulus: float | Arr
     Raises
     ------
     ValueError
-        A relative curvature that is not positive: the surfaces conform and Hertz's theory does not apply.
+        A relative curvature is not positive: the surfaces conform and Hertz's theory does not apply.
 
     References
     ----------
@@ -256,7 +257,7 @@ def hertz_constants(curvature_1: Array, curvature_2: Array, modulus: float | Arr
     k1, k2 = np.broadcast_arrays(np.asarray(curvature_1, float), np.asarray(curvature_2, float))
     low, high = np.minimum(k1, k2), np.maximum(k1, k2)
     if np.any(low <= 0.0) or not np.all(np.isfinite(high)):
-        raise ValueError("relative curvatures must be positive and finite: ball and groove conform")
+        raise ValueError("relative curvatures must be positive and finite: the surfaces of ball and groove conform")
     k = axis_ratio(low / high)
     # with lengths in units of a: (3F / (2 pi a^2)) R_D(0, 1, k^2) / (3 E* a) = high / 2
     K, _, across = complete_integrals(k)
@@ -267,21 +268,21 @@ def hertz_constants(curvature_1: Array, curvature_2: Array, modulus: float | Arr
 
 @dataclass(frozen=True)
 class PrintedHertz:
-    """Constants of one raceway as Lin's Table B.1 prints them, errors of the source included; lengths in m."""
+    """Hertz constants of one raceway as Table B.1 of Lin's thesis prints them, with its errors; lengths in m."""
 
-    #: First eigenvalue of the second fundamental form, taken for a radius of curvature [m].
+    #: First eigenvalue of the second fundamental form, which Lin takes for a radius of curvature [m].
     rho_1: float
-    #: Second eigenvalue, likewise [m].
+    #: Second eigenvalue of the second fundamental form, also taken for a radius of curvature [m].
     rho_2: float
-    #: Smaller relative radius [m].
+    #: Smaller relative radius of curvature [m].
     R_1: float
-    #: Larger relative radius [m].
+    #: Larger relative radius of curvature [m].
     R_2: float
     #: Equivalent radius sqrt(R_1 R_2) [m].
     rho_eq: float
     #: Eccentricity of the contact ellipse.
     e: float
-    #: Correction factor of Lin B.11, 1 in the table.
+    #: Correction factor of Lin B.11; the table uses 1.
     F_1: float
     #: Constant of the approach [m/N^(2/3)].
     C: float
@@ -292,14 +293,14 @@ class PrintedHertz:
 
 
 def printed_hertz(ball_radius: float, radii: tuple[float, float], modulus: float) -> PrintedHertz:
-    """Compute Lin's B.1 to B.11 with the errors of his Table B.1, to show what they change.
+    """Compute the Hertz constants of Lin's B.1 to B.11 with the errors of his Table B.1, to show their effect.
 
-    The errors: radii from the second fundamental form only, F_1 = 1, the ratio of B.8 inverted.
+    The errors are: radii of curvature from the second fundamental form only, F_1 = 1, and the inverted ratio of B.8.
 
     Parameters
     ----------
     ball_radius
-        [m].
+        Radius of the ball [m].
     radii
         The two eigenvalues of the second fundamental form [m], in the order of the table's rows.
     modulus

@@ -1,4 +1,6 @@
-"""Kernels as plain Python (no start-up cost: one small solve) or compiled by numba (many), from one source.
+"""Numerical kernels from one source file, run as plain Python or as machine code compiled by numba.
+
+Plain Python has no start-up cost and suits one small solve; machine code suits many solves.
 
 A kernel package (a folder named ``kernel``) is written in the subset of Python that numba compiles. ``kernels(package,
 compiled=False)`` is the package itself; ``compiled=True`` loads the same files a second time under another name, where the
@@ -7,13 +9,14 @@ both copies must mean the same classes. To numba a number or truth value written
 that of a variable, and the called kernel is compiled for each of them: where calls differ, ``int(np.int64(60))`` or
 ``bool(np.bool_(False))`` is passed instead.
 
-What this module is for:
+This module ensures that
 
-* One solve compiles nothing, even without any cache: code that solves once asks by `is_machine_code_cached` and `is_copy_loaded` whether machine
-  code is there, takes plain Python where it is not, and may have it compiled once the result is printed (`register_compile_job`).
-* Stale machine code is never used: it is in the user's cache under a digest of the sources of all kernels, as numba itself
-  looks only at the file of a function, in a folder that nobody else may write to, as it is executed.
-* An interrupt while numba compiles is safe: it waits until the kernel at hand is compiled.
+* a single solve compiles nothing, even with an empty cache: the solver asks `is_machine_code_cached` and `is_copy_loaded`
+  whether machine code exists, runs plain Python if not, and may register a job (`register_compile_job`) that compiles the
+  kernels after the result is printed;
+* outdated machine code is never used: it is stored in the user's cache under a digest of the sources of all kernels,
+  because numba compares only the file of the function itself. As it is executed, only the user may write to its folder;
+* an interrupt while numba compiles is safe: it takes effect when the current kernel is compiled.
 """
 
 from __future__ import annotations
@@ -37,7 +40,7 @@ from rollbench.meshes.private import private_folder
 
 F = TypeVar("F", bound=Callable[..., Any])
 
-#: Kernel packages, each with those whose kernels it calls.
+#: Names of the kernel packages, each with the names of the packages whose kernels it calls.
 PACKAGES: dict[str, tuple[str, ...]] = {
     "rollbench.lowfi.statics.kernel": (),
     "rollbench.lowfi.friction.contact.kernel": (),
@@ -46,19 +49,19 @@ PACKAGES: dict[str, tuple[str, ...]] = {
     "rollbench.lowfi.random_errors.kernel": (),
 }
 STATICS, CONTACT, LINEAR, SCREW, RANDOM_ERRORS = PACKAGES
-#: Part of the name under which a package is loaded a second time.
+#: Part of the module names of a compiled copy, by which it is recognised.
 _MARK = "_compiled_"
-#: Folders of machine code kept in the user's cache: those of the sources used last.
+#: Number of folders of machine code that stay in the user's cache, one for each version of the sources; latest first.
 _KEPT = 4
 
 
 def is_compiled(module_name: str) -> bool:
-    """Return whether a module of that name belongs to a compiled copy."""
+    """Return whether a module of this name belongs to the compiled copy of a kernel package."""
     return _MARK in module_name
 
 
 def kernel(function: F) -> F:
-    """Compile ``function`` where its module belongs to a compiled copy; otherwise return it unchanged."""
+    """Decorate a kernel: compile it by numba if its module belongs to a compiled copy, otherwise return it unchanged."""
     if not is_compiled(function.__module__):
         return function
     import numba
@@ -69,10 +72,10 @@ def kernel(function: F) -> F:
 
 
 def kernels(package: str, *, compiled: bool) -> ModuleType:
-    """Return a kernel package as plain Python or compiled.
+    """Return a kernel package as a module, in plain Python or with kernels compiled by numba.
 
-    The compiled copy is loaded once in a process, and each kernel is compiled at its first call. Without numba it is always
-    plain Python, with a message on standard error.
+    The compiled copy is loaded once in a process, and each kernel is compiled at its first call. If numba is missing, the
+    plain package is returned and a message is printed on standard error.
 
     Parameters
     ----------
@@ -84,7 +87,7 @@ def kernels(package: str, *, compiled: bool) -> ModuleType:
     Raises
     ------
     KeyError
-        A package that ``PACKAGES`` does not name.
+        The name is not in ``PACKAGES``.
     """
     used = PACKAGES[package]
     if not (compiled and _numba_works()):
@@ -96,6 +99,7 @@ def kernels(package: str, *, compiled: bool) -> ModuleType:
 
 @cache
 def _numba_works() -> bool:
+    """Return whether numba can be imported; print a message on standard error if not."""
     from rollbench.meshes.libraries import ONLY_FOR, import_fault, pip_command
 
     missing = import_fault("numba")
@@ -105,24 +109,27 @@ def _numba_works() -> bool:
 
 
 def _compiled_name(package: str) -> str:
+    """Return the module name under which the compiled copy of a kernel package is loaded."""
     return f"rollbench.lowfi.{_MARK}{package.removeprefix('rollbench.lowfi.').replace('.', '_')}"
 
 
 def _package_folder(package: str) -> Path:
+    """Return the folder with the source files of a kernel package."""
     return Path(__file__).parents[1].joinpath(*package.split(".")[1:])
 
 
 @cache
 def _load_copy(package: str) -> ModuleType:
-    """Load the files of a package as another package."""
+    """Load the source files of a kernel package a second time, as its compiled copy."""
     with _numba_writes_to(package):
         return _load_file_as(_compiled_name(package), _package_folder(package) / "__init__.py")
 
 
 def _load_file_as(name: str, path: Path, **given: Any) -> ModuleType:
-    """Load a file as a module of a given name, or as a package where it is an ``__init__.py``.
+    """Load a source file as a module of a given name; an ``__init__.py`` becomes a package.
 
-    given: global variables that it has from the start. Raises ImportError where there is no such file.
+    The keyword arguments are global variables that the module has before its code runs. Raises ImportError if the file
+    cannot be loaded.
     """
     inside = [str(path.parent)] if path.name == "__init__.py" else None
     spec = importlib.util.spec_from_file_location(name, path, submodule_search_locations=inside)
@@ -136,10 +143,11 @@ def _load_file_as(name: str, path: Path, **given: Any) -> ModuleType:
 
 
 def load_driver(system: str, driver: str) -> ModuleType:
-    """Load the module ``driver`` of a kernel package once more, for the module of name ``system`` there.
+    """Load a solver's source file ``driver`` for one system of equations, so that numba can cache its machine code.
 
-    Its global ``system`` is that module, whose functions it calls: numba caches machine code of functions, but not of
-    closures over others.
+    ``system`` is the name of the module with the functions of the equations (energy, gradient, ...). The copy of the driver
+    gets this module as its global ``system``. Passing the functions as arguments instead would need closures, whose machine
+    code numba does not cache.
     """
     of = sys.modules[system]
     return _load_file_as(f"{system}_{driver}", Path(str(of.__file__)).with_name(f"{driver}.py"), system=of)
@@ -149,33 +157,36 @@ def load_driver(system: str, driver: str) -> ModuleType:
 
 
 def is_copy_loaded(package: str) -> bool:
-    """Return whether the compiled copy of a kernel package is loaded in this process."""
+    """Return whether this process has already loaded the compiled copy of a kernel package."""
     return _compiled_name(package) in sys.modules
 
 
 def is_machine_code_cached(package: str = "") -> bool:
-    """Return whether machine code of these sources is on disk, of a package or of any.
+    """Return whether the user's cache holds machine code of a kernel package in its present version.
 
     Parameters
     ----------
     package
-        Name of a kernel package; empty: any.
+        Name of a kernel package; empty for any package.
     """
     folder = code_folder()
     return folder is not None and any(folder.glob(f"{package or '*'}/*/*.nbi"))
 
 
-#: Jobs that compile kernels after the result is printed, for later commands, by package.
+#: Jobs that compile the kernels of a package (the key) after the result is printed, for later commands.
 _afterwards: dict[str, Callable[[], object]] = {}
 
 
 def register_compile_job(package: str, job: Callable[[], object]) -> None:
-    """Register a job that uses the compiled kernels of a package, for `compile_afterwards`, which commands call last."""
+    """Register a job that calls, and so compiles, the kernels of a package; `compile_afterwards` runs it.
+
+    Commands call `compile_afterwards` last, after their result is printed.
+    """
     _afterwards[package] = job
 
 
 def compile_afterwards() -> None:
-    """Compile the kernels that this process did without, for the next one."""
+    """Run the registered jobs, which compile kernels that this process ran as plain Python, for later processes."""
     while _afterwards:
         _afterwards.popitem()[1]()
 
@@ -185,7 +196,7 @@ def compile_afterwards() -> None:
 
 @cache
 def digest() -> str:
-    """Return a digest of the sources of all kernel packages, of the types they take, and of this module."""
+    """Return a digest of the sources of all kernel packages, of their argument types, and of this module."""
     digest = hashlib.sha256(Path(__file__).read_bytes())
     for package in PACKAGES:
         folder = _package_folder(package)
@@ -196,12 +207,11 @@ def digest() -> str:
 
 @cache
 def code_folder() -> Path | None:
-    """Return the folder of the machine code of these sources, in NUMBA_CACHE_DIR or in the user's cache of rollbench.
+    """Return the folder for machine code of the present sources, in NUMBA_CACHE_DIR or in the user's cache of rollbench.
 
-    Folders of other sources are removed, but for the last ones used. None where the cache is switched off
-    (ROLLBENCH_CACHE=off),
-    and where nothing can be written there or others can write there, with a message on standard error: every process then
-    compiles again.
+    Folders of other versions of the sources are removed, except those used last. Returns None if the cache is switched off
+    (ROLLBENCH_CACHE=off). Also returns None, with a message on standard error, if the folder cannot be written to or if
+    others can write to it. Every process then compiles again.
     """
     from rollbench.meshes.cache import default_root
 
@@ -215,8 +225,8 @@ def code_folder() -> Path | None:
         if not os.access(folder, os.W_OK):
             raise PermissionError(13, os.strerror(13), str(folder))
     except OSError as error:
-        advice = "name a folder that only you can write to by ROLLBENCH_CACHE"
-        sys.stderr.write(f"rollbench: compiled kernels are not kept: {error.filename}: {error.strerror}; {advice}\n")
+        advice = "set ROLLBENCH_CACHE to a folder that only you can write to"
+        sys.stderr.write(f"rollbench: compiled kernels are not stored: {error.filename}: {error.strerror}; {advice}\n")
         return None
     with suppress(OSError):
         for old in sorted(folder.parent.iterdir(), key=lambda f: -f.stat().st_mtime)[_KEPT:]:
@@ -226,7 +236,7 @@ def code_folder() -> Path | None:
 
 @contextmanager
 def _numba_writes_to(package: str) -> Iterator[None]:
-    """Let numba write to the folder of a package while its kernels are declared; each keeps that folder."""
+    """Set numba's cache folder to that of a kernel package while its kernels are declared; each remembers its folder."""
     import numba
 
     before, folder = numba.config.CACHE_DIR, code_folder()
@@ -243,14 +253,14 @@ def _numba_writes_to(package: str) -> Iterator[None]:
 
 @cache
 def _hold_signals_back() -> None:
-    """Delay interrupts, and TERM where Python handles it, until numba has compiled the kernel at hand.
+    """Delay the signals INT and TERM (if Python handles them) until numba has compiled the current kernel.
 
-    An exception in between is swallowed by llvmlite's callbacks, or ends the process in a segmentation fault.
+    An exception raised during compilation is swallowed by llvmlite's callbacks, or ends in a segmentation fault.
     """
     from numba.core import event
 
-    class Hold(event.Listener):  # type: ignore[misc]
-        """While numba holds its lock in the main thread, the only one that handles signals."""
+    class SignalHold(event.Listener):  # type: ignore[misc]
+        """Listener that withholds signals while the main thread, the only one that handles them, has numba's lock."""
 
         def __init__(self) -> None:
             self.depth = 0
@@ -258,19 +268,22 @@ def _hold_signals_back() -> None:
             self.before: dict[int, Any] = {}
 
         def on_start(self, event: Any) -> None:
+            """Replace the signal handlers by `note_signal` when numba takes its lock."""
             if event.kind == KERNEL:
                 _announce_compilation()
             if event.kind == LOCK and threading.current_thread() is threading.main_thread():
                 self.depth += 1
                 if self.depth == 1:
                     handled = (number for number in (signal.SIGINT, signal.SIGTERM) if callable(signal.getsignal(number)))
-                    self.before = {number: signal.signal(number, self.note) for number in handled}
+                    self.before = {number: signal.signal(number, self.note_signal) for number in handled}
 
-        def note(self, number: int, _: object) -> None:
+        def note_signal(self, number: int, _: object) -> None:
+            """Record a signal instead of handling it, and tell the user when it takes effect."""
             self.came.append(number)
-            sys.stderr.write("rollbench: interrupted: ends when the kernel at hand is compiled\n")
+            sys.stderr.write("rollbench: interrupted: ends when the current kernel is compiled\n")
 
         def on_end(self, event: Any) -> None:
+            """Restore the signal handlers when numba releases its lock, and raise the first signal that arrived."""
             if threading.current_thread() is threading.main_thread():
                 self.depth -= event.kind == LOCK
                 if self.depth == 0 or (self.came and event.kind == KERNEL):
@@ -281,7 +294,7 @@ def _hold_signals_back() -> None:
                         signal.raise_signal(came[0])
 
     LOCK, KERNEL = "numba:compiler_lock", "numba:compile"
-    hold = Hold()
+    hold = SignalHold()
     event.register(LOCK, hold)
     event.register(KERNEL, hold)
 

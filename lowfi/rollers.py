@@ -1,29 +1,32 @@
-"""Tapered rollers: their line contact, a bearing's row, and a roller cut into slices.
+"""Tapered rollers: line contact with the races, a bearing under pure thrust, and a crowned roller cut into slices.
 
 The contact of a roller with a raceway is Hertz's line contact: b^2 = 4 q R / (pi E*), p_0 = 2 q / (pi b), q the load per
-length, R the relative radius. The approach of a line contact is not a property of the contact: in plane strain it grows
-with the logarithm of the depth to which it is measured. Here from the roller's centre (Johnson, Contact Mechanics, 1985,
-5.57) to a depth in the ring (5.58),
+length, R the relative radius. The approach of a line contact is not a property of the contact alone: in plane strain it
+grows with the logarithm of the depth to which it is measured. Here it is measured from the roller's centre (Johnson,
+Contact Mechanics, 1985, 5.57) to a depth d in the ring (5.58),
 
     delta = q (1 - nu^2)/(pi E) [2 ln(4 R_1/b) - 1]  +  q (1 - nu^2)/(pi E) [2 ln(2 d/b) - nu/(1 - nu)],
 
-at both races. With b ~ sqrt(q) that is delta = q (g - S ln q): not a power law, though its slope is near the exponents 1.1
-and 10/9 that are used for rollers.
+summed over both races. With b ~ sqrt(q) that is delta = q (g - S ln q). This is not a power law, but its slope is near the
+exponents 1.1 and 10/9 that are used for rollers.
 
-A bearing's row has rigid rings, its rollers seated on the rib, no friction, no tilt of one ring against the other. Every
-cone of the bearing has its apex on the axis; at the mean generator's length l from it the roller, cup and cone have the
-radii of curvature l tan(gamma), l tan(alpha), l tan(alpha - 2 gamma), so that no pitch diameter has to be given.
+The bearing has rigid rings, rollers that touch the rib, no friction, and no tilt of one ring against the other. All cones
+of the bearing (roller, cup, cone) have their apex in one point of the axis. At the distance l from it along the generator
+roller, cup and cone have the radii of curvature l tan(gamma), l tan(alpha), l tan(alpha - 2 gamma), so that no pitch
+diameter has to be given. alpha is half the included angle of the cup, gamma that of the roller.
 
-Balance of one roller along and across its own axis: the loads of both races are equal, Q, and the rib takes 2 Q sin(gamma).
+Equilibrium of one roller along and across its axis: both races press with the same load Q, and the rib with 2 Q sin(gamma).
 The cone receives its thrust from race and rib together: Q sin(alpha - 2 gamma) + 2 Q sin(gamma) cos(alpha - gamma) =
-Q sin(alpha). Smith's 3.23 leaves out the rib and makes the inner load larger by sin(alpha)/sin(alpha - 2 gamma).
+Q sin(alpha). Smith's 3.23 neglects the rib, which makes the inner load larger by sin(alpha)/sin(alpha - 2 gamma).
 
-Slices, for a roller with a crown: slice k of width L/n at x_k sees the approach delta less the profile's drop, and carries
-the plane-strain line load of that approach; the load is the sum. Slices do not interact (no edge stress):
-with a profile that ends in no step that is within a few per cent; a sharp edge needs 3D.
+A roller with a crown is cut into slices: slice k of width L/n at x_k is compressed by the approach delta less the drop of
+the profile, and carries the line load of plane strain at that approach; the roller's load is the sum. Slices do not
+interact (no edge stress). This is accurate within a few per cent if the profile ends without a step; a sharp edge needs a
+3D model.
 
-All slices have the law of the middle: on one apex the radii of roller and races grow together along the roller, and b^2
-with them, so that 2 ln(4 R_1/b) + 2 ln(2 d/b) is unchanged. A tapered roller without crown is loaded evenly.
+All slices have the approach law of the middle: along the roller the radii of roller and races grow in proportion to the
+distance from the common apex, and b^2 with them, so that 2 ln(4 R_1/b) + 2 ln(2 d/b) does not change. A tapered roller
+without crown is therefore loaded evenly along its length.
 """
 
 from __future__ import annotations
@@ -59,7 +62,7 @@ def half_width(line_load: Array | float, curvature: Array | float, modulus: floa
     Raises
     ------
     ValueError
-        A relative curvature that is not positive.
+        A relative curvature is not positive.
 
     References
     ----------
@@ -81,7 +84,7 @@ def half_width(line_load: Array | float, curvature: Array | float, modulus: floa
 
 
 def pressure(line_load: Array | float, width: Array | float) -> Array:
-    """Return the largest pressure of a line contact, 2 q/(pi b) [Pa].
+    """Return the largest pressure of Hertz's line contact, p_0 = 2 q/(pi b) [Pa].
 
     Parameters
     ----------
@@ -99,28 +102,29 @@ def pressure(line_load: Array | float, width: Array | float) -> Array:
 
 @dataclass(frozen=True)
 class LineLaw:
-    """Approach of two raceways with a roller between them, delta = q (g - S ln q), q the load per length in N/m.
+    """Law delta = q (g - S ln q) of the approach of two raceways with a roller between them; q: load per length [N/m].
 
-    The approach increases with q up to q = exp(g/S - 1), where b would exceed the bodies; steel rollers stay far below.
+    The approach increases with q up to q = exp(g/S - 1), where the half-width b would exceed the size of the bodies; steel
+    rollers stay far below.
     """
 
-    #: [m^2/N], with q in N/m under the logarithm; an array for several places along a roller.
+    #: Constant g [m^2/N], for q in N/m under the logarithm; an array for several positions along a roller.
     g: Array
-    #: S = 4 (1 - nu^2)/(pi E) [m^2/N] of two equal contacts.
+    #: Constant S = 4 (1 - nu^2)/(pi E) [m^2/N], for both contacts together.
     s: float
 
     def approach(self, line_load: Array | float) -> Array:
-        """Return the approach [m] at a load per length [N/m]; zero without load."""
+        """Return the approach of the raceways [m] under a load per length [N/m]; zero without load."""
         q = np.asarray(line_load, dtype=float)
         return np.where(q > 0.0, q * (self.g - self.s * np.log(np.where(q > 0.0, q, 1.0))), 0.0)
 
     def line_load(self, approach: Array | float) -> Array:
-        """Return the load per length [N/m] at an approach [m], by Lambert's W_-1; zero for a gap.
+        """Return the load per length [N/m] at an approach [m], by Lambert's function W_-1; zero for a gap.
 
         Raises
         ------
         ValueError
-            An approach beyond the largest one of the law, S exp(g/S - 1).
+            The approach is larger than the largest one of the law, S exp(g/S - 1).
         """
         from scipy.special import lambertw  # loads slowly; pressures and `solve` do without
 
@@ -128,16 +132,16 @@ class LineLaw:
         inside = delta > 0.0
         argument = -np.where(inside, delta, self.s) / self.s * np.exp(-self.g / self.s)
         if np.any(inside & (argument < -np.exp(-1.0))):
-            raise ValueError("approach is beyond what line contact of two thick bodies describes")
+            raise ValueError("the approach is too large for a line contact: its half-width would exceed the bodies")
         return np.where(inside, delta / (-self.s * lambertw(argument, k=-1).real), 0.0)
 
     def slope(self, line_load: Array | float) -> Array:
-        """Return the stiffness per length dq/d(delta) [N/m^2] at a load per length [N/m]; zero without load."""
+        """Return the stiffness per length dq/d(delta) [N/m^2] under a load per length q [N/m]; zero without load."""
         q = np.asarray(line_load, dtype=float)
         return np.where(q > 0.0, 1.0 / (self.g - self.s * (1.0 + np.log(np.where(q > 0.0, q, 1.0)))), 0.0)
 
     def energy(self, line_load: Array | float) -> Array:
-        """Return the strain energy per length [J/m] at a load per length [N/m], the integral of q over the approach."""
+        """Return the strain energy per length [J/m], the integral of q over the approach, under a load per length [N/m]."""
         q = np.asarray(line_load, dtype=float)
         safe = np.where(q > 0.0, q, 1.0)
         return np.where(q > 0.0, 0.5 * q**2 * (self.g - self.s * (0.5 + np.log(safe))), 0.0)
@@ -150,19 +154,19 @@ def approach_law_of_races(
     young: float,
     poisson: float,
 ) -> LineLaw:
-    """Return the law of approach of two raceways with a roller between them, all of one material.
+    """Return the approach law of two raceways with a roller between them, all of one material.
 
-    The sum over both races of q (1 - nu^2)/(pi E) [2 ln(4 R_1/b) - 1 + 2 ln(2 d/b) - nu/(1 - nu)].
+    The approach is the sum over both races of q (1 - nu^2)/(pi E) [2 ln(4 R_1/b) - 1 + 2 ln(2 d/b) - nu/(1 - nu)].
 
     Parameters
     ----------
     roller_radius
-        R_1 [m].
+        Radius R_1 of the roller [m].
     race_curvatures
         Curvatures of inner race (positive) and outer race (negative) [1/m].
     depths
-        Depths d [m] in both rings to which deformation is counted, about their thickness. Doubling one adds
-        2 q (1 - nu^2) ln 2/(pi E), some 7 %.
+        Depths d [m] below both raceways down to which deformation is counted, about the thickness of the rings. Doubling
+        one of them adds 2 q (1 - nu^2) ln 2/(pi E) to the approach, some 7 %.
     young, poisson
         Young's modulus [Pa] and Poisson's ratio.
 
@@ -190,12 +194,12 @@ def approach_law_of_races(
 
 @dataclass(frozen=True)
 class TaperedBearing:
-    """Single-row tapered roller bearing; every cone's apex lies on the bearing's axis.
+    """Single-row tapered roller bearing; roller, cup and cone have one common apex on the bearing's axis.
 
     Raises
     ------
     ValueError
-        A number out of range, or angles for which the cone's angle alpha - 2 gamma is not positive.
+        A value is out of range, or the cone's half angle alpha - 2 gamma is not positive.
     """
 
     #: Number of rollers N.
@@ -212,15 +216,15 @@ class TaperedBearing:
     young: float
     #: Poisson's ratio.
     poisson: float
-    #: Depth in both rings to which deformation is counted [m].
+    #: Depth below both raceways down to which deformation is counted [m].
     depth: float
 
     def __post_init__(self) -> None:
-        """Refuse numbers that describe no tapered roller bearing."""
+        """Check that the values describe a tapered roller bearing; raise ValueError otherwise."""
         if self.rollers < 1 or min(self.diameter, self.length, self.depth, self.young) <= 0.0:
             raise ValueError("rollers, diameter, length, depth and Young's modulus must be positive")
         if not 0.0 < 2.0 * self.roller_angle < self.cup_angle < 0.5 * np.pi or not 0.0 <= self.poisson < 0.5:
-            raise ValueError("angles must satisfy 0 < 2 gamma < alpha < 90 degrees, Poisson's ratio lie in [0, 0.5)")
+            raise ValueError("angles must satisfy 0 < 2 gamma < alpha < 90 degrees; Poisson's ratio must be in [0, 0.5)")
 
     @property
     def cone_angle(self) -> float:
@@ -238,7 +242,7 @@ class TaperedBearing:
         return float(self.diameter * np.sin(self.cup_angle - self.roller_angle) / np.tan(self.roller_angle))
 
     def radii(self, along: Array | float = 0.0) -> tuple[Array, Array, Array]:
-        """Return the radii of curvature of roller, cone and cup [m].
+        """Return the radii of curvature of roller, cone and cup [m], normal to the contact line.
 
         Parameters
         ----------
@@ -250,14 +254,14 @@ class TaperedBearing:
         return roller, cone, cup
 
     def law(self, along: Array | float = 0.0) -> LineLaw:
-        """Return the law of approach of a roller between its races, at distances [m] along the roller from its middle."""
+        """Return the approach law of a roller between its races, at distances ``along`` from the roller's middle [m]."""
         roller, cone, cup = self.radii(along)
         return approach_law_of_races(roller, (1.0 / cone, -1.0 / cup), (self.depth, self.depth), self.young, self.poisson)
 
 
 @dataclass(frozen=True)
 class RollerContacts:
-    """Contacts of one roller without tilt and crown; arrays in the order inner race, outer race."""
+    """Line contacts of one roller without tilt and crown; arrays in the order inner race, outer race."""
 
     #: Half-widths b [m].
     half_widths: Array
@@ -270,7 +274,7 @@ class RollerContacts:
 
 
 def roller_contacts(bearing: TaperedBearing, load: float) -> RollerContacts:
-    """Return the line contacts of a roller at both races, without tilt and crown.
+    """Return the line contacts of a roller with both races, without tilt and crown.
 
     Parameters
     ----------
@@ -281,8 +285,8 @@ def roller_contacts(bearing: TaperedBearing, load: float) -> RollerContacts:
 
     References
     ----------
-    Corrects Smith (1994), 3.23 to 3.27: his area pi a b is that of an ellipse, a line contact has 2 b L; the rib takes
-    2 Q sin(gamma), which he leaves out.
+    Corrects Smith (1994), 3.23 to 3.27. He uses the area pi a b of an ellipse where a line contact has 2 b L, and neglects
+    the load 2 Q sin(gamma) of the rib.
     """
     roller, cone, cup = bearing.radii()
     modulus = contact_modulus(bearing.young, bearing.poisson, bearing.young, bearing.poisson)
@@ -294,7 +298,7 @@ def roller_contacts(bearing: TaperedBearing, load: float) -> RollerContacts:
 
 @dataclass(frozen=True)
 class TaperedRow:
-    """Tapered roller bearing under pure thrust: every roller is compressed by u sin(alpha) at an axial deflection u."""
+    """Tapered roller bearing under pure thrust: an axial deflection u compresses every roller by u sin(alpha)."""
 
     #: The bearing.
     bearing: TaperedBearing
@@ -317,7 +321,7 @@ class TaperedRow:
         Raises
         ------
         ValueError
-            A negative load: a row of tapered rollers carries thrust in one direction only.
+            The load is negative: a row of tapered rollers carries thrust in one direction only.
         """
         if load < 0.0:
             raise ValueError("a row of rollers carries thrust in one direction only: the load must not be negative")
@@ -327,12 +331,17 @@ class TaperedRow:
 
 
 def tapered_bearing(row: RollerRow) -> TaperedBearing:
-    """Return a scene's row of rollers as a `TaperedBearing`; raises ValueError where its numbers describe none.
+    """Return the row of rollers of a scene as a `TaperedBearing`.
 
     Parameters
     ----------
     row
         Row of rollers of a scene.
+
+    Raises
+    ------
+    ValueError
+        The values describe no tapered roller bearing.
     """
     young, poisson = row.material.youngs_modulus, row.material.poissons_ratio
     return TaperedBearing(row.count, row.diameter, row.length, row.cup_angle, row.roller_angle, young, poisson, row.depth)
@@ -340,23 +349,23 @@ def tapered_bearing(row: RollerRow) -> TaperedBearing:
 
 @dataclass(frozen=True)
 class SlicedRoller:
-    """Roller cut into equal slices, for a crowned profile."""
+    """Roller with a crowned profile, cut into n slices of equal width."""
 
-    #: Law of approach of every slice.
+    #: Approach law of every slice.
     law: LineLaw
     #: Middles x_k of the slices ``(n,)`` [m], from the roller's middle.
     places: Array
     #: Effective length of the roller [m].
     length: float
-    #: Approach lost to the profile at both contacts together ``(n,)`` [m].
+    #: Drop of the profile at each slice, the sum for both contacts ``(n,)`` [m]; it reduces the slice's approach.
     drop: Array
 
 
 @dataclass(frozen=True)
 class SliceState:
-    """Loads of a sliced roller at one approach."""
+    """Loads of a sliced roller at one approach of its raceways."""
 
-    #: Force of the roller [N].
+    #: Force of either race on the roller [N].
     force: float
     #: Derivative of the force with respect to the approach [N/m].
     stiffness: float
@@ -365,12 +374,12 @@ class SliceState:
 
 
 def slice_middles(length: float, slices: int) -> Array:
-    """Return the middles of equal slices of a roller ``(n,)`` [m], between -L/2 and L/2.
+    """Return the positions of the middles of a roller's n equal slices ``(n,)`` [m], between -L/2 and L/2.
 
     Parameters
     ----------
     length
-        L [m].
+        Length L of the roller [m].
     slices
         Number n of slices.
     """
@@ -378,9 +387,9 @@ def slice_middles(length: float, slices: int) -> Array:
 
 
 def circular_crown(radius: float) -> Callable[[Array], Array]:
-    """Return the profile of a circular crown: the drop at both contacts together, x^2/R [m], as a function of x [m].
+    """Return the profile of a roller with a circular crown: the function x^2/R [m] of the distance x from the middle [m].
 
-    At each contact the drop is x^2/(2 R), for x small against the crown's radius R [m].
+    It is the sum of the drops x^2/(2 R) at both contacts, valid for x small against the radius R of the crown.
 
     Parameters
     ----------
@@ -400,9 +409,8 @@ def slice_roller(bearing: TaperedBearing, slices: int, profile: Callable[[Array]
     slices
         Number of slices.
     profile
-        Drop of the profile at both contacts together [m] as a function of the distance from the roller's middle [m]; None
-        for
-        a straight roller.
+        Drop of the profile [m], the sum for both contacts, as a function of the distance from the roller's middle [m]; None
+        for a straight roller.
     """
     x = slice_middles(bearing.length, slices)
     drop = np.zeros_like(x) if profile is None else np.asarray(profile(x))
@@ -410,7 +418,7 @@ def slice_roller(bearing: TaperedBearing, slices: int, profile: Callable[[Array]
 
 
 def slice_contacts(bearing: TaperedBearing, line_loads: Array) -> tuple[Array, Array]:
-    """Return half-widths and largest pressures of every slice at cone and cup, by Hertz's line contact.
+    """Return half-width and largest pressure of every slice of a roller at cone and cup, by Hertz's line contact.
 
     b^2 = 4 q R/(pi E*), p = 2 q/(pi b) = sqrt(q E*/(pi R)), with each slice's curvature 1/R = 1/R_roller +- 1/R_race. Valid
     for b small against the roller's radius; the peak at the sharp end of a straight roller is not included.
@@ -425,7 +433,7 @@ def slice_contacts(bearing: TaperedBearing, line_loads: Array) -> tuple[Array, A
     Returns
     -------
     tuple[Array, Array]
-        Half-widths b [m] and pressures p [Pa], ``(..., n, 2)`` each, zero without load.
+        Half-widths b [m] and largest pressures p [Pa], ``(..., n, 2)`` each, zero without load.
 
     References
     ----------
@@ -439,19 +447,19 @@ def slice_contacts(bearing: TaperedBearing, line_loads: Array) -> tuple[Array, A
 
 
 def slice_state(roller: SlicedRoller, approach: float) -> SliceState:
-    """Return force, stiffness and line loads of a sliced roller at an approach of the raceways [m]."""
+    """Return force, stiffness and line loads of a sliced roller at an approach of its raceways [m]."""
     q = roller.law.line_load(approach - roller.drop)
     width = roller.length / roller.places.size
     return SliceState(float(width * q.sum()), float(width * roller.law.slope(q).sum()), q)
 
 
 def approach_under_force(roller: SlicedRoller, force: float) -> float:
-    """Return the approach of the raceways [m] under a force on a sliced roller [N], to round-off.
+    """Return the approach of the raceways [m] at which they press on a sliced roller with a given force [N].
 
     Raises
     ------
     ValueError
-        A force that is not positive.
+        The force is not positive.
     """
     if force <= 0.0:
         raise ValueError("a roller carries compression only: the force must be positive")
@@ -468,13 +476,13 @@ class SlicedRow:
     bearing: TaperedBearing
     #: Number of equal slices of a roller.
     slices: int = 31
-    #: Drop at both contacts together [m] over the distance from the roller's middle [m]; None for a straight roller.
+    #: Drop [m], the sum for both contacts, as a function of the distance from the roller's middle [m]; None: straight.
     profile: Callable[[Array], Array] | None = None
-    #: The sliced roller, made from the fields above.
+    #: The sliced roller, computed from the fields above.
     roller: SlicedRoller = field(init=False)
 
     def __post_init__(self) -> None:
-        """Slice the roller once."""
+        """Cut the roller into slices and store it in the field ``roller``."""
         object.__setattr__(self, "roller", slice_roller(self.bearing, self.slices, self.profile))
 
     def thrust(self, deflection: float) -> float:
@@ -493,7 +501,7 @@ class SlicedRow:
         Raises
         ------
         ValueError
-            A thrust that is not positive.
+            The thrust is not positive.
         """
         sin = np.sin(self.bearing.cup_angle)
         return float(approach_under_force(self.roller, load / (self.bearing.rollers * sin)) / sin)

@@ -1,4 +1,4 @@
-"""Warnings that come with a result: where it leaves the range in which its models are valid."""
+"""Warnings attached to a result: each says where the result leaves the range of validity of its models."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ Kind = Literal[
 
 
 class Warned(str):
-    """Warning text with its subject and, where it is printed above the results, a short form.
+    """Text of a warning, with its subject and, if it is also printed above the results, a short form.
 
     Examples
     --------
@@ -41,26 +41,26 @@ class Warned(str):
 
     #: Subject of the warning.
     kind: Kind
-    #: Short form for the line above the results; empty for one that is not printed there.
+    #: Short form for the line above the results; empty if the warning is not printed there.
     brief: str
 
     def __new__(cls, kind: Kind, text: str, brief: str = "") -> Warned:
-        """Make a warning from its subject, its text and, where it is printed above the results, a short form."""
+        """Create a warning from its subject, its text and its short form (empty: not printed above the results)."""
         warned = super().__new__(cls, text)
         warned.kind, warned.brief = kind, brief
         return warned
 
     def __getnewargs__(self) -> tuple[Kind, str, str]:  # type: ignore[override]
-        """Return the arguments from which a copy is made, also in another process."""
+        """Return the arguments of the constructor, with which pickle makes a copy of the warning."""
         return self.kind, str(self), self.brief
 
     def prefixed(self, name: str) -> Warned:
-        """Return this warning with the name of the part that it is about in front."""
+        """Return this warning with the name of the part concerned in front of its text, as in "nut 1: ..."."""
         return Warned(self.kind, f"{name}: {self}", self.brief and f"{name}: {self.brief}")
 
 
 def warning_line(warnings: Iterable[Warned]) -> str:
-    """Return the line printed above the results, empty where no warning has a short form.
+    """Return the line of warnings that is printed above the results; empty if no warning has a short form.
 
     Parameters
     ----------

@@ -96,7 +96,8 @@ def level_rows(reference: Reference) -> list[dict[str, Any]]:
     -------
     list of dict
         Relative cell size, unknowns of the equivalent single mesh, seconds without cached parts and the conditions of their
-        measurement, largest difference of a contact load from the finest level, and `load_uncertainty_percent` [% of the mean load].
+        measurement, largest difference of a contact load from the finest level, and `load_uncertainty_percent` [% of the
+        mean load].
     """
     return [
         {

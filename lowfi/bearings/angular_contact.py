@@ -1,7 +1,7 @@
 """Angular-contact ball bearing under thrust: contact angle, axial deflection, load and stiffness.
 
-Rigid rings, equal balls, no radial load, no inertia. The centres of the two grooves are A = r_i + r_o - D apart; an axial
-displacement u of the inner ring stretches that line from A to
+Assumptions: rigid rings, equal balls, no radial load, no inertia. The centres of the two grooves are A = r_i + r_o - D
+apart; an axial displacement u of the inner ring increases their distance from A to
 
     s = sqrt((A sin alpha_0 + u)^2 + (A cos alpha_0)^2),    tan alpha = (A sin alpha_0 + u) / (A cos alpha_0),           (1)
 
@@ -9,9 +9,9 @@ and a ball carries
 
     Q = ((s - A) / (C_i + C_o))^(3/2),                                                                                  (2)
 
-C the constants of exact Hertz contact at both races. So everything is explicit in u, and nothing is iterated but the
-displacement to a given load. Equivalent to Smith (1994), 2.1-2.23, where the contact angle is iterated;
-u = A sin(alpha - alpha_0) / cos(alpha) is his 2.23.
+with the constants C of exact Hertz contact at both races. All quantities are explicit in u; only the displacement under a
+given load is iterated. Equivalent to Smith (1994), 2.1-2.23, who iterates the contact angle: his 2.23 is
+u = A sin(alpha - alpha_0) / cos(alpha).
 """
 
 from __future__ import annotations
@@ -31,25 +31,25 @@ from rollbench.lowfi.hertz import (
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.numerics import brentq
 
-#: Conformities among which one is looked for.
+#: Range of conformities (groove radius over ball diameter) in which `conformity_of_pair` searches.
 CONFORMITIES = (0.503, 0.65)
-#: Steps at most, the relative step at which they end, and the displacement over the ball's diameter where they begin.
+#: Iterations: largest number of steps, relative step at which they end, and first displacement over ball diameter.
 STEPS, ENOUGH, BEGINS = 40, 1e-10, 1e-4
 
 
 @dataclass(frozen=True)
 class BallBearing:
-    """Single row of balls between two grooves, all of one material.
+    """Angular-contact ball bearing: a single row of balls between two grooves, all of one material.
 
     Raises
     ------
     ValueError
-        A groove that is not wider than the ball, rings without a contact angle, or a number out of range.
+        A groove radius does not exceed the ball's, the rings give no contact angle, or a value is out of range.
     """
 
     #: Number of balls Z.
     balls: int
-    #: D [m].
+    #: Ball diameter D [m].
     ball_diameter: float
     #: Diameter d_i at the bottom of the inner groove [m].
     inner_raceway: float
@@ -65,7 +65,7 @@ class BallBearing:
     poisson: float
 
     def __post_init__(self) -> None:
-        """Refuse numbers without a contact angle or Hertz contact."""
+        """Check that the dimensions give a contact angle and a Hertz contact; raise ValueError otherwise."""
         if self.balls < 1 or self.ball_diameter <= 0.0 or self.young <= 0.0 or not 0.0 <= self.poisson < 0.5:
             raise ValueError("balls, ball diameter and Young's modulus must be positive, Poisson's ratio in [0, 0.5)")
         if min(self.inner_groove, self.outer_groove) <= 0.5 * self.ball_diameter:
@@ -80,7 +80,7 @@ class BallBearing:
 
     @property
     def centre_distance(self) -> float:
-        """Distance A of the groove centres with the ball just touching both [m] (Smith 2.3)."""
+        """Distance A of the groove centres when the unloaded ball just touches both grooves [m] (Smith 2.3)."""
         return self.inner_groove + self.outer_groove - self.ball_diameter
 
     @property
@@ -103,16 +103,16 @@ def bearing_of_contact_angle(
     young: float,
     poisson: float,
 ) -> BallBearing:
-    """Return the bearing with a given contact angle and given conformities, as a catalogue describes it.
+    """Return the ball bearing with a given contact angle and given conformities, as a catalogue describes it.
 
-    The clearance that makes the angle is taken half from each raceway.
+    The diametral clearance that gives the angle is divided equally between both raceways.
 
     Parameters
     ----------
     balls
         Number of balls.
     ball_diameter, pitch_diameter
-        [m].
+        Diameters of balls and pitch circle [m].
     conformity
         Groove radius over ball diameter of inner and outer groove.
     angle
@@ -136,15 +136,15 @@ def bearing_of_contact_angle(
 
 @dataclass(frozen=True)
 class CatalogueBearings:
-    """Bearings as catalogues describe them, many at once: arrays of one shape."""
+    """Data of many angular-contact ball bearings, as catalogues give them; the arrays have one common shape."""
 
     #: Numbers of balls.
     balls: Array
-    #: [m].
+    #: Ball diameters [m].
     ball_diameter: Array
-    #: [m].
+    #: Pitch diameters [m].
     pitch_diameter: Array
-    #: Groove radius over ball diameter, of both grooves.
+    #: Groove radius over ball diameter, the same for both grooves of a bearing.
     conformity: Array
     #: Contact angles without load [rad].
     free_angle: Array
@@ -155,24 +155,24 @@ class CatalogueBearings:
 
     @property
     def inner_groove(self) -> Array:
-        """Radii of both grooves [m]."""
+        """Radii of the grooves [m], the same for inner and outer ring."""
         return np.asarray(self.conformity * self.ball_diameter)
 
     outer_groove = inner_groove
 
     @property
     def centre_distance(self) -> Array:
-        """Distances of the groove centres with the balls just touching both [m]."""
+        """Distances of the groove centres when the unloaded balls just touch both grooves [m]."""
         return np.asarray((2.0 * self.conformity - 1.0) * self.ball_diameter)
 
 
-#: What thrust needs of a bearing, or of many at once: then arrays, of a shape to go with the displacements.
+#: One ball bearing, or many at once: the arrays must then broadcast with those of displacements or loads.
 BallRows = BallBearing | CatalogueBearings
 
 
 @dataclass(frozen=True)
 class ThrustState:
-    """Bearing at given axial displacements of its inner ring; each field has the shape of the displacements."""
+    """State of a ball bearing at axial displacements of its inner ring; each field has the shape of the displacements."""
 
     #: Axial displacement u [m].
     displacement: Array
@@ -192,18 +192,17 @@ class ThrustState:
     outer: HertzConstants
 
     def areas(self) -> tuple[Array, Array]:
-        """Return the areas pi a b of one inner and one outer contact ellipse [m^2] (Smith 2.27)."""
+        """Return the areas pi a b of a ball's contact ellipses on the inner and the outer race [m^2] (Smith 2.27)."""
         grown = np.pi * np.cbrt(self.ball_load) ** 2
         return grown * self.inner.C_a * self.inner.C_b, grown * self.outer.C_a * self.outer.C_b
 
 
 def relative_curvatures(bearing: BallRows, angle: Array) -> tuple[tuple[Array, Array], tuple[Array, Array]]:
-    """Return the relative curvatures of the inner and of the outer contact [1/m].
+    """Return the relative curvatures of a ball's inner and outer contact [1/m], each a pair (across, along the track).
 
-    Each is a pair (across the groove, along the track).
-
-    Along the track the raceway is the cone that the contact angle cuts: its radius is d_m/(2 cos alpha) less or more the
-    ball's radius. Valid up to a contact angle of 90 deg, where the raceway is a flat disc.
+    Along the track the raceway is taken for the cone that touches it at the contact: its radius of curvature is
+    d_m/(2 cos alpha) less (inner) or plus (outer) the ball's radius. Valid up to a contact angle of 90 deg, where the
+    raceway is a flat disc.
 
     Parameters
     ----------
@@ -224,24 +223,24 @@ def relative_curvatures(bearing: BallRows, angle: Array) -> tuple[tuple[Array, A
 
 
 def thrust_state(bearing: BallRows, displacement: Array | float) -> ThrustState:
-    """Return contact angle, loads and stiffness at axial displacements of the inner ring, by (1) and (2).
+    """Return contact angle, loads and stiffness of a bearing at axial displacements of its inner ring, by (1) and (2).
 
-    The stiffness includes the change of the contact angle and of the Hertz constants with it; for those,
-    dC/d(curvature along a semi-axis) = (semi-axis constant)^2/6 exactly, because the approach is the derivative of the
-    least energy of the contact by its force.
+    The stiffness includes the change of the contact angle, and of the Hertz constants with it:
+    dC/d(curvature along a semi-axis) = (constant of that semi-axis)^2/6. This is exact, because the approach is the
+    derivative of the contact's least energy with respect to its force.
 
     Parameters
     ----------
     bearing
         One bearing or many.
     displacement
-        u [m] of any shape; the load is zero where the balls are loose, u <= 0.
+        Axial displacement u [m], any shape; the load is zero where the balls are loose, u <= 0.
 
     Returns
     -------
     ThrustState
-        The state. Valid for ellipses inside the raceways; there is no second shoulder that would stop balls pushed back
-        beyond their clearance.
+        The state. Valid if the contact ellipses lie inside the raceways. Thrust in the opposite direction is not modelled:
+        balls pushed back beyond their clearance stay loose.
 
     References
     ----------
@@ -273,7 +272,7 @@ def thrust_state(bearing: BallRows, displacement: Array | float) -> ThrustState:
 
 
 def _compliance_derivative(bearing: BallRows, angle: Array, inner: HertzConstants, outer: HertzConstants) -> Array:
-    """d(C_i + C_o)/d(alpha): only the curvature along the track depends on the angle."""
+    """Return d(C_i + C_o)/d(alpha); of the curvatures only that along the track depends on the contact angle alpha."""
     d, dm, sin, cos = bearing.ball_diameter, bearing.pitch_diameter, np.sin(angle), np.cos(angle)
     bends = (-2.0 * dm * sin / (dm - d * cos) ** 2, 2.0 * dm * sin / (dm + d * cos) ** 2)
     total = np.zeros_like(sin)
@@ -284,19 +283,20 @@ def _compliance_derivative(bearing: BallRows, angle: Array, inner: HertzConstant
 
 
 def contact_parameters(difference: float) -> tuple[float, float, float]:
-    """Return the dimensionless approach and semi-axes delta*, a*, b* of elliptical contact, exact.
+    """Return the dimensionless approach delta* and semi-axes a*, b* of elliptical Hertz contact, from exact integrals.
 
-    a = a* (3 Q/(2 E* S))^(1/3), b likewise, delta = delta* (3 Q/(2 E* S))^(2/3) S/2, with S the sum of the curvatures.
+    a = a* (3 Q/(2 E* S))^(1/3), the same for b, and delta = delta* (3 Q/(2 E* S))^(2/3) S/2, with the load Q and the sum S
+    of the curvatures.
 
     Parameters
     ----------
     difference
-        Curvature difference F over the curvature sum, in [0, 1).
+        Curvature difference F, divided by the curvature sum, in [0, 1).
 
     Raises
     ------
     ValueError
-        A difference outside [0, 1); F = 1 is a line contact.
+        The difference is outside [0, 1); F = 1 is a line contact.
 
     References
     ----------
@@ -308,7 +308,7 @@ def contact_parameters(difference: float) -> tuple[float, float, float]:
     [0.6636, 3.2327, 0.4499]
     """
     if not 0.0 <= difference < 1.0:
-        raise ValueError("the curvature difference must lie in [0, 1)")
+        raise ValueError("the curvature difference over the curvature sum must lie in [0, 1)")
     h = hertz_constants(np.array(1.0 - difference), np.array(1.0 + difference), 1.0)
     unit = float(np.cbrt(4.0 / 3.0))
     return float(h.C) * unit**2, float(h.C_a) * unit, float(h.C_b) * unit
@@ -316,7 +316,7 @@ def contact_parameters(difference: float) -> tuple[float, float, float]:
 
 @dataclass(frozen=True)
 class BallRow:
-    """Angular-contact ball bearing as one row of a set of bearings on a shaft."""
+    """Load-deflection behaviour of an angular-contact ball bearing that is one of several bearings on a shaft."""
 
     #: The bearing.
     bearing: BallBearing
@@ -347,8 +347,8 @@ def axial_displacement(bearing: BallBearing, load: float) -> float:
     Raises
     ------
     ValueError
-        A negative load, or one that would need a displacement beyond the ball's diameter, for which Hertz contact does not
-        hold.
+        The load is negative, or so large that it needs a displacement beyond the ball's diameter, for which Hertz contact
+        does not hold.
 
     Examples
     --------
@@ -364,7 +364,7 @@ def axial_displacement(bearing: BallBearing, load: float) -> float:
     while float(thrust_state(bearing, high).load) < load:
         high *= 4.0
         if high > bearing.ball_diameter:
-            raise ValueError(f"thrust of {load:.3g} N is beyond what Hertz contact describes for this bearing")
+            raise ValueError(f"thrust of {load:.3g} N is too large for Hertz contact in this bearing")
 
     def excess(u: float) -> float:
         return float(thrust_state(bearing, u).load) - load
@@ -373,21 +373,21 @@ def axial_displacement(bearing: BallBearing, load: float) -> float:
 
 
 def thrust_state_under_load(bearings: BallRows, load: Array) -> ThrustState:
-    """Return contact angle, loads and stiffness of many bearings under given thrusts.
+    """Return contact angle, displacement and stiffness of many ball bearings under given thrusts.
 
-    Newton's method on F^(2/3), which is nearly linear in u.
+    Newton's method is applied to F^(2/3), which is nearly linear in the displacement u.
 
     Parameters
     ----------
     bearings
         One bearing or many.
     load
-        Thrusts [N] above zero, of a shape that broadcasts with the bearings' fields.
+        Thrusts F [N] above zero, of a shape that broadcasts with the bearings' fields.
 
     Raises
     ------
     ValueError
-        A thrust that needs displacements beyond Hertz contact.
+        A thrust needs a displacement beyond the ball's diameter, for which Hertz contact does not hold.
     """
     first = BEGINS * bearings.ball_diameter
     u = contact_approach(load / thrust_state(bearings, first).load, first)
@@ -397,18 +397,19 @@ def thrust_state_under_load(bearings: BallRows, load: Array) -> ThrustState:
         u = np.maximum(u + step, 0.2 * u)
         if float(np.abs(step / u).max()) < ENOUGH and bool(np.all(u < bearings.ball_diameter)):
             return state
-    raise ValueError(f"thrust of {float(np.max(load)):.3g} N is beyond what Hertz contact describes for this bearing")
+    raise ValueError(f"thrust of {float(np.max(load)):.3g} N is too large for Hertz contact in this bearing")
 
 
 def conformity_of_pair(bearings: CatalogueBearings, preload: Array, rigidity: Array) -> Array:
-    """Return the conformities with which preloaded pairs of equal bearings have given axial stiffnesses.
+    """Return the conformities (groove radius over ball diameter) at which preloaded bearing pairs have given stiffnesses.
 
-    The stiffness falls as the conformity c grows, nearly as a power of c - 1/2: secant method on the logarithms.
+    A pair consists of two equal bearings. Its axial stiffness falls with the conformity c, nearly as a power of c - 1/2, so
+    the secant method is applied to the logarithms.
 
     Parameters
     ----------
     bearings
-        The bearings; their conformities are where the search begins.
+        The bearings; the search starts from their conformities.
     preload
         Force [N] that presses the two bearings of a pair against each other.
     rigidity
@@ -441,5 +442,5 @@ def conformity_of_pair(bearings: CatalogueBearings, preload: Array, rigidity: Ar
         slope = np.where(moved, np.minimum((fresh - value) / np.where(moved, new - old, 1.0), -0.02), slope)
         old, value = new, fresh
     if float(np.abs(value).max()) > 1e-6:
-        raise ValueError("no conformity of {:g} to {:g} gives a pair of these balls that rigidity".format(*CONFORMITIES))
+        raise ValueError("no conformity between {:g} and {:g} gives the bearing pair this stiffness".format(*CONFORMITIES))
     return np.asarray(0.5 + np.exp(old))

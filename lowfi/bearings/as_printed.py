@@ -1,6 +1,6 @@
-"""Approximations and errors of Smith (1994), exactly as printed, to show what they change; no other model uses them.
+"""Approximations and errors of Smith (1994) exactly as printed, to show their effect; no other model uses them.
 
-Units are those of the source (curvatures 1/mm, K in N/mm^1.5, or lb and in), because its constants carry them.
+Units are Smith's (curvatures 1/mm, K in N/mm^1.5, or lb and in), because his constants contain them.
 """
 
 from __future__ import annotations
@@ -13,9 +13,9 @@ import numpy as np
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.numerics import brentq
 
-#: Constant of 2.8 in N/mm^2 as the spreadsheet of figure 2-10 has it (2.15e5; the printed 3.12e7 in lb, in is 2.151e5).
+#: Constant of Smith's 2.8 in the spreadsheet of figure 2-10 [N/mm^2] (the printed 3.12e7 in lb and in is 2.151e5).
 LOAD_CONSTANT = 2.15e5
-#: Reciprocal of the exponent 1.5 as the spreadsheet has it in 2.7: K_n comes out to its digits with this, not with 2/3.
+#: Reciprocal of the exponent 1.5 in Smith's 2.7: the spreadsheet's K_n follows to all digits with this value, not with 2/3.
 SHEET_EXPONENT = 0.66666
 #: Coefficients of the fits 2.18 (approach), 2.25 (major axis), 2.26 (minor axis) in powers of (-log10 F)^(2/3).
 FITS = {
@@ -26,21 +26,22 @@ FITS = {
 
 
 def fitted_parameter(difference: float, quantity: str) -> float:
-    """Return delta*, a* or b* of a curvature difference F by Smith's fits.
+    """Return the dimensionless approach delta* or semi-axis a* or b* of Hertz contact by Smith's fitted polynomials.
 
-    Within 2 % of the exact delta* only between F = 0.68 and 0.962; the minor axis is 39 to 42 % too large there.
+    delta* is within 2 % of the exact value only for F between 0.68 and 0.962, where the minor semi-axis is 39 to 42 % too
+    large.
 
     Parameters
     ----------
     difference
-        Curvature difference F.
+        Curvature difference F over the sum of the curvatures.
     quantity
-        ``"approach"``, ``"major"`` or ``"minor"``.
+        ``"approach"`` for delta*, ``"major"`` for a*, ``"minor"`` for b*.
 
     References
     ----------
-    Smith (1994), 2.18, 2.25 and 2.26. In print 2.25 squares its first power and 2.18 raises its first brace to -148.46:
-    powers 1 to 5 are meant.
+    Smith (1994), 2.18, 2.25 and 2.26, with powers 1 to 5, as is meant. In print, 2.25 squares the first power and 2.18 has
+    the coefficient -148.46 as an exponent.
     """
     x = (-np.log10(difference)) ** (2.0 / 3.0)
     value = float(np.polyval(FITS[quantity][::-1], x))
@@ -50,24 +51,38 @@ def fitted_parameter(difference: float, quantity: str) -> float:
 
 
 def curvature_difference(curvatures: Sequence[float]) -> float:
-    """Return |(rho_11 - rho_12) + (rho_21 - rho_22)| over the sum of all four (Smith 2.16, printed without the bars)."""
+    """Return the curvature difference F of a contact (Smith 2.16) from its four principal curvatures.
+
+    F = |(rho_11 - rho_12) + (rho_21 - rho_22)| over the sum of all four; the bars are missing in print.
+    """
     a, b, c, d = curvatures
     return abs((a - b) + (c - d)) / (a + b + c + d)
 
 
 def race_stiffness(curvature_sum: float, delta: float) -> float:
-    """Return K of one race [N/mm^1.5] from the sum of curvatures [1/mm] and delta* (Smith 2.8)."""
+    """Return the load constant K of one race [N/mm^1.5] by Smith 2.8.
+
+    Parameters
+    ----------
+    curvature_sum
+        Sum of the four principal curvatures [1/mm].
+    delta
+        Dimensionless approach delta*.
+    """
     return float(LOAD_CONSTANT * curvature_sum**-0.5 * delta**-1.5)
 
 
 def row_stiffness(inner: float, outer: float) -> float:
-    """Return K_n of both races [N/mm^1.5] (Smith 2.7), with the exponent 0.66666 of his spreadsheet."""
+    """Return the load constant K_n of inner and outer race in series [N/mm^1.5] by Smith 2.7.
+
+    The exponent is the 0.66666 of his spreadsheet.
+    """
     return float((inner**-SHEET_EXPONENT + outer**-SHEET_EXPONENT) ** -1.5)
 
 
 @dataclass(frozen=True)
 class Spreadsheet:
-    """Cells of the spreadsheet of Smith's figure 2-10; pairs are (inner, outer)."""
+    """Values in the cells of the spreadsheet of Smith's figure 2-10; pairs are for (inner, outer) race."""
 
     #: Sums of curvatures [1/mm].
     sums: tuple[float, float]
@@ -75,9 +90,9 @@ class Spreadsheet:
     differences: tuple[float, float]
     #: Dimensionless approaches delta*.
     delta: tuple[float, float]
-    #: K of each race [N/mm^1.5].
+    #: Load constant K of each race [N/mm^1.5].
     race: tuple[float, float]
-    #: K_n of both races [N/mm^1.5].
+    #: Load constant K_n of both races in series [N/mm^1.5].
     stiffness: float
     #: Contact angle [rad].
     angle: float
@@ -95,7 +110,7 @@ def compute_spreadsheet(
     raceways: tuple[float, float],
     outer_difference: float | None = None,
 ) -> Spreadsheet:
-    """Compute the spreadsheet of Smith's figure 2-10 at an axial load.
+    """Compute the values of the spreadsheet of Smith's figure 2-10 for an axial load on a ball bearing.
 
     Parameters
     ----------
@@ -108,8 +123,8 @@ def compute_spreadsheet(
     grooves, raceways
         Groove radii and raceway diameters (inner, outer) [mm].
     outer_difference
-        Curvature difference of the outer race, where the spreadsheet's cell does not follow from its geometry; None
-        computes it.
+        Curvature difference of the outer race as in the spreadsheet's cell, where it does not follow from the geometry;
+        None: computed from the geometry.
     """
     d, dm, b = diameter, 0.5 * sum(raceways), sum(grooves) - diameter
     rest = float(np.arccos(1.0 - 0.5 * (raceways[1] - raceways[0] - 2.0 * d) / b))
@@ -137,16 +152,17 @@ def compute_spreadsheet(
 
 
 def shared_loads(loads: Sequence[float], directions: Sequence[int], force: float) -> Array:
-    """Return row loads under an external force as Smith shares it: added in full to facing rows, subtracted from others.
+    """Return the loads of bearing rows under an external force by Smith's method [N], which balances twice the force.
 
-    The loads then balance twice the force. For the stretch, which the source halves over two ends, the two errors cancel.
+    Smith adds the whole force to the rows of its direction and also subtracts it from the opposite rows. For the stretch of
+    a screw he halves the force over both ends, so that the two errors cancel.
 
     Parameters
     ----------
     loads
-        Loads of the rows before [N].
+        Loads of the rows by preload alone [N].
     directions
-        Sense of each row's thrust, 1 or -1.
+        Direction of each row's thrust, 1 or -1.
     force
         External force [N].
 
@@ -160,12 +176,14 @@ def shared_loads(loads: Sequence[float], directions: Sequence[int], force: float
 
 
 def series_stiffness(supports: Sequence[float], screw: float, nut: float) -> float:
-    """Return the stiffness of both supports, whole screw and nut in series (Smith 4.6), in the unit of the arguments.
+    """Return the stiffness of an axis by Smith 4.6, which puts both supports, the whole screw and the nut in series.
+
+    The result has the unit of the arguments.
 
     Parameters
     ----------
     supports
-        Stiffness of both supports.
+        Stiffnesses of both supports.
     screw
         Stiffness of the whole screw.
     nut
@@ -175,19 +193,20 @@ def series_stiffness(supports: Sequence[float], screw: float, nut: float) -> flo
 
 
 def roller_approach(line_load: float, diameter: float, cup_angle: float, roller_angle: float) -> float:
-    """Return the normal deflection of a roller between its races [in] by Smith 3.19, logarithm to base 10.
+    """Return the normal deflection of a roller between its races [in] by Smith 3.19, with a logarithm to base 10.
 
-    8.89e-8 is 4 (1 - nu^2)/(pi E) ln 10 for steel: the law of two line contacts. Its argument is one over length times line
-    load, so the formula is not similar: twice the size at the same pressure does not give twice the deflection.
+    8.89e-8 is 4 (1 - nu^2)/(pi E) ln 10 for steel, from the law of two line contacts. The logarithm's argument has a
+    dimension, 1/(length times line load), so the formula does not scale: a bearing of twice the size at the same pressure
+    does not have twice the deflection.
 
     Parameters
     ----------
     line_load
-        [lb/in].
+        Load per length [lb/in].
     diameter
         Roller diameter [in].
     cup_angle, roller_angle
-        Half included angles [rad].
+        Half included angles of cup and roller [rad].
     """
     argument = np.sin(roller_angle) / (diameter * line_load * np.sin(cup_angle))
     return float(8.89e-8 * line_load * (8.45 + np.log10(argument)))
@@ -197,22 +216,23 @@ def roller_approach(line_load: float, diameter: float, cup_angle: float, roller_
 class PrintedTaperContact:
     """Contact of a roller with its inner race as Smith prints it (3.23 to 3.28)."""
 
-    #: [lb].
+    #: Load of the roller [lb].
     load: float
-    #: [in].
+    #: Half-width of the contact [in].
     half_width: float
-    #: [in^2].
+    #: Contact area [in^2].
     area: float
-    #: [psi].
+    #: Largest pressure [psi].
     pressure: float
 
 
 def taper_contact(
     axial: float, rollers: int, length: float, diameter: float, pitch: float, cone_angle: float
 ) -> PrintedTaperContact:
-    """Compute Smith's 3.23 to 3.28 as his printed results need them.
+    """Compute a roller's contact with the inner race by Smith's 3.23 to 3.28, changed so that his results follow.
 
-    1/D for 2/D in 3.24, 1/2 for the printed exponent 1/3 in 3.26, and no pi in 3.27.
+    His printed results follow with 1/D instead of 2/D in 3.24, the exponent 1/2 instead of the printed 1/3 in 3.26, and no
+    pi in 3.27.
 
     Parameters
     ----------

@@ -1,28 +1,28 @@
-"""Closed formulas of a ball-screw axis, and the equilibrium of rows of bearings on one shaft.
+"""Closed formulas for a ball-screw axis, and the equilibrium of several bearings on one shaft.
 
-Axis: stretch, heat, loads of the supports, stiffness over position, torque.
+The formulas for the axis give tension by stretch and heat, loads of the supports, stiffness over nut position, and torque.
 
-A screw shaft of axial stiffness EA/L between two supports, the nut at x from the left one. All springs are linear and all
-rings rigid. These formulas are the baseline that scenes with beams, rolling sets and their contacts are compared with; they
-are no substitute for them where a row unloads or the stiffness changes with load.
+A screw shaft of axial stiffness EA/L lies between two supports, the nut at the distance x from the left one. All springs
+are linear and all rings rigid. Results of models with beams and contacts are compared with these formulas; the formulas
+cannot replace them where a bearing unloads or the stiffness changes with the load.
 
-Topology: the nut's force leaves through *both* ends, each a spring of support and piece of screw in series, both in
-parallel:
+The nut's force flows through *both* ends of the shaft. Each end is a support in series with a piece of the screw, and the
+two ends are in parallel:
 
     k_l = 1/(1/k_1 + x/EA),  k_r = 1/(1/k_2 + (L - x)/EA),  1/k = 1/k_nut + 1/(k_l + k_r).                              (1)
 
-A support without axial stiffness makes it fixed-supported. Smith (1994), 4.6, adds both supports in series with the whole
-screw between two rigid walls (`lowfi.bearings.as_printed.series_stiffness`).
+A support without axial stiffness is a floating bearing. Smith (1994), 4.6, adds both supports in series to the whole screw
+between two rigid walls (`lowfi.bearings.as_printed.series_stiffness`).
 
-Rows of bearings on one shaft: equilibrium of any arrangement under preload and external thrust.
+Several bearings on one shaft, in any arrangement, are in equilibrium under preload and external thrust as follows.
 
-All inner rings move together by u against the outer ones. A row j that faces direction s_j = +1 or -1 is deflected by
-s_j u + g_j, where g_j is its share of the ground gaps that the locknut closes, and carries F_j >= 0 (nothing once it is
-loose). Equilibrium is
+All inner rings move together by u against the outer ones. Bearing row j takes thrust in the direction s_j = +1 or -1. It
+is deflected by s_j u + g_j, where g_j is its part of the gaps between the rings that the locknut closes, and carries
+F_j >= 0 (zero when it is loose). Equilibrium is
 
-    sum_j s_j F_j(s_j u + g_j) = F,                                                                                    (2)
+    sum_j s_j F_j(s_j u + g_j) = F.                                                                                    (2)
 
-whose left side grows with u: it is the derivative of a convex energy, so there is one root, found by bracketing.
+The left side increases with u, as it is the derivative of a convex energy, so there is one root, found by bracketing.
 """
 
 from __future__ import annotations
@@ -43,12 +43,12 @@ from rollbench.meshes.section import volume_ratio
 
 @dataclass(frozen=True)
 class Axis:
-    """Screw shaft between two supports, as linear springs.
+    """Screw shaft between two supports, modelled as linear axial springs.
 
     Raises
     ------
     ValueError
-        A length, area or modulus that is not positive, a negative stiffness, or two free ends.
+        A length, area or modulus is not positive, a stiffness is negative, or both ends are free to slide.
     """
 
     #: Distance between the supports [m].
@@ -59,25 +59,25 @@ class Axis:
     young: float
     #: Axial stiffness of the left support [N/m]; infinite is rigid, zero is free to slide.
     left: float = np.inf
-    #: Axial stiffness of the right support [N/m], likewise.
+    #: Axial stiffness of the right support [N/m]; infinite is rigid, zero is free to slide.
     right: float = np.inf
 
     def __post_init__(self) -> None:
-        """Refuse an axis that cannot carry a load."""
+        """Check that the axis can carry a load; raise ValueError otherwise."""
         if min(self.length, self.area, self.young) <= 0.0:
             raise ValueError("length, area and Young's modulus must be positive")
         if min(self.left, self.right) < 0.0 or max(self.left, self.right) == 0.0:
-            raise ValueError("stiffnesses must not be negative, and one end must be held")
+            raise ValueError("stiffnesses must not be negative, and at least one support needs an axial stiffness above 0")
 
 
 def _series_stiffness(*stiffness: float | Array) -> Array:
-    """Return the stiffness of springs in series; one of stiffness zero makes the whole zero."""
+    """Return the stiffness of springs in series [N/m]; it is zero if one of them is zero."""
     with np.errstate(divide="ignore"):
         return np.asarray(1.0 / sum(1.0 / np.asarray(k, dtype=float) for k in stiffness))
 
 
 def branch_stiffnesses(axis: Axis, position: Array | float) -> tuple[Array, Array]:
-    """Return the stiffness of both paths from the nut to the frame, k_l and k_r of (1) [N/m].
+    """Return the axial stiffnesses k_l and k_r of (1) [N/m]: from the nut to the frame through the left and right support.
 
     Parameters
     ----------
@@ -102,7 +102,7 @@ def branch_stiffnesses(axis: Axis, position: Array | float) -> tuple[Array, Arra
 def shaft_stiffness(axis: Axis, position: Array | float) -> Array:
     """Return the axial stiffness of shaft and supports at the nut, k_l + k_r [N/m].
 
-    Between rigid supports EA L/(x (L - x)) (Smith 4.7), with one free end EA/x (Smith 4.8).
+    With rigid supports it is EA L/(x (L - x)) (Smith 4.7), with one free end EA/x (Smith 4.8).
 
     Parameters
     ----------
@@ -127,7 +127,7 @@ def shaft_stiffness(axis: Axis, position: Array | float) -> Array:
 
 
 def axis_stiffness(axis: Axis, position: Array | float, nut: float) -> Array:
-    """Return the stiffness of the carriage against the frame, k of (1) [N/m].
+    """Return the axial stiffness k of (1) between carriage and frame, through nut, shaft and supports [N/m].
 
     Parameters
     ----------
@@ -150,8 +150,8 @@ def axis_stiffness(axis: Axis, position: Array | float, nut: float) -> Array:
 def support_loads(axis: Axis, position: float, force: float, tension: float = 0.0) -> tuple[float, float]:
     """Return the axial forces of the shaft on the left and the right support [N], positive towards the other support.
 
-    The left support takes the part k_l/(k_l + k_r) of the force and is pulled inwards more, the right one less by the rest:
-    left - right = force.
+    A force to the right on the nut adds its part k_l/(k_l + k_r) to the pull on the left support, and the rest reduces the
+    pull on the right support: left - right = force.
 
     Parameters
     ----------
@@ -162,7 +162,7 @@ def support_loads(axis: Axis, position: float, force: float, tension: float = 0.
     force
         Axial force on the nut [N], positive towards the right support.
     tension
-        Tension of the shaft without the force [N].
+        Tension of the shaft without force on the nut [N].
 
     Examples
     --------
@@ -177,8 +177,8 @@ def support_loads(axis: Axis, position: float, force: float, tension: float = 0.
 def shaft_tension(axis: Axis, stretch: float, expansion: float = 0.0, warming: float = 0.0) -> float:
     """Return the tension of the shaft after a stretch of its ends and a uniform warming [N]; negative is compression.
 
-    F = E A (eps - alpha dT): the elastic strain is the total one less the thermal one. With elastic supports the stretch is
-    shared with them. Both ends carry the whole tension, as it is one shaft.
+    F = E A (eps - alpha dT), as the elastic strain is the total less the thermal strain. Elastic supports take a part of
+    the stretch. Both supports carry the whole tension.
 
     Parameters
     ----------
@@ -205,7 +205,7 @@ def shaft_tension(axis: Axis, stretch: float, expansion: float = 0.0, warming: f
 
 
 def unloading_warming(axis: Axis, stretch: float, expansion: float) -> float:
-    """Return the uniform warming at which the shaft's tension vanishes [K], whatever the supports' stiffness.
+    """Return the uniform rise of temperature at which a stretched shaft loses its tension [K], for any support stiffness.
 
     Parameters
     ----------
@@ -232,9 +232,9 @@ def angular_speed(speed: float, lead: float) -> float:
     Parameters
     ----------
     speed
-        Of the carriage v [m/s].
+        Speed v of the carriage [m/s].
     lead
-        [m].
+        Lead of the thread [m].
 
     References
     ----------
@@ -244,14 +244,14 @@ def angular_speed(speed: float, lead: float) -> float:
 
 
 def shaft_inertia(density: float, diameter: float, length: float, bore: float = 0.0) -> float:
-    """Return the moment of inertia of a solid or hollow cylinder, pi rho (D^4 - d^4) L/32 [kg m^2].
+    """Return the moment of inertia of a solid or hollow shaft about its axis, pi rho (D^4 - d^4) L/32 [kg m^2].
 
     Parameters
     ----------
     density
-        [kg/m^3].
+        Density rho [kg/m^3].
     diameter, length, bore
-        [m].
+        Outer diameter D, length L and diameter d of the bore [m].
 
     References
     ----------
@@ -266,17 +266,18 @@ def shaft_inertia(density: float, diameter: float, length: float, bore: float = 
 
 
 def screw_inertia(shaft: Assembly, density: float) -> float:
-    """Return the moment of inertia of a whole shaft [kg m^2], without rings and nuts.
+    """Return the moment of inertia of a whole screw shaft about its axis [kg m^2], without bearing rings and nuts.
 
-    Plain segments by Smith's 4.14, the rest with the diameter whose cylinder has the volume of the thread of the shaft's
-    first nut (Lin C.8). Smith takes the root diameter instead: less, by the fourth power of root over mean diameter.
+    Plain segments follow Smith's 4.14. The threaded length is taken for a cylinder of the same volume as the thread of the
+    shaft's first nut (Lin C.8). Smith takes the root diameter instead, which gives less by the fourth power of the
+    diameters' ratio.
 
     Parameters
     ----------
     shaft
-        The shaft.
+        Screw shaft with nuts and bearings.
     density
-        [kg/m^3].
+        Density of the shaft [kg/m^3].
     """
     nut = next((s.parts for s in shaft.sets if isinstance(s.parts, Scene) and s.parts.track.lead), None)
     ratio = 1.0 if nut is None else float(np.sqrt(volume_ratio(nut)))
@@ -287,16 +288,16 @@ def screw_inertia(shaft: Assembly, density: float) -> float:
 
 
 def reflected_inertia(mass: float, lead: float, efficiency: float = 1.0) -> float:
-    """Return the moment of inertia that a mass on the nut adds to the screw's, m (lead/(2 pi))^2/e [kg m^2].
+    """Return the moment of inertia that a mass moved by the nut adds to the screw's, m (lead/(2 pi))^2/e [kg m^2].
 
     Parameters
     ----------
     mass
-        [kg].
+        Mass m of carriage and load [kg].
     lead
-        [m].
+        Lead of the thread [m].
     efficiency
-        Part e of the screw's work that reaches the nut; 1 for the inertia itself, which stores the energy m v^2/2.
+        Efficiency e of the screw in acceleration; 1 gives the inertia without losses, of kinetic energy m v^2/2.
 
     References
     ----------
@@ -312,39 +313,39 @@ def reflected_inertia(mass: float, lead: float, efficiency: float = 1.0) -> floa
 
 @dataclass(frozen=True)
 class TorqueBudget:
-    """Torques on the screw of an axis [N m]."""
+    """Parts of the drive torque of a ball-screw axis [N m]."""
 
-    #: Torque by the load of the ball screw.
+    #: Torque that the axial load on the ball screw needs.
     screw: float
     #: Friction of the nut.
     nut: float
     #: Friction of each support.
     supports: tuple[float, ...]
-    #: Torque by acceleration.
+    #: Torque that the acceleration needs.
     acceleration: float
 
     @property
     def constant_speed(self) -> float:
-        """Torque at constant speed [N m] (Smith 4.10)."""
+        """Drive torque at constant speed [N m] (Smith 4.10)."""
         return self.screw + self.nut + sum(self.supports)
 
     @property
     def start_up(self) -> float:
-        """Largest torque, with acceleration [N m] (Smith 4.11)."""
+        """Largest drive torque, which includes acceleration [N m] (Smith 4.11)."""
         return self.constant_speed + self.acceleration
 
 
 def acceleration_torque(inertias: Sequence[float], speed: float, time: float) -> float:
-    """Return the torque of an even acceleration from rest, sum(J) omega/t [N m].
+    """Return the torque that a uniform acceleration from rest needs, sum(J) omega/t [N m].
 
     Parameters
     ----------
     inertias
-        Moments of inertia J [kg m^2].
+        Moments of inertia J about the screw's axis [kg m^2].
     speed
-        Angular speed omega that is reached [rad/s].
+        Angular speed omega after the acceleration [rad/s].
     time
-        t [s].
+        Duration t of the acceleration [s].
 
     References
     ----------
@@ -354,13 +355,13 @@ def acceleration_torque(inertias: Sequence[float], speed: float, time: float) ->
 
 
 class Row(Protocol):
-    """Row of rolling elements in a set of bearings: thrust over axial deflection; zero where the row is loose."""
+    """Load-deflection law of one of several bearing rows on a shaft; thrust is zero where the row is loose."""
 
     def thrust(self, deflection: float) -> float:
         """Return the thrust [N] at an axial deflection [m]."""
 
     def stiffness(self, deflection: float) -> float:
-        """Return the stiffness [N/m] at an axial deflection [m]."""
+        """Return the axial stiffness dF/du [N/m] at an axial deflection [m]."""
 
     def deflection(self, load: float) -> float:
         """Return the axial deflection [m] under a thrust [N]."""
@@ -368,14 +369,14 @@ class Row(Protocol):
 
 @dataclass(frozen=True)
 class PointRow:
-    """Row of point contacts with a constant contact angle: thrust k u^(3/2)."""
+    """Bearing row with a constant contact angle, whose thrust follows Hertz's power law k u^(3/2)."""
 
-    #: [N/m^(3/2)].
+    #: Constant k of the thrust [N/m^(3/2)].
     k: float = 1.0
 
     @property
     def C(self) -> float:
-        """Constant of the row taken as one contact [m/N^(2/3)], k^(-2/3)."""
+        """Constant C = k^(-2/3) of the deflection C F^(2/3) of the whole row [m/N^(2/3)]."""
         return float(self.k ** (-2.0 / 3.0))
 
     def thrust(self, deflection: float) -> float:
@@ -393,29 +394,29 @@ class PointRow:
 
 @dataclass(frozen=True)
 class BearingSet:
-    """Rows of bearings on one shaft.
+    """Bearing rows on one shaft, with their directions and preload.
 
-    Tandem rows have the same direction; face to face and back to back are the same under pure thrust.
+    Tandem rows have the same direction. Face-to-face and back-to-back arrangements are the same under pure thrust.
     """
 
-    #: The rows.
+    #: Load-deflection laws of the rows.
     rows: tuple[Row, ...]
-    #: Directions of each row, +1 if it takes thrust along +, else -1.
+    #: Direction of each row: +1 if it takes thrust in the positive direction, else -1.
     directions: tuple[int, ...]
-    #: Offsets of each row the deflection g_j by the gaps that the locknut closes [m].
+    #: Deflection g_j of each row by the gaps that the locknut closes [m].
     offsets: tuple[float, ...]
 
     def __post_init__(self) -> None:
-        """Refuse lists of different lengths, and directions other than +1 and -1."""
+        """Check that the fields have the same length and directions are +1 or -1; raise ValueError otherwise."""
         if not self.rows or not len(self.rows) == len(self.directions) == len(self.offsets):
-            raise ValueError("a set needs at least one row, and a direction and an offset for each")
+            raise ValueError("at least one bearing row is needed, and a direction and an offset for each row")
         if any(s not in (1, -1) for s in self.directions):
-            raise ValueError("directions are +1 or -1")
+            raise ValueError("directions of bearing rows must be +1 or -1")
 
 
 @dataclass(frozen=True)
 class BearingSetState:
-    """Set of bearings at one displacement of its inner rings."""
+    """Loads and stiffness of the bearings on a shaft at one displacement of their inner rings."""
 
     #: Axial displacement u [m].
     displacement: float
@@ -426,12 +427,15 @@ class BearingSetState:
 
     @property
     def stiffness(self) -> float:
-        """Tangent stiffness of the set [N/m]: its rows act in parallel between shaft and housing."""
+        """Tangent stiffness of all bearings together [N/m]; their rows act in parallel between shaft and housing."""
         return float(self.row_stiffness.sum())
 
 
 def _evaluate_each_row(bearings: BearingSet, displacement: float, law: Callable[[Row, float], float]) -> Array:
-    """Return load [N] or stiffness [N/m] of each row at a displacement [m]; equal rows of a set are evaluated once."""
+    """Return load [N] or stiffness [N/m] of each row, as ``law`` gives it, at a displacement of the inner rings [m].
+
+    Equal rows with the same deflection are evaluated once.
+    """
     known, values = dict[tuple[int, float], float](), []
     for row, s, g in zip(bearings.rows, bearings.directions, bearings.offsets, strict=True):
         at = id(row), s * displacement + g
@@ -442,36 +446,36 @@ def _evaluate_each_row(bearings: BearingSet, displacement: float, law: Callable[
 
 
 def _thrust_of_rows(bearings: BearingSet, displacement: float) -> Array:
-    """Return the thrust of each row [N]."""
+    """Return the thrust of each bearing row [N] at a displacement of the inner rings [m]."""
     return _evaluate_each_row(bearings, displacement, lambda row, d: row.thrust(d))
 
 
 def bearing_set_state(bearings: BearingSet, displacement: float) -> BearingSetState:
-    """Return loads and stiffness of a set at an axial displacement of the inner rings [m]."""
+    """Return loads and stiffness of the bearings on a shaft at an axial displacement of their inner rings [m]."""
     stiffness = _evaluate_each_row(bearings, displacement, lambda row, d: row.stiffness(d))
     return BearingSetState(displacement, _thrust_of_rows(bearings, displacement), stiffness)
 
 
 def equilibrium(bearings: BearingSet, force: float = 0.0) -> BearingSetState:
-    """Return the state of a set that balances an external thrust on the inner rings, (2), to round-off.
+    """Return the state in which the bearings on a shaft balance an external thrust on their inner rings, by (2).
 
-    Rows that lose contact carry nothing; the displacement follows from the remaining ones without linearisation.
+    Rows that lose contact carry no load. The displacement is solved for without linearisation, to round-off.
 
     Parameters
     ----------
     bearings
-        The set.
+        Bearing rows on the shaft.
     force
-        External thrust [N], positive along +.
+        External thrust [N], with sign.
 
     Raises
     ------
     ValueError
-        No row faces the force.
+        No row takes thrust in the direction of the force.
 
     Examples
     --------
-    Two opposed rows with 1 kN preload under 1 kN: each is deflected by the same amount.
+    Two opposed rows with a preload of 1 kN, under an external thrust of 1 kN: loads of the rows and lift-off force [N].
 
     >>> pair = preloaded_rows(PointRow(1e10), (1, -1), 1e3)
     >>> equilibrium(pair, 1e3).loads.round(1).tolist(), round(lift_off_force(pair), 1)
@@ -479,14 +483,14 @@ def equilibrium(bearings: BearingSet, force: float = 0.0) -> BearingSetState:
     """
     s = np.array(bearings.directions)
     if force != 0.0 and not np.any(s == np.sign(force)):
-        raise ValueError("no row of the set takes thrust in the direction of the force")
+        raise ValueError("no bearing row takes thrust in the direction of the force")
     if force == 0.0 and np.unique(s).size == 1:
         return bearing_set_state(bearings, -s[0] * max(bearings.offsets))
 
     def excess(u: float) -> float:
         return float(s @ _thrust_of_rows(bearings, u)) - force
 
-    # between the displacement at which every row facing one way is loose and where it carries all
+    # bracket: one end where the rows of one direction are loose, the other where they carry the whole force
     step = max(max(abs(g) for g in bearings.offsets), 1e-9)
     low, high = -step, step
     while excess(low) > 0.0:
@@ -497,63 +501,64 @@ def equilibrium(bearings: BearingSet, force: float = 0.0) -> BearingSetState:
 
 
 def equal_rows(row: Row, directions: Sequence[int], gap: float) -> BearingSet:
-    """Return a set of equal rows, each ground with the same gap.
+    """Return equal bearing rows on a shaft, all with the same gap between their rings that the locknut closes.
 
-    Closing the gap deflects two opposed rows by twice the gap together.
+    Closing the gaps deflects two opposed rows together by twice the gap.
 
     Parameters
     ----------
     row
-        The row.
+        Load-deflection law of each row.
     directions
-        Of each row, +1 if it takes thrust along +, else -1.
+        Direction of each row: +1 if it takes thrust in the positive direction, else -1.
     gap
-        [m].
+        Gap of one row [m].
     """
     return BearingSet((row,) * len(directions), tuple(directions), (gap,) * len(directions))
 
 
 def preloaded_rows(row: Row, directions: Sequence[int], force: float) -> BearingSet:
-    """Return a set of equal rows with a preload; displacements count from that state.
+    """Return equal bearing rows on a shaft with a given preload; displacements count from the preloaded state.
 
     Parameters
     ----------
     row
-        The row.
+        Load-deflection law of each row.
     directions
-        Of each row, +1 or -1.
+        Direction of each row: +1 if it takes thrust in the positive direction, else -1.
     force
-        Total thrust of the rows of each direction [N], without external thrust.
+        Preload [N]: total thrust of all rows of one direction without external thrust.
 
     Raises
     ------
     ValueError
-        All rows face the same direction.
+        All rows have the same direction.
     """
     forward, back = sum(s == 1 for s in directions), sum(s == -1 for s in directions)
     if not forward or not back:
-        raise ValueError("preload needs rows in both directions")
+        raise ValueError("a preload needs bearing rows of both directions")
     depth = {1: row.deflection(force / forward), -1: row.deflection(force / back)}
     return BearingSet((row,) * len(directions), tuple(directions), tuple(depth[s] for s in directions))
 
 
 def lift_off_force(bearings: BearingSet) -> float:
-    """Return the external thrust along + at which the rows that face the other way have all become loose [N].
+    """Return the external thrust in the positive direction at which all rows of the opposite direction are loose [N].
 
-    2^n times the preload for two equal opposed rows of load ~ deflection^n: 2.83 for balls with a constant contact angle.
+    For two equal opposed rows with load ~ deflection^n it is 2^n times the preload: 2.83 times for balls with a constant
+    contact angle.
 
     Parameters
     ----------
     bearings
-        Bearings with their preload.
+        Bearing rows with their preload.
 
     Raises
     ------
     ValueError
-        No row faces the other way.
+        No row has the direction -1.
     """
     others = [g for g, s in zip(bearings.offsets, bearings.directions, strict=True) if s == -1]
     if not others:
-        raise ValueError("no row faces the other way")
+        raise ValueError("no bearing row takes thrust in the negative direction")
     state = bearing_set_state(bearings, max(others))
     return float(np.array(bearings.directions) @ state.loads)

@@ -1,16 +1,16 @@
-"""Tapered roller bearing under thrust and radial load together: every roller by its line contact.
+"""Tapered roller bearing under combined thrust and radial load, with the line contact of every roller.
 
-The ring's displacement (axial, radial) compresses the roller at azimuth psi by
+The inner ring's axial and radial displacement compress the roller at azimuth psi by
 
-    delta = delta_a sin(alpha) + delta_r cos(alpha) cos(psi);                                                           (1)
+    delta = delta_a sin(alpha) + delta_r cos(alpha) cos(psi).                                                           (1)
 
-equilibrium is the minimum of a convex energy in the two displacements. ``solve_by_load_zone`` is Smith's method (1994, 3.1-3.21)
-by load-zone integrals and a power law, for comparison.
+Equilibrium is the minimum of a convex energy in the two displacements. For comparison, ``solve_by_load_zone`` is Smith's
+method (1994, 3.1-3.21) with load-zone integrals and a power law.
 
-Sjovall's integrals and their inverse: a roller (or ball) at azimuth psi is compressed by delta_n [1 - (1 - cos psi)/(2
-eps)], with the load zone parameter eps = (1 + (delta_a/delta_r) tan alpha)/2 (Smith 1994, 3.1-3.3), and carries the
-largest load times that bracket to the n. The integrals run over the loaded part of the circumference. Written with w =
-1/(2 eps), pure thrust is w = 0.
+Sjovall's integrals: a roller (or ball) at azimuth psi is compressed by delta_n [1 - (1 - cos psi)/(2 eps)], with the load
+zone parameter eps = (1 + (delta_a/delta_r) tan alpha)/2 (Smith 1994, 3.1-3.3). It carries the largest load times the n-th
+power of that bracket. The integrals run over the loaded part of the circumference. They are written with w = 1/(2 eps),
+which is 0 for pure thrust.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from rollbench.lowfi.rollers import TaperedBearing
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.numerics import brentq
 
-# double-exponential quadrature on (0, 1): the load ends as a broken power where the zone does
+# double-exponential quadrature on (0, 1), because at the end of the load zone the load is a fractional power of the angle
 _T = np.arange(-3.6, 3.6001, 0.03)
 
 _PLACES = 1.0 / (1.0 + np.exp(-np.pi * np.sinh(_T)))
@@ -33,7 +33,7 @@ _WEIGHTS = 0.03 * np.pi * np.cosh(_T) * _PLACES / (1.0 + np.exp(np.pi * np.sinh(
 
 @dataclass(frozen=True)
 class LoadZone:
-    """Loaded part of the circumference of a row of rolling elements."""
+    """Load zone, the loaded part of the circumference of a row of rolling elements, with Sjovall's integrals."""
 
     #: Load zone parameter: 1/2 for half of the circumference, infinite for pure thrust.
     eps: float
@@ -41,26 +41,26 @@ class LoadZone:
     axial: float
     #: Sjovall's integral J_r.
     radial: float
-    #: Half of the loaded part [rad].
+    #: Half of the angle over which the row is loaded [rad].
     half_angle: float
 
 
 def load_zone(eps: float, exponent: float) -> LoadZone:
-    """Return Sjovall's load-zone integrals J_a and J_r.
+    """Return Sjovall's load-zone integrals J_a and J_r for a load zone parameter.
 
-    For infinitely many rolling elements, to a relative accuracy of 1e-12.
+    They hold for infinitely many rolling elements; the relative accuracy is 1e-12.
 
     Parameters
     ----------
     eps
         Load zone parameter, above 0; infinite for pure thrust.
     exponent
-        Of the load over the deflection: 1.1 for rollers, 1.5 for balls.
+        Exponent n of load ~ deflection^n: 1.1 for rollers, 1.5 for balls.
 
     Raises
     ------
     ValueError
-        A load zone parameter that is not positive.
+        The load zone parameter is not positive.
 
     References
     ----------
@@ -80,14 +80,16 @@ def load_zone(eps: float, exponent: float) -> LoadZone:
     psi = end * _PLACES
     lost = np.maximum(-2.0 * w * np.sin(0.5 * psi) ** 2, -1.0)
     with np.errstate(divide="ignore"):
-        change = np.expm1(exponent * np.log1p(lost))  # the load less an even one: no cancellation near pure thrust
+        change = np.expm1(exponent * np.log1p(lost))  # load less a uniform load: no cancellation near pure thrust
     weights = end / np.pi * _WEIGHTS
     even = float(np.sin(end) / np.pi) if end < np.pi else 0.0
     return LoadZone(eps, end / np.pi + float(weights @ change), even + float(weights @ (change * np.cos(psi))), end)
 
 
 def load_zone_of_forces(axial: float, radial: float, angle: float, exponent: float) -> LoadZone:
-    """Return the load zone of a row under thrust and radial load, J_r/J_a = F_r tan(alpha)/F_a (Smith 3.14).
+    """Return the load zone of a row of rolling elements under thrust and radial load.
+
+    It is the one with J_r/J_a = F_r tan(alpha)/F_a (Smith 3.14).
 
     Parameters
     ----------
@@ -96,16 +98,16 @@ def load_zone_of_forces(axial: float, radial: float, angle: float, exponent: flo
     angle
         Contact angle [rad].
     exponent
-        Of the load over the deflection: 1.1 for rollers, 1.5 for balls.
+        Exponent n of load ~ deflection^n: 1.1 for rollers, 1.5 for balls.
 
     Raises
     ------
     ValueError
-        F_a <= F_r tan(alpha), with which the row separates, or a negative radial load.
+        The thrust is too small, F_a <= F_r tan(alpha), so that the rings separate, or the radial load is negative.
     """
     ratio = radial * np.tan(angle) / axial if axial > 0.0 else np.inf
     if not 0.0 <= ratio < 1.0:
-        raise ValueError("a row needs a thrust above F_r tan(alpha) to stay together, and a radial load of at least 0")
+        raise ValueError("the thrust must exceed F_r tan(alpha), or the rings separate; the radial load must be at least 0")
     if ratio == 0.0:
         return load_zone(np.inf, exponent)
 
@@ -116,35 +118,35 @@ def load_zone_of_forces(axial: float, radial: float, angle: float, exponent: flo
     return load_zone(float(np.exp(brentq(excess, np.log(1e-8), np.log(exponent / ratio), xtol=1e-13))), exponent)
 
 
-#: Exponent of the power law q ~ delta^n that spreads the load over the zone (Smith 3.15).
+#: Exponent n of the power law q ~ delta^n by which the load varies over the load zone (Smith 3.15).
 EXPONENT = 1.1
 
 
 @dataclass(frozen=True)
 class CombinedState:
-    """Equilibrium of a tapered roller bearing under thrust and radial load."""
+    """Equilibrium of a tapered roller bearing under thrust and radial load, with every roller as a line contact."""
 
-    #: Axial displacement [m].
+    #: Axial displacement of the inner ring [m].
     axial: float
-    #: Radial displacement [m].
+    #: Radial displacement of the inner ring [m].
     radial: float
-    #: Race load Q of every roller ``(N,)`` [N].
+    #: Load Q of either race on every roller ``(N,)`` [N].
     loads: Array
     #: Derivative of (axial, radial) force by (axial, radial) displacement ``(2, 2)`` [N/m].
     stiffness: Array
     #: Largest unbalanced force over the thrust.
     residual: float
-    #: Whether the residual is round-off.
+    #: Whether the residual is below 1e-9.
     converged: bool
 
 
 def roller_azimuths(bearing: TaperedBearing) -> Array:
-    """Return the azimuths of the rollers ``(N,)`` [rad]; the radial load points at the first."""
+    """Return the azimuths of the rollers ``(N,)`` [rad]; the radial load points at the first roller."""
     return 2.0 * np.pi * np.arange(bearing.rollers) / bearing.rollers
 
 
 def energy_and_derivatives(bearing: TaperedBearing, displacement: Array) -> tuple[float, Array, Array, Array]:
-    """Return the loads of the rollers at a displacement of the inner ring.
+    """Return strain energy, forces, stiffness and roller loads of a bearing at a displacement of its inner ring.
 
     Parameters
     ----------
@@ -168,19 +170,19 @@ def energy_and_derivatives(bearing: TaperedBearing, displacement: Array) -> tupl
 
 
 def combined_equilibrium(bearing: TaperedBearing, axial: float, radial: float) -> CombinedState:
-    """Return the equilibrium of a bearing under thrust and radial load, by Newton's method on the convex energy.
+    """Return the equilibrium of a bearing under thrust and radial load, by Newton's method on its convex energy.
 
     Parameters
     ----------
     bearing
         The bearing.
     axial, radial
-        Forces F_a and F_r [N]; the radial one points at the first roller.
+        Forces F_a and F_r [N]; the radial force points at the first roller.
 
     Raises
     ------
     ValueError
-        F_a <= F_r tan(alpha), with which the row separates, or a negative radial load.
+        The thrust is too small, F_a <= F_r tan(alpha), so that the rings separate, or the radial load is negative.
     """
     start = solve_by_load_zone(bearing, axial, radial)
     force, x = np.array([axial, radial]), np.array([start.axial, start.radial])
@@ -189,7 +191,7 @@ def combined_equilibrium(bearing: TaperedBearing, axial: float, radial: float) -
         off = inner - force
         if np.abs(off).max() <= 1e-12 * axial:
             break
-        # a loaded zone of one roller leaves one direction soft: a touch of the diagonal keeps the step finite
+        # if only one roller is loaded, one direction has no stiffness: a small diagonal term keeps the step finite
         step = -np.linalg.solve(slope + 1e-9 * np.trace(slope) * np.eye(2), off)
         x = x + _damped_step(bearing, x, step, energy - float(force @ x), force) * step
     residual = float(np.abs(off).max() / axial)
@@ -197,7 +199,7 @@ def combined_equilibrium(bearing: TaperedBearing, axial: float, radial: float) -
 
 
 def _damped_step(bearing: TaperedBearing, x: Array, step: Array, level: float, force: Array) -> float:
-    """Largest halving of the step that does not raise the energy; round-off near the minimum counts as none."""
+    """Return the largest fraction 1, 1/2, 1/4, ... of a Newton step that does not raise the energy beyond round-off."""
     fraction = 1.0
     while fraction > 1e-6:
         trial = x + fraction * step
@@ -208,7 +210,7 @@ def _damped_step(bearing: TaperedBearing, x: Array, step: Array, level: float, f
 
 
 def _elastic_energy(bearing: TaperedBearing, x: Array) -> float:
-    """Energy [J], infinite where a trial step leaves the range of the line contact."""
+    """Return the strain energy of the bearing [J]; infinite where a trial step leaves the range of the line contact."""
     try:
         return energy_and_derivatives(bearing, x)[0]
     except ValueError:
@@ -217,24 +219,24 @@ def _elastic_energy(bearing: TaperedBearing, x: Array) -> float:
 
 @dataclass(frozen=True)
 class ZoneState:
-    """Bearing under thrust and radial load by load-zone integrals."""
+    """Displacements and largest load of a bearing under thrust and radial load, by load-zone integrals."""
 
-    #: Axial displacement [m].
+    #: Axial displacement of the inner ring [m].
     axial: float
-    #: Radial displacement [m].
+    #: Radial displacement of the inner ring [m].
     radial: float
     #: Largest roller load [N].
     greatest: float
-    #: The load zone.
+    #: Load zone of the row.
     zone: LoadZone
 
 
 def solve_by_load_zone(bearing: TaperedBearing, axial: float, radial: float) -> ZoneState:
     """Return displacements and largest load by Smith's load-zone method, with exact integrals and exact line contact.
 
-    A power law distributes the load, the line contact of the most loaded roller gives its compression: exact for pure
-    thrust, otherwise as accurate as the exponent and the continuum of rollers. Arguments and errors are those of
-    `combined_equilibrium`.
+    A power law distributes the load over the rollers, and the line contact of the most loaded roller gives its compression.
+    The result is exact for pure thrust. Otherwise its accuracy depends on the exponent and on the number of rollers, taken
+    as infinite. Arguments and errors are those of `combined_equilibrium`.
 
     References
     ----------

@@ -1,31 +1,33 @@
-"""Contact of a tapered roller's large end, a sphere, with the rib of the cone, and how roller and rings turn.
+"""Contact of a tapered roller's spherical large end with the rib of the cone, and speeds of roller and rings.
 
-Geometry in an axial plane, from the apex of the row. The end is a sphere of radius R_s whose centre C lies on the roller's
-axis; it goes through the large end of the contact line with the cone, at the distance g = l + L/2 from the apex:
+Geometry in an axial plane, seen from the common apex. The end is a sphere of radius R_s whose centre C lies on the roller's
+axis. It passes through the large end of the contact line with the cone, at the distance g = l + L/2 from the apex:
 
     sin(theta_0) = g sin(gamma)/R_s,   s = g cos(gamma) - R_s cos(theta_0)  (distance of C from the apex).              (1)
 
-The rib is a cone about the bearing's axis that touches the sphere at the height h above the cone's race, where the normal
-makes the angle theta with the roller's axis, and beta - theta with the bearing's, beta = alpha - gamma:
+The rib is a conical surface about the bearing's axis that touches the sphere at the height h above the cone's race. There
+the normal makes the angle theta with the roller's axis, and beta - theta with the bearing's axis, beta = alpha - gamma:
 
     theta = gamma - arcsin((h - s sin(gamma))/R_s).                                                                    (2)
 
-Along its generator the rib is straight; across, its radius of curvature is the length of the normal up to the bearing's
-axis (Meusnier), and the rib is concave:
+Along its generator the rib is straight. Across the generator it is concave, and its radius of curvature is the length of
+the normal up to the bearing's axis (Meusnier):
 
     R_f = R_s + s sin(beta)/sin(beta - theta);   relative curvatures 1/R_s and 1/R_s - 1/R_f.                          (3)
 
-So a sphere about the apex, R_s = g, fits its rib all around the rim; manufacturers take 0.8 to 0.95 of it. By balance of
-the roller along its axis the rib carries 2 Q sin(gamma), Q the load of a race; the tilt theta of the normal, which is left
-out, adds its 1/cos(theta), 0.1 to 0.3 %. Pressure and ellipse follow by Hertz (Smith 1994, 3.1.1: sphere and cylinder
-of the rib's radius).
+A sphere about the apex, R_s = g, therefore fits the rib all around the rim; manufacturers take R_s = 0.8 g to 0.95 g. By
+equilibrium of the roller along its axis the rib carries 2 Q sin(gamma), Q the load of a race. The tilt theta of the normal
+is neglected; it would multiply the load by 1/cos(theta), 0.1 to 0.3 % more. Pressure and contact ellipse follow by Hertz
+(Smith 1994, 3.1.1: sphere and cylinder of the rib's radius).
 
-Motion: all axes meet in the apex and races roll without sliding, so that the roller turns about the cup's contact line
-against the cup, about the cone's against the cone. Angular speeds over that of the rings against one another:
+Motion: all axes meet in the apex and the roller rolls on both races without sliding. Relative to the cup it therefore
+rotates about its contact line with the cup, relative to the cone about that with the cone. The angular speeds of these
+rotations, over that of the rings against each other, are
 
     cone  sin(alpha)/sin(2 gamma),   cup  sin(alpha - 2 gamma)/sin(2 gamma).                                           (4)
 
-So the end slides on the rib about the cone's contact line, which lies the height h from the middle of the contact.
+On the rib the end therefore slides as it rotates about the contact line with the cone, at the distance h from the middle of
+the contact.
 """
 
 from __future__ import annotations
@@ -40,7 +42,7 @@ from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import RollerRow
 from rollbench.meshes.quantity import quantity, record
 
-#: Height of the contact above the race over the roller's diameter, where it is not given.
+#: Height of the rib contact above the race, over the roller's diameter, if the scene does not give it.
 USUAL_HEIGHT = 0.1
 
 _U, _W = np.polynomial.legendre.leggauss(32)
@@ -52,9 +54,9 @@ class Rib:
 
     #: Angle theta of the contact normal against the roller's axis [rad].
     tilt: float
-    #: Relative curvatures along the rim and across it [1/m].
+    #: Relative curvatures along the rim and across the rim [1/m].
     curvatures: tuple[float, float]
-    #: Radius R_f of the rib across its generator [m].
+    #: Radius of curvature R_f of the rib across its generator [m].
     radius: float
 
 
@@ -73,24 +75,25 @@ def rib_geometry(bearing: TaperedBearing, end_radius: float, height: float) -> R
     Raises
     ------
     ValueError
-        A sphere that does not reach the rib or fits it without gap: R_s must lie above the end's radius and below its
-        distance from the apex. The text completes a sentence "must be ...".
+        The sphere does not reach the rib or fits it without gap: R_s must be above the radius of the roller's large end and
+        below its distance from the apex. The message completes a sentence "end_radius must be ...".
     """
     gamma, beta = bearing.roller_angle, bearing.cup_angle - bearing.roller_angle
     g = bearing.apex_distance + 0.5 * bearing.length
     edge = g * float(np.sin(gamma))
     if not edge < end_radius < g:
-        raise ValueError(f"above {1e3 * edge:.4g} mm, the end's own, below {1e3 * g:.4g} mm, its distance from the apex")
+        limits = f"above {1e3 * edge:.4g} mm, the radius of the roller's large end, and below {1e3 * g:.4g} mm"
+        raise ValueError(f"{limits}, its distance from the apex")
     s = g * float(np.cos(gamma)) - float(np.sqrt(end_radius**2 - edge**2))
     tilt = gamma - float(np.arcsin((height - s * np.sin(gamma)) / end_radius))
     if not tilt < beta:
-        raise ValueError("larger: so small a sphere touches no rib of the cone")
+        raise ValueError("larger: a sphere of this radius cannot touch a rib of the cone")
     radius = end_radius + s * float(np.sin(beta) / np.sin(beta - tilt))
     return Rib(tilt, (1.0 / end_radius - 1.0 / radius, 1.0 / end_radius), radius)
 
 
 def rib_height(row: RollerRow) -> float:
-    """Return height h of the contact with the rib [m]; a tenth of the roller's diameter where the row does not give it.
+    """Return the height h of the rib contact above the race [m]; a tenth of the roller diameter if the row gives none.
 
     Parameters
     ----------
@@ -114,45 +117,45 @@ class RibContact:
         heading="load on the rib",
         note="roller {roller}",
     )
-    #: Largest pressure [Pa]; None where the radius of the end is not given.
+    #: Largest pressure [Pa]; None if the radius of the roller's end is not given.
     pressure: float | None = quantity(
         "pressure_MPa",
         "largest pressure there by Hertz, sphere of the end on the hollow cone of the rib; null without `end_radius`",
         error="a third of the load's, and of the height where that is assumed",
         heading="pressure on the rib",
     )
-    #: Semi-axis along the rim [m]; None likewise.
+    #: Semi-axis of the contact ellipse along the rim [m]; None if the radius of the roller's end is not given.
     a: float | None = quantity("semi_axis_a_mm", "semi-axis of its ellipse along the rim", error="a third of the load's")
-    #: Semi-axis across the rim [m]; None likewise.
+    #: Semi-axis of the contact ellipse across the rim [m]; None if the radius of the roller's end is not given.
     b: float | None = quantity("semi_axis_b_mm", "semi-axis across the rim", error="a third of the load's")
     #: Height of the contact above the cone's race [m].
     height: float = quantity("height_mm", "height of the contact above the cone's race, as given or assumed")
-    #: What is assumed or not known.
+    #: Text on assumptions and missing data.
     words: str = quantity("words", "what is assumed or not known", show=lambda words: words or None, default="")
 
 
 def rib_contact(row: RollerRow, loads: Array) -> RibContact | None:
     """Return the contact of the most loaded roller of a row with its rib.
 
-    Range: straight or crowned rollers seated on their ribs, ellipse small against the end; the ellipse is truncated where
-    its semi-axis b is larger than the height.
+    Valid for straight or crowned rollers that touch their ribs, with a contact ellipse small against the roller's end. The
+    ellipse is truncated if its semi-axis b is larger than the height of the contact.
 
     Parameters
     ----------
     row
-        The row.
+        Row of tapered rollers.
     loads
         Force of either race on each roller ``(count,)`` [N].
 
     Returns
     -------
     RibContact | None
-        The contact; None without load.
+        Load, pressure and ellipse of the contact; None without load.
 
     Raises
     ------
     ValueError
-        A radius of the end that `rib_geometry` refuses.
+        The radius of the end is outside the range of `rib_geometry`.
     """
     if not (loads > 0.0).any():
         return None
@@ -167,29 +170,29 @@ def rib_contact(row: RollerRow, loads: Array) -> RibContact | None:
         a, b = map(float, rib_contact_ellipse(row, load))
         pressure = 1.5 * load / (np.pi * a * b)
         if b > height:
-            words.append("the ellipse reaches below the rib's contact surface: its pressure is higher")
+            words.append("the contact ellipse extends beyond the rib's surface: the actual pressure is higher")
     return RibContact(worst + 1, load, pressure, a, b, height, "; ".join(words))
 
 
 def rib_contact_ellipse(row: RollerRow, load: Array | float) -> tuple[Array, Array]:
-    """Return the semi-axes of the contact with the rib along and across the rim [m].
+    """Return the semi-axes of the contact ellipse of a roller's end with the rib [m], along and across the rim.
 
     Parameters
     ----------
     row
-        The row.
+        Row of tapered rollers.
     load
         Forces of the rib [N], any shape.
 
     Returns
     -------
     tuple[Array, Array]
-        Arrays of the shape of the forces; zero, as for a point contact, where the radius of the end is not given.
+        Arrays of the shape of the forces; zero, as for a point contact, if the radius of the end is not given.
 
     Raises
     ------
     ValueError
-        A radius of the end that `rib_geometry` refuses.
+        The radius of the end is outside the range of `rib_geometry`.
     """
     root = np.cbrt(np.asarray(load, dtype=float))
     if row.end_radius is None:
@@ -201,9 +204,10 @@ def rib_contact_ellipse(row: RollerRow, load: Array | float) -> tuple[Array, Arr
 
 
 def mean_distance(a: Array, b: Array, height: float) -> Array:
-    """Return the mean distance of a contact's pressure from a point at the height h across it, int p r dA/F [m].
+    """Return the mean distance of the rib's contact pressure from the cone's contact line, int p r dA/F [m].
 
-    With sqrt(1 - s^2) = u of the relative radius s the pressure's weight is 3 u^2/(2 pi): Gauss and trapezoid rule, to
+    r is the distance from a point on the minor axis at the height h from the ellipse's centre. With s the relative radius
+    in the ellipse and u = sqrt(1 - s^2), the integral has the weight 3 u^2/(2 pi); Gauss and trapezoid rules give it to
     1e-4.
 
     Parameters
@@ -211,7 +215,7 @@ def mean_distance(a: Array, b: Array, height: float) -> Array:
     a, b
         Semi-axes along and across the rim ``(n,)`` [m]; zero for a point contact, whose distance is the height.
     height
-        h [m].
+        Height h of the contact above the cone's race [m].
     """
     u, angle = 0.5 * (1.0 + _U[:, None]), 2.0 * np.pi * (np.arange(64) + 0.5) / 64.0
     s = np.sqrt(1.0 - u**2)
@@ -221,6 +225,6 @@ def mean_distance(a: Array, b: Array, height: float) -> Array:
 
 
 def roller_speed_ratios(bearing: TaperedBearing) -> tuple[float, float]:
-    """Return the angular speeds of a roller against cone and cup over that of the rings against each other, by (4)."""
+    """Return the angular speeds of a roller relative to cone and cup, over that of the rings to each other, by (4)."""
     over = float(np.sin(2.0 * bearing.roller_angle))
     return float(np.sin(bearing.cup_angle)) / over, float(np.sin(bearing.cone_angle)) / over

@@ -1,26 +1,28 @@
-"""Friction torque of a row of tapered rollers: by the work in its contacts, and by Timken's formula.
+"""Friction torque of a row of tapered rollers: by the power lost in its contacts, and by Timken's formula.
 
-Work. Relative motions follow from rolling about one apex (`lowfi.bearings.rib`, 4), so that the power P of every
-contact is known, and the torque about the bearing's axis is the sum of P/omega, omega the speed of the rings against
-one another:
+The rollers roll about the common apex (`lowfi.bearings.rib`, 4), so that the relative motion and the power P lost in every
+contact are known. The torque about the bearing's axis is the sum of P/omega, omega the angular speed of the rings relative
+to each other. The losses are:
 
-- film between roller and race, per length and surface (Goksem and Hargreaves 1978; Harris, Rolling Bearing Analysis),
+- rolling resistance of the lubricant film between roller and race, per length and surface (Goksem and Hargreaves 1978;
+  Harris, Rolling Bearing Analysis),
       F = 4.318 (G U)^0.658 W^0.0126 R/alpha_p,   G U = alpha_p eta u/R,   W = q/(E' R),   P = 2 u F,                  (1)
-  u the rolling speed, alpha_p the pressure coefficient of the viscosity eta, R the relative radius, E' = E/(1 - nu^2):
-  int (h/2)(dp/dx) dx over the inlet. Full film, without heating there and starvation, which lessen it: an upper bound
-  for grease.
-- elastic hysteresis, a share of 1 % of the work that deforms steel (Johnson 1985, 9.1),
+  with the rolling speed u, the pressure coefficient alpha_p of the viscosity eta, the relative radius R and
+  E' = E/(1 - nu^2). It is the integral of (h/2)(dp/dx) over the inlet for a full film. Heating of the inlet and starvation
+  reduce it, so it is an upper bound for grease.
+- elastic hysteresis, 1 % of the work that deforms the steel (Johnson 1985, 9.1),
       P = 0.01 (2/(3 pi)) Q b Omega,                                                                                   (2)
-  Omega the angular speed of roller against race.
-- end on rib,
+  with the angular speed Omega of the roller relative to the race.
+- sliding and spin of the roller's end on the rib,
       P = mu F Omega <r>,                                                                                              (3)
-  F the load of the rib, <r> the mean distance of its pressure from the cone's contact line, about which the end turns:
-  sliding and spin together.
+  with the load F of the rib and the mean distance <r> of its pressure from the cone's contact line, about which the end
+  rotates.
 
-At rest and without lubricant there is no film: rib and hysteresis are the starting torque. Cage, seals and drag are
-left out.
+At rest and without lubricant there is no film; rib and hysteresis give the starting torque. Cage, seals and drag are
+neglected.
 
-Timken (Smith 1994, 3.29): `lowfi.bearings.torque.taper_torque`, for thrust only, with the manufacturer's factor G_1.
+Timken's formula (Smith 1994, 3.29) is `lowfi.bearings.torque.taper_torque`, for thrust only, with the manufacturer's
+factor G_1.
 """
 
 from __future__ import annotations
@@ -35,44 +37,45 @@ from rollbench.meshes.axis import RollerRow
 from rollbench.meshes.parts import Lubricant
 from rollbench.meshes.quantity import Stated, quantity, record
 
-#: Share of the work of deformation that steel loses (Johnson 1985, 9.1: about a per cent).
+#: Part of the work of deformation that steel loses by hysteresis (Johnson 1985, 9.1: about one per cent).
 HYSTERESIS = 0.01
 
-#: Coefficient of friction of the end on the rib where it is not given, and the range around it: full film to boundary.
+#: Coefficient of friction of the roller's end on the rib if none is given, and its range: full film to boundary
+#: lubrication.
 USUAL_FRICTION, FRICTIONS = 0.1, (0.03, 0.15)
 
-#: Largest load over the mean of all rollers from which on a row carries more than thrust.
+#: Ratio of the largest to the mean roller load above which a row is taken to carry more than thrust.
 UNEVEN = 1.1
 
 
 @record
 class RollerTorque:
-    """Friction torque of one row of tapered rollers about its axis [N m], by work and by Timken's formula."""
+    """Friction torque of a row of tapered rollers about its axis [N m], by the contacts' losses and by Timken's formula."""
 
-    #: Torque of the lubricant film; None without lubricant or speed.
+    #: Torque of the lubricant film between rollers and races; None without lubricant or speed.
     film: float | None = quantity(
         "film_Nmm", "part of the oil film between rollers and races; null without lubricant or speed", error="upper bound"
     )
     #: Torque of elastic hysteresis.
     hysteresis: float = quantity("hysteresis_Nmm", "part of the steel's hysteresis, 1 % of the work of deformation")
-    #: Torque of sliding and spin on the rib.
+    #: Torque of sliding and spin of the rollers' ends on the rib.
     rib: float = quantity(
         "rib_Nmm", "part of the large ends that slide and spin on the rib", error="that of the coefficient of friction"
     )
-    #: Torque with the lowest coefficient of friction of `FRICTIONS`; None where the scene gives the coefficient.
+    #: Torque with the lowest coefficient of friction in `FRICTIONS`; None if the scene gives the coefficient.
     low: float | None = quantity(
         "low_Nmm", "torque with a coefficient of 0.03 on the rib, a full film; null where rib_friction is given"
     )
-    #: Torque with the highest coefficient; None likewise.
+    #: Torque with the highest coefficient of friction in `FRICTIONS`; None if the scene gives the coefficient.
     high: float | None = quantity("high_Nmm", "torque with a coefficient of 0.15 on the rib, boundary lubrication")
-    #: Torque by Timken's formula; None where an input of it is missing.
+    #: Torque by Timken's formula; None if one of its inputs is missing.
     timken: float | None = quantity(
         "timken_Nmm",
         "running torque by Timken's formula (Smith 3.29) under the row's thrust; null without torque_factor, "
         "lubricant or speed",
         error="empirical; of thrust alone",
     )
-    #: What is assumed or missing.
+    #: Text on assumptions and missing data.
     words: str = quantity("words", "what is assumed or missing", show=lambda words: words or None, default="")
 
     @property
@@ -84,7 +87,7 @@ class RollerTorque:
         form="g3",
     )
     def torque(self) -> float:
-        """Friction torque of the running row [N m]."""
+        """Friction torque of the running row: film, hysteresis and rib [N m]."""
         return (self.film or 0.0) + self.start
 
     @property
@@ -96,35 +99,35 @@ class RollerTorque:
         form="g3",
     )
     def start(self) -> float:
-        """Friction torque at rest, without the film [N m]."""
+        """Friction torque that starts the row from rest, without lubricant film [N m]."""
         return self.hysteresis + self.rib
 
 
 def roller_torque(
     row: RollerRow, line_loads: Array, speed: float | None, lubricant: Lubricant | None
 ) -> RollerTorque | None:
-    """Return the friction torque of a row of tapered rollers, (1) to (3) and Timken's formula.
+    """Return the friction torque of a row of tapered rollers, by (1) to (3) and by Timken's formula.
 
     Parameters
     ----------
     row
-        The row.
+        Row of tapered rollers.
     line_loads
-        Loads per length ``(count, slices)`` [N/m], small end first.
+        Loads per length of each roller's slices ``(count, slices)`` [N/m], from the small end to the large one.
     speed
-        Of the rings against each other [rad/s], of any sign; None or 0 at rest.
+        Angular speed of the rings relative to each other [rad/s], of any sign; None or 0 at rest.
     lubricant
-        None where it is not known.
+        Lubricant; None if it is not known.
 
     Returns
     -------
     RollerTorque | None
-        The torque; None without load.
+        Parts and sum of the torque; None without load.
 
     Raises
     ------
     ValueError
-        A radius of the end that `rollbench.lowfi.bearings.rib.rib_geometry` refuses.
+        The radius of the rollers' ends is outside the range of `rollbench.lowfi.bearings.rib.rib_geometry`.
     """
     if not (line_loads > 0.0).any():
         return None
@@ -146,7 +149,7 @@ def roller_torque(
             if float(loads.max()) > UNEVEN * float(loads.mean()):
                 words.append("Timken's formula uses only the thrust and neglects the radial force")
     if row.torque_factor is None:
-        words.append("no Timken's formula: rollers.torque_factor, the maker's G1, is not given")
+        words.append("no torque by Timken's formula: rollers.torque_factor, the maker's G1, is not given")
     if row.rib_friction is None:
         words.append(f"rib_friction is assumed, {USUAL_FRICTION:g}")
     if row.end_radius is None:
@@ -158,25 +161,37 @@ def roller_torque(
 
 
 def rolling_speed(bearing: TaperedBearing, along: Array, speed: float) -> Array:
-    """Return the speed at which both surfaces move through their contacts [m/s].
+    """Return the rolling speed, at which both surfaces move through a roller's contacts [m/s].
 
-    The cage turns such that the speeds in the contacts with cone and cup are the same.
+    The speed of the cage makes the rolling speeds in the contacts with cone and cup equal.
 
     Parameters
     ----------
     bearing
         The bearing.
     along
-        Distance along the roller from its middle [m].
+        Distances along the roller from its middle [m].
     speed
-        Of the rings against each other [rad/s].
+        Angular speed of the rings relative to each other [rad/s].
     """
     cone, cup = np.sin(bearing.cone_angle), np.sin(bearing.cup_angle)
     return np.asarray(speed * (bearing.apex_distance + along) * cone * cup / (cone + cup))
 
 
 def film_torque(bearing: TaperedBearing, line_loads: Array, speed: float, lubricant: Lubricant) -> float:
-    """Return the torque of the films of both races [N m] by (1), slice by slice; arguments as for `roller_torque`."""
+    """Return the friction torque of the lubricant films on both races [N m], by (1) for each slice of each roller.
+
+    Parameters
+    ----------
+    bearing
+        The bearing.
+    line_loads
+        Loads per length of each roller's slices ``(count, slices)`` [N/m].
+    speed
+        Angular speed of the rings relative to each other [rad/s].
+    lubricant
+        The lubricant.
+    """
     x = slice_middles(bearing.length, line_loads.shape[-1])
     roller, cone, cup = bearing.radii(x)
     u, width = rolling_speed(bearing, x, speed), bearing.length / x.size
@@ -188,12 +203,12 @@ def film_torque(bearing: TaperedBearing, line_loads: Array, speed: float, lubric
 
 
 def rolling_force(line_load: Array, speed: Array, radius: Array, lubricant: Lubricant, modulus: float) -> Array:
-    """Return the force of the inlet on either surface per length [N/m] by (1), zero without load.
+    """Return the rolling resistance per length of the film's inlet on either surface [N/m], by (1); zero without load.
 
     Parameters
     ----------
     line_load
-        q [N/m].
+        Load per length q [N/m].
     speed
         Rolling speed u [m/s].
     radius
@@ -201,11 +216,11 @@ def rolling_force(line_load: Array, speed: Array, radius: Array, lubricant: Lubr
     lubricant
         The lubricant.
     modulus
-        E' = E/(1 - nu^2) [Pa].
+        Modulus E' = E/(1 - nu^2) [Pa].
 
     References
     ----------
-    Goksem and Hargreaves (1978). Within 15 % of the integral over the inlet (Grubin) for W from 1e-5 to 1e-4.
+    Goksem and Hargreaves (1978). It agrees within 15 % with the integral over the inlet (Grubin) for W of 1e-5 to 1e-4.
 
     Examples
     --------
@@ -219,7 +234,15 @@ def rolling_force(line_load: Array, speed: Array, radius: Array, lubricant: Lubr
 
 
 def hysteresis_torque(bearing: TaperedBearing, line_loads: Array) -> float:
-    """Return the torque of elastic hysteresis in both races [N m] by (2), slice by slice."""
+    """Return the friction torque of elastic hysteresis at both races [N m], by (2) for each slice of each roller.
+
+    Parameters
+    ----------
+    bearing
+        The bearing.
+    line_loads
+        Loads per length of each roller's slices ``(count, slices)`` [N/m].
+    """
     b, _ = slice_contacts(bearing, line_loads)
     work = (line_loads[..., None] * b).sum(axis=(0, 1)) * bearing.length / line_loads.shape[-1]
     return float(HYSTERESIS * 2.0 / (3.0 * np.pi) * work @ np.array(roller_speed_ratios(bearing)))

@@ -1,14 +1,14 @@
 """Friction torque of ball and tapered roller bearings: Palmgren's and Timken's empirical formulas, in SI units.
 
-Palmgren's constants come from units of kg, mm and s; they are kept as published and converted here.
+Palmgren's constants are written as published, in kg, mm and s, and converted here.
 
-A row of balls in general, `ball_torque`: M = M_0 + M_1, and twice M_1 to start it from rest. Published coefficients differ
-by lubrication, series and author, so each torque is a range (low, high):
+The running torque of a row of balls is M = M_0 + M_1 (`ball_torque`); starting from rest takes twice M_1. Published
+coefficients differ by lubrication, series and author, so each torque is a range (low, high):
 
     M_0 = f_0 (nu n)^(2/3) d_m^3,  M_1 = z (Q/Q_0)^y P_1 d_m.
 
-Q/Q_0 is the largest contact load over the force at which ISO 76 rates the contact, which is what P_0/C_0 means (Smith
-2.36), whatever loads the row. z, y and P_1 are those of `LOAD`, f_0 of `VISCOUS`.
+Q/Q_0 is the largest contact load over the contact force of the static load rating by ISO 76. It replaces P_0/C_0 (Smith
+2.36) for any combination of loads. The coefficients z, y and P_1 are in `LOAD`, f_0 in `VISCOUS`.
 """
 
 from __future__ import annotations
@@ -19,54 +19,56 @@ import numpy as np
 
 from rollbench.meshes.quantity import Stated, quantity, record
 
-#: Lowest and highest value [SI].
+#: Lowest and highest value of a quantity, in SI units.
 Band = tuple[float, float]
 
-#: Kinds of rows: one arc per groove with thrust in one direction, one arc with thrust in both, gothic grooves.
+#: Kinds of ball rows: circular grooves with thrust in one direction or in both, and gothic-arch grooves.
 Kind = Literal["angular contact", "deep groove", "four-point"]
 
 #: One kilogram-force [N].
 KILOGRAM_FORCE = 9.80665
-#: Kinematic viscosity times speed [mm^2/s rpm] below which the film no longer grows, and M_0 stays as it is there.
+#: Kinematic viscosity times speed [mm^2/s rpm] below which M_0 is constant.
 LEAST_FILM = 2000.0
 _INCH, _POUND = 0.0254, 4.4482216152605
 
-#: f_0 by kind and by how lubricant gets there: Palmgren (1959; Smith 2.3: 2 for a row with grease), SKF's general catalogue
-#: of 1989 and Schaeffler's (as the program Thermca quotes them); low and high where they differ or give a range.
+#: Coefficient f_0 by kind of row and of lubrication, after Palmgren (1959; Smith 2.3: 2 for a row with grease), SKF's
+#: general catalogue of 1989 and Schaeffler's (as the program Thermca quotes them); (low, high) where they differ or give a
+#: range.
 VISCOUS: dict[Kind, dict[str, Band]] = {
     "angular contact": {"grease": (2.0, 2.0), "oil mist": (1.0, 1.7), "oil bath": (2.0, 3.3), "oil jet": (4.0, 6.6)},
     "deep groove": {"grease": (0.75, 2.0), "oil mist": (0.7, 1.0), "oil bath": (1.5, 2.0), "oil jet": (3.0, 4.0)},
     "four-point": {"grease": (4.0, 6.0), "oil mist": (2.0, 3.0), "oil bath": (4.0, 6.0), "oil jet": (8.0, 12.0)},
 }
-#: z, low and high, y, and P_1 by thrust and radial load, no less than the radial load. Angular contact: z from SKF, of
-#: radial bearings and above 45 deg of thrust bearings, to Palmgren (Smith 2.34). Deep groove: Palmgren to SKF.
+#: Coefficients of M_1 by kind of row: z (low, high), exponent y, and factors of thrust and radial load in P_1, which is at
+#: least the radial load. Angular contact: z from SKF (radial bearings; thrust bearings above 45 deg) to Palmgren (Smith
+#: 2.34). Deep groove: Palmgren to SKF.
 LOAD: dict[Kind, tuple[Band, float, tuple[float, float]]] = {
     "angular contact": ((0.0010, 0.0013), 1.0 / 3.0, (1.0, -0.1)),
     "deep groove": ((0.0004, 0.0009), 0.55, (3.0, -0.1)),
     "four-point": ((0.0010, 0.0013), 1.0 / 3.0, (1.5, 3.6)),
 }
-#: Lowest z of an angular-contact row that is a thrust bearing, and the angle [rad] above which it is.
+#: Lowest z of an angular-contact thrust bearing, and the contact angle [rad] above which a bearing is a thrust bearing.
 THRUST, RADIAL_UP_TO = 0.0008, np.pi / 4.0
-#: Torque that starts a row from rest over M_1 (SKF's general catalogue).
+#: Starting torque of a row over M_1 (SKF's general catalogue).
 STARTING = 2.0
 
 
 def viscous_torque(factor: float, pitch_diameter: float, viscosity: float, speed: float) -> float:
-    """Return the load-independent torque M_0 of a ball bearing, 1e-8 kg f_0 (nu n)^(2/3) d_m^3 in mm, mm^2/s and rpm [N m].
+    """Return the load-independent friction torque M_0 of a ball bearing [N m].
 
-    Below nu n = 2000 mm^2/s rpm, where the film is under a micrometre, M_0 keeps its value there (Palmgren; SKF:
-    160e-7 f_0 d_m^3 N mm, which is 3 % less).
+    M_0 = 1e-8 kg f_0 (nu n)^(2/3) d_m^3 in mm, mm^2/s and rpm. Below nu n = 2000 mm^2/s rpm, where the film is thinner than
+    a micrometre, M_0 has the value at 2000 (Palmgren; SKF: 160e-7 f_0 d_m^3 N mm, which is 3 % less).
 
     Parameters
     ----------
     factor
-        f_0, for design and lubrication (`VISCOUS`).
+        Coefficient f_0 of design and lubrication (`VISCOUS`).
     pitch_diameter
-        d_m [m].
+        Pitch diameter d_m [m].
     viscosity
         Kinematic viscosity nu [m^2/s].
     speed
-        [rad/s], of any sign.
+        Relative speed n of the rings [rad/s], of any sign.
 
     References
     ----------
@@ -75,7 +77,7 @@ def viscous_torque(factor: float, pitch_diameter: float, viscosity: float, speed
 
     Examples
     --------
-    f_0 = 2, 40 mm, 20 mm^2/s, 1500 rpm; with 1e-7 N for 1e-8 kg, as newer catalogues have it, 12.36 N mm:
+    f_0 = 2, 40 mm, 20 mm^2/s, 1500 rpm; newer catalogues have 1e-7 N for 1e-8 kg, which gives 12.36 N mm:
 
     >>> round(viscous_torque(2.0, 40e-3, 20e-6, 1500.0 * np.pi / 30.0) * 1e3, 2)  # N mm
     12.12
@@ -86,27 +88,27 @@ def viscous_torque(factor: float, pitch_diameter: float, viscosity: float, speed
 
 @record
 class BallTorque:
-    """Friction torque of a row of balls, each as (low, high) of the published coefficients [N m]."""
+    """Friction torque of a row of balls [N m], as a range (low, high) given by the published coefficients."""
 
-    #: Part M_1 of the load.
+    #: Load-dependent part M_1.
     load: Band = quantity(
         "load_Nmm",
-        "part M1 of the load: z (Q/Q0)^y P1 dm, of the loads as solved; lowest and highest published z",
+        "load-dependent part M1 = z (Q/Q0)^y P1 dm, from the computed loads; lowest and highest published z",
         error="empirical",
         parts="[]",
     )
-    #: Part M_0 of the lubricant; None without lubricant or speed.
+    #: Part M_0 that depends on lubricant and speed; None without lubricant or speed.
     viscous: Band | None = quantity(
         "viscous_Nmm",
-        "part M0 of the lubricant: f0 (nu n)^(2/3) dm^3, lowest and highest published f0; null without [lubricant] or "
-        "[motion]",
+        "part M0 = f0 (nu n)^(2/3) dm^3 that depends on lubricant and speed; lowest and highest published f0; null without "
+        "[lubricant] or [motion]",
         error="empirical",
         parts="[]",
     )
-    #: Torque that starts the row from rest.
+    #: Torque that starts the row from rest, twice M_1.
     starting: Band = quantity(
         "starting_Nmm",
-        "torque that starts it from rest: twice the part of the load",
+        "torque that starts the row from rest: twice the load-dependent part",
         error="empirical",
         parts="[]",
         heading="friction torque from rest",
@@ -117,7 +119,7 @@ class BallTorque:
     @property
     @Stated(
         "running_Nmm",
-        "torque while it runs: M0 + M1, without seals",
+        "torque of the running row: M0 + M1, without seals",
         error="empirical",
         parts="[]",
         heading="friction torque, running",
@@ -133,8 +135,8 @@ def ball_torque(
 ) -> BallTorque:
     """Return the friction torque of a row of balls between rings that turn against each other.
 
-    Range: measured on catalogue bearings under loads of up to a static safety of one, run in, shortly after greasing; fresh
-    grease takes more.
+    Validity: the coefficients were measured on catalogue bearings that are run in and not freshly greased, at loads up to
+    the static load rating. Fresh grease needs more torque.
 
     Parameters
     ----------
@@ -143,11 +145,11 @@ def ball_torque(
     angle
         Nominal contact angle [rad].
     pitch_diameter
-        d_m [m].
+        Pitch diameter d_m [m].
     loads
-        Thrust of all balls with preload [N], radial load [N], and the largest contact load over the rated one Q/Q_0.
+        Thrust of all balls, with preload [N]; radial load [N]; largest contact load over that of the static rating, Q/Q_0.
     viscous
-        M_0 as (low, high) [N m], or None.
+        Load-independent torque M_0 as (low, high) [N m]; None without lubricant or speed.
 
     References
     ----------
@@ -173,32 +175,34 @@ def ball_torque(
 class LoadTorque:
     """Load-dependent torque of a ball bearing, with the factors from which it is computed."""
 
-    #: M_1 [N m].
+    #: Torque M_1 [N m].
     torque: float = quantity(
         "torque_Nmm",
         "starting torque of one bearing under its preload, by Palmgren's load formula M = f1 F dm (Smith 2.33 to 2.38), "
         "without lubricant and seals",
         error="empirical",
     )
-    #: f_1.
-    factor: float = quantity("factor", "its f1 = 0.0013 (P0/C0)^(1/3)")
+    #: Factor f_1.
+    factor: float = quantity("factor", "factor f1 = 0.0013 (P0/C0)^(1/3) of that torque")
     #: Static equivalent load P_0 [N].
-    equivalent_load: float = quantity("equivalent_load_N", "its static equivalent load P0")
+    equivalent_load: float = quantity("equivalent_load_N", "static equivalent load P0 of the bearing")
     #: Static load rating C_0 [N].
-    rating: float = quantity("static_rating_N", "its static rating C0 by Palmgren's formula")
+    rating: float = quantity("static_rating_N", "static load rating C0 of the bearing by Palmgren's formula")
 
 
 def static_rating(rows: int, balls: int, ball_diameter: float, angle: float, across: float, along: float) -> float:
-    """Return Palmgren's static load rating C_0 = k_0 i Z sin(alpha) D^2 [N], k_0 = 2.8 kg/mm^2/(D sqrt(across along)).
+    """Return Palmgren's static load rating of a ball bearing, C_0 = k_0 i Z sin(alpha) D^2 [N].
+
+    Here k_0 = 2.8 kg/mm^2/(D sqrt(product of the relative curvatures across and along the track)).
 
     Parameters
     ----------
     rows, balls
-        Numbers of rows i and of balls in a row Z.
+        Number i of rows, and number Z of balls in a row.
     ball_diameter
-        D [m].
+        Ball diameter D [m].
     angle
-        Contact angle [rad].
+        Contact angle alpha [rad].
     across, along
         Relative curvatures of the inner contact across the groove and along the track [1/m].
 
@@ -213,20 +217,21 @@ def static_rating(rows: int, balls: int, ball_diameter: float, angle: float, acr
 def load_torque(
     axial: float, radial: float, pitch_diameter: float, rating: float, *, axial_factor: float = 0.3
 ) -> LoadTorque:
-    """Return the load-dependent torque M_1 = f_1 g_1 P_0 d_m of a ball bearing.
+    """Return the load-dependent friction torque M_1 = f_1 g_1 P_0 d_m of a ball bearing.
 
-    f_1 = 0.0013 (P_0/C_0)^(1/3), for contact angles of about 60 deg; g_1 P_0 = F_a, so that Y_0 enters by f_1 only.
+    f_1 = 0.0013 (P_0/C_0)^(1/3) is for contact angles of about 60 deg. g_1 P_0 is taken as F_a, so that Y_0 has an
+    influence only through f_1.
 
     Parameters
     ----------
     axial, radial
         Static loads F_a and F_r [N].
     pitch_diameter
-        d_m [m].
+        Pitch diameter d_m [m].
     rating
         Static load rating C_0 [N].
     axial_factor
-        Y_0 of P_0 = 0.5 F_r + Y_0 F_a.
+        Factor Y_0 of the static equivalent load P_0 = 0.5 F_r + Y_0 F_a.
 
     References
     ----------
@@ -243,18 +248,19 @@ def load_torque(
 
 
 def taper_torque(geometry: float, viscosity: float, speed: float, axial: float) -> float:
-    """Return the running torque of a tapered roller bearing under thrust, 3.54e-5 G_1 (n mu)^0.62 F_a^0.30 in in-lb [N m].
+    """Return the running torque of a tapered roller bearing under thrust by Timken's formula [N m].
 
-    Range: run-in bearings in circulating oil; too low below 1700 F_a^0.67/(G_2 mu) rpm in lb and cP (Smith 3.30).
+    The formula is 3.54e-5 G_1 (n mu)^0.62 F_a^0.30 in-lb, in rpm, cP and lb. It is valid for run-in bearings in circulating
+    oil, and too low at speeds below 1700 F_a^0.67/(G_2 mu) rpm in lb and cP (Smith 3.30).
 
     Parameters
     ----------
     geometry
-        The manufacturer's factor G_1.
+        Timken's bearing factor G_1, from the manufacturer.
     viscosity
         Dynamic viscosity mu [Pa s].
     speed
-        [rad/s].
+        Relative speed n of the rings [rad/s].
     axial
         Thrust F_a [N].
 
@@ -273,19 +279,19 @@ def taper_torque(geometry: float, viscosity: float, speed: float, axial: float) 
 
 
 def taper_geometry(torque: float, viscosity: float, speed: float, axial: float) -> float:
-    """Return the factor G_1 that a running torque [N m] implies, for a manufacturer's curve or a test.
+    """Return Timken's bearing factor G_1 from a running torque that a manufacturer's curve or a test gives.
 
-    The inverse of `taper_torque`, with the same arguments.
+    This is the inverse of `taper_torque`.
 
     Parameters
     ----------
     torque
         Running torque [N m].
     viscosity
-        Kinematic viscosity, as `taper_torque` takes it.
+        Dynamic viscosity mu [Pa s].
     speed
-        Speed of the shaft, as `taper_torque` takes it.
+        Relative speed n of the rings [rad/s].
     axial
-        Thrust [N].
+        Thrust F_a [N].
     """
     return torque / taper_torque(1.0, viscosity, speed, axial)

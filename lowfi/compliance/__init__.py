@@ -1,1 +1,1 @@
-"""Body compliance between contact points: what a force on one flank does to every other, through screw, nut and ball."""
+"""Elastic compliance of screw, nut and balls between contact points: motion of every contact by a force on any contact."""

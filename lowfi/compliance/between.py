@@ -1,7 +1,7 @@
-"""Compliance between contacts of bodies that are not in the cache, by finite elements in sections of the bodies.
+"""Compliance of screw or nut between its contacts, computed by finite elements (results are cached by the caller).
 
-A beam with the section constants of the grooved body, plus what a smooth body of revolution does beyond the same beam
-theory, plus what grooves and faces add.
+It is the sum of three parts: a beam with the section constants of the grooved body; the compliance of a smooth elastic body
+of revolution less that of its own beam; and the compliance that grooves and end faces add.
 """
 
 from __future__ import annotations
@@ -52,17 +52,21 @@ from rollbench.meshes.parts import Scene
 from rollbench.meshes.section import BeamSection
 from rollbench.meshes.solid import solid_dimensions
 
-#: How far beyond the nut's faces the screw takes loads, over the patch's width: a contact near a face keeps its patch.
+#: Length of the loaded zone beyond the nut's faces over the patch's width, so that patches near a face are complete.
 BESIDE = 2.5
 
 
 def ball_axes(layout: BallLayout) -> Array:
-    """Return the radial and binormal axes of every ball ``(N, 2, 3)``."""
+    """Return the radial and binormal unit vectors at every ball ``(N, 2, 3)``."""
     return np.stack([layout.radial, layout.binormal], axis=1)
 
 
 def contact_frames(scene: Scene, layout: BallLayout, screw: bool, flanks: Sequence[int] = BOTH) -> tuple[Array, Array]:
-    """Return nominal contact points ``(c, 3)`` [m] and section axes ``(c, 2, 3)`` of a body's flanks, of N balls each."""
+    """Return the nominal contact points of screw or nut ``(c, 3)`` [m] and the axes of the groove's section ``(c, 2, 3)``.
+
+    The c contacts are those of all balls on the first of ``flanks``, then those on the second; the axes are radial and
+    binormal.
+    """
     at = nominal_contact_points(scene)[:2] if screw else nominal_contact_points(scene)[2:]
     x = [layout.centre + at[s][0] * layout.radial + at[s][1] * layout.binormal for s in flanks]
     return np.concatenate(x), np.concatenate([ball_axes(layout)] * len(flanks))
@@ -70,30 +74,36 @@ def contact_frames(scene: Scene, layout: BallLayout, screw: bool, flanks: Sequen
 
 @lru_cache(maxsize=32)
 def smooth_compliance(geometry: Scene, screw: bool, backend: Backend) -> TubeCompliance:
-    """Return the compliance of the smooth body over the stretch that the nut covers, cached by geometry."""
+    """Return the compliance of the smooth body that represents screw or nut, over the zone of `contact_zone`."""
     tube = smooth_body(geometry, screw, backend)
-    return of_tube(tube, contact_zone(geometry, tube))
+    return cached_tube_compliance(tube, contact_zone(geometry, tube))
 
 
 def contact_zone(geometry: Scene, tube: Tube) -> tuple[float, float]:
-    """Return the stretch [m] of a smooth body that contains every contact."""
+    """Return the axial range [m] of a smooth body that contains all contacts, from the nut's position and length."""
     half = geometry.nut.length / 2.0 + BESIDE * tube.width
     return geometry.nut.position - half, geometry.nut.position + half
 
 
-#: Kept for scenes whose other body differs.
-of_tube, section_of_tube = lru_cache(maxsize=32)(tube_compliance), lru_cache(maxsize=32)(motions_by_section_load)
+#: Cached by the tube, so that scenes with the same screw but another nut share results.
+cached_tube_compliance, cached_section_motions = (
+    lru_cache(maxsize=32)(tube_compliance),
+    lru_cache(maxsize=32)(motions_by_section_load),
+)
 
 
 @lru_cache(maxsize=32)
 @kept(RingCompliance)
 def grooved_ring_compliance(geometry: Scene, screw: bool) -> RingCompliance:
-    """Return the compliance of a ring with its groove, cached by geometry."""
+    """Return the compliance of a bearing ring with its groove, cached on disk by its geometry."""
     return ring_compliance(groove_of_body(geometry, screw), fixed_surface(geometry, screw))
 
 
 def flank_self_compliance(geometry: Scene, screw: bool, backend: Backend) -> float:
-    """Return e [m/N] of a contact on the true flank, for a narrow patch (`NearFace`)."""
+    """Return the compliance of a contact by its own load that the true flank adds to Hertz and the smooth body [m/N].
+
+    It holds for a narrow patch; `flank_size_correction` adds the influence of the contact's size.
+    """
     flank = groove_of_body(geometry, screw)
     if is_ring(geometry, screw):
         return grooved_ring_compliance(geometry, screw).normals - half_space_compliance(
@@ -108,11 +118,14 @@ def flank_self_compliance(geometry: Scene, screw: bool, backend: Backend) -> flo
 def smooth_body_correction(
     scene: Scene, layout: BallLayout, screw: bool, backend: Backend, flanks: Sequence[int] = BOTH
 ) -> Array:
-    """Return the compliance ``(2 c, 2 c)`` [m/N] that the smooth body has in addition to its beam."""
+    """Return the compliance ``(2 c, 2 c)`` [m/N] between c contacts that the smooth body has in addition to its beam.
+
+    Raises ValueError if a contact lies beyond the faces of the nut.
+    """
     geometry = geometry_only(scene)
     x, axes = contact_frames(scene, layout, screw, flanks)
     if float(np.abs(x[:, 2] - scene.nut.position).max()) > 0.5 * scene.nut.length:
-        raise ValueError("a contact lies beyond the nut's faces: lengthen the nut or reduce the turns")
+        raise ValueError("a contact lies beyond the nut's faces: lengthen the nut or reduce the number of turns")
     smooth = smooth_compliance(geometry, screw, backend)
     G = contact_compliance(smooth, points_in_space(x, axes))
     tube = smooth.tube
@@ -133,16 +146,20 @@ def smooth_body_correction(
 def contact_motions_by_section_wrench(
     scene: Scene, layout: BallLayout, screw: bool, backend: Backend, flanks: Sequence[int] = BOTH
 ) -> Array:
-    """Return the motions ``(2 c, 6)`` of contacts by a wrench on their sections, beyond those of the smooth body."""
+    """Return the motions ``(2 c, 6)`` of contacts by a unit wrench on their own cross-sections, beyond the smooth body's.
+
+    At a groove the body is thinner than on average and therefore strains more (`NearFace.strains`).
+    """
     found = near_face_of_body(geometry_only(scene), screw, backend)
     points = points_in_space(*contact_frames(scene, layout, screw, flanks))
     return motions_by_wrench(points, np.repeat([2.0 * side - 1.0 for side in flanks], layout.z.size), found.strains)
 
 
 def nut_beam(scene: Scene, layout: BallLayout, flanks: Sequence[int] = BOTH, feel: Array | None = None) -> Array:
-    """Return the compliance of the nut as a Timoshenko tube ``(2 c, 2 c)`` [m/N].
+    """Return the compliance ``(2 c, 2 c)`` [m/N] between the contacts of a nut that is a Timoshenko beam of its section.
 
-    Clamped at its faces, or at its flange; zero if its outside is fixed. feel: see `clamped_beam_compliance`.
+    The beam is clamped at the nut's faces or at its flange. The compliance is zero if the outer surface is fixed. feel: see
+    `clamped_beam_compliance`.
     """
     geometry = geometry_only(scene)
     x, axes = contact_frames(scene, layout, False, flanks)
@@ -154,7 +171,10 @@ def nut_beam(scene: Scene, layout: BallLayout, flanks: Sequence[int] = BOTH, fee
 
 @lru_cache(maxsize=32)
 def near_face_of_body(geometry: Scene, screw: bool, backend: Backend) -> NearFace:
-    """Return the compliance added by grooves and faces of screw or nut between contacts of a turn, cached."""
+    """Return the compliance that grooves and end faces of screw or nut add between contacts of one turn.
+
+    Cached in memory by geometry; `cached_near_face` is cached on disk.
+    """
     radii = (0.0, np.inf) if screw else solid_dimensions(geometry).held_radii
     section, tube = grooved_section(geometry, screw), smooth_body(geometry, screw, backend)
     low, high = (abs(end - geometry.nut.position) - 0.5 * geometry.nut.length for end in tube.ends)
@@ -167,14 +187,17 @@ def near_face_of_body(geometry: Scene, screw: bool, backend: Backend) -> NearFac
 @lru_cache(maxsize=32)
 @kept(NearFace)
 def cached_near_face(flank: Flank, tube: Tube, section: BeamSection, radii: tuple[float, float], near: bool) -> NearFace:
-    """Return `near_face_compliance`, which uses neither ends nor flange of the smooth body."""
+    """Return `near_face_compliance`, cached on disk by its arguments; ends and flange of the tube have no influence."""
     return near_face_compliance(flank, tube, section, radii, near=near)
 
 
 def groove_and_face_correction(
     scene: Scene, layout: BallLayout, screw: bool, backend: Backend, flanks: Sequence[int] = BOTH
 ) -> Array:
-    """Return the compliance ``(2 c, 2 c)`` [m/N] that grooves and faces add between contacts within half a lead."""
+    """Return the compliance ``(2 c, 2 c)`` [m/N] that grooves and end faces add between contacts on neighbouring flanks.
+
+    Flanks are coupled within one groove, or also with the groove behind it (`NearFace.turns`).
+    """
     geometry = geometry_only(scene)
     flank, held, found = (
         groove_of_body(geometry, screw),
@@ -189,7 +212,9 @@ def groove_and_face_correction(
     turn = np.rint((middle[i] - middle[j]) / (2.0 * flank.half)).astype(int)
     angle, between = azimuth[i] - azimuth[j], 0.5 * (middle[i] + middle[j])
     gain = np.zeros((i.size, 2, 2))
-    gain[:, 0, 0] = np.where(i == j, 0.0, found.between(angle)[np.arange(i.size), 1 - side[i], 2 * turn + 1 - side[j]])
+    gain[:, 0, 0] = np.where(
+        i == j, 0.0, found.compliance_between(angle)[np.arange(i.size), 1 - side[i], 2 * turn + 1 - side[j]]
+    )
     for high, face in enumerate(smooth_body(geometry, screw, backend).ends):
         distance = np.abs(face - between) - turn * flank.half
         near = np.flatnonzero(distance < REACH * scene.balls.radius)
@@ -198,9 +223,9 @@ def groove_and_face_correction(
         away = (side != high).astype(int)
         fixed = held in ("both", "high" if high else "low")
         front, back = (i[near], j[near]) if high else (j[near], i[near])
-        added = found.by_face(fixed, angle[near], distance[near])
+        added = found.face_compliance(fixed, angle[near], distance[near])
         block = added[np.arange(near.size), away[front], :, 2 * turn[near] + away[back]]
-        gain[near] += block if high else block.swapaxes(1, 2) * np.array([[1.0, -1.0], [-1.0, 1.0]])  # from its other end
+        gain[near] += block if high else block.swapaxes(1, 2) * np.array([[1.0, -1.0], [-1.0, 1.0]])  # mirror image
     signs = flank.map.signs[[s if screw else s + 2 for s in BOTH]][side]
     normal = signs * np.array([np.cos(flank.map.beta), np.sin(flank.map.beta)])
     axes = np.stack([normal, quarter_turn(normal)], axis=1)
@@ -213,7 +238,10 @@ def groove_and_face_correction(
 def body_between_contacts(
     scene: Scene, layout: BallLayout, screw: bool, backend: Backend, flanks: Sequence[int] = BOTH
 ) -> Array:
-    """Return `lowfi.compliance.bodies.whole_body` of a body that is not rigid, for contacts at any positions."""
+    """Return the compliance ``(2 c, 2 c)`` [m/N] of screw (beyond its beam) or nut between c contacts, without cache.
+
+    It is `lowfi.compliance.bodies.whole_body` for a body that is not rigid and for balls at any positions.
+    """
     held = fixed_surface(scene, screw)
     if is_ring(geometry_only(scene), screw):
         G = select_flanks(ring_contacts(grooved_ring_compliance(geometry_only(scene), screw), layout.azimuth), flanks)
@@ -230,7 +258,11 @@ def body_between_contacts(
 
 
 def motions_by_end(scene: Scene, layout: BallLayout, backend: Backend) -> tuple[Array, Array, float, float]:
-    """Return the fields of `lowfi.compliance.bodies.EndResponse` of a screw that is fixed by its section."""
+    """Return the motions of contacts and high end of a screw by a wrench on its high end, beyond those of its beam.
+
+    The screw is fixed by the mean motions of its low end. The values are the fields of
+    `lowfi.compliance.bodies.EndResponse`.
+    """
     geometry = geometry_only(scene)
     compliance = smooth_compliance(geometry, True, backend)
     x, axes = contact_frames(scene, layout, True)
@@ -254,7 +286,10 @@ def motions_by_end(scene: Scene, layout: BallLayout, backend: Backend) -> tuple[
 
 
 def motions_by_section(scene: Scene, layout: BallLayout, backend: Backend, at: float) -> Array:
-    """Return `lowfi.compliance.bodies.section_response` of contacts wherever they are."""
+    """Return the motions ``(4 N, 6)`` of contacts by a wrench on the screw's cross-section at ``at`` [m], without cache.
+
+    It is `lowfi.compliance.bodies.section_response` for balls at any positions.
+    """
     geometry = geometry_only(scene)
     tube = smooth_body(geometry, True, backend)
     x, axes = contact_frames(scene, layout, True)
@@ -266,16 +301,17 @@ def motions_by_section(scene: Scene, layout: BallLayout, backend: Backend, at: f
     end[0, 4], end[1, 3] = at - low, low - at
     beam = cantilever_compliance(rows, stations, low, tube.section, slice(-6, None))[:-6]
     beam += (motion_rows(taken, axes, low) / np.array([shift, shift, axial, tilt, tilt, twist])) @ end.T
-    motions = contact_motions_by_end_wrench(section_of_tube(tube, contact_zone(geometry, tube), at), x, axes) - beam
+    motions = contact_motions_by_end_wrench(cached_section_motions(tube, contact_zone(geometry, tube), at), x, axes) - beam
     if backend.flank:
         motions += motions_by_wrench_at(contact_motions_by_section_wrench(scene, layout, True, backend), stations[:-6], at)
     return motions
 
 
 def motions_by_wrench_at(feel: Array, stations: Array, at: float) -> Array:
-    """Return the motions ``(2 c, 6)`` by a wrench on the section at the station ``at`` [m].
+    """Return the motions ``(2 c, 6)`` of contacts by a wrench on the screw's cross-section at the position ``at`` [m].
 
-    feel ``(2 c, 6)``: motion by the wrench on the section of the contact itself, which only those below ``at`` feel.
+    feel ``(2 c, 6)``: motions by a wrench on the contact's own cross-section. The wrench passes only through the sections
+    below ``at``, so contacts above it do not move.
     """
     out, reach = feel.copy(), at - stations
     out[:, 0] += reach * feel[:, 4]
@@ -284,9 +320,9 @@ def motions_by_wrench_at(feel: Array, stations: Array, at: float) -> Array:
 
 
 def contact_motions_by_end_wrench(compliance: TubeCompliance, x: Array, axes: Array) -> Array:
-    """Return the motions ``(2 c, 6)`` of contacts by a wrench on the mean motions of the high end.
+    """Return the motions ``(2 c, 6)`` of contacts by a unit wrench on the mean motions of a shaft's high end.
 
-    Contacts at ``(c, 3)`` [m] along axes ``(c, 2, 3)``.
+    x ``(c, 3)``: contact points [m]; axes ``(c, 2, 3)``: directions of their motions.
     """
     points = points_in_space(x, axes)
     weights = patch_weights(compliance.z, points.z, compliance.tube.width)
@@ -298,7 +334,7 @@ def contact_motions_by_end_wrench(compliance: TubeCompliance, x: Array, axes: Ar
 
 
 def end_compliance(compliance: TubeCompliance) -> Array:
-    """Return the mean motions of the high end by a wrench on them ``(6, 6)``."""
+    """Return the compliance ``(6, 6)`` of a shaft's high end: its mean motions by a unit wrench on them."""
     (axial, twist), (shift, tilt) = compliance.corner
     out = np.zeros((6, 6))
     out[2, 2], out[2, 5], out[5, 2], out[5, 5] = axial[0], axial[1], twist[0], twist[1]

@@ -1,10 +1,11 @@
-"""Corrections of Hertz's half space: the ball as an elastic sphere, the flank by its curvature.
+"""Corrections of Hertz's half space for contacts of balls and grooves: elastic sphere, and curvature of the flank.
 
-Sphere (Lur'e's series): a point load P presses the surface in by u(t) = P/(8 pi G R) sum (2 n + 1) c_n P_n(cos t), n = 1
-left out: that term is the rigid motion, which the ball's equilibrium takes out again. With c_n = A/n + B/n^2 + ... the half
-space is A/sin(t/2) and a logarithm is left, averaged over the contact for its own term.
+Sphere (Lur'e's series): a point load P moves the surface inward by u(t) = P/(8 pi G R) sum (2 n + 1) c_n P_n(cos t) at the
+angle t. The term n = 1 is left out: it is a rigid motion, which equilibrium of the ball cancels. With c_n = A/n + B/n^2 +
+..., the half space is the term A/sin(t/2). A logarithmic term remains; for the loaded contact itself it is averaged over
+the contact area.
 
-Flank: its geometry, and what its curvature adds, by the size of the contact.
+Flank: geometry of the groove, and the compliance that the curvature of its surface adds, as a function of contact size.
 """
 
 from __future__ import annotations
@@ -23,14 +24,19 @@ if TYPE_CHECKING:
     from rollbench.lowfi.compliance.fourier import Grid
 
 
-#: Mean logarithm of the distance of two points of a round Hertz pressure over its radius, 11/12 - H(3/2).
+#: Mean of ln(distance/contact radius) over pairs of points of a circular contact, weighted by Hertz pressure: 11/12 -
+#: H(3/2).
 MEAN_LOG = 2.0 * np.log(2.0) - 1.75
 
+#: Number of terms of Lur'e's series.
 TERMS = 400
 
 
 def legendre_compliance(n: Array, poisson: float) -> Array:
-    """Return c_n of a sphere, u = c_n (R/2 G) p_n inward under the pressure p_n P_n(cos t) without shear; 0 for n = 1."""
+    """Return the coefficients c_n of an elastic sphere in Lur'e's series; 0 for n = 1.
+
+    The pressure p_n P_n(cos t) without shear moves the surface inward by c_n (R/2 G) p_n P_n(cos t).
+    """
     n = np.asarray(n, dtype=float)
     with np.errstate(divide="ignore", invalid="ignore"):
         top = n * (n**2 + 2.0 * n - 1.0 + 2.0 * poisson) / (n - 1.0) - (n + 1.0) * (n - 2.0 + 4.0 * poisson)
@@ -39,7 +45,7 @@ def legendre_compliance(n: Array, poisson: float) -> Array:
 
 
 def harmonic_expansion(poisson: float) -> tuple[float, float]:
-    """Return A = 2 (1 - nu) and B of c_n = A/n + B/n^2 + O(n^-3)."""
+    """Return the constants A = 2 (1 - nu) and B of the expansion c_n = A/n + B/n^2 + O(n^-3) (`legendre_compliance`)."""
     a = 2.0 * (1.0 - poisson)
     # top = a' n + b' + ..., a' = 4 - 4 nu, b' = 4 - 2 nu; bottom = 2 n^2 (1 + (1 + 2 nu)/n)
     return a, 2.0 - poisson - a * (1.0 + 2.0 * poisson)
@@ -47,7 +53,10 @@ def harmonic_expansion(poisson: float) -> tuple[float, float]:
 
 @lru_cache(maxsize=64)
 def smooth_series_remainder(cosine: float, poisson: float) -> float:
-    """Return series at an angle arccos(cosine) without closed sums of its first two terms; both vanish at the contact."""
+    """Return Lur'e's series at an angle less the closed sums of its terms A/n and B/n^2, which are singular at the load.
+
+    cosine: cosine of the angle between load and point. The result is dimensionless.
+    """
     from numpy.polynomial.legendre import legval
 
     a, b = harmonic_expansion(poisson)
@@ -60,16 +69,16 @@ def smooth_series_remainder(cosine: float, poisson: float) -> float:
 
 
 def sphere_compliance(cosine: float, radius: float, material: Material) -> float:
-    """Return the motion inward at an angle from a unit point load on an elastic ball [m/N] (Lur'e's series).
+    """Return the inward motion of a point on an elastic ball by a unit point load elsewhere on it [m/N] (Lur'e's series).
 
     Parameters
     ----------
     cosine
-        Of the angle between load and point.
+        Cosine of the angle between load and point.
     radius
-        Of the ball [m].
+        Radius of the ball [m].
     material
-        Of the ball.
+        Material of the ball.
     """
     nu = material.poissons_ratio
     a, b = harmonic_expansion(nu)
@@ -79,49 +88,52 @@ def sphere_compliance(cosine: float, radius: float, material: Material) -> float
 
 
 def sphere_self_compliance_slope(radius: float, material: Material) -> float:
-    """Return the change of `sphere_self_compliance` with the logarithm of a contact's size [m/N]."""
+    """Return the derivative of `sphere_self_compliance` with respect to the logarithm of the contact's size [m/N]."""
     a, b = harmonic_expansion(material.poissons_ratio)
     return float(-(a + 2.0 * b) / (8.0 * np.pi * material.shear_modulus * radius))
 
 
 def sphere_self_compliance(semi_axes: tuple[float, float], radius: float, material: Material) -> float:
-    """Return the motion of a contact under unit load beyond that of a half space [m/N], averaged over the pressure.
+    """Return the motion of a contact on an elastic sphere by its own unit load, less that of a half space [m/N].
+
+    The motion is averaged over the Hertz pressure.
 
     Parameters
     ----------
     semi_axes
-        Of the contact [m].
+        Semi-axes of the contact ellipse [m].
     radius
-        Of the ball [m].
+        Radius of the ball [m].
     material
-        Of the ball.
+        Material of the ball.
     """
     log = np.log(0.5 * (semi_axes[0] + semi_axes[1]) / (2.0 * radius)) + MEAN_LOG
     smooth = smooth_series_remainder(1.0, material.poissons_ratio) / (8.0 * np.pi * material.shear_modulus * radius)
     return smooth + sphere_self_compliance_slope(radius, material) * float(log)
 
 
-#: Standard deviation of the narrow patch over the ball's radius, and elements of its mesh (flank, land, depth).
+#: Standard deviation over the ball's radius of the narrow load patch on the true flank.
 NARROW = 0.18
 
+#: Numbers of elements for the narrow patch: along the flank, along the land, in depth.
 MESH = (8, 4, 10)
 
-#: ln of the standard deviation of a round Gaussian with the same mean logarithmic distance as a Hertz pressure of unit
-#: mean semi-axis: 2 ln 2 - 7/4 - (ln 2 - gamma/2).
+#: ln of the standard deviation of a circular Gaussian patch with the same mean logarithmic distance as a Hertz pressure of
+#: unit mean semi-axis: 2 ln 2 - 7/4 - (ln 2 - gamma/2).
 GAUSSIAN = float(np.log(2.0) - 1.75 + 0.5 * np.euler_gamma)
 
 
 @dataclass(frozen=True)
 class Flank:
-    """Groove of one body on half a lead."""
+    """Groove of screw, nut or ring between mid groove and mid land, with the body below it."""
 
     #: Geometry of the groove.
     map: GrooveMap
     #: Radius of the lands [m].
     land: float
-    #: Radius of the plain surface, bore or outer radius [m].
+    #: Radius of the plain surface: bore of the screw or outer radius of the nut [m].
     far: float
-    #: Whether it is the screw's; otherwise the nut's.
+    #: Whether the body is the screw; otherwise it is the nut.
     screw: bool
     #: Half a lead, or half a ring's width [m].
     half: float
@@ -130,17 +142,17 @@ class Flank:
 
     @property
     def side(self) -> int:
-        """Flank that is computed, SR or NR; the other one is its mirror image."""
+        """Number of the flank that is computed, the right one of screw or nut; the left one is its mirror image."""
         return 1 if self.screw else 3
 
     def grid(self, mesh: tuple[int, int, int] | None = None) -> Grid:
-        """Return the finite-element grid of half a lead with its groove."""
+        """Return the finite-element grid of the body between mid groove and mid land."""
         from rollbench.lowfi.compliance.tube import cell_grid  # finite elements: for bodies that are not known yet
 
         return cell_grid(self.map, self.land, self.far, self.screw, mesh or MESH, self.half)
 
     def contact(self) -> tuple[float, float]:
-        """Return the nominal contact point (r, zeta) [m]."""
+        """Return the nominal contact point (r, zeta) [m]: radius, and axial distance from mid groove."""
         m = self.map
         x3, z3 = m.ball * m.signs[self.side] * np.array([np.cos(m.beta), np.sin(m.beta)])
         r, zeta, _ = m.unroll(np.array(x3), np.array(z3))
@@ -148,14 +160,16 @@ class Flank:
 
 
 def half_space_compliance(width: float, material: Material) -> float:
-    """Return mean motion of a round Gaussian patch on a half space by its normal load, (1 - nu^2)/(2 sqrt(pi) E s) [m/N].
+    """Return the mean motion of a circular Gaussian patch on a half space by its own unit normal load [m/N].
+
+    It is (1 - nu^2)/(2 sqrt(pi) E s) with the standard deviation s of the patch.
 
     Parameters
     ----------
     width
         Standard deviation s of the patch [m].
     material
-        Of the half space.
+        Material of the half space.
 
     Examples
     --------
@@ -166,20 +180,29 @@ def half_space_compliance(width: float, material: Material) -> float:
 
 
 def flank_curvatures(flank: Flank) -> tuple[float, float]:
-    """Return principal curvatures of the flank at the contact, across the groove and along it, convex positive [1/m]."""
+    """Return the principal curvatures of a flank at the nominal contact [1/m], across the groove and along it.
+
+    Convex curvatures are positive.
+    """
     m = flank.map
     along = np.cos(m.beta) / flank.contact()[0] * (1.0 if flank.screw else -1.0)
     return -1.0 / float(m.radius[flank.side]), float(along)
 
 
 def flank_size_slope(flank: Flank) -> float:
-    """Return the change of `flank_size_correction` with the logarithm of a contact's size [m/N], by the flank's mean curvature."""
+    """Return the derivative of `flank_size_correction` with respect to the logarithm of the contact's size [m/N].
+
+    It is proportional to the mean curvature of the flank.
+    """
     a, b = harmonic_expansion(flank.material.poissons_ratio)
     return float(-(a + 2.0 * b) / (16.0 * np.pi * flank.material.shear_modulus) * sum(flank_curvatures(flank)))
 
 
 def flank_size_correction(flank: Flank, semi_axes: tuple[float, float]) -> float:
-    """Return the effect of size and shape of a contact on the correction for the narrow round patch [m/N]."""
+    """Return the change of a contact's compliance from the narrow circular patch to its actual size and shape [m/N].
+
+    semi_axes: semi-axes of the contact ellipse, across the groove and along it [m].
+    """
     a, b = semi_axes
     nu, G = flank.material.poissons_ratio, flank.material.shear_modulus
     across, along = flank_curvatures(flank)

@@ -1,20 +1,20 @@
-"""Compliance of screw, nut and ball between the contacts of a scene: by backend, or read from a file.
+"""Compliance of screw, nut and ball between the contacts of a scene, computed by a chosen model or read from a file.
 
-Each body's compliance is that of a beam with the section constants of the grooved body, plus what a smooth body of
-revolution does beyond the same beam theory, plus each contact's own flank, less the half space that Hertz already contains.
-What depends on the geometry only is cached; what computes it (`lowfi.compliance.between`) is imported where it is not
-cached.
+The compliance of a body is the sum of a beam with the section constants of the grooved body, of a smooth body of revolution
+less its own beam, and of the true flank at each contact less the half space that Hertz's law already contains. Results that
+depend only on the geometry are cached; the module that computes them (`lowfi.compliance.between`) is imported only if they
+are not in the cache.
 
-A stretch of shaft between a beam's two ends (`end_response`): what its contacts and its high end do to one another beyond
-the beam. By Saint-Venant what lies beyond a stretch acts on it only by a wrench. Its smooth body of revolution
-(`lowfi.compliance.tube`), fixed by the mean motions of its low end, responds to contact loads with the high end free;
-loaded there it shrinks under tension, bends its outline under a moment (the anticlastic surface), warps under a shear
-force. By reciprocity a contact that presses inward moves the high end away.
+A shaft on which a nut sits is also loaded at its ends (`end_response`). By Saint-Venant's principle the rest of the shaft
+acts on the stretch under the nut only by a wrench at its high end. The smooth body of revolution of that stretch
+(`lowfi.compliance.tube`) is fixed by the mean motions of its low end. Under a wrench at its high end it contracts laterally
+under tension, takes an anticlastic surface under a moment, and warps under a shear force. This moves the contacts in
+addition to the beam; by reciprocity, contact loads move the high end.
 
-A file of a condensed 3D model contains motions along the nominal normals; the low-order bodies keep what lies across them.
-The screw's beam beyond the nut, its supports and loads stay those of the low-order model.
+The file of a condensed 3D model contains motions along the nominal contact normals; motions across them follow from the
+low-order bodies. The screw's beam outside the nut, its supports and loads remain those of the low-order model.
 
-Modes of negative compliance, which no body has, are removed.
+Modes of negative compliance, which are numerical errors, are removed.
 """
 
 from __future__ import annotations
@@ -59,35 +59,35 @@ from rollbench.meshes.solid import solid_dimensions
 
 @dataclass(frozen=True)
 class Coupling:
-    """Compliance between all contacts of a body; not to be written to."""
+    """Compliance matrix between all contacts of a body; cached and shared, so it must not be modified."""
 
-    #: ``(4 N, 4 N)`` [m/N].
+    #: Motions of the contacts by loads on them, two axes each ``(4 N, 4 N)`` [m/N].
     G: Array
 
 
 @dataclass(frozen=True)
 class BodyCompliance:
-    """Compliance of a body beyond the screw's beam, at c contacts."""
+    """Compliance of screw (in addition to its beam) or nut at c contacts."""
 
-    #: Between its flanks' contacts, all left ones, then all right ones, two axes each ``(2 c, 2 c)`` [m/N].
+    #: Compliance between the contacts, all left ones, then all right ones, two axes each ``(2 c, 2 c)`` [m/N].
     G: Array
-    #: Linear compliance of each contact besides Hertz [m/N].
+    #: Linear compliance of each contact in addition to Hertz, by its own load [m/N].
     e: float
-    #: Derivative of e by the logarithm of the contact's size [m/N].
+    #: Derivative of e with respect to the logarithm of the contact's size [m/N].
     slope: float
-    #: Assumptions about the body.
+    #: Sentences on assumed dimensions of the body.
     assumed: tuple[str, ...]
 
 
 @dataclass(frozen=True)
 class BallCompliance:
-    """Ball as an elastic sphere."""
+    """Compliance of a ball as an elastic sphere at its four contacts, in addition to Hertz contact."""
 
-    #: Linear compliance of each contact besides Hertz [m/N].
+    #: Linear compliance of each contact by its own load [m/N].
     e: float
-    #: Derivative of e by the logarithm of the contact's size [m/N].
+    #: Derivative of e with respect to the logarithm of the contact's size [m/N].
     slope: float
-    #: Coupling of the opposite contacts SL-NR and SR-NL [(m/N)^(1/2)].
+    #: Square root of the coupling between the pairs of opposite contacts SL-NR and SR-NL [(m/N)^(1/2)].
     g: float
     #: Sign of the coupling between the two pairs.
     sign: float
@@ -102,27 +102,27 @@ def body_compliance(
     flanks: Sequence[int] = BOTH,
     whole: WholeBody | None = None,
 ) -> BodyCompliance:
-    """Return the compliance of screw (beyond its beam) or nut between the contacts of a scene.
+    """Return the compliance of screw (in addition to its beam) or nut between the contacts of a scene.
 
     Parameters
     ----------
     scene, layout
         The scene and the positions of its balls.
     screw
-        Whether of the screw; otherwise of the nut.
+        Whether the body is the screw; otherwise it is the nut.
     backend
         Model of the bodies' compliance.
     semi_axes
-        Of a typical contact, across the groove and along it [m].
+        Semi-axes of a typical contact ellipse, across the groove and along it [m].
     flanks
-        0 left, 1 right.
+        Numbers of the flanks with contacts: 0 left, 1 right.
     whole
-        Computes `whole_body`, for layouts that have much in common.
+        Function used in place of `whole_body`, for example one that reuses results of similar layouts.
 
     Raises
     ------
     ValueError
-        Dimensions that leave no groove, no wall or no land, or contacts at the groove's apex.
+        The dimensions leave no groove, no wall or no land, or the contacts are at the groove's apex.
     """
     kind = backend.screw if screw else backend.nut
     zero = np.zeros((2 * len(flanks) * layout.z.size,) * 2)
@@ -148,9 +148,10 @@ def body_compliance(
 
 
 def refuse_flat_contact_angle(scene: Scene, screw: bool, backend: Backend) -> None:
-    """Raise ValueError where the nominal contact angle is so flat that the contact patch crosses the groove's apex.
+    """Raise ValueError if the nominal contact angle is so small that the load patch crosses the groove's apex.
 
-    The flank's correction then grows as one over the angle. A ring whose groove is one arc has one patch there instead.
+    The correction for the flank would then grow in inverse proportion to the angle. A bearing ring whose groove is one
+    circular arc is exempt, as it has one patch there instead of two.
     """
     angle = scene.track.contact_angle
     radius = (scene.screw if screw else scene.nut).groove_radius
@@ -159,20 +160,21 @@ def refuse_flat_contact_angle(scene: Scene, screw: bool, backend: Backend) -> No
         least = np.degrees(np.arcsin(NEAR * scene.balls.radius / radius))
         raise ValueError(
             f"contact angle {np.degrees(angle):.3g} deg, but the elastic flanks of this groove need {least:.2g} deg: "
-            "nearer to the apex, the contacts of both flanks are one; the models lin, lin-cell and lin-nut solve it, and "
-            "warn where they count one contact twice"
+            "nearer to the apex, both flanks share one contact; use the models lin, lin-cell and lin-nut, which warn where "
+            "they count one contact twice"
         )
 
 
 def whole_body(scene: Scene, layout: BallLayout, screw: bool, backend: Backend, flanks: Sequence[int] = BOTH) -> Array:
-    """Return the compliance of the nut, or of the screw beyond its beam, without each contact's own flank.
+    """Return the compliance between contacts of the nut, or of the screw in addition to its beam.
 
-    With what faces add to it. Cached for all load cases of the same parts and balls: not to be written to.
+    The effect of end faces is included; the true flank at each contact (`BodyCompliance.e`) is not. The array is cached for
+    all load cases of the same parts and balls, so it must not be modified.
 
     Returns
     -------
     Array
-        ``(2 c, 2 c)`` [m/N].
+        Motions of the c contacts by loads on them, two axes each ``(2 c, 2 c)`` [m/N].
     """
     if fixed_surface(geometry_only(scene), screw) == "rigid":
         return np.zeros((2 * len(flanks) * layout.z.size,) * 2)
@@ -184,13 +186,14 @@ def whole_body(scene: Scene, layout: BallLayout, screw: bool, backend: Backend, 
     return body_between_contacts(geometry, layout, screw, backend, flanks)
 
 
-#: What computes `whole_body`.
+#: Type of a function that computes the compliance of a whole body, as `whole_body`.
 WholeBody = Callable[[Scene, BallLayout, bool, Backend, Sequence[int]], Array]
 
 
 @lru_cache(maxsize=8)
 @kept(Coupling)
 def _cached_whole_body(scene: Scene, screw: bool, backend: Backend) -> Coupling:
+    """Return `whole_body` for both flanks and the balls of the scene, cached in memory and on disk."""
     from rollbench.lowfi.compliance.between import body_between_contacts
 
     return Coupling(body_between_contacts(scene, ball_layout(scene), screw, backend))
@@ -199,13 +202,18 @@ def _cached_whole_body(scene: Scene, screw: bool, backend: Backend) -> Coupling:
 @lru_cache(maxsize=64)
 @kept(float)
 def _cached_flank_compliance(geometry: Scene, screw: bool, backend: Backend) -> float:
+    """Return `lowfi.compliance.between.flank_self_compliance` [m/N], cached in memory and on disk."""
     from rollbench.lowfi.compliance.between import flank_self_compliance
 
     return flank_self_compliance(geometry, screw, backend)
 
 
 def ball_compliance(scene: Scene, semi_axes: tuple[float, float], backend: Backend) -> BallCompliance:
-    """Return compliance of the ball; opposite contacts share their force, so their mutual motion adds to each one's own."""
+    """Return the compliance of a ball at its contacts, in addition to Hertz.
+
+    Opposite contacts carry the same force, so the motion of one by the load on the other is added to its self-compliance.
+    semi_axes: semi-axes of a typical contact ellipse [m].
+    """
     if backend.ball == "half space":
         return BallCompliance(0.0, 0.0, 0.0, 1.0)
     radius, material = scene.balls.radius, scene.balls.material
@@ -221,22 +229,22 @@ def ball_compliance(scene: Scene, semi_axes: tuple[float, float], backend: Backe
 
 @dataclass(frozen=True)
 class EndResponse:
-    """Response of a stretch of the screw to a wrench (forces [N], moments [N m]) on its high end, beyond the beam."""
+    """Motions of a screw by a unit wrench (3 forces, 3 moments) on its high end, in addition to those of its beam."""
 
     #: Motions of the contacts of both flanks, all left ones, then all right ones, two axes each ``(4 N, 6)``.
     contacts: Array
-    #: Motions of that end ``(6, 6)``.
+    #: Motions of the high end ``(6, 6)``.
     end: Array
-    #: Stations of the low and the high end [m].
+    #: Axial positions of the low and the high end [m].
     low: float
     high: float
 
 
 def end_response(scene: Scene, layout: BallLayout, backend: Backend) -> EndResponse | None:
-    """Return the response of a scene's screw; None where its body is no stretch of a shaft.
+    """Return the response of a scene's screw to a wrench on its high end; None if the screw is not an elastic shaft.
 
-    That is rigid, only a beam, or a ring on its bore. Cached for all load cases of the same parts and balls: not to be
-    written to.
+    It is None for a screw that is rigid or only a beam, and for a bearing ring fixed at its bore. The arrays are cached for
+    all load cases of the same parts and balls, so they must not be modified.
     """
     if backend.screw != "kernel" or fixed_surface(geometry_only(scene), True) != "section":
         return None
@@ -251,15 +259,17 @@ def end_response(scene: Scene, layout: BallLayout, backend: Backend) -> EndRespo
 @lru_cache(maxsize=8)
 @kept(EndResponse)
 def _cached_end_response(scene: Scene, backend: Backend) -> EndResponse:
+    """Return `end_response` for the balls of the scene, cached in memory and on disk."""
     from rollbench.lowfi.compliance.between import motions_by_end
 
     return EndResponse(*motions_by_end(scene, ball_layout(scene), backend))
 
 
 def section_response(scene: Scene, layout: BallLayout, backend: Backend, at: float) -> Array:
-    """Return the motions ``(4 N, 6)`` of the contacts, as `EndResponse.contacts`, by a wrench on a section between them.
+    """Return the motions ``(4 N, 6)`` of the contacts of a screw by a unit wrench on one of its cross-sections.
 
-    at: its station [m], inside the stretch of a screw that has an `end_response`. Cached as that one.
+    The order is that of `EndResponse.contacts`. at: axial position of the section [m], inside the stretch of a screw for
+    which `end_response` is not None. Cached as `end_response`.
     """
     parts, azimuths = parts_with_balls(scene)
     if np.array_equal(layout.azimuth, azimuths):
@@ -272,19 +282,20 @@ def section_response(scene: Scene, layout: BallLayout, backend: Backend, at: flo
 @lru_cache(maxsize=8)
 @kept(Coupling)
 def _cached_section_response(scene: Scene, backend: Backend, at: float) -> Coupling:
+    """Return `section_response` for the balls of the scene, cached in memory and on disk."""
     from rollbench.lowfi.compliance.between import motions_by_section
 
     return Coupling(motions_by_section(scene, ball_layout(scene), backend, at))
 
 
 def clear_kept_bodies() -> None:
-    """Clear all that is kept of bodies, so that the next solve is timed with its set-up."""
+    """Clear the results on bodies that are cached in memory, so that the time of the next solve includes its set-up."""
     from rollbench.lowfi.compliance.between import (
         cached_near_face,
+        cached_section_motions,
+        cached_tube_compliance,
         grooved_ring_compliance,
         near_face_of_body,
-        of_tube,
-        section_of_tube,
         smooth_compliance,
     )
 
@@ -296,8 +307,8 @@ def clear_kept_bodies() -> None:
         grooved_section,
         grooved_body_section,
         smooth_compliance,
-        of_tube,
-        section_of_tube,
+        cached_tube_compliance,
+        cached_section_motions,
         cached_near_face,
         grooved_ring_compliance,
         _cached_flank_compliance,
@@ -309,52 +320,53 @@ def clear_kept_bodies() -> None:
         memory.cache_clear()
 
 
-#: Bodies that a file holds, besides the balls.
+#: Names of the bodies in the file of a condensed 3D model, in addition to the balls.
 PARTS = ("screw", "nut")
 
 
 @dataclass(frozen=True)
 class Condensed:
-    """Bodies of a condensed 3D model for one geometry."""
+    """Compliance of screw, nut and balls from the file of a condensed 3D model of one geometry."""
 
-    #: The compliance in the file.
+    #: Contents of the file.
     bodies: CondensedBodies
-    #: Bodies that are taken from it, with the laws of the contacts on their grooves and the ball's share of these.
+    #: Names of the bodies whose compliance, with that of the contacts in their grooves, is taken from the file.
     parts: tuple[str, ...] = PARTS
 
     @staticmethod
     def read(path: Path, scene: Scene) -> Condensed:
-        """Read a file for a scene.
+        """Read the file of a condensed 3D model and check that it has the geometry of a scene.
 
         Raises
         ------
         ValueError
-            A damaged file, or one of other parts.
+            The file is damaged, or was made for other parts.
         OSError
-            A file that cannot be read.
+            The file cannot be read.
         """
         bodies = load_condensed(path)
         if bodies.geometry != geometry_digest(scene):
-            raise ValueError("made for other parts (track, screw, nut, balls or [solid] differ)")
+            raise ValueError("a file of other parts (track, screw, nut, balls or [solid] differ)")
         return Condensed(bodies)
 
     @property
     def whole(self) -> bool:
-        """Whether both bodies are those of the file."""
+        """Whether both screw and nut are taken from the file."""
         return self.parts == PARTS
 
     def sides_of(self, sides: list[int]) -> list[int]:
-        """Return those of some flanks whose contacts follow the file."""
+        """Return, of the given flanks, those whose contacts have the compliance of the file."""
         return [s for s in sides if s in self.bodies.sides and ("screw" if s < 2 else "nut") in self.parts]
 
     def correct(self, scene: Scene, layout: BallLayout, sides: list[int], total: Array, backend: Backend) -> Array:
-        """Return the compliance of a body with its part along the normals from the file.
+        """Return the low-order compliance of a body with the part along the contact normals replaced by that of the file.
 
-        What the file does not contain, across the normals and on other flanks, follows what all contacts move along theirs
-        as in the low-order body, so that the result stays positive semidefinite: with A, B, D the blocks along, between
-        and across, A' for A gives B' = A' A^-1 B and D' = D + B^T A^-1 (A' - A) A^-1 B.
+        Motions that the file does not contain, across the normals and on other flanks, depend on the motions along the
+        normals as in the low-order body, so that the matrix remains positive semidefinite. With the blocks A along the
+        normals, D across them and B between both, replacing A by A' gives B' = A' A^-1 B and
+        D' = D + B^T A^-1 (A' - A) A^-1 B.
 
-        total: the low-order compliance on these flanks, ball after ball, supports and beam included.
+        total: low-order compliance on the flanks ``sides``, ball after ball, with supports and beam.
         """
         N, screw = layout.z.size, sides[0] < 2
         geometry = geometry_only(scene)
@@ -370,7 +382,7 @@ class Condensed:
         known = [s for s in ((0, 1) if screw else (2, 3)) if s in self.bodies.sides]
         file_G = self.bodies.screw if screw else self.bodies.nut
         if file_G.shape != (N * len(known),) * 2:
-            raise ValueError("the file of condensed bodies has another number of contacts")
+            raise ValueError("the file of condensed bodies has another number of contacts than the scene")
         rows = normal_rows(scene, N, known)
         change = file_G - rows @ held @ rows.T
         common = [s for s in sides if s in known]
@@ -384,7 +396,7 @@ class Condensed:
         return np.asarray(total + spread.T @ change[np.ix_(pick, pick)] @ spread)
 
     def ball(self, scene: Scene, semi_axes: tuple[float, float]) -> BallCompliance:
-        """Return the ball from the file: what opposite contacts do to themselves and each other, and across."""
+        """Return the compliance of the ball from the file: self-compliance of contacts, and coupling between both pairs."""
         D, sides = self.bodies.ball, [int(s) for s in self.bodies.sides]
         closed = ball_compliance(scene, semi_axes, REFINED)
         pairs = [(sides.index(a), sides.index(3 - a)) for a in (0, 1) if a in sides and 3 - a in sides]
@@ -396,7 +408,7 @@ class Condensed:
         return BallCompliance(alone - 2.0 * abs(across), 0.0, float(np.sqrt(abs(across))), float(np.sign(across)))
 
     def describe(self) -> str:
-        """Return a description for the record."""
+        """Return a sentence part that says which bodies, mesh level and flanks are taken from the file."""
         names = ", ".join(SIDES[int(s)] for s in self.bodies.sides)
         level = self.bodies.level
         bodies = " and ".join(self.parts) if self.parts != PARTS else "screw, nut and balls"
@@ -404,9 +416,10 @@ class Condensed:
 
 
 def normal_rows(scene: Scene, N: int, sides: list[int]) -> Array:
-    """Return rows for the motion along the nominal normals, from arrays ordered flank after flank.
+    """Return the matrix that gives the motions of N balls' contacts along their nominal normals ``(N sides, 4 N)``.
 
-    The rows go ball after ball and flank after flank.
+    Its columns are two axes for each ball on the left flank, then on the right flank; its rows go ball after ball, each
+    with all flanks of ``sides``.
     """
     beta = scene.track.contact_angle
     out = np.zeros((N * len(sides), 4 * N))
@@ -419,9 +432,10 @@ def normal_rows(scene: Scene, N: int, sides: list[int]) -> Array:
 
 
 def normal_and_tangent_rows(scene: Scene, N: int, sides: list[int], known: list[int]) -> tuple[Array, Array]:
-    """Return rows along the nominal normals of the ``known`` flanks, and the complement across them.
+    """Return unit rows along the nominal normals of the flanks ``known``, and the rows orthogonal to them.
 
-    On arrays that go ball after ball and flank after flank, ``(N known, 2 N sides)`` and the rest.
+    Columns are two axes for each of N balls and each of its flanks ``sides``. The first matrix is ``(N known, 2 N sides)``;
+    the second completes it to an orthonormal basis.
     """
     beta = scene.track.contact_angle
     along: list[Array] = []
@@ -437,23 +451,27 @@ def normal_and_tangent_rows(scene: Scene, N: int, sides: list[int], known: list[
     return np.array(along), np.array(across)
 
 
-#: Largest compliance whose modes are all found at once, in time that grows as its cube; of a larger one only those wanted.
+#: Largest size of a matrix whose eigenvalues are all computed, in a time that grows as its cube; for a larger matrix only
+#: the smallest eigenvalues are computed.
 WHOLE = 1000
 
-#: Of a larger one: vectors that a search for negative modes begins with, how often the inverse of what is positive by a
-#: shift is applied to them, and that shift over the mean on the diagonal.
+#: Search for negative eigenvalues of a larger matrix: first number of vectors, number of applications of the inverse of the
+#: shifted, positive matrix, and the shift over the mean of the diagonal.
 FEW, INVERSES, SHIFT = 16, 20, 3e-5
 
 
 def negative_part(G: Array) -> tuple[Array, float]:
-    """Return the part of a symmetric G ``(n, n)`` in modes of negative eigenvalues, and the least eigenvalue."""
+    """Return the part of a symmetric matrix ``(n, n)`` from its negative eigenvalues, and the smallest eigenvalue.
+
+    Subtracting this part leaves the matrix positive semidefinite.
+    """
     values, vectors = np.linalg.eigh(G) if len(G) <= WHOLE else _smallest_eigenpairs(G)
     below = values < 0.0
     return (vectors[:, below] * values[below]) @ vectors[:, below].T, float(values[0])
 
 
 def _smallest_eigenpairs(G: Array) -> tuple[Array, Array]:
-    """Return eigenvalues of G, all negative ones among them, and their vectors."""
+    """Return the smallest eigenvalues of a large symmetric G, which include all negative ones, and their eigenvectors."""
     from scipy.linalg import cho_factor, cho_solve
 
     diagonal, count, shift = np.arange(len(G)), FEW, SHIFT * float(np.trace(G)) / len(G)
@@ -475,14 +493,15 @@ def _smallest_eigenpairs(G: Array) -> tuple[Array, Array]:
 
 
 def _ritz_pairs(G: Array, apply: Callable[[Array], Array], count: int) -> tuple[Array, Array]:
-    """Return eigenvalues and vectors of G within a block Krylov space of an operator.
+    """Return approximate eigenvalues and eigenvectors (Ritz pairs) of G in a block Krylov space of its shifted inverse.
 
-    The operator is applied to some vectors ``INVERSES`` times; those at the far end of its spectrum are those of G.
+    apply: product of the shifted inverse with vectors, which is used ``INVERSES`` times on ``count`` random vectors; the
+    smallest eigenvalues of G converge first.
     """
     basis = np.linalg.qr(np.random.default_rng(0).standard_normal((len(G), count)))[0]
     for _ in range(INVERSES - 1):
         applied = apply(basis[:, -count:])
-        for _ in range(2):  # once leaves round-off of what is taken away
+        for _ in range(2):  # orthogonalise twice: one pass leaves round-off errors
             applied -= basis @ (basis.T @ applied)
         basis = np.hstack([basis, np.linalg.qr(applied)[0]])
     values, turn = np.linalg.eigh(basis.T @ (G @ basis))

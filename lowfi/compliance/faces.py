@@ -1,4 +1,7 @@
-"""Compliance between contacts of one groove beyond the smooth body, far from a face of the body and near one."""
+"""Compliance that grooves and end faces of screw or nut add to the smooth body, between contacts of neighbouring flanks.
+
+It is computed from finite elements of half a lead and more, for contacts far from an end face and near one.
+"""
 
 from __future__ import annotations
 
@@ -34,92 +37,98 @@ from rollbench.meshes.arrays import Array
 from rollbench.meshes.parts import UnfitKey
 from rollbench.meshes.section import BeamSection
 
-#: Radii [m] between which a whole face is held.
+#: Range of radii [m] in which a face is fixed if it is fixed as a whole.
 WHOLE = (0.0, np.inf)
-#: How far before a contact a face counts, and how far behind it its body is clamped, over the ball's radius.
+#: Distance over the ball's radius within which an end face influences a contact, and at which the body is clamped behind
+#: it.
 REACH = 7.0
-#: Distances of the cuts from the groove's middle over the ball's radius; the first one is at the groove's edge.
+#: Distances of the end faces from mid groove over the ball's radius for which results are computed; the first is at the
+#: groove's edge.
 CUTS = (0.0, 1.2, 1.6, 2.4, 4.0, REACH)
-#: Longest element of a land over the ball's radius.
+#: Length of the longest element on a land over the ball's radius.
 LAND = 0.9
-#: First element in depth over the ball's radius.
+#: Depth of the first element over the ball's radius.
 FIRST = 0.3
-#: Step between two harmonics; highest of those that a half space continues, times the patch's width.
+#: Factor between two computed harmonics.
 STEP = 1.5
+#: Highest harmonic that is estimated from a half space, times the patch's width over the contacts' radius.
 TAIL = 2.6
-#: Difference of two patches, over their largest load, that does not count.
+#: Difference of two loads, over the largest nodal force, below which they count as equal.
 SAME = 1e-3
 
 
 class Patch(NamedTuple):
-    """Fineness with which a flank is loaded."""
+    """Size of the load patch on a flank, with the fineness of mesh and harmonics that resolves it."""
 
     #: Standard deviation of the patch over the ball's radius.
     width: float
-    #: Elements of a loaded flank (half as many of the others) and in depth.
+    #: Numbers of elements on a loaded flank (half as many on the others) and in depth.
     mesh: tuple[int, int]
-    #: Highest harmonic times the ball's radius over that of the contacts.
+    #: Highest harmonic times the ball's radius over the radius at which the contacts lie.
     highest: float
 
 
-#: Far from a face, where only curvature counts below the patch; and near one, as near as a contact's own size, which has
-#: the mean square of its long axis.
+#: Patch far from a face, where smaller contacts differ only by the flank's curvature; and patch for distances from a face
+#: down to a contact's size, with the mean square of the contact's long axis.
 FAR, BESIDE_FACE = Patch(NARROW, (4, 4), 4.0), Patch(0.07, (8, 6), 12.0)
 
 
 @dataclass(frozen=True)
 class NearFace:
-    """Compliance that ring grooves and a face add between contacts of one groove, at k distances and n harmonics."""
+    """Compliance that ring grooves and an end face add between contacts of one groove, for k distances and n harmonics."""
 
-    #: Distance of the face from the middle of the groove ``(k,)`` [m].
+    #: Distances of the face from mid groove ``(k,)`` [m].
     distance: Array
-    #: Gain by a face ``(2, n, 2, 2, f, 2, k)`` [m/N]: free or fixed; harmonic around the axis; motion of the flank pressed
-    #: towards the face or of the other one, of its arc's centre along the nominal load or across it, by a force
-    #: on either flank (f = 2), or also on those of the groove behind it (4), along or across. Zero beyond the last
-    #: distance, constant below the first. What a fixed face does across the loads, a tenth of what a free one does, is left
-    #: out.
+    #: Compliance added by a face ``(2, n, 2, 2, f, 2, k)`` [m/N]. Axes: face free or fixed; harmonic around the axis; flank
+    #: that moves, the one pressed towards the face or the other one; its motion along the nominal load or across it; loaded
+    #: flank, one of this groove (f = 2) or also of the groove behind it (f = 4); load along or across; distance. It is zero
+    #: beyond the last distance and constant below the first. The effect of a fixed face across the loads, a tenth of that
+    #: of a free face, is neglected.
     gain: Array
-    #: Distance of the contacts from the middle of the groove [m].
+    #: Distance of the contacts from mid groove [m].
     beside: float
-    #: Compliance between contacts far from any face ``(n, 2, f)`` [m/N].
+    #: Compliance added between contacts far from any face ``(n, 2, f)`` [m/N].
     far: Array
-    #: Motion of a contact there by its own load beyond Hertz and the smooth body, for a narrow patch (`at_size`) [m/N].
+    #: Motion of a contact there by its own load beyond Hertz and the smooth body, for a narrow patch
+    #: (`flank_size_correction`) [m/N].
     alone: float
-    #: `groove_strains` ``(2, 2)`` of a body that is a beam, too; in none of the others.
+    #: Motions by tension and moment on the contact's section, `groove_strains` ``(2, 2)``; zero for a body without a beam.
     strains: Array
 
     @property
     def turns(self) -> int:
-        """Number of grooves whose contacts are coupled: one, or two with the groove behind it."""
+        """Number of grooves whose contacts are coupled: one, or two if the groove behind it is included."""
         return int(self.far.shape[2]) // 2
 
-    def by_face(self, held: bool, angle: Array, distance: Array) -> Array:
-        """Return the compliance ``(m, 2, 2, f, 2)`` [m/N] that a face adds between contacts; axes as those of ``gain``.
+    def face_compliance(self, held: bool, angle: Array, distance: Array) -> Array:
+        """Return the compliance ``(m, 2, 2, f, 2)`` [m/N] that an end face adds between m pairs of contacts.
+
+        The axes after the first are those of ``gain``, from the flank that moves to the load's direction.
 
         Parameters
         ----------
         held
-            Whether the face is fixed; otherwise free.
+            Whether the face is fixed; otherwise it is free.
         angle
-            Between the contacts ``(m,)`` [rad].
+            Angles between the contacts of each pair ``(m,)`` [rad].
         distance
-            Of the front contact from the face ``(m,)`` [m].
+            Distances of the face from the groove of the contact nearer to it ``(m,)`` [m].
         """
         known = np.log(self.distance - self.beside)
         place = np.log(np.clip(distance, self.distance[0], self.distance[-1]) - self.beside)
         share = cubic_spline(known, np.eye(known.size))(place)
         return np.asarray(np.einsum("m...k,mk->m...", sum_of_harmonics(self.gain[int(held)], angle), share))
 
-    def between(self, angle: Array) -> Array:
-        """Return the compliance ``(m, 2, f)`` [m/N] between different contacts beyond a smooth body's.
+    def compliance_between(self, angle: Array) -> Array:
+        """Return the compliance ``(m, 2, f)`` [m/N] between contacts far from any face, in addition to the smooth body's.
 
-        At angles ``(m,)`` [rad].
+        angle ``(m,)``: angles between the contacts around the axis [rad].
         """
         return sum_of_harmonics(self.far, angle)
 
 
 def sum_of_harmonics(waves: Array, angle: Array) -> Array:
-    """Return the sum over harmonics ``(n, ...)`` of their waves at angles ``(m,)`` [rad], ``(m, ...)``."""
+    """Return values ``(m, ...)`` at angles ``(m,)`` [rad] of cosine series with the coefficients ``waves`` ``(n, ...)``."""
     step = np.pi / (4 * len(waves))
     sums = np.fft.hfft(0.5 * np.concatenate([2.0 * waves[:1], waves[1:]]), 8 * len(waves), axis=0)
     turned = np.abs((angle + np.pi) % (2.0 * np.pi) - np.pi)
@@ -130,7 +139,7 @@ def sum_of_harmonics(waves: Array, angle: Array) -> Array:
 def near_face_compliance(
     flank: Flank, smooth: Tube, section: BeamSection, held_radii: tuple[float, float], *, near: bool = True
 ) -> NearFace:
-    """Return the compliance that grooves and a face add to the body that ``smooth`` represents.
+    """Return the compliance that grooves and an end face add to the smooth body that represents screw or nut.
 
     Parameters
     ----------
@@ -139,16 +148,16 @@ def near_face_compliance(
     smooth
         Smooth body of revolution.
     section
-        Section of its beam, which contains that part of all motions already.
+        Section of the body's beam, whose motions are computed elsewhere and therefore subtracted.
     held_radii
-        Radii between which a face is fixed, if it is [m].
+        Range of radii in which a face is fixed, if it is fixed [m].
     near
         Whether a contact has a face within reach.
 
     Raises
     ------
     ValueError
-        A face within reach where the land cuts the groove off before the nominal contact.
+        A face is within reach, and the groove ends at the land before it reaches the nominal contact.
     """
     if near:
         _check_land(flank)
@@ -156,9 +165,9 @@ def near_face_compliance(
     strains = groove_strains(flank, smooth) if a_beam else np.zeros((2, 2))
 
     def gains(finer: Patch, last: slice, kinds: int, radii: tuple[float, float]) -> tuple[Array, Grid, Array]:
-        """Return gains of the cuts, the body, and the distances of the cuts.
+        """Return the added compliance for the end faces ``last`` of ``CUTS``, the grid, and the faces' distances [m].
 
-        kinds: 2 with motions across the loads; radii: between which a face is fixed.
+        kinds: 1 for motions along the loads, 2 also across them; radii: range in which a face is fixed [m].
         """
         grid, cuts = grooved_grid(flank, finer.mesh)
         cuts, z = cuts[last], grid.z[:, 0]
@@ -181,32 +190,33 @@ def near_face_compliance(
 
 
 def _check_land(flank: Flank) -> None:
+    """Raise UnfitKey if the groove ends at the land before it reaches the nominal contact."""
     edge = groove_line(flank.map, flank.land, flank.screw, 2)[1][-1]
     if flank.contact()[1] < edge:
         return
     body, key = ("screw", "screw.outer_diameter") if flank.screw else ("nut", "solid.nut_inner_diameter")
     angle, verb = np.degrees(flank.map.beta), "raise" if flank.screw else "lower"
     raise UnfitKey(
-        key, f"the {body}'s land cuts its groove off before the contact at {angle:.4g} deg, near a face: {verb} {key}"
+        key, f"the {body}'s groove ends at the land before the contact at {angle:.4g} deg, near an end face: {verb} {key}"
     )
 
 
 def average_mirror_images(waves: Array) -> Array:
-    """Return the motions ``(n, 2, f)`` far from any face as the mean with their mirror image.
+    """Return the motions ``(n, 2, f)`` of flanks far from any face, averaged with their mirror image.
 
-    Flank a moves by a load on flank b of the groove behind as, seen from the other end, the flank opposite b does by a load
-    on that opposite a. A body that ends as far before its groove as behind it is no mirror image about the land between
-    two.
+    By symmetry, flank a moves by a load on flank b of the groove behind as the flank opposite to b does by a load on the
+    flank opposite to a. The computed body does not have this symmetry, as its ends are equally far from the loaded groove
+    and not from the land between both grooves.
     """
     pairs = waves.reshape(len(waves), 2, -1, 2)
     return np.asarray(0.5 * (pairs + pairs[:, ::-1, :, ::-1].swapaxes(1, 3))).reshape(waves.shape)
 
 
 def append_high_harmonics(flank: Flank, waves: Array) -> Array:
-    """Return harmonics ``(n, ...)`` of the motions on narrow patches, with the higher ones, where a flank is a half space.
+    """Append higher harmonics, estimated from a half space, to the harmonics ``(n, ...)`` of motions of narrow patches.
 
-    Two Gaussian patches of deviation s on a half space respond to a wave k along it by
-    exp(x) K_0(x) exp(-2 x), x = (k s)^2/2.
+    On a half space the mutual compliance of two Gaussian patches of standard deviation s in a wave of wavenumber k is
+    proportional to exp(x) K_0(x) exp(-2 x) with x = (k s)^2/2.
     """
     from scipy.special import k0e
 
@@ -217,9 +227,10 @@ def append_high_harmonics(flank: Flank, waves: Array) -> Array:
 
 
 def motions_by_wrench(points: Points, side: Array, strains: Array) -> Array:
-    """Return the motions ``(k c, 6)`` of contacts with k axes by a wrench on their section: `groove_strains`.
+    """Return the motions ``(k c, 6)`` of c contacts, with k axes each, by a unit wrench on their own section.
 
-    side: -1 for a flank at negative z of its groove, 1 at positive z.
+    Only tension and bending moments have an effect. strains: see `groove_strains`; side: -1 for a flank at negative z of
+    its groove, 1 at positive z.
     """
     along_r, along_z = points.axes[..., 0], points.axes[..., 2] * side[:, None]
     stretch, bend = (along_r * x + along_z * y for x, y in strains)
@@ -231,9 +242,10 @@ def motions_by_wrench(points: Points, side: Array, strains: Array) -> Array:
 def motions_beyond_smooth_beam(
     flank: Flank, smooth: Tube, section: BeamSection, strains: Array, ends: tuple[float, float]
 ) -> Array:
-    """Return the motions ``(2, 2, f)`` [m/N] of both flanks on a beam, less those on the smooth body's: harmonics 0 and 1.
+    """Return the motions ``(2, 2, f)`` [m/N] of both flanks by the beam of the grooved body less that of the smooth body.
 
-    section: of the beam, clamped at both ends [m]; strains: of its grooves (`groove_strains`).
+    The first axis is for harmonics 0 and 1. section: section of the grooved beam, which is clamped at both ``ends`` [m];
+    strains: see `groove_strains`.
     """
     plain = smooth.section
     places, along = (np.concatenate([x, x]) for x in pressed_points(flank, ends[0]))
@@ -253,7 +265,10 @@ def motions_beyond_smooth_beam(
 def motions_beyond_smooth_body(
     flank: Flank, smooth: Tube, grid: Grid, cuts: Sequence[int], held_radii: tuple[float, float], finer: Patch, kinds: int
 ) -> Array:
-    """Return the motions of the true flanks minus those of the smooth body under one patch each, as `cut_motions`."""
+    """Return the motions of the true flanks minus those of the smooth body, each under its own load patch.
+
+    finer: load patch and fineness for the true flanks; other arguments and the axes of the result as for `cut_motions`.
+    """
     width = finer.width * flank.map.ball
     true = flank_patch_loads(flank, grid, cuts, width, kinds)
     r_ends, line = radial_ends(smooth)
@@ -266,16 +281,17 @@ def motions_beyond_smooth_body(
 
 
 def half_lead_grid(flank: Flank, grid: Grid) -> Grid:
-    """Return the part of a grooved body from mid groove to mid land."""
+    """Return the part of a grooved body's grid from mid groove to mid land."""
     z = grid.z[:, 0]
     half = slice(int(np.abs(z).argmin()), int(np.abs(z - flank.half).argmin()) + 1)
     return Grid(grid.r[half], grid.z[half])
 
 
 def grooved_grid(flank: Flank, mesh: tuple[int, int]) -> tuple[Grid, list[int]]:
-    """Return the grid of a body with its grooves, and those of its lines in z where it is cut.
+    """Return the grid of a body with its grooves, and the numbers of its lines in z at which an end face may be.
 
-    From its clamped end to the furthest face; the middle of the loaded groove is at z = 0.
+    The grid reaches from the clamped end to the furthest face; mid groove of the loaded groove is at z = 0. mesh: numbers
+    of elements on the loaded flank and in depth.
     """
     ball, reach = flank.map.ball, REACH * flank.map.ball
     r, z = groove_nodes(flank, mesh[0], LAND * ball * np.array([0.25, 0.6, *np.arange(1.2, flank.half / (LAND * ball))]))
@@ -305,9 +321,9 @@ def groove_nodes(flank: Flank, count: int, ends: Array) -> tuple[Array, Array]:
     flank
         The groove.
     count
-        Elements of a flank.
+        Number of elements on a flank.
     ends
-        Element ends of a land, by their distance from the groove [m].
+        Distances of the land's element ends from the edge of the groove [m].
     """
     r, z = groove_line(flank.map, flank.land, flank.screw, 2 * count + 1)
     land = flank.half - float(z[-1])
@@ -317,19 +333,20 @@ def groove_nodes(flank: Flank, count: int, ends: Array) -> tuple[Array, Array]:
 
 
 def quarter_turn(along: Array) -> Array:
-    """Return directions ``(..., 2)`` (r, z) across loads ``along``: a quarter turn from r to z."""
+    """Return the directions ``(..., 2)`` (r, z) perpendicular to ``along``, turned by 90 deg from r towards z."""
     return np.stack([-along[..., 1], along[..., 0]], axis=-1)
 
 
 def flank_patch_loads(flank: Flank, grid: Grid, cuts: Sequence[int], width: float, kinds: int = 1) -> Array:
-    """Return unit loads on the flanks of `pressed_points`, of patches of ``width`` [m].
+    """Return nodal forces of unit loads on the true flanks at `pressed_points`, for patches of ``width`` [m].
 
-    Along the nominal load, and (``kinds`` 2) across it, by the pressure that a shift of the patch adds and takes away.
+    Loads act along the nominal load and, if ``kinds`` is 2, also across it; the latter is the difference of two slightly
+    shifted patches. Patches end at the end face (``cuts``).
 
     Returns
     -------
     Array
-        ``(f, kinds, cuts, nodes of the grid, 3)``.
+        Forces ``(f, kinds, cuts, nodes of the grid, 3)``.
     """
     line = grid.shape[1] - 1 if flank.screw else 0
     normals = flank_normals(grid, line)
@@ -347,7 +364,7 @@ def flank_patch_loads(flank: Flank, grid: Grid, cuts: Sequence[int], width: floa
 
 
 def smooth_patch_loads(flank: Flank, grid: Grid, line: int, cuts: Sequence[int], width: float, kinds: int = 1) -> Array:
-    """Return unit loads on line r = ``line`` of the smooth body, as `flank_patch_loads`."""
+    """Return nodal forces of unit loads on the grid line ``line`` of the smooth body, shaped as `flank_patch_loads`."""
     places, directions = pressed_points(flank, grid.z[0, 0])
     out = np.zeros((len(places), kinds, len(cuts), *grid.shape, 3))
     for away, (place, along) in enumerate(zip(places, directions, strict=True)):
@@ -359,10 +376,10 @@ def smooth_patch_loads(flank: Flank, grid: Grid, line: int, cuts: Sequence[int],
 
 
 def pressed_points(flank: Flank, low: float) -> tuple[Array, Array]:
-    """Return the contact's z ``(f,)`` [m] and nominal direction of load ``(f, 2)`` (r, z) of the flanks of a groove.
+    """Return positions z ``(f,)`` [m] and nominal load directions ``(f, 2)`` (r, z) of the contacts on a groove's flanks.
 
-    On the flank pressed towards high z, on the other one, and on both of the groove behind where a body from z = low [m]
-    contains it.
+    The flank pressed towards high z comes first, then the other one. Both flanks of the groove behind follow if the body,
+    which begins at z = low [m], contains it.
     """
     m = flank.map
     place, along = flank.contact()[1], m.signs[flank.side] * np.array([np.cos(m.beta), np.sin(m.beta)])
@@ -384,31 +401,32 @@ def cut_motions(
     width: float,
     layer: Layer | None = None,
 ) -> Array:
-    """Return the motions of patches in every harmonic of a body cut at several lines, its face free or fixed.
+    """Return the motions of load patches in every harmonic, for a body with its end face at each of several grid lines.
 
     Parameters
     ----------
     flank, grid
-        The groove and the grid of the body.
+        Groove of the body, and its grid.
     cuts
-        Lines at which it is cut.
+        Numbers of the grid lines in z at which the end face may be.
     n
-        Harmonics at which they are sampled.
+        Harmonics that are computed; the others are interpolated.
     held_radii
-        Radii between which a face is fixed [m].
+        Range of radii in which the end face is fixed [m].
     fixing
-        See `Tube`; ``"bore"`` and ``"outer"`` fix that surface too.
+        Fixed surface, see `Tube.held`; ``"bore"`` and ``"outer"`` surfaces are fixed in addition to the clamped end.
     loads
-        See `flank_patch_loads`.
+        Nodal forces, see `flank_patch_loads`.
     width
-        Of the patches [m].
+        Standard deviation of the patches [m].
     layer
-        Layer that represents grooves.
+        Anisotropic layer that represents grooves.
 
     Returns
     -------
     Array
-        ``(2, n, 2, kinds, f, kinds, cuts)`` [m/N].
+        Motions ``(2, n, 2, kinds, f, kinds, cuts)`` [m/N]: face free or fixed, harmonic, flank that moves, its direction,
+        loaded flank, direction of the load, end face.
     """
     from scipy.linalg import cholesky_banded
     from scipy.linalg.lapack import dtbtrs
@@ -452,9 +470,10 @@ def cut_motions(
 
 
 def distinct_loads(loads: Array, cuts: Sequence[int]) -> tuple[Array, list[list[int]]]:
-    """Return the loads that differ, as rows, and which of them act on the body of each cut.
+    """Return the different loads as rows, and for each end face (``cuts``) the numbers of the rows that act.
 
-    Loads ``(f, cuts, nodes of the grid, 3)``; a patch that the cut does not reach is that of the last one.
+    loads ``(f, cuts, nodes of the grid, 3)``: nodal forces for each end face. If a patch lies wholly below an end face, its
+    load equals that for the furthest face and is solved only once.
     """
     rows, of = [x.ravel() for x in loads[:, -1]], [[0] * len(loads) for _ in cuts]
     for k, cut in enumerate(cuts):

@@ -1,8 +1,8 @@
 """Elastic bodies of revolution under any load: quadratic elements in (r, z), harmonics around the axis (Wilson 1965).
 
-Harmonic n has u_r = U cos n t, u_t = V sin n t, u_z = W cos n t; the set turned by a quarter wave has the same stiffness.
-With B = B_0 + n B_1 the stiffness is K_n = c (K_0 + n K_1 + n^2 K_2), c = pi (2 pi for n = 0), so that the generalised
-force of a load is its work on the harmonic.
+Harmonic n has the displacements u_r = U cos n t, u_t = V sin n t, u_z = W cos n t; displacements shifted by a quarter wave
+have the same stiffness. With the strain matrix B = B_0 + n B_1 the stiffness is K_n = c (K_0 + n K_1 + n^2 K_2). The factor
+c = pi (2 pi for n = 0) makes the generalised force of a load equal to its work on the harmonic.
 """
 
 from __future__ import annotations
@@ -21,29 +21,29 @@ from rollbench.meshes.arrays import Array, Index
 if TYPE_CHECKING:
     from scipy.sparse import csr_array
 
-#: Share of a unit load that reaches a line, below which it is none, and change of an element's stiffness over the largest,
-#: below which two are alike: both less than round-off.
+#: Limits below round-off: part of a unit load at a line that counts as zero, and relative difference of two element
+#: stiffnesses that count as equal.
 NONE_LEFT, ALIKE = 1e-18, 1e-13
-#: Numbers in the motions of harmonics that are found at once.
+#: Largest number of values in the motions of harmonics that are computed together.
 AT_ONCE = 3_000_000
-#: Gauss points of the 9-node quadrilateral: three a side.
+#: Gauss points of the 9-node quadrilateral, three per side.
 GAUSS = np.array([-np.sqrt(0.6), 0.0, np.sqrt(0.6)])
 WEIGHT = np.array([5.0, 8.0, 5.0]) / 9.0
 
 
 def quadratic_shape_functions(x: Array) -> tuple[Array, Array]:
-    """Return values and slopes ``(..., 3)`` of the quadratic Lagrange polynomials on nodes -1, 0, 1."""
+    """Return values and slopes ``(..., 3)`` at x of the quadratic Lagrange polynomials with nodes at -1, 0, 1."""
     values = np.stack([0.5 * x * (x - 1.0), 1.0 - x * x, 0.5 * x * (x + 1.0)], axis=-1)
     return values, np.stack([x - 0.5, -2.0 * x, x + 0.5], axis=-1)
 
 
 @dataclass(frozen=True)
 class Grid:
-    """Structured grid of 9-node quadrilaterals with odd numbers of lines; node (i, j) has number i * columns + j."""
+    """Structured grid of 9-node quadrilaterals in (r, z); node (i, j) of lines in z and r has number i * columns + j."""
 
-    #: Radii of the nodes ``(lines in z, lines in r)`` [m].
+    #: Radii of the nodes ``(lines in z, lines in r)`` [m]; both numbers of lines are odd.
     r: Array
-    #: Stations of the nodes [m], likewise.
+    #: Axial positions of the nodes ``(lines in z, lines in r)`` [m].
     z: Array
 
     @property
@@ -52,7 +52,7 @@ class Grid:
         return int(self.r.shape[0]), int(self.r.shape[1])
 
     def cells(self) -> Index:
-        """Return the nodes of every element ``(elements, 9)``, r fastest."""
+        """Return the node numbers of every element ``(elements, 9)``; r varies fastest."""
         rows, columns = self.shape
         i, j = np.meshgrid(np.arange(0, rows - 1, 2), np.arange(0, columns - 1, 2), indexing="ij")
         corner = (i * columns + j).ravel()
@@ -61,20 +61,20 @@ class Grid:
 
 
 def refine_lines(ends: Array) -> Array:
-    """Return element ends ``(k + 1,)`` with the mid nodes of quadratic elements between, ``(2 k + 1,)``."""
+    """Return the node lines ``(2 k + 1,)`` of k quadratic elements, with mid nodes between their ends ``(k + 1,)``."""
     lines = np.empty(2 * ends.size - 1)
     lines[::2], lines[1::2] = ends, 0.5 * (ends[:-1] + ends[1:])
     return lines
 
 
 def tube_grid(r_ends: Array, z_ends: Array) -> Grid:
-    """Return the grid of a plain tube from element ends in r and z [m]."""
+    """Return the grid of a plain tube with the given element ends in r and z [m]."""
     r, z = refine_lines(r_ends), refine_lines(z_ends)
     return Grid(np.broadcast_to(r, (z.size, r.size)).copy(), np.broadcast_to(z[:, None], (z.size, r.size)).copy())
 
 
 def elasticity_matrix(young: float, poisson: float) -> Array:
-    """Return D ``(6, 6)`` [Pa] for strains rr, tt, zz, rz, rt, tz (engineering shears)."""
+    """Return the isotropic elasticity matrix D ``(6, 6)`` [Pa] for strains rr, tt, zz, rz, rt, tz (engineering shears)."""
     lam = young * poisson / ((1.0 + poisson) * (1.0 - 2.0 * poisson))
     shear = young / (2.0 * (1.0 + poisson))
     D = np.zeros((6, 6))
@@ -86,25 +86,25 @@ def elasticity_matrix(young: float, poisson: float) -> Array:
 
 @dataclass(frozen=True)
 class Layer:
-    """Grooved layer of a body as a smooth anisotropic one.
+    """Smooth anisotropic layer that represents the grooves of a body.
 
-    The lands between grooves are rings: around the axis they are as stiff as their solid share, along it they hang on what
-    is under them.
+    The lands between grooves are rings. Around the axis the layer's stiffness is that of the solid part of its volume;
+    along the axis it is lower, because the lands are connected only through the material under them.
     """
 
-    #: Radii ``(k,)`` [m].
+    #: Radii of cylinders through the layer ``(k,)`` [m].
     radii: tuple[float, ...]
-    #: Solid share of the cylinders at these radii ``(k,)``.
+    #: Solid part of the cylinders at these radii ``(k,)``.
     shares: tuple[float, ...]
-    #: Power of that share for the stiffness along the axis.
+    #: Power of the solid part in the stiffness along the axis.
     axial: float
-    #: Power of that share for the shear stiffness along the axis.
+    #: Power of the solid part in the shear stiffness along the axis.
     shear: float
     #: Lead angle of the groove [rad].
     tilt: float
 
     def elasticity(self, young: float, poisson: float, radius: Array) -> Array:
-        """Return D ``(..., 6, 6)`` [Pa] at radii ``(...)`` [m], as `elasticity_matrix`."""
+        """Return the elasticity matrix D ``(..., 6, 6)`` [Pa] at radii ``(...)`` [m]; see `elasticity_matrix`."""
         f = np.interp(radius, self.radii, self.shares)
         S = np.zeros((*np.shape(f), 6, 6))
         S[..., :3, :3] = -poisson
@@ -127,12 +127,14 @@ class Layer:
 
 
 def element_matrices(grid: Grid, young: float, poisson: float, layer: Layer | None = None) -> tuple[Array, Array, Array]:
-    """Return K_0, K_1, K_2 ``(elements, 27, 27)`` of all elements, without the factor c; freedoms U, V, W node by node.
+    """Return the stiffness matrices K_0, K_1, K_2 ``(elements, 27, 27)`` of all elements, without the factor c.
+
+    The degrees of freedom are U, V, W for each node.
 
     Raises
     ------
     ValueError
-        An element turned inside out.
+        An element is turned inside out.
     """
     cells = grid.cells()
     r, z = grid.r.ravel()[cells], grid.z.ravel()[cells]
@@ -162,7 +164,10 @@ def element_matrices(grid: Grid, young: float, poisson: float, layer: Layer | No
 
 
 def strain_rows(over_r: Array, by_r: Array, by_z: Array) -> tuple[Array, Array]:
-    """Return B_0 and B_1 ``(elements, 6, 27)`` from shape functions over r and their slopes, ``(elements, 9)`` each."""
+    """Return the strain matrices B_0 and B_1 ``(elements, 6, 27)`` at one point of every element.
+
+    over_r: shape functions divided by r; by_r, by_z: their derivatives ``(elements, 9)``.
+    """
     B0, B1 = np.zeros((len(by_r), 6, 27)), np.zeros((len(by_r), 6, 27))
     U, V, W = slice(0, 27, 3), slice(1, 27, 3), slice(2, 27, 3)
     B0[:, 0, U], B0[:, 1, U], B0[:, 2, W] = by_r, over_r, by_z
@@ -173,17 +178,19 @@ def strain_rows(over_r: Array, by_r: Array, by_z: Array) -> tuple[Array, Array]:
 
 
 def factor_c(n: int) -> float:
-    """Return the integral of cos^2 n t (or of 1) around the circle."""
+    """Return the factor c of harmonic n: the integral of cos^2(n t) around the circle, 2 pi for n = 0, otherwise pi."""
     return 2.0 * np.pi if n == 0 else np.pi
 
 
 def solve_harmonic(bands: Array, n: int, loads: Array) -> Array:
-    """Return the motions ``(k, ...)`` of harmonic n by loads ``(k, ...)`` on the freedoms of `Body.bands`.
+    """Return the displacements ``(k, ...)`` of harmonic n by loads ``(k, ...)`` on the k free degrees of freedom.
+
+    bands: stiffness parts from `Body.bands`.
 
     Raises
     ------
     LinAlgError
-        Freedoms that do not fix the body.
+        The body is not fixed.
     """
     from scipy.linalg import solveh_banded
 
@@ -192,19 +199,21 @@ def solve_harmonic(bands: Array, n: int, loads: Array) -> Array:
 
 
 def condense_to_last(bands: Array, n: int, loads: Array, last: int) -> tuple[Array, Array, Array]:
-    """Condense harmonic n to the ``last`` freedoms of `Body.bands`.
+    """Condense the stiffness and loads of harmonic n to the last degrees of freedom (static condensation).
+
+    bands: stiffness parts from `Body.bands`; loads ``(k, c)``: c load cases on all k degrees of freedom; last: number of
+    degrees of freedom that remain.
 
     Returns
     -------
     tuple[Array, Array, Array]
-        Stiffness S ``(last, last)`` and loads g ``(last, c)`` on these, by ``loads`` ``(k, c)`` on all, and the work ``(c,
-        c)``
-        of the loads with the last freedoms fixed.
+        Condensed stiffness S ``(last, last)``; condensed loads g ``(last, c)``; and the compliance ``(c, c)`` of the load
+        cases with the last degrees of freedom fixed.
 
     Raises
     ------
     LinAlgError
-        Freedoms that do not fix the body.
+        The body is not fixed.
     """
     from scipy.linalg import cholesky_banded
     from scipy.linalg.lapack import dtbtrs
@@ -218,21 +227,21 @@ def condense_to_last(bands: Array, n: int, loads: Array, last: int) -> tuple[Arr
 
 
 def lower_corner(L: Array, first: int, size: int) -> Array:
-    """Return the block ``(size, size)`` from row ``first`` on the diagonal of a lower triangular matrix in bands."""
+    """Return the diagonal block ``(size, size)``, from row ``first`` on, of a lower triangular matrix stored in bands."""
     place = np.arange(size)
     below = place[:, None] - place
     return np.where((below >= 0) & (below < len(L)), L[np.clip(below, 0, len(L) - 1), first + place], 0.0)
 
 
 class Body:
-    """Body of revolution, assembled once for all harmonics."""
+    """Elastic body of revolution on a finite-element grid; its element stiffnesses serve all harmonics."""
 
     def __init__(
         self, grid: Grid, young: float, poisson: float, layer: Layer | None = None, solid: NDArray[np.bool_] | None = None
     ) -> None:
-        """Compute the parts of K of all elements.
+        """Compute the stiffness parts K_0, K_1, K_2 of all elements.
 
-        solid: which of them the body fills. Raises ValueError for an element turned inside out.
+        solid: which elements are filled with material. Raises ValueError if an element is turned inside out.
         """
         self.grid = grid
         self.elements = np.stack(element_matrices(grid, young, poisson, layer))
@@ -240,7 +249,7 @@ class Body:
             self.elements[:, ~solid] = 0.0
 
     def freedoms(self) -> Index:
-        """Freedoms of every element, ``(elements, 27)``."""
+        """Return the numbers of the degrees of freedom of every element ``(elements, 27)``."""
         cells = self.grid.cells()
         return (3 * cells[:, :, None] + np.arange(3)).reshape(len(cells), 27)
 
@@ -256,7 +265,10 @@ class Body:
         return tuple(coo_array((k.ravel(), (row, column)), (size, size)).tocsr() for k in self.elements)
 
     def stiffness_of_rows(self, chosen: slice | Index = slice(None)) -> Array:
-        """Return the stiffness ``(3, rows, 3, m, 3, m)`` of rows of elements along r, between their three lines."""
+        """Return the stiffness parts ``(3, rows, 3, m, 3, m)`` of rows of elements along r, assembled.
+
+        Each row has three grid lines with m degrees of freedom. chosen: selection of the rows.
+        """
         columns, width = self.grid.shape[1] // 2, self.grid.shape[1]
         elements = self.elements.reshape(3, -1, columns, *(3,) * 6)[:, chosen]
         out = np.zeros((3, elements.shape[1], 3, width, 3, 3, width, 3))
@@ -267,13 +279,19 @@ class Body:
 
     @cached_property
     def alike(self) -> NDArray[np.bool_]:
-        """Return whether each row of elements along r has the stiffness of the row before, to round-off ``(rows,)``."""
+        """Whether each row of elements along r has the same stiffness as the row before it ``(rows,)``."""
         rows = self.elements.reshape(3, self.grid.shape[0] // 2, -1)
         change = np.abs(np.diff(rows, axis=1)).max(axis=(0, 2))
         return np.append(False, change < ALIKE * np.abs(rows).max())
 
     def bands(self, free: NDArray[np.bool_]) -> Array:
-        """Return the parts of K on the ``free`` freedoms ``(3 nodes,)`` as lower bands ``(3, width, k)``."""
+        """Return the stiffness parts of the k degrees of freedom in ``free`` ``(3 nodes,)``, stored in lower bands.
+
+        Returns
+        -------
+        Array
+            K_0, K_1, K_2 as ``(3, width, k)``.
+        """
         count, place = int(free.sum()), np.where(free, np.cumsum(free) - 1, -1)
         i = place[self.freedoms()]
         below = np.flatnonzero((i[:, :, None] >= i[:, None]) & (i[:, None] >= 0))
@@ -285,13 +303,14 @@ class Body:
         return np.asarray(found, dtype=float).reshape(3, width, count)
 
     def stiffness(self, n: int) -> csr_array:
-        """Return K_n ``(3 nodes, 3 nodes)``."""
+        """Return the stiffness matrix K_n of harmonic n ``(3 nodes, 3 nodes)``."""
         return factor_c(n) * (self.parts[0] + n * self.parts[1] + n * n * self.parts[2])
 
     def axis_free(self, n: int) -> NDArray[np.bool_]:
-        """Return freedoms that a regular field of harmonic n may have on the axis ``(3 nodes,)``; all for a body with bore.
+        """Return which degrees of freedom a regular field of harmonic n may have ``(3 nodes,)``; all, except on the axis.
 
-        At r = 0: n = 0 leaves W, n = 1 leaves U and V (that U = -V there is left to the energy), n > 1 nothing.
+        At r = 0, harmonic 0 allows W, harmonic 1 allows U and V (U = -V follows from the minimum of energy), and higher
+        harmonics allow none.
         """
         free = np.ones((self.grid.r.size, 3), dtype=bool)
         on_axis = self.grid.r.ravel() == 0.0
@@ -300,16 +319,17 @@ class Body:
 
 
 def end_motions(body: Body, n: int) -> Array:
-    """`mean_motions` of an end section."""
+    """Return `mean_motions` of the section at a body's low end for harmonic n."""
     return mean_motions(body.grid.r[0], n)
 
 
 def mean_motions(r: Array, n: int) -> Array:
-    """Mean rigid motions of a section with nodes at r ``(columns,)``, rows on their freedoms, ``(k, 3 columns)``.
+    """Return the rows ``(k, 3 columns)`` that give the mean rigid motions of a section from its nodes' displacements.
 
-    n = 0: axial motion and twist; n = 1: shift across and tilt (u_z = - tilt r cos t); none above.
+    The nodes are at the radii r ``(columns,)`` [m]. Harmonic 0 has axial motion and twist, harmonic 1 has lateral shift and
+    tilt (u_z = - tilt r cos t), and higher harmonics have none.
     """
-    weights = np.zeros((2, r.size))  # shares of the nodes in the means of f over the area, and of f r over its moment
+    weights = np.zeros((2, r.size))  # weights of the nodes in the mean of f over the area, and of f r over its moment
     for a in range(0, r.size - 2, 2):
         for x, w in zip(GAUSS, WEIGHT, strict=True):
             N = quadratic_shape_functions(np.array(x))[0]
@@ -327,15 +347,15 @@ def mean_motions(r: Array, n: int) -> Array:
 
 @dataclass(frozen=True)
 class BlockSum:
-    """Symmetric matrix as the sum of blocks on its diagonal."""
+    """Symmetric matrix stored as the sum of square blocks on its diagonal, which may overlap."""
 
-    #: Number of rows.
+    #: Number of rows of the matrix.
     size: int
     #: First row and values of each block.
     blocks: tuple[tuple[int, Array], ...]
 
     def whole(self) -> Array:
-        """Return the matrix."""
+        """Return the full matrix ``(size, size)``."""
         out = np.zeros((self.size, self.size))
         for first, block in self.blocks:
             rows = slice(first, first + len(block))
@@ -343,7 +363,7 @@ class BlockSum:
         return out
 
     def reach(self, low: int, high: int) -> tuple[int, int]:
-        """Return first row, and last + 1, that columns ``low`` to ``high`` - 1 may reach."""
+        """Return the range of rows, first and last + 1, that may be nonzero in the columns ``low`` to ``high`` - 1."""
         met = [(first, first + len(b)) for first, b in self.blocks if first < high and first + len(b) > low]
         return min((x[0] for x in met), default=low), max((x[1] for x in met), default=low)
 
@@ -356,34 +376,34 @@ def line_compliance(
     rows: tuple[int, int],
     springs: Sequence[float] = (),
 ) -> list[BlockSum]:
-    """Return the motion of the nodes of grid line r = ``line`` by loads on them, for each harmonic.
+    """Return the compliance of the nodes on one axial grid line of a body, in each of several harmonics.
 
     Parameters
     ----------
     body
-        The body.
+        Body of revolution.
     harmonics
-        The harmonics.
+        Numbers of the harmonics.
     held
-        Fixed freedoms ``(3 nodes,)``.
+        Fixed degrees of freedom ``(3 nodes,)``.
     line
-        Number of the line.
+        Number of the grid line in r.
     rows
-        First, and last + 1, of the lines in z that are loaded and observed.
+        First, and last + 1, of the grid lines in z that are loaded and observed.
     springs
-        Shift, tilt, axial and twist stiffness [N/m, N m] of the low end's mean motions. With springs, harmonics 0 and 1
-        have two more rows and columns: the mean motions of the high end (`end_motions`).
+        Shift, tilt, axial and twist stiffness [N/m, N m] of springs on the low end's mean motions. With springs, harmonics
+        0 and 1 have two more rows and columns: the mean motions of the high end (`end_motions`).
 
     Returns
     -------
     list[BlockSum]
-        ``(3 k, 3 k)`` for each harmonic, freedoms U, V, W node by node; that of waves is made of blocks about as long as
-        these reach.
+        Compliance ``(3 k, 3 k)`` [m/N] of each harmonic, with U, V, W for each node. In harmonics above 1 a load has an
+        effect only over a short length; the blocks have about this length.
 
     Raises
     ------
     LinAlgError
-        A body that is not fixed.
+        The body is not fixed.
     """
     n, size = np.asarray(harmonics), max(3 * (rows[1] - rows[0]), 9 * body.grid.shape[1])  # loads, and freedoms of a row
     most = max(1, AT_ONCE // size**2)
@@ -396,25 +416,26 @@ def line_compliance(
 
 @dataclass(frozen=True)
 class Stretch:
-    """Stretch of a body in h harmonics, condensed to the lines along r at its ends, q freedoms in all."""
+    """Axial part of a body in h harmonics, condensed to the q degrees of freedom of the grid lines at its two ends."""
 
-    #: Stiffness of these freedoms ``(h, q, q)``.
+    #: Stiffness of the end lines ``(h, q, q)``.
     stiffness: Array
-    #: On them by k unit loads between ``(h, q, k)``.
+    #: Forces on the end lines by k unit loads on the nodes between them ``(h, q, k)``.
     forces: Array
-    #: Of the loaded positions with those lines fixed: blocks ``(h, w, w)`` on the diagonal, each with its first load.
+    #: Compliance of the loaded nodes with both end lines fixed: diagonal blocks ``(h, w, w)``, each with its first load.
     motion: tuple[tuple[int, Array], ...] = ()
 
 
 def join_stretches(a: Stretch, b: Stretch, loads: Array) -> Stretch:
-    """Return two stretches in a row without the line between, on which unit loads ``(h, m, j)`` act.
+    """Join two neighbouring stretches of a body into one, and eliminate the grid line between them.
 
-    At an end of the body, a stretch has one line. A load of which less than round-off reaches that line does nothing there.
+    loads ``(h, m, j)``: unit loads on that line. A stretch at an end of the body has only one line. Loads whose part at a
+    line is below round-off are neglected there.
 
     Raises
     ------
     LinAlgError
-        A line that is not fixed.
+        The line between is not fixed.
     """
     h, m, between = loads.shape
     low, high = a.stiffness.shape[1] - m, b.stiffness.shape[1] - m
@@ -430,7 +451,7 @@ def join_stretches(a: Stretch, b: Stretch, loads: Array) -> Stretch:
 
 
 def eliminate_freedoms(stretch: Stretch, line: slice) -> Stretch:
-    """Return a stretch without some of its remaining freedoms."""
+    """Eliminate the degrees of freedom ``line`` from the remaining ones of a stretch, by static condensation."""
     K, forces, motion = stretch.stiffness, stretch.forces, stretch.motion
     left = np.delete(np.arange(K.shape[1]), line)
     reach = np.flatnonzero((np.abs(forces[:, line]) > NONE_LEFT).any(axis=(0, 1)))
@@ -446,7 +467,7 @@ def eliminate_freedoms(stretch: Stretch, line: slice) -> Stretch:
 
 
 def repeat_stretch(stretch: Stretch, count: int, loads: Array) -> Stretch:
-    """Return equal stretches in a row, by doubling; loads: on each of the lines between."""
+    """Join ``count`` equal stretches in a row into one, by repeated doubling; loads: unit loads on each line between."""
     if count == 1:
         return stretch
     half = repeat_stretch(stretch, count // 2, loads)
@@ -457,7 +478,10 @@ def repeat_stretch(stretch: Stretch, count: int, loads: Array) -> Stretch:
 def _line_compliance_by_stretches(
     body: Body, n: Index, held: NDArray[np.bool_], line: int, rows: tuple[int, int], springs: Sequence[float]
 ) -> list[BlockSum]:
-    """Return `line_compliance` of harmonics n (0 or 1 only), by joining rows of elements, equal ones by doubling."""
+    """Return `line_compliance` for harmonics n (0, or 1, or all above 1), by joining rows of elements to stretches.
+
+    Equal rows in succession are joined by doubling.
+    """
     count, width = body.grid.shape[0], 3 * body.grid.shape[1]
     powers = np.array([[factor_c(i), factor_c(i) * i, factor_c(i) * i * i] for i in n.tolist()])
     free = np.array([~held & body.axis_free(i) for i in n.tolist()]).reshape(n.size, count, width)
@@ -465,9 +489,11 @@ def _line_compliance_by_stretches(
     unit[3 * line + np.arange(3), np.arange(3)] = 1.0
 
     def loads(i: int) -> Array:
+        """Return the unit loads on grid line i."""
         return (free[:, i, :, None] * unit)[:, :, : 3 if rows[0] <= i < rows[1] else 0]
 
     def row_stretch(k: int) -> Stretch:
+        """Return the stretch of row k of elements, without its middle line."""
         moves, parts = free[:, 2 * k : 2 * k + 3].reshape(n.size, -1), body.stiffness_of_rows(np.array([k]))
         K = np.tensordot(powers, parts.reshape(3, 3 * width, -1), 1) * moves[:, :, None] * moves[:, None]
         K[:, np.arange(3 * width), np.arange(3 * width)] += np.where(moves, 0.0, np.abs(K).max())
@@ -475,7 +501,8 @@ def _line_compliance_by_stretches(
         forces = np.pad(middle, ((0, 0), (width, width), (0, 0)))
         return eliminate_freedoms(Stretch(K, forces), slice(width, 2 * width))
 
-    def end(springs: Array | float) -> Stretch:
+    def end_stretch(springs: Array | float) -> Stretch:
+        """Return an empty stretch at an end of the body, with springs on its one line."""
         return Stretch(np.zeros((n.size, width, width)) + springs, np.zeros((n.size, width, 0)))
 
     pattern = [(free[:, 2 * k : 2 * k + 3].tobytes(), rows[0] <= 2 * k + 1 < rows[1]) for k in range(count // 2)]
@@ -490,8 +517,8 @@ def _line_compliance_by_stretches(
         low = motions * free[0, 0]
         soft = low.T @ (np.array(springs[2:] if n[0] == 0 else springs[:2])[:, None] * low)
         between[-1] = np.concatenate([between[-1], (motions * free[0, -1]).T[None]], axis=2)
-    stretches = [end(soft), *stretches, end(0.0)]
-    while between:  # those with the least loads first
+    stretches = [end_stretch(soft), *stretches, end_stretch(0.0)]
+    while between:  # join the neighbours with the fewest loads first
         counts = [s.forces.shape[2] for s in stretches]
         i = min(range(len(between)), key=lambda i: counts[i] + counts[i + 1])
         stretches[i : i + 2] = [join_stretches(stretches[i], stretches[i + 1], between.pop(i))]

@@ -1,10 +1,11 @@
-"""Corrections of the smooth body of revolution for its groove: the equivalent surface, and each contact's own flank.
+"""Corrections of the smooth body of revolution for its groove: radius of its surface, and compliance of the true flank.
 
-A contact moves by its own load as the smooth body with a wide patch gives, plus the difference of the true flank with a
-narrow patch and the smooth body with the wide one, both on half a lead and fixed alike, less a half space under the narrow
-patch, which Hertz's law contains already. Pressure acts and presses in along the flank's normals, which turn over a patch:
-loads along one fixed direction would move it by (1 - 2 nu)/(8 pi G rho) more. Below the narrow patch only curvature counts,
-by the logarithm of the contact's size and by its shape (`at_size`).
+The motion of a contact by its own load is the sum of three terms: that of the smooth body under a wide patch; the
+difference between the true flank under a narrow patch and the smooth body under the wide one, both on half a lead with the
+same supports; and minus that of a half space under the narrow patch, which Hertz's law contains already. Pressure acts
+along the flank's normals, whose direction varies over the patch, and motions are measured along them; loads in one fixed
+direction would give a motion larger by (1 - 2 nu)/(8 pi G rho). For contacts smaller than the narrow patch only the flank's
+curvature has an influence, through the logarithm of the contact's size and through its shape (`flank_size_correction`).
 """
 
 from __future__ import annotations
@@ -31,16 +32,17 @@ from rollbench.meshes.arrays import Array
 from rollbench.meshes.numerics import brentq
 from rollbench.meshes.section import BeamSection
 
-#: Least share of a cylinder that counts as solid.
+#: Least solid part of a cylinder through the grooves.
 LEAST_SHARE = 0.02
-#: Largest power of that share by which a layer is softer along the axis.
+#: Largest power of the solid part in the stiffness of a layer along the axis.
 LARGEST_POWER = 200.0
 
 
 def smooth_radius(flank: Flank, power: int) -> float:
-    """Return the radius of the smooth surface that represents the groove [m].
+    """Return the radius of the smooth cylinder that replaces a grooved surface [m].
 
-    power 2: keeps the body's volume; power 3: keeps the mean ring bending stiffness, wall^3, of a bore.
+    power 2: the body has the same volume; power 3: a bore leaves the same mean cube of the wall thickness, to which the
+    bending stiffness of a ring is proportional.
     """
     grid = flank.grid()
     line = -1 if flank.screw else 0
@@ -51,7 +53,10 @@ def smooth_radius(flank: Flank, power: int) -> float:
 
 
 def groove_layer(flank: Flank, section: BeamSection) -> Layer:
-    """Return the nut's grooves as a layer between lands and root, as stiff in stretch and twist as the grooved section."""
+    """Return the anisotropic layer that represents the nut's grooves between lands and groove bottom.
+
+    With it the smooth nut has the axial and torsional stiffness of the grooved section.
+    """
     r, zeta = (x[::-1] for x in groove_line(flank.map, flank.land, flank.screw, 33))
     share = np.maximum(1.0 - zeta / flank.half, LEAST_SHARE)
     young, shear, (root, far) = flank.material.youngs_modulus, flank.material.shear_modulus, (r[-1], flank.far)
@@ -69,8 +74,9 @@ def groove_layer(flank: Flank, section: BeamSection) -> Layer:
 def groove_strains(flank: Flank, smooth: Tube) -> Array:
     """Return the motions ``(2, 2)`` (r, z) [m/N, 1/N] of a contact by a unit tension and a unit moment on its section.
 
-    Of a contact on the flank at positive z, beyond those of the section of the beam and of the smooth body; the moment
-    stretches the body's side with the contact. At a groove a body is thin, and strains more than it does on average.
+    The contact is on the flank at positive z, and the moment stretches the body's side with the contact. Motions of the
+    beam's section and of the smooth body are subtracted. A remainder is left because at a groove the body is thinner, and
+    strains more, than on average.
     """
     grid, (radius, zeta) = flank.grid(), flank.contact()
     line, (r_ends, loaded) = grid.shape[1] - 1 if flank.screw else 0, radial_ends(smooth)
@@ -92,9 +98,10 @@ def groove_strains(flank: Flank, smooth: Tube) -> Array:
 
 
 def flank_weights(grid: Grid, line: int, zeta: float, width: float, moment: int = 0) -> tuple[Array, Array]:
-    """Return the shares ``(k,)`` of a Gaussian patch of arc length on the nodes of the grid's surface, and the nodes' z.
+    """Return the weights ``(k,)`` of surface nodes for a Gaussian load patch on a flank, and the nodes' z [m].
 
-    Around the point at ``zeta``; with ``moment`` 1 each times its distance along the arc from that point over the width.
+    The patch is Gaussian in the arc length from the point at z = ``zeta`` and has the standard deviation ``width`` [m].
+    line: number of the grid line on the surface. moment 1: the density is multiplied by the arc length over the width.
     """
     r, z = grid.r[:, line], grid.z[:, line]
     node, weight = np.polynomial.legendre.leggauss(8)
@@ -121,9 +128,9 @@ def flank_weights(grid: Grid, line: int, zeta: float, width: float, moment: int 
 
 
 def sampled_harmonics(limit: float, step: float = 1.28, first: int = 0) -> Array:
-    """Return harmonics at which a smooth series is sampled, from ``first`` to ``limit``.
+    """Return the numbers of the Fourier harmonics that are computed, from ``first`` up to ``limit``.
 
-    Up to 4 all, then each ``step`` times the last.
+    Up to 4 all harmonics are taken, then each is ``step`` times the one before; `interpolate_harmonics` gives the others.
     """
     harmonics = [first]
     while harmonics[-1] < limit:
@@ -134,7 +141,7 @@ def sampled_harmonics(limit: float, step: float = 1.28, first: int = 0) -> Array
 def cubic_spline(known: ArrayLike, values: Array) -> Callable[[Array], Array]:
     """Return the cubic spline through values ``(k, ...)`` at positions ``(k,)``.
 
-    scipy.interpolate is slow to import, and not needed for bodies whose compliance is cached.
+    scipy.interpolate is imported here because it loads slowly and is not needed if the compliance is in the cache.
     """
     from scipy.interpolate import CubicSpline
 
@@ -143,12 +150,15 @@ def cubic_spline(known: ArrayLike, values: Array) -> Callable[[Array], Array]:
 
 
 def interpolate_harmonics(n: Array, values: Array) -> Array:
-    """Return quantities sampled at harmonics ``n`` ``(k, ...)`` at all harmonics from the first to the last of them."""
+    """Interpolate values ``(k, ...)``, computed for the harmonics ``n``, to all harmonics from the first to the last."""
     return np.asarray(cubic_spline(np.log1p(n), values)(np.log1p(np.arange(n[0], n[-1] + 1))))
 
 
 def flank_normals(grid: Grid, line: int) -> Array:
-    """Return unit normals ``(k, 2)`` (r, z) at the nodes of the grid's surface, of either sense; mean of both elements'."""
+    """Return unit normals ``(k, 2)`` (r, z) at the nodes of a grid line on the surface, averaged over adjacent elements.
+
+    Whether they point into or out of the body is not defined.
+    """
     r, z = grid.r[:, line], grid.z[:, line]
     slope = quadratic_shape_functions(np.array([-1.0, 0.0, 1.0]))[1]
     along = np.zeros((r.size, 2))
@@ -160,7 +170,10 @@ def flank_normals(grid: Grid, line: int) -> Array:
 
 
 def normal_load(flank: Flank, grid: Grid, width: float, zeta: float) -> Array:
-    """Return unit forces ``(k, 2)`` (r, z) of a patch of ``width`` at ``zeta`` [m] on surface nodes, along its normals."""
+    """Return the nodal forces ``(k, 2)`` (r, z) of a unit load patch at z = ``zeta`` [m], along the flank's normals.
+
+    width: standard deviation of the Gaussian patch [m].
+    """
     line = grid.shape[1] - 1 if flank.screw else 0
     share, _ = flank_weights(grid, line, zeta, width)
     m = flank.map
@@ -170,9 +183,13 @@ def normal_load(flank: Flank, grid: Grid, width: float, zeta: float) -> Array:
 
 
 def self_motion_harmonics(flank: Flank, grid: Grid, load: tuple[Array, Array], n: Array) -> Array:
-    """Return the motions ``(k,)`` [m/N] of one flank's patch under a unit load on it, in harmonics ``n``."""
+    """Return the Fourier harmonics ``n`` of the motion of a patch on one flank by a unit load on it ``(k,)`` [m/N].
+
+    load: nodal forces of the load cases symmetric and antisymmetric to mid groove; the mean of both motions is that of one
+    loaded flank.
+    """
     rows, columns = grid.shape
-    turned = Grid(grid.r[::-1], -grid.z[::-1])  # so that the plane between both flanks comes last
+    turned = Grid(grid.r[::-1], -grid.z[::-1])  # so that the plane at mid groove is last
     body = Body(turned, flank.material.youngs_modulus, flank.material.poissons_ratio)
     forces = np.stack([(force[::-1] * np.array([1.0, 1.0, -1.0])).ravel() for force in load], axis=1)
     held = np.zeros((rows, columns, 3), dtype=bool)
@@ -187,28 +204,37 @@ def self_motion_harmonics(flank: Flank, grid: Grid, load: tuple[Array, Array], n
             kept[free.tobytes()] = body.bands(free)
         along = np.flatnonzero(free[-3 * columns :]) % 3 == 2
         S, g, work = condense_to_last(kept[free.tobytes()], harmonic, forces[free], along.size)
-        for case, moves in enumerate((~along, along)):  # equal loads leave the plane where it is along z, opposite across
+        for case, moves in enumerate((~along, along)):  # symmetric, antisymmetric to mid groove
             pressed = g[moves, case]
             values[k, case] = work[case, case] + pressed @ np.linalg.solve(S[np.ix_(moves, moves)], pressed)
     return np.asarray(values.mean(axis=1))
 
 
 def self_motion(flank: Flank, grid: Grid, load: tuple[Array, Array], width: float) -> float:
-    """Return the motion [m/N] of one flank's patch of ``width`` [m] under a unit load on it, summed over `self_motion_harmonics`."""
+    """Return the motion of a patch of ``width`` [m] on one flank by a unit load on it [m/N], the sum over its harmonics.
+
+    load: see `self_motion_harmonics`.
+    """
     n = sampled_harmonics(2.6 * flank.contact()[0] / width)
     waves = interpolate_harmonics(n, self_motion_harmonics(flank, grid, load, n))
     return float(waves @ patch_shares(np.arange(float(waves.size)), width, flank.contact()[0]))
 
 
 def equal_patch_loads(flank: Flank, grid: Grid, width: float) -> tuple[Array, Array]:
-    """Return the loads for `self_motion_harmonics`: a patch of ``width`` [m] on the true flank, along the flank's normals."""
+    """Return the loads for `self_motion_harmonics` of a patch of ``width`` [m] on the true flank, along its normals.
+
+    The symmetric and the antisymmetric load are the same on the computed half of the groove.
+    """
     force = np.zeros((*grid.shape, 3))
     force[:, grid.shape[1] - 1 if flank.screw else 0, ::2] = normal_load(flank, grid, width, flank.contact()[1])
     return force, force
 
 
 def unresolved_motion(flank: Flank, coarse: Grid, last: int) -> float:
-    """Return the motion of a narrow patch under a unit load on it that a coarse grid does not resolve [m/N]."""
+    """Return the part of a narrow patch's motion by its own unit load that a coarse grid does not resolve [m/N].
+
+    It is the difference between the fine and the coarse grid up to the harmonic ``last``, plus all higher harmonics.
+    """
     fine, radius, width = flank.grid(), flank.contact()[0], NARROW * flank.map.ball
     low, high = np.unique([min(2, last), last // 4, last // 2, last]), sampled_harmonics(2.6 * radius / width, first=last)
     sampled = self_motion_harmonics(flank, fine, equal_patch_loads(flank, fine, width), np.concatenate([low[:-1], high]))
@@ -224,25 +250,25 @@ def unresolved_motion(flank: Flank, coarse: Grid, last: int) -> float:
 
 @dataclass(frozen=True)
 class RingCompliance:
-    """Motion of both flanks of a grooved ring by loads on them.
+    """Motions of both flanks of a grooved bearing ring by loads on them, in Fourier harmonics.
 
-    A ring is a body of revolution with its groove, so nothing is left out.
+    A ring with its groove is a body of revolution, so that no beam, smooth body or correction is needed.
     """
 
-    #: ``(harmonics, 4, 4)`` [m/N]: left r, z, right r, z.
+    #: Compliance in each harmonic ``(harmonics, 4, 4)`` [m/N], of left flank (r, z) and right flank (r, z).
     S: Array
-    #: Part of a contact's compliance due to loads along the flank's local normals instead of the nominal one [m/N].
+    #: Change of a contact's compliance if loads act along the local normals instead of the nominal one [m/N].
     normals: float
-    #: Width of the patches [m].
+    #: Standard deviation of the load patches [m].
     width: float
     #: Radius of the contacts [m].
     radius: float
 
 
 def ring_compliance(flank: Flank, held: str) -> RingCompliance:
-    """Return the compliance of a ring on its narrow patches.
+    """Return the compliance of a grooved bearing ring between narrow load patches on its flanks.
 
-    Fixed at its ``"bore"``, ``"outer"`` surface, or ``"low"``, ``"high"``, ``"both"`` faces.
+    held: fixed surface of the ring, ``"bore"``, ``"outer"`` surface, or ``"low"``, ``"high"`` or ``"both"`` faces.
     """
     half = flank.grid()
     grid = Grid(np.concatenate([half.r[:0:-1], half.r]), np.concatenate([-half.z[:0:-1], half.z]))
@@ -276,14 +302,17 @@ def ring_compliance(flank: Flank, held: str) -> RingCompliance:
 
 
 def patch_shares(n: Array, width: float, radius: float) -> Array:
-    """Return the weights of a Gaussian patch of ``width`` [m] along the circumference for the harmonics ``n``."""
+    """Return the factors by which a Gaussian patch reduces the harmonics ``n`` of the motion by a concentrated load.
+
+    width: standard deviation along the circumference [m]; harmonics 0 and 1, the rigid motions, are not reduced.
+    """
     return np.where(n > 1, np.exp(-((n * width / radius) ** 2)), 1.0)
 
 
 def ring_contacts(ring: RingCompliance, azimuth: Array) -> Array:
-    """Return the compliance ``(4 N, 4 N)`` between the contacts of a ring at the balls' azimuths.
+    """Return the compliance ``(4 N, 4 N)`` [m/N] between the contacts of a bearing ring with N balls.
 
-    All left ones first; axes r, z.
+    azimuth ``(N,)``: positions of the balls [rad]. All left contacts come first; each has the axes r and z.
     """
     N = azimuth.size
     angle = azimuth[:, None] - azimuth[None, :]

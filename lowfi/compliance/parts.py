@@ -1,6 +1,7 @@
-"""Idealisation of screw and nut between their contacts, by backend: grooved sections, smooth bodies, where they are fixed.
+"""Idealisation of screw and nut for their compliance between contacts: beam sections, smooth bodies, fixed surfaces.
 
-Everything here depends only on a scene's geometry. Finite elements are imported where a geometry is not cached.
+Everything here depends only on the geometry of a scene. The modules with finite elements are imported only for a geometry
+whose results are not in the cache.
 """
 
 from __future__ import annotations
@@ -24,11 +25,11 @@ from rollbench.meshes.solid import solid_dimensions
 if TYPE_CHECKING:
     from rollbench.lowfi.compliance.tube import Tube
 
-#: Least width of the kernels' patch over the ball's radius, for steep contact angles.
+#: Least width of the load patch on smooth bodies over the ball's radius, for steep contact angles.
 LEAST = 0.5
-#: Left and right flank of a groove.
+#: Numbers of the left and the right flank of a groove.
 BOTH = (0, 1)
-#: Fixings of the nut by the name of the scene's key.
+#: Fixed surface of the nut (see `lowfi.compliance.tube.Tube`) by the name in the scene's key.
 HELD = {
     "left face": "low",
     "right face": "high",
@@ -37,36 +38,36 @@ HELD = {
     "flange face": "flange",
     "flange face and centring": "flange",
 }
-#: Those with a beam's clamped end.
+#: Fixed surfaces for which the nut, as a beam, has a clamped end.
 CLAMPED = ("low", "high", "both", "flange")
 
 
 @dataclass(frozen=True)
 class Backend:
-    """Model of the compliance of screw, nut and balls beyond Hertz's contacts."""
+    """Choice of models for the compliance of screw, nut and balls in addition to Hertz contact."""
 
-    #: Section of the screw's beam, the scene's (Lin C.8) or the grooved cell's.
+    #: Section of the screw's beam: that of the scene (Lin C.8), or computed from half a lead with its groove.
     section: Literal["scene", "cell"] = "cell"
-    #: Screw as a beam, or also with the Fourier kernel beyond it.
+    #: Screw as a beam only, or with an elastic body of revolution (solved by Fourier harmonics) beyond the beam.
     screw: Literal["beam", "kernel"] = "kernel"
-    #: Nut rigid beyond its contacts, as a beam, or with the Fourier kernel.
+    #: Nut rigid apart from its contacts, as a beam, or with an elastic body of revolution beyond the beam.
     nut: Literal["rigid", "beam", "kernel"] = "kernel"
     #: Ball as two half spaces (Hertz) or as an elastic sphere.
     ball: Literal["half space", "sphere"] = "sphere"
-    #: Standard deviation of the kernels' patch over half the distance of the two flanks' contacts across the groove.
+    #: Standard deviation of the load patch on the smooth body, over the contact's radial distance from the ball's centre.
     width: float = 1.0
-    #: Nut's grooves as a ``"layer"`` softer along the axis than around it, or a plain bore that keeps the mean wall^3
-    #: (``"ring"``) or the ``"volume"``, or lies at the lands (``"land"``).
+    #: Nut's grooves as a ``"layer"`` that is softer along the axis than around it, or as a plain bore with the same mean
+    #: cube of the wall thickness (``"ring"``), with the same ``"volume"``, or at the radius of the lands (``"land"``).
     bore: Literal["layer", "ring", "volume", "land"] = "layer"
-    #: Number of harmonics as a multiple of the chosen one.
+    #: Number of harmonics as a multiple of the usual one.
     harmonics: float = 1.0
-    #: Fineness of the elements as a multiple of the chosen one.
+    #: Fineness of the elements as a multiple of the usual one.
     mesh: float = 1.0
-    #: Whether each contact has its own flank; otherwise a half space at the smooth surface.
+    #: Whether the compliance of the true groove flank at each contact is added; if not, a half space replaces the flank.
     flank: bool = True
 
 
-#: The refined model and the steps that lead to it from the source's.
+#: The refined model, and the steps that lead to it from the model of Lin's thesis.
 REFINED = Backend()
 LADDER = {
     "lin": Backend("scene", "beam", "rigid", "half space", flank=False),
@@ -74,12 +75,15 @@ LADDER = {
     "lin-nut": Backend("cell", "beam", "beam", "half space", flank=False),
     "refined": REFINED,
 }
-#: Statement for a body without compliance.
+#: Statement on a body without compliance.
 RIGID = "rigid apart from the Hertzian contacts"
 
 
 def idealisation_statements(backend: Backend, scene: Scene) -> tuple[str, ...]:
-    """Return statements on how a backend idealises a scene's bodies; ValueError as `meshes.solid.solid_dimensions`."""
+    """Return sentences on how a compliance model idealises the screw, the nut and the balls of a scene.
+
+    Raises ValueError, as `meshes.solid.solid_dimensions`, if the dimensions are impossible.
+    """
     ring = scene.track.lead == 0.0
     section = "Lin C.8" if backend.section == "scene" else "half a lead of its groove"
     smooth = "; beyond that, a smooth body of revolution with each contact's own flank"
@@ -90,7 +94,7 @@ def idealisation_statements(backend: Backend, scene: Scene) -> tuple[str, ...]:
     }[backend.nut]
     screw = f"a Timoshenko beam with the section of {section}{smooth if backend.screw == 'kernel' else ''}"
     if ring and backend.nut == "kernel":
-        screw = nut = "a body of revolution with its groove, held as the scene says"
+        screw = nut = "a body of revolution with its groove, fixed as the scene says"
     elif scene.ingredients.screw == "rigid":
         screw = f"on a rigid axis{smooth}" if backend.screw == "kernel" else RIGID
     if fixed_surface(scene, True) == "rigid":
@@ -103,7 +107,10 @@ def idealisation_statements(backend: Backend, scene: Scene) -> tuple[str, ...]:
 
 @lru_cache(maxsize=64)
 def geometry_only(scene: Scene) -> Scene:
-    """Return the scene with only what the bodies' compliance depends on: no loads, supports, errors, names and choices."""
+    """Return a scene with only the geometry and materials on which the compliance of screw and nut depends.
+
+    Loads, supports, errors, names and settings of solvers are removed, so that equal geometries share cached results.
+    """
     return Scene(
         "",
         "",
@@ -118,13 +125,16 @@ def geometry_only(scene: Scene) -> Scene:
 
 @lru_cache(maxsize=64)
 def parts_with_balls(scene: Scene) -> tuple[Scene, Array]:
-    """Return the scene with only the parts and the balls' positions, and their azimuths ``(N,)`` [rad]."""
+    """Return the scene of `geometry_only` with the positions of its N balls, and their azimuths ``(N,)`` [rad]."""
     return replace(geometry_only(scene), balls=scene.balls), ball_layout(scene).azimuth
 
 
 @lru_cache(maxsize=64)
 def groove_of_body(scene: Scene, screw: bool) -> Flank:
-    """Return the groove of screw or nut on half a lead, or half a ring's width; ValueError for impossible dimensions."""
+    """Return the groove of screw or nut on half a lead, or of a ring on half its width.
+
+    Raises ValueError for impossible dimensions.
+    """
     dims = solid_dimensions(scene)
     m = GrooveMap.of(scene)
     low, high = dims.ends(scene)
@@ -137,7 +147,7 @@ def groove_of_body(scene: Scene, screw: bool) -> Flank:
 
 @lru_cache(maxsize=64)
 def fixed_surface(scene: Scene, screw: bool) -> str:
-    """Return where the smooth body is fixed (see `Tube`); "rigid" where the body does not move beyond its contacts."""
+    """Return the name of the surface where screw or nut is fixed (`Tube.held`); "rigid" for a body without compliance."""
     dims = solid_dimensions(scene)
     if not screw:
         return "rigid" if scene.solid.nut == "rigid" else HELD[dims.nut_held.partition(", ")[0]]
@@ -148,7 +158,7 @@ def fixed_surface(scene: Scene, screw: bool) -> str:
 
 @lru_cache(maxsize=64)
 def grooved_section(geometry: Scene, screw: bool) -> BeamSection:
-    """Return section constants of the grooved screw or nut (`cell_section`); of the plain body for a track without lead."""
+    """Return the beam section of the grooved screw or nut; that of the plain shaft for a track without lead."""
     if geometry.track.lead == 0.0 and screw:
         return screw_section(geometry)
     return grooved_body_section(groove_of_body(geometry, screw))
@@ -157,7 +167,10 @@ def grooved_section(geometry: Scene, screw: bool) -> BeamSection:
 @lru_cache(maxsize=64)
 @kept(BeamSection)
 def grooved_body_section(flank: Flank) -> BeamSection:
-    """Return the section constants of a grooved body, cached for scenes whose other body differs."""
+    """Return the beam section of a body with a groove, computed by finite elements.
+
+    The result is cached on disk for each groove, so that scenes with the same screw but another nut share it.
+    """
     from rollbench.lowfi.compliance.groove import smooth_radius
     from rollbench.lowfi.compliance.tube import cell_section
 
@@ -167,7 +180,7 @@ def grooved_body_section(flank: Flank) -> BeamSection:
 
 
 def smooth_body(geometry: Scene, screw: bool, backend: Backend) -> Tube:
-    """Return the smooth body of revolution that represents screw or nut."""
+    """Return the smooth body of revolution, without grooves, that represents screw or nut."""
     from rollbench.lowfi.compliance.groove import groove_layer, smooth_radius
     from rollbench.lowfi.compliance.tube import Tube
 
@@ -193,14 +206,15 @@ def smooth_body(geometry: Scene, screw: bool, backend: Backend) -> Tube:
 
 
 def is_ring(geometry: Scene, screw: bool) -> bool:
-    """Return whether a body is a ring with one groove around it, and so a body of revolution itself."""
+    """Return whether a body is a bearing ring with one groove around it, which is itself a body of revolution."""
     return geometry.track.lead == 0.0 and fixed_surface(geometry, screw) not in ("rigid", "section")
 
 
 def nut_beam_ends(tube: Tube) -> tuple[tuple[float, float], str]:
-    """Return the ends [m] of the beam that represents a nut, and which of them are clamped.
+    """Return the positions of the ends of the beam that represents a nut [m], and which ends are clamped.
 
-    A flange clamps it at its face, or where its bonded fit ends, and deforms as the smooth body does.
+    A nut with a flange is clamped at the flange's face, or where its bonded fit ends. The deformation of the flange belongs
+    to the smooth body.
     """
     if tube.held != "flange" or tube.flange is None:
         return tube.ends, tube.held
@@ -209,7 +223,7 @@ def nut_beam_ends(tube: Tube) -> tuple[tuple[float, float], str]:
 
 
 def select_flanks(G: Array, flanks: Sequence[int]) -> Array:
-    """Return rows and columns of some flanks ``(2 c, 2 c)`` of a matrix of both ``(4 N, 4 N)``."""
+    """Return the rows and columns of the given flanks ``(2 c, 2 c)`` from a matrix for both flanks ``(4 N, 4 N)``."""
     if len(flanks) == len(BOTH):
         return G
     half = len(G) // 2

@@ -1,8 +1,8 @@
-"""Plain tube or shaft loaded over small patches on its groove: compliance between contacts by Fourier harmonics.
+"""Compliance of a plain tube or shaft between load patches on its surface, by Fourier harmonics around the axis.
 
-Section constants of a grooved shaft or nut from half a lead of it, a ring groove in place of the helix: the groove has the
-exact axial section of the helical one. Between two planes of symmetry (mid groove, mid land) the cell is stretched, twisted
-and bent by the motions that symmetry leaves to those planes; its strain energy gives EA, GJ and EI.
+The module also computes the section constants of a grooved shaft or nut. Half a lead of the body is modelled with a ring
+groove in place of the helix, with the exact axial section of the helical groove. Between two planes of symmetry (mid
+groove, mid land) this cell is stretched, twisted and bent; its strain energy gives EA, GJ and EI.
 """
 
 from __future__ import annotations
@@ -33,28 +33,28 @@ from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.parts import Flange, Material
 from rollbench.meshes.section import BeamSection, shear_coefficient, tube_section
 
-#: Elements of the cell: along the groove's flank, along the land, and in depth.
+#: Numbers of elements of the cell: along the groove's flank, along the land, and in depth.
 MESH = (8, 5, 8)
 
 
 @dataclass(frozen=True)
 class CellSection:
-    """Beam section of a grooved body."""
+    """Beam section of a grooved shaft or nut, with the plain bodies of equal stiffness."""
 
-    #: Section constants.
+    #: Section constants of the beam.
     section: BeamSection
-    #: Free radii [m] of plain bodies of equal axial, bending and torsional stiffness: outer radius of a shaft, bore radius
-    #: of a nut.
+    #: Radii [m] of three plain bodies that have the same axial, bending and torsional stiffness, respectively: outer radius
+    #: of a shaft, bore radius of a nut.
     radii: tuple[float, float, float]
 
 
 def groove_line(m: GrooveMap, land: float, screw: bool, count: int) -> tuple[Array, Array]:
-    """Return points (r, zeta) ``(count,)`` [m] of one flank from the apex (zeta = 0) to the edge of the land.
+    """Return points (r, zeta) ``(count,)`` [m] on one flank of a groove from the apex (zeta = 0) to the edge of the land.
 
     Raises
     ------
     ValueError
-        A land whose cylinder does not cut the flank.
+        The cylinder of the land does not cut the flank.
     """
     side = 1 if screw else 3
     centre, radius = m.centre[side], m.radius[side]
@@ -80,7 +80,7 @@ def groove_line(m: GrooveMap, land: float, screw: bool, count: int) -> tuple[Arr
 def cell_grid(
     m: GrooveMap, land: float, far: float, screw: bool, mesh: tuple[int, int, int] = MESH, half: float | None = None
 ) -> Grid:
-    """Return the grid of half a lead of the body between mid groove and mid land.
+    """Return the finite-element grid of half a lead of screw or nut, between mid groove and mid land.
 
     Parameters
     ----------
@@ -89,18 +89,18 @@ def cell_grid(
     land
         Radius of the lands [m].
     far
-        Radius of the plain surface, bore or outer radius [m].
+        Radius of the plain surface: bore of the screw or outer radius of the nut [m].
     screw
-        Whether of the screw; otherwise of the nut.
+        Whether the body is the screw; otherwise it is the nut.
     mesh
-        Numbers of elements.
+        Numbers of elements along the flank, along the land, and in depth.
     half
-        Length of a body without lead on each side of its groove [m].
+        For a body without lead: its length on each side of mid groove [m].
 
     Raises
     ------
     ValueError
-        Grooves of neighbouring turns that overlap.
+        The grooves of neighbouring turns overlap.
     """
     half = pi * abs(m.rg) / m.starts if half is None else half
     r, zeta = groove_line(m, land, screw, 2 * mesh[0] + 1)
@@ -115,25 +115,26 @@ def cell_grid(
 
 
 def cell_section(m: GrooveMap, land: float, far: float, screw: bool, material: Material) -> CellSection:
-    """Return the section constants of a grooved shaft or nut.
+    """Return the section constants of a grooved shaft or nut, by finite elements.
 
-    Shear as for the plain section of equal torsional stiffness: both are shear along the axis.
+    The shear stiffness is that of the plain section with the same torsional stiffness, because both loads shear the body
+    along its axis.
 
     Parameters
     ----------
     m
-        Geometry of the groove; a track without lead has no cell.
+        Geometry of the groove; ValueError if it has no lead.
     land
         Radius of the lands [m].
     far
         Bore radius of the shaft, or outer radius of the nut [m].
     screw
-        Whether of the screw; otherwise of the nut.
+        Whether the body is the screw; otherwise it is the nut.
     material
-        Of the body.
+        Material of the body.
     """
     if m.rg == 0.0:
-        raise ValueError("a track without lead has no repeating cell")
+        raise ValueError("a track without lead has no repeating cell of half a lead")
     grid = cell_grid(m, land, far, screw)
     young, poisson = material.youngs_modulus, material.poissons_ratio
     body = Body(grid, young, poisson)
@@ -152,15 +153,15 @@ def cell_section(m: GrooveMap, land: float, far: float, screw: bool, material: M
 
 
 def cell_stiffness(body: Body, kind: str) -> float:
-    """Return the stiffness of the cell [N/m or N m] (`strained_cell`)."""
+    """Return the axial, torsional or bending stiffness of a cell [N/m or N m] (`strained_cell`)."""
     return strained_cell(body, kind)[0]
 
 
 def strained_cell(body: Body, kind: str) -> tuple[float, Array]:
-    """Return the stiffness of the cell [N/m or N m] and its motion ``(lines in z, lines in r, 3)`` [m].
+    """Return the stiffness of a cell [N/m or N m] and its motion ``(lines in z, lines in r, 3)`` [m] under unit strain.
 
-    The stiffness is twice the energy when its far plane of symmetry moves by one unit. axial: u_z = 1; torsion: u_t = r;
-    bending: u_z = r cos t.
+    One plane of symmetry is fixed and the other one moves by one unit: u_z = 1 for the kind "axial", u_t = r for "torsion",
+    u_z = r cos t for "bending". The stiffness is twice the strain energy.
     """
     shape = body.grid.shape
     n = 1 if kind == "bending" else 0
@@ -181,46 +182,49 @@ def strained_cell(body: Body, kind: str) -> tuple[float, Array]:
     return float(q @ (K @ q)), q.reshape(*shape, 3)
 
 
-#: Which motion (r, t, z) by which load the parts of a harmonic hold. The first ``EVEN`` go as the cosine of its multiple of
-#: the angle between two contacts, the others as the sine.
+#: Pairs (direction of motion, direction of load) of r, t, z for which a harmonic's compliance is computed. The first
+#: ``EVEN`` pairs vary as the cosine of n times the angle between two contacts, the others as the sine.
 PARTS = ((0, 0), (1, 1), (2, 2), (0, 2), (1, 0), (1, 2))
 
+#: Number of pairs in ``PARTS`` that vary as the cosine.
 EVEN = 4
 
-#: Share of a patch on a node below which the patch does not reach it: less than round-off.
+#: Weight of a node in a patch, below round-off, that counts as zero.
 UNREACHED = 1e-18
 
-#: Contacts whose loads are taken at once.
+#: Number of contacts whose loads are processed at once.
 CHUNK = 64
 
-#: Half the thickness of the slice of a shaft that a load on one of its sections acts on, over the shaft's radius.
+#: Half the thickness, over the shaft's radius, of the slice of a shaft on which a load on a cross-section acts.
 SLICE = 0.25
 
-#: Lines of a grid as near as this [m] are one; ends of elements as near to a flange's, over their length, give way to it.
+#: Distance of grid lines [m] below which they count as one; distance of an element's end from a flange's surface, over the
+#: element's length, below which that end is removed.
 SAME, NEAR = 1e-9, 0.4
 
-#: Points and weights of the quadrature over a patch, and the shapes of an element there.
+#: Points and weights of the quadrature over a patch.
 NODE, WEIGHT = np.polynomial.legendre.leggauss(8)
 
+#: Shape functions of an element at the points ``NODE``.
 SHAPES = quadratic_shape_functions(NODE)[0]
 
 
 @dataclass(frozen=True)
 class Tube:
-    """Plain body of revolution that represents screw or nut."""
+    """Plain elastic body of revolution, without grooves, that represents screw or nut."""
 
     #: Bore radius [m].
     bore: float
     #: Outer radius [m].
     outer: float
-    #: Stations of its ends [m].
+    #: Axial positions of its ends [m].
     ends: tuple[float, float]
-    #: Where it is fixed: ``"low"``, ``"high"``, ``"both"`` faces, ``"bore"``, ``"outer"``, ``"flange"``, or ``"section"``:
-    #: its low end on springs by its mean motions.
+    #: Fixed surface: ``"low"``, ``"high"`` or ``"both"`` faces, ``"bore"``, ``"outer"``, ``"flange"``, or ``"section"``:
+    #: springs hold the mean motions of its low end.
     held: str
     #: Radius at which contacts load it [m].
     radius: float
-    #: Standard deviation of the patches [m].
+    #: Standard deviation of the load patches [m].
     width: float
     #: Number of harmonics.
     harmonics: int
@@ -228,17 +232,17 @@ class Tube:
     size: tuple[float, float]
     #: Material of the body.
     material: Material
-    #: Layer that represents grooves in its bore.
+    #: Anisotropic layer that represents grooves in its bore.
     layer: Layer | None = None
-    #: Flange around it.
+    #: Flange of the nut.
     flange: Flange | None = None
 
     def body(self, grid: Grid) -> Body:
-        """Return the stiffness of the tube on a grid, which may extend beyond the tube around a flange."""
+        """Return the finite-element body of the tube on a grid, which may extend beyond the tube around a flange."""
         return Body(grid, self.material.youngs_modulus, self.material.poissons_ratio, self.layer, self.solid(grid))
 
     def solid(self, grid: Grid) -> NDArray[np.bool_]:
-        """Return which elements of a grid the tube fills ``(elements,)``; with the sleeve, those of the flange."""
+        """Return which elements of a grid are material of the tube or its flange ``(elements,)``."""
         r, z = (x[1::2, 1::2].ravel() for x in (grid.r, grid.z))
         if self.flange is None:
             return np.ones(r.size, dtype=bool)
@@ -247,7 +251,7 @@ class Tube:
 
     @cached_property
     def section(self) -> BeamSection:
-        """Return the beam that stretches, twists and bends like it far from loads and ends."""
+        """Return the section of the beam that has the tube's stiffness far from loads and ends."""
         if self.layer is None:
             return tube_section(2.0 * self.outer, 2.0 * self.bore, self.material)
         length = self.size[0]
@@ -261,35 +265,35 @@ class Tube:
 
 @dataclass(frozen=True)
 class TubeCompliance:
-    """Motion of the loaded grid line by loads on it, at k stations."""
+    """Compliance of a tube's loaded grid line, at the radius of the contacts and k axial positions, by harmonics."""
 
-    #: The body.
+    #: Body whose compliance this is.
     tube: Tube
-    #: Stations ``(k,)`` [m].
+    #: Axial positions ``(k,)`` [m].
     z: Array
-    #: For each harmonic a symmetric matrix ``(3 k, 3 k)`` [m/N], freedoms r, t, z station by station. Of a shaft fixed by
-    #: its section, in harmonics 0 and 1, two rows and columns more, for loads on the mean motions of its high end.
+    #: For each harmonic the symmetric compliance ``(3 k, 3 k)`` [m/N], with r, t, z for each position. For a shaft fixed by
+    #: the mean motions of its low end, harmonics 0 and 1 have two more rows and columns: the mean motions of its high end.
     line: tuple[BlockSum, ...]
-    #: Motion of the line (r, t, z) by those loads ``(2, 3, k)``.
+    #: Motions of the line (r, t, z) by loads on the mean motions of the high end, in harmonics 0 and 1 ``(2, 3, k)`` each.
     ends: tuple[Array, ...] = ()
-    #: Mean motions of the high end by those loads ``(2, 2)``.
+    #: Mean motions of the high end by loads on them, in harmonics 0 and 1 ``(2, 2)`` each.
     corner: tuple[Array, ...] = ()
 
 
 @dataclass(frozen=True)
 class Points:
-    """Contact points on a body."""
+    """Contact points on a body of revolution, in cylindrical coordinates."""
 
-    #: ``(c,)`` [rad].
+    #: Azimuths ``(c,)`` [rad].
     azimuth: Array
-    #: ``(c,)`` [m].
+    #: Axial positions ``(c,)`` [m].
     z: Array
-    #: Axes of their motion in (r, t, z) there ``(c, 2, 3)``.
+    #: Directions of motion of each contact, in (r, t, z) components ``(c, 2, 3)``.
     axes: Array
 
 
 def points_in_space(x: Array, axes: Array) -> Points:
-    """Return points ``(c, 3)`` [m] and axes ``(c, 2, 3)`` in space in cylindrical components."""
+    """Return contact points ``(c, 3)`` [m] and axes ``(c, 2, 3)``, given in x, y, z, in cylindrical coordinates."""
     t = np.arctan2(x[:, 1], x[:, 0])
     c, s = np.cos(t), np.sin(t)
     r_hat = np.stack([c, s, 0 * c], axis=-1)
@@ -299,7 +303,7 @@ def points_in_space(x: Array, axes: Array) -> Points:
 
 
 def radial_ends(tube: Tube) -> tuple[Array, int]:
-    """Return element ends in r with one at the loaded radius, fine near it, and the index of that node line."""
+    """Return the radii of element ends [m], with small elements near the loaded radius, and that radius's node line."""
     low, high, at = tube.bore, tube.outer, float(np.clip(tube.radius, tube.bore, tube.outer))
     h = tube.size[1]
 
@@ -317,7 +321,7 @@ def radial_ends(tube: Tube) -> tuple[Array, int]:
 
 
 def axial_ends(tube: Tube, zone: tuple[float, float]) -> Array:
-    """Return element ends in z: uniform over ``zone`` [m], which the contacts load, growing beyond it."""
+    """Return the positions of element ends in z [m]: uniform over the loaded ``zone`` [m], longer elements outside it."""
     (low, high), h = tube.ends, tube.size[0]
     a, b = max(low, zone[0]), min(high, zone[1])
     middle = np.linspace(a, b, max(2, int(np.ceil((b - a) / h))) + 1)
@@ -332,7 +336,7 @@ def axial_ends(tube: Tube, zone: tuple[float, float]) -> Array:
 
 
 def add_flange_ends(tube: Tube, r_ends: Array, z_ends: Array) -> tuple[Array, Array]:
-    """Return element ends in r and z with those of the tube's flange and of where it may be fixed."""
+    """Add the flange of a tube, and the surfaces where it may be fixed, to element ends in r and z [m]."""
     if tube.flange is None:
         return r_ends, z_ends
     size, stops = tube.size[0], np.unique([tube.outer, *tube.flange.seat, tube.flange.diameter / 2.0])
@@ -346,7 +350,7 @@ def add_flange_ends(tube: Tube, r_ends: Array, z_ends: Array) -> tuple[Array, Ar
 
 
 def fixed_freedoms(tube: Tube, grid: Grid) -> NDArray[np.bool_]:
-    """Return which freedoms ``(3 nodes,)`` of a grid are fixed, with those of nodes beyond the tube."""
+    """Return which degrees of freedom ``(3 nodes,)`` of a grid are fixed; nodes outside the tube are included."""
     beyond = np.ones(grid.r.size, dtype=bool)
     beyond[grid.cells()[tube.solid(grid)].ravel()] = False
     held = np.repeat(beyond, 3).reshape(*grid.shape, 3)
@@ -368,7 +372,7 @@ def fixed_freedoms(tube: Tube, grid: Grid) -> NDArray[np.bool_]:
 
 
 def tube_compliance(tube: Tube, zone: tuple[float, float]) -> TubeCompliance:
-    """Return compliance of the loaded line for all harmonics; ``zone``: stretch in z [m] that contains every contact."""
+    """Return the compliance of a tube's loaded grid line in all harmonics; ``zone``: range in z [m] of all contacts."""
     r_ends, line = radial_ends(tube)
     grid = tube_grid(*add_flange_ends(tube, r_ends, axial_ends(tube, zone)))
     z = grid.z[:, 0]
@@ -386,10 +390,10 @@ def tube_compliance(tube: Tube, zone: tuple[float, float]) -> TubeCompliance:
 
 
 def motions_by_section_load(tube: Tube, zone: tuple[float, float], at: float) -> TubeCompliance:
-    """Return the motion ``(2, 3, k)`` (`TubeCompliance.ends`) of the loaded line of a shaft by loads on a section.
+    """Return the motions of a shaft's loaded grid line by loads on one of its cross-sections, in `TubeCompliance.ends`.
 
-    The shaft is fixed by its low section; the loads act on the mean rigid motions, by least squares, of the material in a
-    slice at the station ``at`` [m] of its stretch.
+    The shaft is fixed by the mean motions of its low end. The loads act on the mean rigid motions (by least squares) of the
+    material in a thin slice at the axial position ``at`` [m].
     """
     r_ends, line = radial_ends(tube)
     grid = tube_grid(r_ends, axial_ends(tube, zone))
@@ -411,9 +415,10 @@ def motions_by_section_load(tube: Tube, zone: tuple[float, float], at: float) ->
 
 
 def slice_shares(z: Array, at: float, half: float) -> tuple[Array, Array]:
-    """Return the shares ``(k,)`` of nodes z ``(k,)`` of quadratic elements in two means over a slice around a station [m].
+    """Return the weights ``(k,)`` of nodes at z ``(k,)`` [m] for two means of a field over a slice of a shaft.
 
-    The mean of what is in the slice, ``half`` [m] on either side, and that of it times its distance [m] from the station.
+    The slice reaches ``half`` [m] to either side of ``at`` [m]. The first weights give the mean of the field, the second
+    ones the mean of the field times the distance from ``at`` [m]. Elements are quadratic.
     """
     out = np.zeros((2, z.size))
     for a in range(0, z.size - 2, 2):
@@ -427,13 +432,19 @@ def slice_shares(z: Array, at: float, half: float) -> tuple[Array, Array]:
 
 
 def end_springs(tube: Tube) -> tuple[float, float, float, float]:
-    """Return springs [N/m, N m] at the low end of a shaft fixed by its mean motions: shift, tilt, axial, twist."""
+    """Return the stiffnesses [N/m, N m] of the springs that hold the mean motions of a shaft's low end.
+
+    The order is lateral shift, tilt, axial motion, twist.
+    """
     stiff = tube.material.youngs_modulus * tube.outer
     return stiff, stiff * tube.outer**2, stiff, stiff * tube.outer**2
 
 
 def patch_weights(z: Array, at: Array, width: float) -> Array:
-    """Return shares ``(c, k)`` of a Gaussian patch around ``at`` ``(c,)`` on the nodes of quadratic elements z ``(k,)``."""
+    """Return the weights ``(c, k)`` of nodes at z ``(k,)`` [m] for c Gaussian patches around the positions ``at`` ``(c,)``.
+
+    width: standard deviation of the patches [m]. Elements are quadratic; the weights of a patch sum up to 1.
+    """
     low, high = z[:-2:2], z[2::2]
     x = 0.5 * (low + high)[:, None] + 0.5 * (high - low)[:, None] * NODE
     density = np.exp(-0.5 * ((x[None] - at[:, None, None]) / width) ** 2) * (0.5 * (high - low)[:, None] * WEIGHT)
@@ -445,14 +456,14 @@ def patch_weights(z: Array, at: Array, width: float) -> Array:
 
 
 def contact_compliance(compliance: TubeCompliance, points: Points, *, resultant: bool = True) -> Array:
-    """Return the compliance ``(2 c, 2 c)`` [m/N] between all contacts, each a Gaussian patch with two axes.
+    """Return the compliance ``(2 c, 2 c)`` [m/N] between c contacts, each a Gaussian patch with two axes.
 
-    Spreading a force around the axis lessens what it does to harmonic n by exp(-(n width / radius)^2 / 2), but for 0 and 1:
-    there a patch must have the resultant of its force, to which a beam responds too (``resultant``; else they are lessened
-    like the others, as a true patch is).
+    Spreading a force around the axis multiplies its harmonic n by exp(-(n width / radius)^2 / 2). Harmonics 0 and 1 are not
+    reduced, because a patch must have the resultant of its force, to which the beam responds too (``resultant``; if False
+    they are reduced like the others, as for a true patch).
 
-    A load at azimuth s makes cos(n (t - s)) of radial and axial motion and sin(n (t - s)) of the other (the reverse if it
-    acts around the axis), so that only the angle between two contacts counts.
+    A load at azimuth s causes radial and axial motions ~ cos(n (t - s)) and circumferential motions ~ sin(n (t - s)); for a
+    circumferential load it is the reverse. Only the angle between two contacts therefore has an influence.
     """
     from scipy.sparse import csr_array
 
@@ -495,18 +506,16 @@ def contact_compliance(compliance: TubeCompliance, points: Points, *, resultant:
 
 
 def project_on_surface(tube: Tube, x: Array) -> Array:
-    """Return the points ``(c, 3)`` [m] at which a tube takes the loads of contacts at x.
-
-    They lie on its surface where the contacts lie outside it.
-    """
+    """Return contact points ``(c, 3)`` [m] moved radially to the surface of a tube if they lie outside its material."""
     far = np.hypot(x[:, 0], x[:, 1])
     return np.asarray(x * np.stack([np.clip(far, tube.bore, tube.outer) / far] * 2 + [np.ones(len(x))], axis=1))
 
 
 def motion_rows(x: Array, axes: Array, origin: float | None = None) -> Array:
-    """Return the motion of contacts along their axes by that of their section ``(2 c, 6)``.
+    """Return the motions of contacts along their axes by unit rigid motions of a cross-section ``(2 c, 6)``.
 
-    Contacts ``(c, 3)`` [m], axes ``(c, 2, 3)``; the section taken at each contact's station or at ``origin`` [m].
+    x ``(c, 3)``: contact points [m]; axes ``(c, 2, 3)``. The section is at each contact's axial position, or at ``origin``
+    [m] if given; its motions are three translations, then three rotations.
     """
     arm = x * np.array([1.0, 1.0, 0.0]) if origin is None else x - np.array([0.0, 0.0, origin])
     out = np.empty((*axes.shape[:2], 6))
@@ -517,7 +526,7 @@ def motion_rows(x: Array, axes: Array, origin: float | None = None) -> Array:
 
 
 def spring_compliance(tube: Tube, x: Array, axes: Array) -> Array:
-    """Return the share ``(2 c, 2 c)`` of the end springs in the compliance of a shaft fixed by its section."""
+    """Return the part ``(2 c, 2 c)`` [m/N] of the end springs (`end_springs`) in the compliance between contacts."""
     shift, tilt, axial, twist = end_springs(tube)
     rows = motion_rows(x, axes, tube.ends[0])
     return np.asarray((rows / np.array([shift, shift, axial, tilt, tilt, twist])) @ rows.T)
@@ -526,20 +535,20 @@ def spring_compliance(tube: Tube, x: Array, axes: Array) -> Array:
 def cantilever_compliance(
     rows: Array, stations: Array, base: float, section: BeamSection, loaded: slice = slice(None)
 ) -> Array:
-    """Return the compliance ``(k, m)`` of motions on a Timoshenko cantilever.
+    """Return the compliance ``(k, m)`` of points on a Timoshenko cantilever: k motions by m unit loads along them.
 
     Parameters
     ----------
     rows
-        Of the section's motion ``(k, 6)``.
+        Each motion by unit motions of its cross-section ``(k, 6)`` (`motion_rows`).
     stations
-        ``(k,)`` [m].
+        Axial positions of the cross-sections ``(k,)`` [m].
     base
-        Station of the fixed end [m].
+        Axial position of the fixed end [m].
     section
-        Of the beam.
+        Section of the beam.
     loaded
-        Which m of the motions are loaded.
+        Selection of the m motions that are loaded.
     """
     left, shift, turn = (stations - base)[:, None], rows[:, :2], rows[:, [4, 3]] * np.array([1.0, -1.0])
     yielding = rows[:, 2:] / np.array([section.EA, section.EI, section.EI, section.GJ])
@@ -559,10 +568,11 @@ def cantilever_compliance(
 
 
 def section_jump_compliance(feel: Array, rows: Array, stations: Array, base: float) -> Array:
-    """Return what ``feel`` ``(k, 6)`` adds to the compliance ``(k, k)`` of motions fixed at ``base`` [m].
+    """Return the compliance ``(k, k)`` that local strains at grooves add to k motions on a beam fixed at ``base`` [m].
 
-    feel: motion of each by the wrench, on its section, of all loads beyond its station and half of those at it. By
-    reciprocity its load moves all that is beyond.
+    feel ``(k, 6)``: each motion by a unit wrench on its own cross-section. The wrench is that of all loads beyond the
+    section and of half the loads in it. By reciprocity a load at a section also moves all points beyond that section. rows,
+    stations: see `cantilever_compliance`.
     """
     reach, side = stations[:, None] - stations, np.sign(stations - base)
     moved = rows @ feel.T + reach * (np.outer(rows[:, 0], feel[:, 4]) - np.outer(rows[:, 1], feel[:, 3]))
@@ -573,9 +583,9 @@ def section_jump_compliance(feel: Array, rows: Array, stations: Array, base: flo
 def clamped_beam_compliance(
     rows: Array, stations: Array, ends: tuple[float, float], held: str, section: BeamSection, feel: Array | None = None
 ) -> Array:
-    """Return the compliance ``(k, k)`` of motions on a Timoshenko beam clamped at its "low", "high" or "both" ends [m].
+    """Return the compliance ``(k, k)`` of k motions on a Timoshenko beam clamped at its "low", "high" or "both" ends.
 
-    feel: see `section_jump_compliance`.
+    rows, stations: see `cantilever_compliance`; ends: axial positions [m]; feel: see `section_jump_compliance`.
     """
     low, high = ends
     if held != "both":

@@ -1,1 +1,1 @@
-"""Friction of elliptical rolling contacts and the quasi-static motion of balls that follows from it."""
+"""Friction of elliptical rolling contacts, and the quasi-static motion of balls under this friction."""

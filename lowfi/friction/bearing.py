@@ -1,12 +1,13 @@
-"""Friction of balls in rotary bearings: one ball with up to four contacts (Lin 3.2), and bearings in pairs (Lin 4.3.1).
+"""Friction of balls in rotary bearings: one ball with up to four contacts (Lin 3.2), and whole bearings (Lin 4.3.1).
 
-A bearing is a ball screw of zero lead whose "screw" is the inner ring. Axes at the ball: x along the bearing's axis, y
-radially outward, z along the ball's path (z3, x3, y3 of a screw). Contacts in the order IL, IR, OR, OL (inner or outer
-ring, left or right: towards -x or +x). The inner ring turns about x, the outer ring is at rest. Friction does not change
-the contact loads here: they lie in the x-y plane, friction along z.
+A bearing is treated as a ball screw of zero lead whose "screw" is the inner ring. At the ball, x is along the bearing's
+axis, y radially outward, and z along the ball's path (z3, x3, y3 of a screw). The contacts are IL, IR, OR, OL (inner or
+outer ring; left or right, towards -x or +x). The inner ring rotates about x, the outer ring is at rest. Contact loads lie
+in the x-y plane and friction acts along z, so that friction does not change the loads.
 
-Pairs are a four-point and a double-row angular-contact bearing, their torque against the load's angle. Loads of all balls
-between a rigid inner and a rigid outer ring, then each ball's motion of least dissipation.
+The whole bearings are a four-point bearing and a double-row angular-contact bearing, whose friction torque is computed
+against the angle of the load: first the loads of all balls between two rigid rings, then each ball's motion of least
+dissipation.
 """
 
 from __future__ import annotations
@@ -33,28 +34,30 @@ from rollbench.lowfi.hertz import contact_modulus, hertz_constants
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.fields import keyed, usual
 
+#: Names of a ball's contacts: inner or outer ring, left or right.
 SIDES = ("IL", "IR", "OR", "OL")
 
-#: Contacts of a screw (SL, SR, NL, NR) in the order of ``SIDES``, and back again; a screw's unknowns as those here.
+#: Order of a screw's contacts (SL, SR, NL, NR) that gives ``SIDES``; order of a screw's unknowns that gives those used
+#: here.
 AROUND, TURNS = [0, 1, 3, 2], [0, 3, 1, 2]
 
-#: Which way the contacts lie from the ball's centre along x and y, and which belong to the inner ring.
+#: Signs of the contacts' positions from the ball's centre along x and y; which contacts are on the inner ring.
 AXIAL, RADIAL, INNER = SIGN_Z[AROUND], SIGN_X[AROUND], ON_SCREW
 
 
 @keyed
 @dataclass(frozen=True)
 class Bearing(ScrewGroove):
-    """Bearing with gothic grooves, of zero lead; its inner ring turns at ``screw_speed``."""
+    """Ball bearing with gothic-arch grooves as a screw of zero lead; its inner ring rotates at ``screw_speed``."""
 
-    #: Play of the ball along each contact normal [m], negative for an oversize.
+    #: Clearance of the ball along each contact normal [m], negative for an oversized ball.
     clearance: float = usual(0.0)
 
     @cached_property
     def constants(self) -> Constants:
-        """Hertz constants at the nominal contact angle, by the radius along the ring (R_P -+ R_B cos beta)/cos beta.
+        """Hertz constants at the nominal contact angle, with the radius (R_P -+ R_B cos beta)/cos beta along the ring.
 
-        That is a helicoid's at zero lead but for round-off; printed ones are those of a screw.
+        This is the radius of curvature of a helical groove at zero lead. Constants "as printed" are those of a screw.
         """
         if self.hertz != "right":
             return super().constants
@@ -68,31 +71,32 @@ class Bearing(ScrewGroove):
 
 @dataclass(frozen=True)
 class BallSolution:
-    """Ball under load with its motion."""
+    """Contact loads, motion and friction of one ball of a bearing."""
 
-    #: The bearing.
+    #: Bearing of the ball.
     bearing: Bearing
-    #: Contact loads.
+    #: Contact loads and angles.
     load: SettledCell
-    #: Contacts as friction needs them.
+    #: Ellipses, loads and friction coefficients of the contacts.
     at: Contacts
-    #: Problem of the ball's motion.
+    #: Kinematics and forces that determine the ball's motion.
     problem: Problem
-    #: The motion.
+    #: Motion and friction of the ball.
     motion: Motion
     #: Torque on the inner ring [N m].
     torque: float
 
     @property
     def input_power(self) -> float:
-        """Power that turns the inner ring, torque times speed [W]; equals the loss where friction balances."""
+        """Power that drives the inner ring, torque times speed [W]; equals the friction loss in equilibrium."""
         return self.torque * self.bearing.screw_speed
 
 
 def bearing_load(bearing: Bearing, force_x: float, u_y: float) -> SettledCell:
-    """Return the contact loads of a ball, the least of the energy of `lowfi.friction.contact.rings`.
+    """Return the contact loads of a ball between the rings, by the minimum of energy (`lowfi.friction.contact.rings`).
 
-    Contact forces are unique; without force and with play the ball floats, and its position is where the search ends.
+    The contact forces are unique. A ball with clearance and without force has no unique position; that at the end of the
+    search is returned.
 
     Parameters
     ----------
@@ -106,8 +110,8 @@ def bearing_load(bearing: Bearing, force_x: float, u_y: float) -> SettledCell:
     Returns
     -------
     Settled
-        Loads ``(4,)``, contact angles from the radial line ``(4,)``, position of the ball along x, y ``(2,)`` and of the
-        ring along x ``(1,)``.
+        Contact loads ``(4,)`` [N], contact angles from the radial direction ``(4,)`` [rad], positions of the ball along x,
+        y ``(2,)`` [m] and of the inner ring along x ``(1,)`` [m].
 
     References
     ----------
@@ -132,9 +136,16 @@ def bearing_load(bearing: Bearing, force_x: float, u_y: float) -> SettledCell:
 
 
 def contact_maps(bearing: Bearing, angles: Array) -> tuple[Array, Array]:
-    """Return the maps ``(4, 3, 4)`` and drives ``(4, 3)`` of the ball's contacts at contact angles ``(4,)`` [rad].
+    """Return the kinematics of a ball's contacts at the contact angles ``(4,)`` [rad].
 
-    Unknowns: omega_B (orbit), omega_x, omega_y, omega_z [rad/s], relative to the turning frame.
+    The unknowns are the orbital speed omega_B and the ball's rotation omega_x, omega_y, omega_z [rad/s] relative to the
+    frame that rotates with the orbit.
+
+    Returns
+    -------
+    tuple[Array, Array]
+        Motions (vx, vz, spin) of the contacts by unit unknowns ``(4, 3, 4)``, and those imposed by the inner ring
+        ``(4, 3)``.
 
     References
     ----------
@@ -145,7 +156,7 @@ def contact_maps(bearing: Bearing, angles: Array) -> tuple[Array, Array]:
 
 
 def ball_contacts(bearing: Bearing, load: SettledCell) -> Contacts:
-    """Return the friction contacts of the loaded ball; an unloaded one keeps a vanishing ellipse.
+    """Return ellipses, loads and friction coefficients of a loaded ball's contacts; unloaded ellipses are tiny, not zero.
 
     Parameters
     ----------
@@ -160,7 +171,7 @@ def ball_contacts(bearing: Bearing, load: SettledCell) -> Contacts:
 
 
 def motion_problem(bearing: Bearing, load: SettledCell, at: Contacts) -> Problem:
-    """Return the problem of motion at given loads and angles of two to four contacts; omega_z is zero by symmetry.
+    """Return the problem of a ball's motion at given contact loads and angles; omega_z is zero by symmetry.
 
     Parameters
     ----------
@@ -169,14 +180,14 @@ def motion_problem(bearing: Bearing, load: SettledCell, at: Contacts) -> Problem
     load
         Contact loads and angles of the ball.
     at
-        Friction contacts of the ball, by `ball_contacts`.
+        Contacts of the ball, by `ball_contacts`.
     """
     maps, drives = contact_maps(bearing, load.angle)
     return Problem(at=at, maps=np.ascontiguousarray(maps[..., :3]), drives=drives, push=np.zeros(3))
 
 
 def inner_torque(bearing: Bearing, load: SettledCell, motion: Motion) -> float:
-    """Return the torque [N m] about the axis that keeps the inner ring turning, by friction's moment on the ball.
+    """Return the torque about the bearing's axis that keeps the inner ring rotating against a ball's friction [N m].
 
     Parameters
     ----------
@@ -188,13 +199,13 @@ def inner_torque(bearing: Bearing, load: SettledCell, motion: Motion) -> float:
         Motion and friction of the ball.
     """
     radius = bearing.pitch_radius + RADIAL * bearing.ball_radius * np.cos(load.angle)
-    along = -AXIAL * np.sin(load.angle)  # of each contact's y on the axis
+    along = -AXIAL * np.sin(load.angle)  # component of each contact's normal along the axis
     moments = radius * motion.friction.force[:, 1] + along * motion.friction.moment
     return float(np.sum(moments[INNER]))
 
 
 def solve_ball(bearing: Bearing, force_x: float, u_y: float, fast: bool = False) -> BallSolution:
-    """Return loads and the motion of least dissipation of one ball, with Coulomb friction.
+    """Return contact loads and the motion of least dissipation of one ball, with Coulomb friction.
 
     Parameters
     ----------
@@ -219,19 +230,19 @@ def solve_ball(bearing: Bearing, force_x: float, u_y: float, fast: bool = False)
 
 
 def solve_ball_as_printed(bearing: Bearing, force_x: float, u_y: float, law: Sigmoid, fast: bool = False) -> BallSolution:
-    """Return loads and motion by Lin's method with its errors.
+    """Return contact loads and motion of one ball by Lin's method, with its errors.
 
-    Hertz constants of Table B.1, sigmoid, root of 3.19, torque 3.21. The root is searched from the motion of least
-    dissipation, then if need be with a sigmoid that grows ever sharper.
+    It uses the Hertz constants of Table B.1, the sigmoid friction law, a root of 3.19 and the torque 3.21. The root is
+    searched from the motion of least dissipation and, if this fails, with sigmoids of increasing sharpness.
 
     Parameters
     ----------
     bearing
         The bearing.
     force_x
-        Axial force [N].
+        Axial force on the inner ring [N].
     u_y
-        Radial displacement [m].
+        Radial displacement of the inner ring towards the ball [m].
     law
         Lin's sigmoid.
     fast
@@ -247,91 +258,92 @@ def solve_ball_as_printed(bearing: Bearing, force_x: float, u_y: float, law: Sig
 def solve_over_displacements(
     bearing: Bearing, force_x: float, u_y: Array, law: Sigmoid | None = None
 ) -> list[BallSolution]:
-    """Return solutions over radial displacements u_y ``(n,)`` [m] (Lin Figure 3.7), each solved separately.
+    """Return the solutions of one ball for several radial displacements of the inner ring (Lin Figure 3.7).
 
     Parameters
     ----------
     bearing
         The bearing.
     force_x
-        Axial force [N].
+        Axial force on the inner ring [N].
     u_y
-        Radial displacements, ``(n,)`` [m].
+        Radial displacements ``(n,)`` [m].
     law
-        Lin's sigmoid; None: least dissipation.
+        Lin's sigmoid, for his method; None for the motion of least dissipation.
     """
     if law is None:
         return [solve_ball(bearing, force_x, float(u), fast=True) for u in u_y]
     return [solve_ball_as_printed(bearing, force_x, float(u), law, fast=True) for u in u_y]
 
 
-#: Freedoms of the inner ring in the order of the unknowns, and the smallest part that is not round-off.
+#: Names of the inner ring's degrees of freedom in the order of the unknowns; smallest relative value above round-off.
 UNKNOWNS, RANK = ("ux", "uy", "uz", "rx", "ry"), 1e-9
 
-#: Contacts (SL, SR, NL, NR) that a row has: all, or those of one diagonal.
+#: Which contacts (SL, SR, NL, NR) a row of balls has: all four, or the two opposite ones of one diagonal.
 ALL, DIAGONAL, OTHER = (True, True, True, True), (True, False, False, True), (False, True, True, False)
 
 
 @dataclass(frozen=True)
 class BallRow:
-    """Row of balls of a bearing."""
+    """Row of balls of a bearing, with its position and the contacts that its grooves allow."""
 
     #: Axial position [m].
     place: float
-    #: Contacts that its grooves have (SL, SR, NL, NR; S: inner ring).
+    #: Whether its grooves have the contacts SL, SR, NL, NR (S: inner ring, N: outer ring).
     contacts: tuple[bool, bool, bool, bool]
 
 
 @keyed
 @dataclass(frozen=True)
 class BearingCase:
-    """Bearing with a turning, loaded inner ring and a fixed outer ring."""
+    """Bearing with a rotating, loaded inner ring and a fixed outer ring."""
 
-    #: Grooves of the bearing; lead 0.
+    #: Grooves of the bearing, with zero lead.
     groove: ScrewGroove
-    #: Balls per row.
+    #: Number of balls in a row.
     count: int
-    #: The rows.
+    #: Rows of balls.
     rows: tuple[BallRow, ...]
-    #: Force in the plane of x and z, at the angle from the axis z given to `solve_bearing` [N].
+    #: Force on the inner ring in the x-z plane [N]; its angle from the axis z is an argument of `solve_bearing`.
     force: float
-    #: Clearance of the ball's radius at each contact [m], negative for preload.
+    #: Clearance of the ball at each contact [m], negative for preload.
     clearance: float = usual(0.0)
     #: Whether the inner ring may tilt.
     tilt: bool = usual(False)
-    #: Azimuth of the first ball, as a fraction of the distance between balls, 0 on x.
+    #: Azimuth of the first ball from x, as a fraction of the angle between balls.
     phase: float = usual(0.0)
-    #: Axial position where the force acts [m].
+    #: Axial position at which the force acts [m].
     arm: float = usual(0.0)
 
     def __post_init__(self) -> None:
-        """Refuse a helix and empty rows."""
+        """Check that the lead is zero and that there are rows with balls; raise ValueError otherwise."""
         if self.groove.lead != 0.0 or self.count < 1 or not self.rows:
-            raise ValueError("a bearing has zero lead, count >= 1 and at least one row")
+            raise ValueError("a bearing needs zero lead, at least one row, and at least one ball in a row")
 
 
 @dataclass(frozen=True)
 class BearingState:
-    """Loads and friction of a bearing with N balls of all rows in order."""
+    """Loads and friction of a bearing with N balls, row after row."""
 
-    #: Contact loads ``(N, 4)``.
+    #: Contact loads ``(N, 4)`` [N] and angles.
     load: SettledCell
-    #: Losses at the contacts ``(N, 4)`` [W].
+    #: Friction losses at the contacts ``(N, 4)`` [W].
     loss: Array
     #: Friction torque on the inner ring [N m].
     torque: float
-    #: Loaded contacts of each ball ``(N,)``.
+    #: Number of loaded contacts of each ball ``(N,)``.
     points: NDArray[np.int64]
-    #: Power that turns the inner ring [W].
+    #: Power that drives the inner ring [W].
     input_power: float
-    #: Whether loads and every motion converged.
+    #: Whether the loads and the motions of all balls converged.
     converged: bool
 
 
 def ring_motion_maps(case: BearingCase) -> Array:
-    """Return the motion ``(N, 3, m)`` at each ball by the inner ring's translations and, with tilt, rotations about x, y.
+    """Return the displacements of the inner ring at each ball by its unit motions ``(N, 3, m)``.
 
-    Rotations are scaled by the pitch radius, so that all unknowns are lengths [m].
+    The motions are three translations and, if the ring may tilt, rotations about x and y. Rotations are multiplied by the
+    pitch radius, so that all unknowns are lengths [m].
     """
     radius, out = case.groove.pitch_radius, []
     for row in case.rows:
@@ -346,7 +358,7 @@ def ring_motion_maps(case: BearingCase) -> Array:
 
 
 def bearing_cell(case: BearingCase, angle: float) -> Cell:
-    """Return balls and load of a bearing whose force makes ``angle`` [rad] with its axis."""
+    """Return geometry and load of all balls of a bearing whose force makes ``angle`` [rad] with its axis."""
     g, rows = case.groove, ring_motion_maps(case)
     has = np.repeat(np.array([r.contacts for r in case.rows]), case.count, axis=0)
     force = case.force * np.array([np.sin(angle), 0.0, np.cos(angle)])
@@ -357,10 +369,10 @@ def bearing_cell(case: BearingCase, angle: float) -> Cell:
 
 
 def describe_free_motion(case: BearingCase, angle: float) -> str:
-    """Return a description of an inner ring motion that the force drives and no contact resists; empty for none.
+    """Return a description of a motion of the inner ring that the force drives and no contact resists; empty if none.
 
-    A contact resists motion along its normal at the nominal contact angle. Exact for the question whether the linear
-    equilibrium of contact loads and load has a solution, but for signs of the contact loads.
+    A contact resists motion along its normal at the nominal contact angle. The test is exact for the existence of a linear
+    equilibrium of contact loads and force, apart from the signs of the contact loads.
 
     Parameters
     ----------
@@ -384,16 +396,16 @@ def describe_free_motion(case: BearingCase, angle: float) -> str:
 
 
 def solve_bearing(case: BearingCase, angle: float, near: BearingState | None = None) -> BearingState:
-    """Return loads, motions and friction torque of a bearing.
+    """Return contact loads, ball motions and friction torque of a bearing.
 
     Parameters
     ----------
     case
-        The bearing.
+        Bearing under a force.
     angle
-        Of the force from the axis [rad].
+        Angle of the force from the axis [rad].
     near
-        A similar state to begin from.
+        State at a similar angle from which the search starts.
 
     References
     ----------
@@ -419,11 +431,11 @@ def solve_bearing(case: BearingCase, angle: float, near: BearingState | None = N
 
 @dataclass(frozen=True)
 class TorqueCurve:
-    """Friction torque of a bearing against the load's angle (Lin Figure 4.7)."""
+    """Friction torque of a bearing against the angle of its load (Lin Figure 4.7)."""
 
-    #: Angle of the force from the axis ``(n,)`` [rad].
+    #: Angles of the force from the axis ``(n,)`` [rad].
     angle: Array
-    #: ``(n,)`` [N m].
+    #: Friction torques ``(n,)`` [N m].
     torque: Array
     #: Number of balls with more than two contacts ``(n,)``.
     four: NDArray[np.int64]
@@ -432,12 +444,12 @@ class TorqueCurve:
 
     @property
     def ratio(self) -> float:
-        """Largest over smallest torque."""
+        """Ratio of the largest to the smallest torque."""
         return float(self.torque.max() / self.torque.min())
 
 
 def bearing_states(case: BearingCase, angle: Array) -> list[BearingState]:
-    """Return states with the force at angles ``(n,)`` [rad] from the axis, each the start of the next.
+    """Return the states of a bearing for several angles of the force from its axis, each the start of the next.
 
     Parameters
     ----------
@@ -453,7 +465,7 @@ def bearing_states(case: BearingCase, angle: Array) -> list[BearingState]:
 
 
 def torque_curve(case: BearingCase, angle: Array) -> TorqueCurve:
-    """Return the friction torque over angles of the force from the axis ``(n,)`` [rad] (Lin Figure 4.7).
+    """Return the friction torque of a bearing against the angle of the force from its axis (Lin Figure 4.7).
 
     Parameters
     ----------

@@ -1,34 +1,38 @@
-"""Self-adjusting chain of balls: axial load, random errors of balls and grooves, unilateral Hertz contacts.
+"""Axial load distribution in a ball screw whose balls and grooves have random errors, with unilateral Hertz contacts.
 
-Liu et al. (2025), section 2.2, as a minimum. Ball j = 1..M sits between nut and screw at spacing l (equal in the source);
-u_j [m] is the axial motion of the nut against the screw there, counted from where an error-free ball just touches. The
-load F acts on nut and screw at the end of ball 1, so that the segment behind ball j carries what the balls behind it
-carry, in both bodies:
+The model is that of Liu et al. (2025), section 2.2, written as a minimum of energy. Ball j = 1..M lies between nut and
+screw at the spacing l (equal in the paper). u_j [m] is the axial motion of the nut relative to the screw at ball j, zero
+where an error-free ball just touches. The load F acts on nut and screw at the end of ball 1. In both bodies the segment
+between ball j and ball j + 1 therefore carries the sum T_(j+1) of the forces of the balls beyond it:
 
     T_j = sum of f_i(u_i) over i >= j,    T_1 = F,    u_j - u_(j+1) = c T_(j+1),    c = l (1/(E A_n) + 1/(E A_s)),
 
-f_j(u) the axial force of ball j, zero where its approach d_j is not positive. These are the optimality conditions of
+with the axial force f_j(u) of ball j, zero unless its approach d_j is positive. These are the optimality conditions of
 
-    min over u of  sum_j W_j(u_j) + sum_j (u_j - u_(j+1))^2 / (2 c) - F u_1,    W_j' = f_j:
+    min over u of  sum_j W_j(u_j) + sum_j (u_j - u_(j+1))^2 / (2 c) - F u_1,    W_j' = f_j,
 
-convex, because every f_j grows. With contact load Q_j >= 0 and gap g_j = max(-d_j, 0) it is a complementarity problem
-Q_j g_j = 0, so no ball need be sorted out beforehand. Only neighbours couple: the Hessian is tridiagonal. Newton's step is
-solved in its mixed form, by the law T_j = s_j u_j + t_j of the balls from j on:
+which is convex, because every f_j increases. With contact load Q_j >= 0 and gap g_j = max(-d_j, 0) it is a complementarity
+problem Q_j g_j = 0, so it need not be known beforehand which balls are loaded. Only neighbours are coupled, so the Hessian
+is tridiagonal. Newton's step uses the linear law T_j = s_j u_j + t_j of the balls from j on:
 
-    s_j = f_j' + s_(j+1) / (1 + c s_(j+1)),    t_j = f_j - f_j' u_j + t_(j+1) / (1 + c s_(j+1)),
+    s_j = f_j' + s_(j+1) / (1 + c s_(j+1)),    t_j = f_j - f_j' u_j + t_(j+1) / (1 + c s_(j+1)).
 
-springs in series and parallel, which divides by no compliance (c = 0: rigid bodies) and leaves the stiffness s_1 = dF/du_1.
+These are springs in series and parallel. The recursion never divides by a compliance (c = 0 is a rigid body), and it gives
+the stiffness s_1 = dF/du_1.
 
-No line search is needed. The Hessian is an M-matrix and f_j is convex (approaches being small against A), so from the
-second iterate on every one satisfies H(u) >= F with H(u) the left-hand side, lies above the solution in every component,
-and the next lies below it: Newton's method falls monotonically to the minimum.
+No line search is needed. The Hessian is an M-matrix and f_j is convex (approaches are small against A). Hence from the
+second iterate on, all iterates satisfy H(u) >= F, with H(u) the left-hand side; they lie above the solution in every
+component, and each lies below the one before it. Newton's method decreases monotonically to the minimum.
 
-Contact angle, A the distance of the groove centres with an error-free ball just touching, v = u cos(lead angle):
+Contact angle a, with the distance A of the groove centres when an error-free ball just touches, the ball's error e, and
+v = u cos(lead angle):
 constant: d = e + v sin a_0. implicit (Liu's 10 and 14): cos a = (A - e) cos a_0 / (A - e + d), d = e + v sin a.
-exact: the centres move along the axis only, d = e - A + sqrt((A sin a_0 + v)^2 + (A cos a_0)^2); (10) scales the offset
-across the axis by (A - e)/A too, and takes the secant of the motion for its tangent. In all: axial force Q sin a cos(lead).
+exact: the centres move along the axis only, d = e - A + sqrt((A sin a_0 + v)^2 + (A cos a_0)^2). Liu's (10) differs from
+this: it also scales the offset across the axis by (A - e)/A, and takes the secant of the motion for its tangent. In all
+three the axial force is Q sin a cos(lead).
 
-An ensemble: many chains of one design, drawn by number, solved in chunks; only a few quantities of each are stored.
+In an ensemble many screws of one design with numbered random errors are solved in chunks; only a few quantities of each
+screw are stored.
 """
 
 from __future__ import annotations
@@ -50,50 +54,50 @@ LAWS: tuple[Law, ...] = ("constant", "implicit", "exact")
 
 @dataclass(frozen=True)
 class Chain:
-    """Balls in a row between screw and nut under axial load.
+    """Ball screw under axial load as a sequence of balls that segments of screw and nut connect as springs.
 
     Raises
     ------
     ValueError
-        A number out of range.
+        A value is out of range.
     """
 
     #: Number of balls M.
     balls: int
-    #: K of Q = K d^1.5, both contacts together [N/m^1.5].
+    #: Constant K of Q = K d^1.5 for both contacts of a ball together [N/m^1.5].
     stiffness: float
-    #: Compliance of screw and nut from a ball to the next, c [m/N].
+    #: Compliance c of screw and nut between neighbouring balls [m/N].
     compliance: float
     #: Distance A of the groove centres [m].
     groove_distance: float
     #: Contact angle without load [rad].
     contact_angle: float
-    #: [rad].
+    #: Lead angle [rad].
     lead_angle: float
-    #: Interpretation of the equation of the contact angle.
+    #: Interpretation of Liu's equation of the contact angle.
     law: Law = "exact"
-    #: Each distance to the next ball over their mean, to which c belongs ``(M - 1,)``; empty for equal ones.
+    #: Distances between neighbouring balls over their mean, for which c is given ``(M - 1,)``; empty for equal distances.
     spacing: tuple[float, ...] = ()
 
     def __post_init__(self) -> None:
-        """Refuse numbers out of range."""
+        """Check that the values are in range; raise ValueError otherwise."""
         if self.balls < 1 or self.stiffness <= 0.0 or self.compliance < 0.0 or self.groove_distance <= 0.0:
-            raise ValueError("balls, stiffness and groove distance must be positive, the compliance not negative")
+            raise ValueError("balls, stiffness and groove distance must be positive, the compliance must not be negative")
         if not 0.0 < self.contact_angle < 0.5 * np.pi or not 0.0 <= self.lead_angle < 0.5 * np.pi:
             raise ValueError("contact angle must lie in (0, 90) deg, lead angle in [0, 90) deg")
         if self.law not in LAWS:
             raise ValueError(f"law of the contact angle must be one of {', '.join(LAWS)}")
         if self.spacing and (len(self.spacing) != self.balls - 1 or min(self.spacing) < 0.0):
-            raise ValueError(f"distances between balls must not be negative, and as many as gaps: {self.balls - 1}")
+            raise ValueError(f"{self.balls - 1} distances between neighbouring balls are needed, none of them negative")
 
     @property
     def segments(self) -> Array:
-        """Compliance of screw and nut from the ball before ``(M,)`` [m/N], zero for the first."""
+        """Compliance of screw and nut between each ball and the preceding one ``(M,)`` [m/N]; zero for the first ball."""
         return self.compliance * np.array([0.0, *(self.spacing or (1.0,) * (self.balls - 1))])
 
     @property
     def parameters(self) -> Array:
-        """Arguments of the kernels: K, A, sine and cosine of the free contact angle, cosine of the lead angle."""
+        """Values for the kernels: K, A, sine and cosine of the unloaded contact angle, cosine of the lead angle."""
         a = self.contact_angle
         return np.array([self.stiffness, self.groove_distance, np.sin(a), np.cos(a), np.cos(self.lead_angle)])
 
@@ -104,27 +108,27 @@ class Chain:
 
     @property
     def slope(self) -> float:
-        """Approach of a ball over its axial motion at the free contact angle."""
+        """Ratio of a ball's approach to the axial motion at the unloaded contact angle, sin(a_0) cos(lead)."""
         return float(np.sin(self.contact_angle) * np.cos(self.lead_angle))
 
 
 @dataclass(frozen=True)
 class ChainState:
-    """Solution of one chain."""
+    """Solution for one ball screw with errors under one axial load."""
 
     #: Contact loads Q ``(M,)`` [N].
     load: Array
-    #: Axial motions u ``(M,)`` [m].
+    #: Axial motions u of nut against screw at the balls ``(M,)`` [m].
     motion: Array
-    #: Motion at which the first ball touches [m].
+    #: Axial motion at which the first ball touches [m].
     touch: float
-    #: dF/du_1 [N/m].
+    #: Axial stiffness dF/du_1 [N/m].
     stiffness: float
-    #: Newton steps.
+    #: Number of Newton steps.
     iterations: int
     #: Largest error of a ball's force over the load.
     residual: float
-    #: Whether the residual is small.
+    #: Whether the residual is below the tolerance.
     converged: bool
 
     @property
@@ -134,51 +138,51 @@ class ChainState:
 
     @property
     def displacement(self) -> float:
-        """Axial motion at the loaded end since the first ball touched [m]."""
+        """Axial motion at ball 1, where the load acts, from the first touch of any ball [m]."""
         return float(self.motion[0] - self.touch)
 
     @property
     def displacement_first_loaded(self) -> float:
-        """Axial motion at the first loaded ball [m] (Liu's 19), which leaves out the segments before it."""
+        """Axial motion at the first loaded ball, from the first touch (Liu's 19) [m]; without the segments before it."""
         return float(self.motion[int(np.argmax(self.load > 0.0))] - self.touch)
 
 
 def check_errors(chain: Chain, errors: Array) -> Array:
-    """Return errors ``(..., M)`` [m] as the kernels take them.
+    """Check errors of balls ``(..., M)`` [m] and return them as the contiguous array that the kernels need.
 
     Raises
     ------
     ValueError
-        Another shape, or errors that reach A/2.
+        The last axis is not as long as the number of balls, or an error is A/2 or larger.
     """
     e = np.ascontiguousarray(errors, dtype=float)
     if e.shape[-1:] != (chain.balls,) or not np.all(np.isfinite(e)):
-        raise ValueError(f"errors must be finite and as many as balls: {chain.balls}")
+        raise ValueError(f"{chain.balls} finite errors are needed, one for each ball")
     if e.size and np.abs(e).max() >= 0.5 * chain.groove_distance:
-        raise ValueError("errors must be small against the distance of the groove centres")
+        raise ValueError("errors must be smaller than half the distance of the groove centres")
     return e
 
 
 def solve_chain(chain: Chain, errors: Array, load: float, *, compiled: bool = False) -> ChainState:
-    """Return the contact loads of a chain under an axial load.
+    """Return contact loads, motions and stiffness of a ball screw with errors under an axial load.
 
     Valid for approaches small against the distance of the groove centres.
 
     Parameters
     ----------
     chain
-        The chain.
+        Ball screw as a sequence of balls.
     errors
-        Excess of each ball along the contact normal ``(M,)`` [m].
+        Oversize of each ball with its grooves along the contact normal ``(M,)`` [m].
     load
-        F > 0 [N].
+        Axial load F > 0 [N].
     compiled
         Whether to use compiled kernels.
 
     Raises
     ------
     ValueError
-        A load that is not positive, or errors that do not fit.
+        The load is not positive, or the errors have the wrong number or size.
 
     References
     ----------
@@ -186,7 +190,7 @@ def solve_chain(chain: Chain, errors: Array, load: float, *, compiled: bool = Fa
 
     Examples
     --------
-    Equal balls between rigid bodies share the load equally:
+    Equal balls between rigid bodies carry equal loads:
 
     >>> rigid = Chain(10, 1e10, 0.0, 0.5e-3, np.pi / 4, 0.08, "constant")
     >>> state = solve_chain(rigid, np.zeros(10), 1e3)
@@ -198,32 +202,32 @@ def solve_chain(chain: Chain, errors: Array, load: float, *, compiled: bool = Fa
     e, u, work = check_errors(chain, errors), np.empty(chain.balls), np.empty((3, chain.balls))
     k = kernels(RANDOM_ERRORS, compiled=compiled)
     law = LAWS.index(chain.law)
-    steps, residual, stiffness = k.newton(e, float(load), chain.segments, law, chain.parameters, u, work)
+    steps, residual, stiffness = k.solve_by_newton(e, float(load), chain.segments, law, chain.parameters, u, work)
     touch = float(free_motion(chain, e.max()))
     return ChainState(work[0], u, touch, float(stiffness), int(steps), float(residual), bool(residual <= k.TOLERANCE))
 
 
 def end_ratio(chain: Chain, load: float) -> float:
-    """Return the contact load of the last ball over that of the first under a load [N], without errors.
+    """Return the contact load of the last ball over that of the first, for balls without errors.
 
     Parameters
     ----------
     chain
-        The chain of balls.
+        Ball screw as a sequence of balls.
     load
-        Total load [N].
+        Axial load [N].
     """
     q = solve_chain(chain, np.zeros(chain.balls), load).load
     return float(q[-1] / q[0])
 
 
 def calibrate_compliance(chain: Chain, ratio: float, load: float) -> Chain:
-    """Return the chain with the compliance for which `end_ratio` has a given value.
+    """Return the ball screw with the compliance of screw and nut at which `end_ratio` has a given value.
 
     Parameters
     ----------
     chain
-        The chain.
+        Ball screw as a sequence of balls.
     ratio
         Contact load of the last ball over that of the first, in (0, 1).
     load
@@ -232,11 +236,11 @@ def calibrate_compliance(chain: Chain, ratio: float, load: float) -> Chain:
     Raises
     ------
     ValueError
-        A ratio outside (0, 1), or a chain of one ball.
+        The ratio is outside (0, 1), or there is only one ball.
     """
     if not 0.0 < ratio < 1.0 or chain.balls < 2:
-        raise ValueError("the ratio must lie in (0, 1), and a chain needs two balls")
-    # stretch of the whole chain against the approach of a ball, both under equal shares
+        raise ValueError("the ratio must lie in (0, 1), and at least two balls are needed")
+    # scale: compliance at which the bodies stretch as much as a ball approaches, if all balls carry the same load
     share = load / (chain.balls * chain.slope)
     size = 2.0 * float(contact_approach(share, chain.C)) / (chain.slope * load * chain.balls)
     high = size
@@ -250,23 +254,23 @@ def calibrate_compliance(chain: Chain, ratio: float, load: float) -> Chain:
 
 
 def first_carrying_load(chain: Chain, errors: Array, ball: int, high: float) -> float:
-    """Return the load [N], up to ``high``, from which a ball carries; 0 where it touches first.
+    """Return the axial load above which a ball carries load [N]; 0 for the ball that touches first.
 
-    Every motion grows with the load, so there is one.
+    The motion at each ball increases with the load, so the load is unique.
 
     Parameters
     ----------
     chain, errors
-        As for `solve_chain`.
+        Ball screw and errors of its balls [m], as for `solve_chain`.
     ball
         Number of the ball, from 0.
     high
-        Largest load [N].
+        Largest load of the search [N].
 
     Raises
     ------
     ValueError
-        A ball that is still loose at ``high``.
+        The ball is still loose at the load ``high``.
     """
     e = check_errors(chain, errors)
 
@@ -277,12 +281,12 @@ def first_carrying_load(chain: Chain, errors: Array, ball: int, high: float) -> 
     if e[ball] == e.max():
         return 0.0
     if gap(high) < 0.0:
-        raise ValueError("the ball is not loaded at the highest load")
+        raise ValueError(f"ball {ball} is not loaded at the largest load, {high:g} N")
     return float(brentq(gap, 1e-9 * high, high, rtol=1e-12))
 
 
 def free_motion(chain: Chain, error: Array | float) -> Array:
-    """Return the motion at which balls of given errors [m] just touch [m], of the shape of the errors."""
+    """Return the axial motions at which balls with given errors [m] just touch [m], an array of the same shape."""
     e = np.asarray(error, dtype=float)
     if chain.law != "exact":
         return -e / chain.slope
@@ -290,57 +294,57 @@ def free_motion(chain: Chain, error: Array | float) -> Array:
     return np.asarray((np.sqrt((a - e) ** 2 - (a * np.cos(angle)) ** 2) - a * np.sin(angle)) / np.cos(chain.lead_angle))
 
 
-#: What is kept of each chain: smallest and largest contact load [N], loaded balls, motion since the first touch of ball 1
-#: and of the first loaded ball (Liu's 19) [m], stiffness dF/du_1 [N/m].
+#: Quantities stored for each screw: smallest and largest contact load [N], number of loaded balls, axial motion from the
+#: first touch at ball 1 and at the first loaded ball (Liu's 19) [m], stiffness dF/du_1 [N/m].
 Quantity = Literal["smallest", "largest", "loaded", "displacement", "displacement_first_loaded", "stiffness"]
 
 QUANTITIES: tuple[Quantity, ...] = get_args(Quantity)
 
-#: Chains solved at a time: 5 MB of errors for 78 balls.
+#: Number of screws solved at a time; their errors take 5 MB for 78 balls.
 CHUNK = 8192
 
 
 @dataclass(frozen=True)
 class Ensemble:
-    """Quantities of n solved chains under L loads."""
+    """Results for n ball screws of one design with random errors, each solved under L loads."""
 
-    #: The loads ``(L,)`` [N].
+    #: Axial loads ``(L,)`` [N].
     loads: Array
-    #: The quantities ``(n, L, 6)``, last axis as ``QUANTITIES``.
+    #: Stored quantities ``(n, L, 6)``; the last axis is in the order of ``QUANTITIES``.
     kept: Array
     #: Largest residual over the load.
     residual: float
-    #: Number of chains that did not converge under some load.
+    #: Number of screws for which Newton's method did not converge under some load.
     failed: int
 
     def values_at(self, quantity: Quantity, load: float) -> Array:
-        """Return one quantity of every chain at a load [N], ``(n,)``; raises KeyError for a load that was not solved."""
+        """Return one quantity of all screws at a load [N], ``(n,)``; raises KeyError if the load is not among the loads."""
         at = np.flatnonzero(self.loads == load)
         if at.size != 1:
-            raise KeyError(f"no load of {load} N in this ensemble")
+            raise KeyError(f"the ensemble was not solved at a load of {load} N")
         return np.asarray(self.kept[:, at[0], QUANTITIES.index(quantity)])
 
 
 def draw_errors(seed: int, first: int, count: int, balls: int, half_range: float) -> Array:
-    """Return errors ``(count, balls)`` [m] of some chains, uniform and independent within the half range.
+    """Return random errors ``(count, balls)`` [m] of the balls of several screws: independent, uniform up to +-half_range.
 
-    Chain i has the numbers i M to (i + 1) M - 1 of the stream of ``seed``, so a chain does not depend on how many are
-    drawn.
+    Screw i has the random numbers i M to (i + 1) M - 1 of the stream of ``seed``, so its errors do not depend on how many
+    screws are drawn.
 
     Parameters
     ----------
     seed
-        Of the random numbers.
+        Seed of the random numbers.
     first, count
-        Number of the first chain, and of chains.
+        Number of the first screw, and how many screws are drawn.
     balls
-        Number of balls M of a chain.
+        Number of balls M of a screw.
     half_range
-        Largest size of an error [m].
+        Largest absolute value of an error [m].
 
     References
     ----------
-    Liu et al. (2025), 2.1: e - 2 e rand(1, 78), with his plus sign corrected, which would leave the band.
+    Liu et al. (2025), 2.1: e - 2 e rand(1, 78). The printed plus sign, which would exceed the range, is corrected.
     """
     stream = np.random.PCG64(seed)
     stream.advance(first * balls)
@@ -348,12 +352,17 @@ def draw_errors(seed: int, first: int, count: int, balls: int, half_range: float
 
 
 def solve_errors(chain: Chain, errors: Array, loads: Array) -> tuple[Array, Array]:
-    """Return quantities ``(n, L, 6)`` and residuals ``(n, L)`` of chains with errors ``(n, M)`` [m] at loads ``(L,)`` [N].
+    """Solve n ball screws with errors ``(n, M)`` [m] under L axial loads ``(L,)`` [N].
+
+    Returns
+    -------
+    tuple[Array, Array]
+        Quantities in the order of ``QUANTITIES`` ``(n, L, 6)``, and residuals over the load ``(n, L)``.
 
     Raises
     ------
     ValueError
-        A load that is not positive, or errors that do not fit.
+        A load is not positive, or the errors have the wrong number or size.
     """
     f = np.ascontiguousarray(loads, dtype=float)
     if f.ndim != 1 or f.size == 0 or not np.all((f > 0.0) & np.isfinite(f)):
@@ -361,7 +370,7 @@ def solve_errors(chain: Chain, errors: Array, loads: Array) -> tuple[Array, Arra
     e = check_errors(chain, errors)
     out = np.empty((len(e), f.size, len(QUANTITIES) + 1))
     k = kernels(RANDOM_ERRORS, compiled=True)
-    k.batch(e, f, chain.segments, LAWS.index(chain.law), chain.parameters, out)
+    k.solve_batch(e, f, chain.segments, LAWS.index(chain.law), chain.parameters, out)
     at = QUANTITIES.index("displacement")
     out[..., at : at + 2] -= np.asarray(free_motion(chain, e.max(axis=1)))[:, None, None]
     return out[..., :-1], out[..., -1]
@@ -370,32 +379,32 @@ def solve_errors(chain: Chain, errors: Array, loads: Array) -> tuple[Array, Arra
 def solve_ensemble(
     chain: Chain, half_range: float, loads: Array | list[float], members: int, *, seed: int = 0, chunk: int = CHUNK
 ) -> Ensemble:
-    """Return quantities of many chains with random errors.
+    """Solve many ball screws of one design with random errors under several loads.
 
-    Memory: one chunk of errors, and six numbers a chain and load.
+    Memory is needed for the errors of one chunk, and for six numbers per screw and load.
 
     Parameters
     ----------
     chain
-        The chain.
+        Ball screw as a sequence of balls.
     half_range
-        Largest size of an error [m].
+        Largest absolute value of an error [m].
     loads
-        ``(L,)`` [N].
+        Axial loads ``(L,)`` [N].
     members
-        Number of chains.
+        Number of screws.
     seed
-        Of the random numbers.
+        Seed of the random numbers.
     chunk
-        Number of chains solved at a time; the result does not depend on it.
+        Number of screws solved at a time; the result does not depend on it.
 
     Raises
     ------
     ValueError
-        Numbers of members or of a chunk that are not positive, or errors as in `solve_errors`.
+        The number of screws or the chunk is not positive, or errors as in `solve_errors`.
     """
     if members < 1 or chunk < 1 or half_range < 0.0:
-        raise ValueError("members and chunk must be positive, the range of errors not negative")
+        raise ValueError("members and chunk must be positive, half_range must not be negative")
     f = np.asarray(loads, dtype=float)
     kept, worst, failed = np.empty((members, f.size, len(QUANTITIES))), 0.0, 0
     tolerance = kernels(RANDOM_ERRORS, compiled=False).TOLERANCE
@@ -410,48 +419,48 @@ def solve_ensemble(
 
 @dataclass(frozen=True)
 class PercentileRank:
-    """Rank of a number in a sample."""
+    """Percentile rank of a number in a sample of random values."""
 
-    #: Share of the sample below it, and the standard error of the share.
+    #: Part of the sample that is below the number.
     below: float
-    #: Share of the sample at or below it, likewise; they differ where values repeat.
+    #: Part of the sample that is below or equal to the number.
     at_most: float
     #: Size of the sample.
     size: int
 
     @property
     def middle(self) -> float:
-        """Percentile [%], a repeated value counted half."""
+        """Percentile rank [%]; values equal to the number are counted half."""
         return 50.0 * (self.below + self.at_most)
 
     @property
     def error(self) -> float:
-        """Standard error [%]; by the rule of succession, so that none is zero."""
+        """Standard error of the percentile rank [%], by the rule of succession, with which it is never zero."""
         p = (0.01 * self.middle * self.size + 1.0) / (self.size + 2.0)
         return float(100.0 * np.sqrt(p * (1.0 - p) / self.size))
 
     @property
     def tail(self) -> float:
-        """One-sided tail probability: chance of a value at least this extreme, on the nearer side."""
+        """One-sided tail probability: part of the sample at least as extreme as the number, on its side of the median."""
         return min(self.at_most, 1.0 - self.below)
 
     @property
     def tail_bound(self) -> float:
-        """Upper 95 % bound of ``tail`` (Wilson; 2.7/size where no value reaches it)."""
+        """Upper 95 % confidence bound of ``tail`` (Wilson's score interval; 2.7/size if no value is as extreme)."""
         z, n, p = 1.645, self.size, self.tail
         return float((p + z * z / (2 * n) + z * np.sqrt(p * (1 - p) / n + z * z / (4 * n * n))) / (1 + z * z / n))
 
 
 def percentile_rank(sample: Array, value: float, width: float = 0.0) -> PercentileRank:
-    """Return the rank of a number in a sample.
+    """Return the percentile rank of a number in a sample.
 
     Parameters
     ----------
     sample
-        ``(n,)``.
+        Values of the sample ``(n,)``.
     value
-        The number, in the sample's unit.
+        The number, in the unit of the sample.
     width
-        Half of what rounding hides of it, counted as equal.
+        Rounding error of the number; values that differ by less count as equal.
     """
     return PercentileRank(float(np.mean(sample < value - width)), float(np.mean(sample <= value + width)), sample.size)

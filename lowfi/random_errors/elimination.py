@@ -1,16 +1,18 @@
-"""Liu's elimination algorithm: equations between neighbouring loaded balls, unloaded balls removed in rounds.
+"""Elimination algorithm of Liu et al. (2025) for the contact loads of a ball screw with random errors.
 
-Unknowns are the approaches of the balls that are still in: between neighbours q < i equation (17), with the sum to q that
-(14) asks for (printed: to i and q + 1 in (23), and the brackets of 17, 23, 24 with the opposite sign),
+Balls that would carry tension are removed in rounds. The unknowns are the approaches of the balls that are not yet removed.
+Between neighbours q < i of these balls Liu's equation (17) holds, with the sum up to q that (14) requires (printed: up to
+i, and q + 1 in (23); the brackets of 17, 23 and 24 are printed with the opposite sign),
 
     F - sum over j <= q of C(j) - (m + 1)^-1 (A(q) - A(i) - B(q) + B(i)) / (c cos(lead)) = 0,    C(j) axial forces,
 
-and (18), their sum. A round solves them by Newton's method with tension allowed (C odd in the approach, on which the source
-is silent), removes every negative approach, and starts again.
+and the sum of the axial forces is F (18). Each round solves these equations by Newton's method, with tension allowed (C is
+odd in the approach; the paper does not say so), and removes all balls with a negative approach.
 
-It ends with the active set of the complementarity problem: with tension allowed H(u) is nowhere larger, so its solution
-lies above the true one in every component, and what it leaves loose is loose; dropping balls lowers it further. So no ball
-is dropped in error, and the last round, without tension, solves the problem.
+The last round has the active set of the complementarity problem in `lowfi.random_errors.chain`. With tension allowed, the
+sum of forces H(u) is nowhere larger than without, and removing balls lowers H further. The solution of a round therefore
+lies above the true one in every component. A ball that is loose there is therefore loose in the true solution, and no ball
+is removed in error. The last round, in which no ball carries tension, solves the problem.
 """
 
 from __future__ import annotations
@@ -24,27 +26,28 @@ from rollbench.lowfi.hertz import contact_approach, contact_force
 from rollbench.lowfi.random_errors.chain import Chain, check_errors
 from rollbench.meshes.arrays import Array
 
-#: Newton steps of a round, halvings of a step.
+#: Largest numbers of Newton steps in a round, and of halvings of a step.
 MAX_STEPS, MAX_HALVINGS = 100, 30
+#: Largest residual of the equations over the load.
 TOLERANCE = 1e-10
 
 
 @dataclass(frozen=True)
 class EliminationResult:
-    """Result of Liu's elimination algorithm."""
+    """Result of Liu's elimination algorithm for M balls."""
 
     #: Contact loads ``(M,)`` [N].
     load: Array
     #: Number of rounds.
     rounds: int
-    #: Newton steps of all rounds.
+    #: Number of Newton steps in all rounds.
     steps: int
-    #: Whether every round was solved.
+    #: Whether Newton's method converged in every round.
     converged: bool
 
 
 def _contact_angle_sine(chain: Chain, errors: Array, approach: Array) -> tuple[Array, Array]:
-    """Return the sine of the contact angle and its derivative by the approach."""
+    """Return the sine of the contact angle of every ball, and its derivative by the ball's approach [1/m]."""
     sine_0, cosine_0 = np.sin(chain.contact_angle), np.cos(chain.contact_angle)
     if chain.law == "constant":
         return np.full_like(approach, sine_0), np.zeros_like(approach)
@@ -55,7 +58,7 @@ def _contact_angle_sine(chain: Chain, errors: Array, approach: Array) -> tuple[A
 
 
 def _motion_of_approach(chain: Chain, errors: Array, approach: Array) -> tuple[Array, Array]:
-    """Return the motion (A - B)/cos(lead) [m] of an approach, and its derivative."""
+    """Return the axial motion (A - B)/cos(lead) of the nut at every ball [m], and its derivative by the approach."""
     sine, turn = _contact_angle_sine(chain, errors, approach)
     if chain.law == "exact":
         # difference of two lengths along the axis, from that of their squares: no cancellation
@@ -67,7 +70,7 @@ def _motion_of_approach(chain: Chain, errors: Array, approach: Array) -> tuple[A
 
 
 def _axial_forces(chain: Chain, errors: Array, approach: Array) -> tuple[Array, Array]:
-    """Return the axial forces C(j) [N], odd in the approach, and their derivatives."""
+    """Return the axial forces C(j) of the balls [N], odd in the approach, and their derivatives by the approach [N/m]."""
     sine, turn = _contact_angle_sine(chain, errors, approach)
     root, lead = np.sqrt(np.abs(approach)), np.cos(chain.lead_angle)
     load = chain.stiffness * approach * root
@@ -77,7 +80,7 @@ def _axial_forces(chain: Chain, errors: Array, approach: Array) -> tuple[Array, 
 def _equations_and_jacobian(
     chain: Chain, errors: Array, at: NDArray[np.int64], load: float, approach: Array
 ) -> tuple[Array, Array]:
-    """Return equations (17) and (18) of the balls ``at`` [N], and their Jacobian."""
+    """Return the residuals of (17) and (18) for the balls with the numbers ``at`` [N], and their Jacobian [N/m]."""
     force, rate = _axial_forces(chain, errors, approach)
     motion, slope = _motion_of_approach(chain, errors, approach)
     n = at.size
@@ -93,7 +96,7 @@ def _equations_and_jacobian(
 def _solve_round(
     chain: Chain, errors: Array, at: NDArray[np.int64], load: float, approach: Array
 ) -> tuple[Array, int, bool]:
-    """Solve the equations of the balls that are in; return approaches, steps, and whether they are solved."""
+    """Solve the equations of the balls with the numbers ``at``; return their approaches, Newton steps and success."""
     value, jacobian = _equations_and_jacobian(chain, errors, at, load, approach)
     for step in range(MAX_STEPS):
         size = float(np.abs(value).max())
@@ -112,28 +115,29 @@ def _solve_round(
 
 
 def solve_by_elimination(chain: Chain, errors: Array, load: float) -> EliminationResult:
-    """Return contact loads by Liu's five steps.
+    """Return the contact loads of the balls between screw and nut by the five steps of Liu's algorithm.
 
     Parameters
     ----------
     chain
-        The chain.
+        Balls between screw and nut.
     errors
-        Excess of each ball along the contact normal ``(M,)`` [m].
+        Oversize of each ball with its grooves along the contact normal ``(M,)`` [m].
     load
-        F > 0 [N].
+        Axial load F > 0 [N].
 
     Raises
     ------
     ValueError
-        Rigid bodies (the equations divide by the compliance), a load that is not positive, or errors that do not fit.
+        The bodies are rigid (the equations divide by the compliance), the load is not positive, or the errors have the
+        wrong number or size.
 
     References
     ----------
     Liu et al. (2025), 14 to 24.
     """
     if chain.compliance <= 0.0 or not 0.0 < load < np.inf:
-        raise ValueError("the elimination needs a compliance and a load above zero")
+        raise ValueError("Liu's elimination needs a compliance of screw and nut and a load, both above zero")
     e = check_errors(chain, errors)
     share = float(contact_approach(load / (chain.balls * chain.slope), chain.C))
     at = np.arange(chain.balls)

@@ -1,1 +1,1 @@
-"""Ratings from contact loads: size and pressure of contacts, static safety, life, rigidity of the nut."""
+"""Ratings from contact loads: contact size and pressure, static safety, fatigue life, rigidity of the nut, shaft limits."""

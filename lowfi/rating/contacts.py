@@ -1,19 +1,21 @@
 """Most heavily loaded contact of balls or tapered rollers, its static safety, and static load ratings.
 
-Basic static load ratings C0 of rings (ISO 76) and ball screws (ISO 3408-5), by the most heavily loaded contact.
-
-The rating Q_0 of a contact is the lesser of its two raceways'. Rings, by ISO 76 for all but self-aligning ball bearings:
-the force of a largest pressure of 4,200 MPa by Hertz, whose permanent indentation of ball and raceway together is about
-1e-4 of the ball's diameter D. Screws, by ISO 3408-5: the force of that indentation by Palmgren's formula, lengths in mm,
+The basic static load rating C0 of ball bearings (ISO 76) and ball screws (ISO 3408-5) follows from the permissible force
+Q_0 of the most heavily loaded contact, the smaller one of its two raceways. For bearings (ISO 76, all but self-aligning
+ball bearings) Q_0 causes a largest Hertz pressure of 4,200 MPa; the permanent indentation of ball and raceway together is
+then about 1e-4 of the ball's diameter D. For screws (ISO 3408-5) Q_0 causes that indentation by Palmgren's formula, lengths
+in mm,
 
     1.3e-7 Q^2/D (1/D across)(1/D along) = 1e-4 D,  so  Q_0 = 27.74 D/sqrt(across along),                             (1)
 
-across and along the relative curvatures [1/mm] of ball and groove. Of Z balls, all loads along the axis even, or radial
-ones on half a circle without clearance (Stribeck's 5):
+with the relative curvatures of ball and groove, across the groove and along the track [1/mm]. For Z balls under equal axial
+loads, or under a radial load on half a circle without clearance (Stribeck's factor 5), the ratings are
 
-    C_0a = Z Q_0 sin(alpha) cos(phi)  (screws; rings above 45 deg),   C_0r = Z Q_0 cos(alpha)/5  (rings up to 45 deg).  (2)
+    C_0a = Z Q_0 sin(alpha) cos(phi)  (screws; bearings above 45 deg),
+    C_0r = Z Q_0 cos(alpha)/5         (bearings up to 45 deg).                                                        (2)
 
-Range: parts of hardened bearing steel; ISO 76's tables take E = 207 GPa and nu = 0.3, this the materials of the scene.
+Valid for parts of hardened bearing steel. ISO 76's tables assume E = 207 GPa and nu = 0.3; here the materials of the scene
+are used.
 """
 
 from __future__ import annotations
@@ -34,20 +36,20 @@ from rollbench.meshes.one_arc import is_one_arc
 from rollbench.meshes.parts import SIDES, Scene
 from rollbench.meshes.quantity import Stated, quantity, record
 
-#: Permanent indentation over the ball's diameter that the static rating of ball contacts allows (ISO 76).
+#: Permanent indentation over the ball's diameter at the static load rating (ISO 76).
 ALLOWED = 1e-4
 
-#: Constant of Palmgren's permanent deformation [m^3/N^2]: 1.3e-7 in mm and N.
+#: Constant of Palmgren's formula for permanent indentation [m^3/N^2]; 1.3e-7 in mm and N.
 PALMGREN = 1.3e-19
 
 
 @record
 class Contact:
-    """Elliptical Hertz contact of one ball with one flank, of the radii that ball and groove have with their errors."""
+    """Elliptical Hertz contact of one ball with one flank, for the radii of ball and groove with their errors."""
 
     #: Number of the ball, from 1.
     ball: int = quantity("ball", "ball of the highest pressure")
-    #: Flank.
+    #: Name of the flank.
     side: str = quantity("side", "its flank")
     #: Contact force F [N].
     force: float = quantity("force_N", "its load F", error="that of the load")
@@ -85,7 +87,8 @@ class Contact:
 class StaticSafety:
     """Static safety of the contact with the highest pressure."""
 
-    #: Force at the allowed pressure over the contact's force: (4200 MPa/p)^3 for balls, (4000 MPa/p)^2 for rollers.
+    #: Ratio of the force at the permissible pressure to the contact force: (4200 MPa/p)^3 of balls, (4000 MPa/p)^2 of
+    #: rollers.
     factor: float = quantity(
         "factor",
         "(allowed pressure / largest pressure)^3, of rollers ^2: how many times the load may grow",
@@ -95,9 +98,9 @@ class StaticSafety:
         expected=("pressure_percent", 3.0),
         note="{allowed_pressure_MPa} MPa (ISO 76)",
     )
-    #: Allowed pressure [Pa].
+    #: Permissible pressure [Pa].
     allowed: float = quantity("allowed_pressure_MPa", "4,200 MPa of balls, 4,000 MPa of rollers (ISO 76)")
-    #: Permanent indentation over the ball's diameter, of which ISO 76 allows 1e-4; None for rollers.
+    #: Permanent indentation over the ball's diameter (ISO 76 permits 1e-4); None for rollers.
     permanent: float | None = quantity(
         "permanent_over_diameter",
         "lasting dent over the ball's diameter, by Palmgren's formula",
@@ -108,19 +111,19 @@ class StaticSafety:
     @property
     @Stated("allowed_over_diameter", "1e-4, the dent that standards allow")
     def allowed_permanent(self) -> float:
-        """Largest permanent indentation over the ball's diameter that ISO 76 allows."""
+        """Largest permanent indentation over the ball's diameter that ISO 76 permits, 1e-4."""
         return ALLOWED
 
 
 @record
 class Truncation:
-    """Contact ellipse that comes nearest to an edge of its groove's arc, or that the edge truncates most."""
+    """Contact ellipse nearest to an edge of its groove's arc, or truncated most by the edge."""
 
     #: Number of the ball, from 1.
     ball: int = quantity("ball", "ball whose ellipse comes nearest to an edge of its groove")
-    #: Flank.
+    #: Name of the flank.
     side: str = quantity("side", "its flank")
-    #: ``"land"``, or ``"apex"`` between the two arcs of a groove.
+    #: Edge of the arc: ``"land"``, or ``"apex"`` between the two arcs of a groove.
     edge: str = quantity("edge", "which edge: land, or apex between two arcs; a groove of one arc has lands at both ends")
     #: Contact angle [rad].
     angle: float = quantity("contact_angle_deg", "its contact angle")
@@ -136,28 +139,28 @@ class Truncation:
         form="g3",
         note="ball {ball} {side}, {edge}",
     )
-    #: Number of contacts whose ellipse passes an edge.
+    #: Number of contacts whose ellipse extends beyond an edge.
     cut: int = quantity("contacts_cut", "contacts whose ellipse passes an edge", heading="contacts TRUNCATED")
 
 
 def worst_contact(
     scene: Scene, drawn: Specimen, load: Array, angle: Array, pressure: Array | None = None
 ) -> Contact | None:
-    """Return the loaded contact with the highest pressure.
+    """Return the ball contact with the highest pressure.
 
-    Elliptical Hertz contact with the drawn radii of ball and groove, whatever constants the force law uses (ingredient
-    ``hertz``). Valid for ellipses small against ball and groove.
+    It is an elliptical Hertz contact for the radii of ball and groove with their random errors, even if the force law uses
+    error-free radii (ingredient ``hertz``). Valid for ellipses small against ball and groove.
 
     Parameters
     ----------
     scene, drawn
-        The scene and its parts with their drawn errors.
+        Scene, and its parts with random errors.
     load
         Contact forces ``(n, 4)`` [N].
     angle
         Contact angles ``(n, 4)`` [rad].
     pressure
-        Largest pressures ``(n, 4)`` [Pa] to use in place of Hertz's.
+        Largest pressures ``(n, 4)`` [Pa] to use in place of those by Hertz.
 
     Returns
     -------
@@ -167,7 +170,7 @@ def worst_contact(
     Raises
     ------
     ValueError
-        A drawn ball that conforms to its groove.
+        A ball with its errors conforms to its groove.
 
     References
     ----------
@@ -194,16 +197,17 @@ def worst_contact(
 def static_safety(scene: Scene, drawn: Specimen, worst: Contact) -> StaticSafety:
     """Return the static safety of a ball's contact between parts of hardened bearing steel.
 
-    By pressure: ISO 76 rates a ball contact at the load of 4200 MPa. By indentation, as ISO 3408-5: the permanent
-    deformation of both surfaces together, 1.3e-7 Q^2/D (sum of curvatures across) (sum along) in mm and N; measured near
-    the elastic limit, hardness 63 to 65 HRC. D and the curvatures are those of the contact.
+    By pressure, the permissible load of a ball contact is that at 4200 MPa (ISO 76). By permanent indentation (ISO 3408-5),
+    both surfaces together are indented by 1.3e-7 Q^2/D (relative curvature across) (relative curvature along) in mm and N;
+    the formula was measured near the elastic limit at a hardness of 63 to 65 HRC. D and the curvatures are those of the
+    contact.
 
     Parameters
     ----------
     scene, drawn
-        The scene and its parts with their errors.
+        Scene, and its parts with random errors.
     worst
-        The contact, see `worst_contact`.
+        Contact with the highest pressure, see `worst_contact`.
 
     References
     ----------
@@ -217,14 +221,14 @@ def static_safety(scene: Scene, drawn: Specimen, worst: Contact) -> StaticSafety
 
 
 def truncation(scene: Scene, drawn: Specimen, load: Array, angle: Array) -> Truncation | None:
-    """Return where the contact ellipses end on the arcs of their grooves.
+    """Return the contact ellipse that is nearest to an edge of its groove's arc, and how many ellipses are truncated.
 
-    The land of the nut has no dimension in a low-order scene: the nut's arc is taken to end at 90 deg.
+    The nut's arc is assumed to end at 90 deg, because a low-order scene does not give the dimension of the nut's land.
 
     Parameters
     ----------
     scene, drawn
-        The scene and its parts with their drawn errors.
+        Scene, and its parts with random errors.
     load
         Contact forces ``(n, 4)`` [N].
     angle
@@ -238,7 +242,7 @@ def truncation(scene: Scene, drawn: Specimen, load: Array, angle: Array) -> Trun
     Raises
     ------
     ValueError
-        A screw whose cylinder does not cut its groove, or a drawn ball that conforms to its groove.
+        The screw's outer cylinder does not cut its groove, or a ball with its errors conforms to its groove.
     """
     loaded = (load > 0.0) & np.isfinite(angle)
     if not loaded.any():
@@ -262,13 +266,13 @@ def truncation(scene: Scene, drawn: Specimen, load: Array, angle: Array) -> Trun
     )
 
 
-#: Raceways of a roller, inner (cone) and outer (cup).
+#: Names of a roller's raceways, inner (cone) and outer (cup).
 RACES = ("inner", "outer")
 
 
 @record
 class RollerContact:
-    """Line contact of a roller with the highest pressure of its row."""
+    """Line contact of a tapered roller with the highest pressure in its row."""
 
     #: Number of the roller, from 1.
     roller: int = quantity("roller", "roller of the highest pressure")
@@ -278,23 +282,23 @@ class RollerContact:
     force: float = quantity("force_N")
     #: Distance of the highest pressure from the roller's middle [m], positive towards the large end.
     place: float = quantity("place_mm", "that place, from the roller's middle, positive to its large end")
-    #: Load per length there [N/m].
+    #: Load per length at that position [N/m].
     line_load: float = quantity(
         "line_load_N_mm",
         "load per length q where the pressure is highest",
         error="without what the ends of straight rollers add",
     )
-    #: Half-width b there [m].
+    #: Half-width b at that position [m].
     half_width: float = quantity(
         "half_width_mm", "half-width b of the strip there, sqrt(4 q R/(pi E*))", error="half that of the line load"
     )
-    #: Largest pressure there [Pa].
+    #: Largest pressure at that position [Pa].
     pressure: float = quantity("pressure_MPa", heading="peak pressure", note="roller {roller}, {race} race")
     #: Largest pressure of the same roller on its other race [Pa].
     other: float = quantity(
         "other_race_pressure_MPa", "largest pressure of that roller on its other race", error="half that of the line load"
     )
-    #: Pressure at the roller's middle if its load were spread evenly [Pa].
+    #: Pressure at the roller's middle if its load were uniform along its length [Pa].
     middle: float = quantity(
         "middle_pressure_MPa",
         "pressure at the roller's middle diameter if its load were spread evenly along it",
@@ -303,30 +307,30 @@ class RollerContact:
 
 
 def race_pressures(row: RollerRow, line_loads: Array) -> Array:
-    """Return the largest pressures along every roller at inner and outer race, ``(count, 2)`` [Pa].
+    """Return the largest pressure of every roller at inner and outer race ``(count, 2)`` [Pa].
 
     Parameters
     ----------
     row
-        The row.
+        Row of tapered rollers.
     line_loads
-        Loads per length ``(count, slices)`` [N/m].
+        Loads per length of each roller's slices ``(count, slices)`` [N/m].
     """
     return np.asarray(slice_contacts(tapered_bearing(row), line_loads)[1].max(axis=1))
 
 
 def worst_roller(row: RollerRow, line_loads: Array) -> RollerContact | None:
-    """Return the position of the highest pressure of a row of rollers.
+    """Return the line contact with the highest pressure in a row of rollers, and its position along the roller.
 
-    Equations and range are those of `rollbench.lowfi.rollers.slice_contacts`. Under an even line load the position is the
-    small end, where the curvatures are largest.
+    Equations and validity are those of `rollbench.lowfi.rollers.slice_contacts`. Under a uniform line load the position is
+    the small end, where the curvatures are largest.
 
     Parameters
     ----------
     row
-        The row.
+        Row of tapered rollers.
     line_loads
-        Loads per length ``(count, slices)`` [N/m].
+        Loads per length of each roller's slices ``(count, slices)`` [N/m].
 
     Returns
     -------
@@ -355,22 +359,23 @@ def worst_roller(row: RollerRow, line_loads: Array) -> RollerContact | None:
 def roller_safety(worst: RollerContact) -> StaticSafety:
     """Return the static safety of a roller's line contact between parts of hardened bearing steel.
 
-    ISO 76 rates the contacts of roller bearings at the load of 4000 MPa, and the pressure grows with the root of the load.
+    The permissible load of a roller contact is that at 4000 MPa (ISO 76); the pressure is proportional to the square root
+    of the load.
 
     Parameters
     ----------
     worst
-        Line contact with the highest pressure.
+        Line contact with the highest pressure, see `worst_roller`.
     """
     return StaticSafety((ROLLER_DENT_PRESSURE / worst.pressure) ** 2, ROLLER_DENT_PRESSURE)
 
 
-#: Largest contact load over the mean radial share of a ball, radial load and no clearance (Stribeck; ISO 76).
+#: Stribeck's factor: largest contact load over F_r/Z for Z balls under a radial load F_r without clearance (ISO 76).
 STRIBECK = 5.0
 
 
 def contact_rating(scene: Scene) -> float:
-    """Return the force Q_0 at which a contact of the scene is rated [N], the lesser of one pair of opposite raceways."""
+    """Return the permissible static force Q_0 of a ball contact [N], the smaller one of two opposite raceways."""
     if scene.track.lead > 0.0:
         dent = nominal_curvatures(scene)[[0, 3]].prod(axis=1)
         diameter = 2.0 * scene.balls.radius
@@ -380,7 +385,7 @@ def contact_rating(scene: Scene) -> float:
 
 
 def static_rating(scene: Scene) -> float:
-    """Return the basic static load rating C_0 of a screw or bearing by (2).
+    """Return the basic static load rating C_0 of a ball screw or ball bearing by (2).
 
     Parameters
     ----------
@@ -407,7 +412,7 @@ def static_rating(scene: Scene) -> float:
 
 @record
 class Ratings:
-    """Basic load ratings as computed."""
+    """Basic load ratings of a screw or bearing, computed from its dimensions."""
 
     #: Dynamic load rating C [N].
     dynamic: float = quantity(
@@ -423,7 +428,7 @@ class Ratings:
         heading="static load rating C0",
         note="{direction}, as computed ({static_standard})",
     )
-    #: Whether they are axial loads; otherwise radial.
+    #: Whether the ratings are axial loads; otherwise they are radial.
     axial: bool = quantity("direction", "axial or radial", show=lambda axial: "axial" if axial else "radial")
     #: Standard of the dynamic rating.
     dynamic_standard: str = quantity("dynamic_standard", "whose formulas")
@@ -432,7 +437,7 @@ class Ratings:
 
 
 def ratings(scene: Scene) -> Ratings:
-    """Return the dynamic and static load ratings of a screw or bearing.
+    """Return the dynamic and static load ratings of a ball screw or ball bearing.
 
     Parameters
     ----------
@@ -442,7 +447,7 @@ def ratings(scene: Scene) -> Ratings:
     Raises
     ------
     ValueError
-        A groove no larger than the ball, or a screw with a contact angle of zero.
+        A groove radius does not exceed the ball's, or the contact angle of a screw is zero.
     """
     axial = is_thrust(scene) or scene.track.lead > 0.0
     static_standard = "ISO 3408-5" if scene.track.lead > 0.0 else "ISO 76"

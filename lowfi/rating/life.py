@@ -1,64 +1,65 @@
-"""Fatigue life of a load distribution: bearings by ISO 281 and ISO/TS 16281, ball screws by ISO 3408-5.
+"""Fatigue life under computed contact loads: ball bearings by ISO 281 and ISO/TS 16281, ball screws by ISO 3408-5.
 
-Both rest on Lundberg and Palmgren (1947). Each flank of a groove is a raceway; it has a capacity Q_c [N], the contact load
-that it bears for 10^6 revolutions (90 % reliability), and an equivalent contact load Q_e, the mean of its balls' forces of
-order 3 where it turns relative to the load (screw, inner ring) and 10/3 where it is stationary (nut, outer ring):
+Both rest on Lundberg and Palmgren (1947). Each flank of a groove is a raceway. It has a capacity Q_c [N], the contact load
+that it bears for 10^6 revolutions (90 % reliability), and an equivalent contact load Q_e, a mean of the forces of its
+balls. The mean is of order 3 for a raceway that rotates relative to the load (screw, inner ring), and of order 10/3 for a
+stationary one (nut, outer ring):
 
     L = (sum over raceways of (Q_c/Q_e)^(-10/3))^(-9/10).                                                              (1)
 
-Capacity of a contact, lengths in mm, gamma = D cos(alpha)/D_pw, f groove radius over ball diameter, upper sign inner:
+The capacity of a contact, with lengths in mm, gamma = D cos(alpha)/D_pw, f the groove radius over the ball diameter, and
+the upper sign for the inner raceway, is
 
     q(f, Z) = 98.1 (2f/(2f - 1))^0.41 (1 -+ gamma)^1.39/(1 +- gamma)^(1/3) (gamma/cos(alpha))^0.3 D^1.8 Z^(-1/3).       (2)
 
-Ring (Z balls) up to 45 deg, a radial bearing: Q_c = 1.3 * 0.95 q, the factor of today's steel and that of single-row radial
-bearings. Above 45 deg, a thrust bearing: Q_c = 1.3 * 0.90 (1 - sin(alpha)/3) q, the reduction of thrust bearings and their
-factor for the angle, and C_a = Z sin(alpha) (Q_ci^(-10/3) + Q_co^(-10/3))^(-3/10) (ISO 281, ISO/TR 1281-1).
-Screw: load ratings of one turn of z balls, screw and nut,
+Bearings with Z balls and a contact angle up to 45 deg are radial bearings: Q_c = 1.3 * 0.95 q, with the factors of
+contemporary steel and of single-row radial bearings. Bearings above 45 deg are thrust bearings: Q_c = 1.3 * 0.90 (1 -
+sin(alpha)/3) q, with their reduction factor and their factor for the angle, and C_a = Z sin(alpha) (Q_ci^(-10/3) +
+Q_co^(-10/3))^(-3/10) (ISO 281, ISO/TR 1281-1).
+Ball screws have the load rating of one turn with z balls, for screw and nut each,
 
     C = 93.2 (1 - sin(alpha)/3) (2f/(2f - 1))^0.41 gamma^0.3 (1 -+ gamma)^1.39/(1 +- gamma)^(1/3)
         cos(alpha)^0.86 tan(alpha) cos(phi)^1.3 z^(2/3) D^1.8,  times i^0.86 for i turns,                              (3)
 
-shared by i z contacts: Q_c = C i^0.86/(i z sin(alpha) cos(phi)). Turns without balls, between circuits or within one, add
-nothing to i: a start of n balls, at the median d of the angles between neighbours, fills i = n d/2 pi turns
-(`filled_turns`). Equal loads then give L = (C_a/F_a)^3 with
-C_a = i^0.86 (C_s^(-10/3) + C_n^(-10/3))^(-3/10).
+to which i z contacts contribute: Q_c = C i^0.86/(i z sin(alpha) cos(phi)). Turns without balls, between circuits or within
+one, do not count in i: a start with n balls, whose median angle between neighbours is d, fills i = n d/2 pi turns
+(`filled_turns`). Equal loads then give L = (C_a/F_a)^3 with C_a = i^0.86 (C_s^(-10/3) + C_n^(-10/3))^(-3/10).
 
-Several load cases, the nut at one position: damage belongs to a position on a raceway and adds up there by the share n_j of
-the revolutions (Miner). A contact of the nut stays where it is, and its life goes as F^-3; a position on the screw meets
-all contacts, whose F^3 are averaged. So each contact's mean of order 3 over the cases,
+Several load cases with the nut at one position: fatigue damage accumulates at each position on a raceway in proportion to
+the fraction n_j of the revolutions (Miner). A contact of the nut remains at its position, and its life is proportional to
+F^-3. A position on the screw meets all contacts, whose F^3 are averaged. The life over all cases therefore follows from (1)
+if each contact force is replaced by its mean of order 3 over the cases,
 
-    F = (sum_j n_j F_j^3)^(1/3),                                                                                      (4)
+    F = (sum_j n_j F_j^3)^(1/3).                                                                                      (4)
 
-in place of its force in (1) gives the life over all cases.
-
-Range: grooves with f > 0.5 of hardened bearing steel, balls of up to 25 mm, no plastic contact, full lubrication; factors
-for hardness, accuracy, material, reliability and lubricant are one. These are computed ratings, not those of a
+Valid for grooves with f > 0.5 of hardened bearing steel, balls of up to 25 mm, no plastic contact, and full lubrication;
+factors for hardness, accuracy, material, reliability and lubricant are one. The ratings are computed and not those of a
 manufacturer.
 
-Life of a duty cycle by the standards' equivalent loads: ISO 3408-5 for ball screws, ISO 281 for bearings.
-
-Both take the force on the whole part in every case j, with its share n_j of the revolutions, and a mean of order 3,
+The life of a duty cycle can also be computed by the equivalent loads of the standards, ISO 3408-5 for ball screws and
+ISO 281 for bearings. Both take the force on the whole nut or bearing in every case j, with its fraction n_j of the
+revolutions, and a mean of order 3,
 
     F_m = (sum_j n_j F_j^3)^(1/3),  L = (C/F_m)^3 in 10^6 revolutions.                                               (5)
 
-Ball screws, axial forces only. A nut with play carries either direction on another pair of flanks; of two halves that are
-preloaded against each other with F_pr each carries one, and both deflect by F^(2/3). So they part at 2^(3/2) F_pr, and up
-to there, as the standard has it, the half that the force loads and the other one carry
+Ball screws carry axial forces only. A nut with play carries each direction on another pair of flanks. If two halves of a
+nut are preloaded against each other with F_pr, each half carries one direction, and both deflect in proportion to F^(2/3).
+The unloaded half therefore loses contact at F = 2^(3/2) F_pr. By the standard, the loaded and the other half carry
 
     F_1 = F_pr (1 + F/(2^(3/2) F_pr))^(3/2),  F_2 = F_1 - F;  beyond  F_1 = F,  F_2 = 0.                             (6)
 
 The lives of both, each with its rating, combine to L = (L_1^(-10/9) + L_2^(-10/9))^(-9/10).                         (7)
 
-Bearings: P = X F_r + Y F_a with the factors of a single row, from 20 deg on (below they follow from C_0 and tabulated
-factors f_0, which are not computed here), above 45 deg with those of thrust bearings,
-X = 1.25 tan(alpha) (1 - 2/3 sin(alpha)), Y = 1 where F_a > 1.25 tan(alpha) F_r. The standards cover neither moments nor
-the four-point preload of one nut.
+For bearings P = X F_r + Y F_a with the factors of a single row, for contact angles of 20 deg and more (below, they follow
+from C_0 and tabulated factors f_0, which are not computed here). Above 45 deg the factors are those of thrust bearings,
+X = 1.25 tan(alpha) (1 - 2/3 sin(alpha)) and Y = 1, if F_a > 1.25 tan(alpha) F_r. The standards cover neither moments nor
+the four-point preload of a single nut.
 
-Compared with what manufacturers print (``external-equivalent``, with pages): (5) with worked examples of HIWIN and
-Rexroth; (6) below parting and (7) with HIWIN and NBS, who write 3 for 2^(3/2), as THK does after deriving it: their F_1 is
-up to 4 % lower, and their F_2 negative before the halves part; e, X, Y at 25, 30 and 40 deg, and 1.25 tan(alpha) and X at
-50, 55 and 60 deg with NSK. Those at 20, 35 and 45 deg are not printed there; at all of them the two branches of P meet
-within 0.3 % (X + e Y).
+Comparison with values that manufacturers print (``external-equivalent``, with pages): (5) agrees with worked examples of
+HIWIN and Rexroth. (6) before loss of contact and (7) are compared with HIWIN and NBS, who write 3 for 2^(3/2), as does THK
+after deriving it: their F_1 is up to 4 % lower, and their F_2 negative before contact is lost. e, X and Y at 25, 30 and
+40 deg, and 1.25 tan(alpha) and X at 50, 55 and 60 deg, agree with NSK. Factors at 20, 35 and 45 deg are not printed there;
+at all angles the two branches of P meet within 0.3 % (X + e Y).
 """
 
 from __future__ import annotations
@@ -78,7 +79,8 @@ from rollbench.meshes.quantity import Stated, quantity, record
 #: Constant of (2) for mm and N (Lundberg and Palmgren 1947).
 CONTACT = 98.1
 
-#: Reduction for single-row radial bearings, and in (3); for thrust bearings; factor of today's steel (ISO 281, ISO 3408-5).
+#: Reduction factors of single-row radial bearings (also in (3)) and of thrust bearings; factor of contemporary steel (ISO
+#: 281, ISO 3408-5).
 SINGLE_ROW, THRUST, STEEL = 0.95, 0.90, 1.3
 
 #: Contact angle [deg] above which a bearing is rated as a thrust bearing (ISO 281, ISO 76).
@@ -87,15 +89,16 @@ RADIAL_UP_TO = 45.0
 #: Orders of the mean force of a raceway that rotates relative to the load, and of a stationary one.
 TURNING, STANDING = 3.0, 10.0 / 3.0
 
-#: Shares of rotating and standing raceways in the radial rating of a ring: J_r/J_1 and J_r/J_2 of half a loaded circle.
+#: Factors of the rotating and the stationary raceway in the radial rating of a bearing: J_r/J_1 and J_r/J_2 for a load zone
+#: of half the circumference.
 RADIAL = (0.407, 0.389)
 
 
 @record
 class Life:
-    """Basic rating life (reliability 90 %) of one set of rolling elements under a load distribution."""
+    """Basic rating life (reliability 90 %) of one nut or bearing under the loads of its contacts."""
 
-    #: L10 in 10^6 revolutions.
+    #: Basic rating life L10 [10^6 revolutions].
     revolutions: float = quantity(
         "L10_million_revolutions",
         "life that 90 % reach under this load distribution",
@@ -112,7 +115,7 @@ class Life:
     )
     #: Basic dynamic load rating C [N]: axial for screws and thrust bearings, radial for other bearings.
     rating: float = quantity("rating_as_computed_N", "basic dynamic load rating C")
-    #: Load P [N] under which C gives the same life.
+    #: Equivalent load P [N], at which the rating C gives the same life.
     equivalent: float = quantity(
         "equivalent_load_N",
         "load under which C would give the same life, C/L10^(1/3), of rollers C/L10^(3/10)",
@@ -120,7 +123,7 @@ class Life:
     )
     #: Standard whose formulas are used.
     standard: str = quantity("standard", "whose formulas")
-    #: Lead of the screw [m], 0 for a bearing.
+    #: Lead of the screw [m]; 0 for a bearing.
     lead: float = 0.0
 
     @property
@@ -132,7 +135,7 @@ class Life:
         expected=("rms_percent", 3.0),
     )
     def distance(self) -> float | None:
-        """Life as the distance that the nut travels [m]; None for bearings."""
+        """Basic rating life as the distance that the nut travels [m]; None for bearings."""
         return 1e6 * self.revolutions * self.lead if self.lead else None
 
     @Stated(
@@ -143,19 +146,19 @@ class Life:
         error="as in revolutions",
     )
     def hours(self, speed: float) -> float:
-        """Return the life in hours at a speed of the rotating part [rad/s]."""
+        """Return the basic rating life in hours at a speed of the rotating part [rad/s]."""
         return 1e6 * self.revolutions * 2.0 * pi / abs(speed) / 3600.0
 
 
-#: Slope of the Weibull distribution of lives of point contacts (Lundberg and Palmgren 1947).
+#: Weibull slope of the lives of point contacts (Lundberg and Palmgren 1947).
 SLOPE = 10.0 / 9.0
 
 
 @record
 class SystemLife:
-    """Life of several sets that turn together, where the first failure of any set ends it."""
+    """Life of several nuts and bearings on one shaft, which ends when the first of them fails."""
 
-    #: L10 in 10^6 revolutions.
+    #: Life L10 of the whole system [10^6 revolutions].
     revolutions: float = quantity(
         "L10_million_revolutions",
         "revolutions of the shaft that 90 % of equal axes reach without a failure of any set: product of the sets' "
@@ -164,11 +167,11 @@ class SystemLife:
         heading="life L10 of all sets",
         note="{shortest_set} lives shortest",
     )
-    #: Name of the set with the shortest life.
+    #: Name of the nut or bearing with the shortest life.
     shortest: str = quantity("shortest_set", "set that lives shortest")
     #: Lead of the screw [m]; 0 without a nut.
     lead: float = 0.0
-    #: Speed [rad/s]; None where the scene states none.
+    #: Speed of the shaft [rad/s]; None if the scene states none.
     speed: float | None = None
 
     @property
@@ -179,7 +182,7 @@ class SystemLife:
         heading="life L10 of all sets",
     )
     def distance(self) -> float | None:
-        """Travel of the nut [m]; None without a nut."""
+        """Life of the system as the distance that the nut travels [m]; None without a nut."""
         return 1e6 * self.revolutions * self.lead if self.lead else None
 
     @property
@@ -187,20 +190,20 @@ class SystemLife:
         "L10_hours", "the same in hours, where a speed is stated", error="as in revolutions", heading="life L10 of all sets"
     )
     def hours(self) -> float | None:
-        """Life in hours; None without a speed."""
+        """Life of the system in hours; None without a speed."""
         return 1e6 * self.revolutions * 2.0 * pi / abs(self.speed) / 3600.0 if self.speed else None
 
 
 def system_life(lives: Sequence[tuple[float, float]]) -> float:
-    """Return the life that 90 % of systems reach whose first failing part ends the life.
+    """Return the life that 90 % of systems reach if a system ends with the first failure of one of its parts.
 
-    A part survives L with the probability 0.9^((L/L_i)^e_i), the system with the product of these; so L solves
-    sum_i (L/L_i)^e_i = 1, which is (sum L_i^-e)^(-1/e) for equal slopes. Failures are taken to be independent.
+    A part survives the life L with the probability 0.9^((L/L_i)^e_i), and the system with the product of these. L therefore
+    solves sum_i (L/L_i)^e_i = 1; for equal slopes L = (sum L_i^-e)^(-1/e). Failures are taken to be independent.
 
     Parameters
     ----------
     lives
-        Of each part its life L_i that 90 % reach, in any unit, and its Weibull slope e_i.
+        For each part the life L_i that 90 % reach, in any unit, and the Weibull slope e_i.
 
     Returns
     -------
@@ -231,11 +234,11 @@ def is_thrust(scene: Scene) -> bool:
 
 
 def filled_turns(scene: Scene) -> float:
-    """Return the number of turns that the balls of all starts fill, without the gaps between circuits.
+    """Return the number of turns of the track that are filled with balls, for all starts, without gaps between circuits.
 
-    Every ball counts with the median angle between neighbours; a single ball counts as a whole turn. Exact for equal
-    spacing within circuits of two balls or more, whatever their gaps; where spacings are unequal, a longer one counts as
-    the median.
+    Every ball counts with the median angle between neighbours; a single ball counts as a whole turn. The number is exact
+    for equal spacing within circuits of at least two balls, for any gaps between the circuits. A longer distance between
+    neighbours counts as the median.
 
     Parameters
     ----------
@@ -248,7 +251,7 @@ def filled_turns(scene: Scene) -> float:
 
 
 def _capacity_factors(scene: Scene) -> tuple[Array, float]:
-    """Return the factors ``(4,)`` of (2) by conformity and curvature, gamma^0.3 included, and the ball's diameter [mm]."""
+    """Return the factors of (2) for conformity and curvature, with gamma^0.3, ``(4,)``, and the ball's diameter [mm]."""
     alpha, D = scene.track.contact_angle, 2.0 * scene.balls.radius
     gamma = D * cos(alpha) / (2.0 * scene.track.pitch_radius)
     f = groove_radii(scene) / D
@@ -258,16 +261,16 @@ def _capacity_factors(scene: Scene) -> tuple[Array, float]:
 
 
 def contact_capacity(scene: Scene) -> Array:
-    """Return the basic dynamic capacity Q_c of a contact of each raceway, ``(4,)`` [N]: (2) for bearings, (3) for screws.
+    """Return the basic dynamic capacity Q_c of a contact on each raceway ``(4,)`` [N], by (2) for bearings, (3) for screws.
 
     Raises
     ------
     ValueError
-        A groove no larger than the ball, or a screw with a contact angle of zero.
+        A groove radius does not exceed the ball's, or the contact angle of a screw is zero.
     """
     alpha = scene.track.contact_angle
     if float(groove_radii(scene).min()) <= scene.balls.radius:
-        raise ValueError("ratings need grooves larger than the ball")
+        raise ValueError("ratings need groove radii above the ball's radius")
     shape, D = _capacity_factors(scene)
     if scene.track.lead == 0.0:
         base = CONTACT * STEEL * (THRUST * (1.0 - sin(alpha) / 3.0) if is_thrust(scene) else SINGLE_ROW)
@@ -278,15 +281,17 @@ def contact_capacity(scene: Scene) -> Array:
 
 
 def _lead_cosine(scene: Scene) -> float:
+    """Return the cosine of the lead angle phi."""
     return cos(lead_angle(scene.track))
 
 
 def _turns_factor(scene: Scene) -> float:
+    """Return the factor i^0.86 of a screw's rating for i filled turns."""
     return float(filled_turns(scene) ** 0.86)
 
 
 def _turn_rating(scene: Scene) -> Array:
-    """Return (3) of each raceway ``(4,)`` [N], for one turn."""
+    """Return the dynamic load rating of each raceway of a screw for one turn by (3), ``(4,)`` [N]."""
     alpha = scene.track.contact_angle
     shape, D = _capacity_factors(scene)
     angle = (1.0 - sin(alpha) / 3.0) * cos(alpha) ** 0.86 * tan(alpha) * _lead_cosine(scene) ** 1.3
@@ -295,7 +300,7 @@ def _turn_rating(scene: Scene) -> Array:
 
 
 def dynamic_rating(scene: Scene) -> float:
-    """Return the basic dynamic load rating C of one pair of opposite raceways.
+    """Return the basic dynamic load rating C of a ball screw or ball bearing, for one pair of opposite raceways.
 
     Parameters
     ----------
@@ -310,7 +315,7 @@ def dynamic_rating(scene: Scene) -> float:
     Raises
     ------
     ValueError
-        A groove no larger than the ball, or a screw with a contact angle of zero.
+        A groove radius does not exceed the ball's, or the contact angle of a screw is zero.
 
     References
     ----------
@@ -318,7 +323,7 @@ def dynamic_rating(scene: Scene) -> float:
 
     Examples
     --------
-    Nine balls of 10 mm, groove radii 0.52 D, D/D_pw = 0.2: ISO 281's table has f_c = 59.9.
+    Nine balls of 10 mm, groove radii 0.52 D, D/D_pw = 0.2; the table of ISO 281 has f_c = 59.9:
 
     >>> from rollbench.meshes.parts import Balls, Material, Nut, Screw, Track
     >>> steel = Material(206e9, 0.3)
@@ -338,7 +343,7 @@ def dynamic_rating(scene: Scene) -> float:
 
 
 def life(scene: Scene, load: Array) -> Life | None:
-    """Return the basic rating life of a distribution of contact loads by (1).
+    """Return the basic rating life of a ball screw or ball bearing under given contact loads, by (1).
 
     Parameters
     ----------
@@ -355,11 +360,11 @@ def life(scene: Scene, load: Array) -> Life | None:
     Raises
     ------
     ValueError
-        A groove no larger than the ball, or a screw with a contact angle of zero.
+        A groove radius does not exceed the ball's, or the contact angle of a screw is zero.
 
     Examples
     --------
-    Equal loads have the life (C/F)^3:
+    Under equal contact loads the life is (C/F)^3:
 
     >>> import rollbench
     >>> scene = rollbench.read("lin-case1")
@@ -393,12 +398,12 @@ def equivalent_contact_loads(loads: Sequence[Array], shares: Sequence[float]) ->
     loads
         Contact forces of each case, ``(n, 4)`` [N].
     shares
-        Fractions of the revolutions spent in each case, with the sum 1; cases with a share of zero do not count.
+        Fractions of the revolutions in each case, with the sum 1; cases with a fraction of zero do not count.
 
     Returns
     -------
     Array
-        ``(n, 4)`` [N], of which `life` is the life over all cases.
+        Contact forces ``(n, 4)`` [N], for which `life` gives the life over all cases.
     """
     used = [(load, share) for load, share in zip(loads, shares, strict=True) if share > 0.0]
     if len(used) == 1:
@@ -408,18 +413,19 @@ def equivalent_contact_loads(loads: Sequence[Array], shares: Sequence[float]) ->
 
 
 def name_life_standard(scene: Scene) -> str:
-    """Return the name of the standard by which a scene's life is computed."""
+    """Return the name of the standard by which the life of a scene's screw or bearing is computed."""
     if scene.track.lead > 0.0:
         return "ISO 3408-5"
     return "ISO 281, ISO/TS 16281" + (" (thrust bearing)" if is_thrust(scene) else "")
 
 
-#: Force at which two preloaded halves part, over the preload: springs of F ~ delta^(3/2).
+#: Force over preload at which the unloaded one of two preloaded halves loses contact, for springs with F ~ delta^(3/2).
 PARTING = 2.0**1.5
 
-#: Contact angles [deg], and e, X and Y of a single row there (ISO 281).
+#: Contact angles [deg] of the table of e, X and Y for a single row (ISO 281).
 ANGLES = (20.0, 25.0, 30.0, 35.0, 40.0, 45.0)
 
+#: Values of e, X and Y at these angles.
 LIMITS, RADIAL_FACTORS, AXIAL_FACTORS = (
     (0.57, 0.68, 0.80, 0.95, 1.14, 1.34),
     (0.43, 0.41, 0.39, 0.37, 0.35, 0.33),
@@ -431,15 +437,15 @@ LIMITS, RADIAL_FACTORS, AXIAL_FACTORS = (
 class EquivalentLife:
     """Life of a duty cycle by the equivalent loads of a standard, (5) to (7)."""
 
-    #: L10 in 10^6 revolutions.
+    #: Life L10 [10^6 revolutions].
     revolutions: float = quantity(
         "L10_million_revolutions",
         "life by the standard's equivalent loads, (C/F_m)^3, of both directions or halves together",
         heading="life L10 by equivalent loads",
         note="{standard}",
     )
-    #: Equivalent loads [N]: of a screw those of both directions or halves, first that of a force on the nut along +z; of a
-    #: bearing the one load P.
+    #: Equivalent loads [N]: for a screw those of both directions or nut halves, first the one for forces on the nut along
+    #: +z; for a bearing the load P.
     loads: tuple[float, ...] = quantity(
         "equivalent_loads_N",
         "means of order 3 of the axial forces over the revolutions: of what carries forces along +z, and against it",
@@ -452,14 +458,14 @@ class EquivalentLife:
 def equivalent_life(
     scenes: Sequence[Scene], shares: Sequence[float], forces: Sequence[Array], preload: float
 ) -> EquivalentLife | None:
-    """Return the life of several load cases of the same parts by the standard's equivalent loads.
+    """Return the life of a screw or bearing over several load cases by the standard's equivalent loads.
 
     Parameters
     ----------
     scenes
-        The scene of each case; all have the same parts.
+        Scene of each load case; all have the same parts.
     shares
-        Fractions of the revolutions spent in each case.
+        Fractions of the revolutions in each case.
     forces
         Force of the screw on the nut in each case, ``(3,)`` [N].
     preload
@@ -473,7 +479,7 @@ def equivalent_life(
     Raises
     ------
     ValueError
-        A load that the standard does not cover (moments, radial force on a screw, four-point preload); the text says which.
+        A load is not covered by the standard (moments, radial force on a screw, four-point preload); the message names it.
     """
     used = [(scene, n, np.asarray(F, dtype=float)) for scene, n, F in zip(scenes, shares, forces, strict=True) if n > 0.0]
     ring = scenes[0].track.lead == 0.0
@@ -481,7 +487,7 @@ def equivalent_life(
     for scene, _, _ in used:
         reason = _uncovered_loads(scene, ring=ring)
         if reason:
-            raise ValueError(f"{standard} does not know {reason} (as in {scene.name})")
+            raise ValueError(f"{standard} does not cover {reason} (as in {scene.name})")
     n = np.array([share for _, share, _ in used])
     if ring:
         loads: tuple[float, ...] = (mean_force(n, np.array([_equivalent_bearing_load(scenes[0], F) for _, _, F in used])),)
@@ -502,12 +508,12 @@ def forces_on_halves(force: Array, preload: float) -> tuple[Array, Array]:
     force
         Axial forces of all cases ``(n,)`` [N], positive along +z.
     preload
-        F_pr [N]; 0 for a nut with play, where each direction has its pair of flanks.
+        Preload F_pr [N]; 0 for a nut with play, in which another pair of flanks carries each direction.
 
     Returns
     -------
     tuple[Array, Array]
-        Forces ``(n,)`` [N] on what carries forces along +z, and on what carries those against it.
+        Forces ``(n,)`` [N] on the half (or pair of flanks) that carries forces along +z, and on the other one.
 
     References
     ----------
@@ -547,10 +553,10 @@ def mean_force(shares: Array, force: Array) -> float:
 
 
 def _ratings_by_direction(scene: Scene) -> tuple[float, float]:
-    """Return the ratings [N] of a screw along +z and against it.
+    """Return the dynamic load ratings of a screw [N] for forces on the nut along +z and along -z.
 
-    Of the nut with play, of its halves with a lead offset, of which the one that is shifted along +z carries the forces
-    against it.
+    A nut with a lead offset has one rating for each half; the half that is shifted along +z carries forces along -z. A nut
+    with play has the same rating in both directions.
     """
     capacity = dynamic_rating(scene)
     offset = scene.errors.lead_offset
@@ -562,36 +568,38 @@ def _ratings_by_direction(scene: Scene) -> tuple[float, float]:
 
 
 def radial_and_axial_factors(alpha: float) -> tuple[float, float, float]:
-    """Return the factors e, X and Y of a single row of balls (ISO 281), P = X F_r + Y F_a where F_a > e F_r.
+    """Return the factors e, X and Y of a single row of balls (ISO 281); P = X F_r + Y F_a if F_a > e F_r.
 
     Parameters
     ----------
     alpha
-        Contact angle [rad]: a radial bearing from 20 deg on, a thrust bearing above 45 deg; linear between the table's
-        angles.
+        Contact angle [rad]: radial bearings from 20 to 45 deg, interpolated linearly in the table, and thrust bearings
+        above.
 
     Raises
     ------
     ValueError
-        A contact angle below 20 deg, whose factors need C_0 and tabulated factors f_0.
+        The contact angle is below 20 deg, where the factors depend on C_0 and tabulated factors f_0.
 
     Examples
     --------
     >>> from math import radians
-    >>> [round(x, 2) for x in radial_and_axial_factors(radians(40.0))], [round(x, 2) for x in radial_and_axial_factors(radians(60.0))]
-    ([1.14, 0.35, 0.57], [2.17, 0.92, 1.0])
+    >>> [round(x, 2) for x in radial_and_axial_factors(radians(40.0))]
+    [1.14, 0.35, 0.57]
+    >>> [round(x, 2) for x in radial_and_axial_factors(radians(60.0))]
+    [2.17, 0.92, 1.0]
     """
     angle = degrees(alpha)
     if angle > RADIAL_UP_TO + 1e-9:
         return 1.25 * tan(alpha), 1.25 * tan(alpha) * (1.0 - 2.0 / 3.0 * sin(alpha)), 1.0
     if angle < ANGLES[0] - 1e-9:
-        raise ValueError("below 20 deg ISO 281's factors for axial force follow from its f0, which is not computed here")
+        raise ValueError("below 20 deg the factors of ISO 281 for axial force depend on its f0, which is not computed here")
     e, X, Y = (float(np.interp(angle, ANGLES, values)) for values in (LIMITS, RADIAL_FACTORS, AXIAL_FACTORS))
     return e, X, Y
 
 
 def _equivalent_bearing_load(scene: Scene, force: Array) -> float:
-    """Return the equivalent load P [N] of a bearing."""
+    """Return the dynamic equivalent load P of a ball bearing [N] under a force ``(3,)`` [N] (ISO 281)."""
     radial, axial, thrust = hypot(force[0], force[1]), abs(float(force[2])), is_thrust(scene)
     if not thrust and axial <= 1e-9 * radial:
         return radial
@@ -599,12 +607,15 @@ def _equivalent_bearing_load(scene: Scene, force: Array) -> float:
     if axial > e * radial:
         return X * radial + Y * axial
     if thrust:
-        raise ValueError("ISO 281 has no thrust bearing of one direction with so much radial force")
+        raise ValueError(f"ISO 281 does not cover a thrust bearing with a radial force above {1.0 / e:.2g} times the axial")
     return radial
 
 
 def _uncovered_loads(scene: Scene, *, ring: bool) -> str:
-    """Return the conditions of a case that the standard does not cover; empty where it covers all."""
+    """Return the name of a load in a scene that the standard does not cover; empty if it covers all loads.
+
+    ring: whether the scene is a bearing (ISO 281); otherwise it is a ball screw (ISO 3408-5).
+    """
     moved = {name for s in scene.supports for name, value in s.fixed if value != 0.0}
     if any(x.moment[0] or x.moment[1] for x in scene.loads) or moved & {"rx", "ry"}:
         return "moments across the axis"

@@ -1,25 +1,28 @@
 """Modified rating life L_nm = a_1 a_ISO L_10 (ISO 281:2007): reliability, lubricant and contamination.
 
-a_1 is the three-parameter Weibull law of ISO/TR 1281-2, which ISO 281's table rounds,
+The factor a_1 for the reliability S (90 to 99.95 %) is the three-parameter Weibull law of ISO/TR 1281-2, which the table of
+ISO 281 rounds,
 
-    a_1 = 0.95 (ln(1/S)/ln(1/0.9))^(2/3) + 0.05,   S the reliability, 90 to 99.95 %.                                    (1)
+    a_1 = 0.95 (ln(1/S)/ln(1/0.9))^(2/3) + 0.05.                                                                        (1)
 
-a_ISO of ball bearings, radial ones with x = e_C C_u/P, thrust ones with a third of it,
+The factor a_ISO for lubricant and contamination of ball bearings, with x = e_C C_u/P for radial bearings and a third of it
+for thrust bearings, is
 
     a_ISO = 0.1 (1 - (2.5671 - k(kappa))^0.83 x^(1/3))^(-9.3),  at most 50,                                            (2)
     k = 2.2649/kappa^0.054381 (0.1 to 0.4), 1.9987/kappa^0.19087 (0.4 to 1), 1.9987/kappa^0.071739 (1 to 4; beyond as 4).
 
-The fatigue load limit C_u is the load that brings the worst contact to 1500 MPa: of rings C_0/22, the cube of 1500 over
-4200 MPa, times (100 mm/D_pw)^(1/2) beyond a pitch diameter of 100 mm (ISO 281, B.3.3); of a screw under equal loads,
-axially. P is the load under which C gives the same L_10.
+The fatigue load limit C_u is the load at which the most heavily loaded contact has 1500 MPa. For bearings it is C_0/22 (the
+cube of 1500 over 4200 MPa), times (100 mm/D_pw)^(1/2) if the pitch diameter exceeds 100 mm (ISO 281, B.3.3). For a screw it
+is the axial load under which all contacts have 1500 MPa. P is the load at which the rating C gives the same L_10.
 
-Range: kappa from 0.1 on, mineral oils and greases, hardened steel. ISO 3408-5 has a_1 only: a_ISO of a screw, whose
-rating is that of a thrust bearing with other factors and whose P is axial, takes (2) of a thrust bearing, and is an
-extension of the standard.
+Valid for a viscosity ratio kappa above 0.1, mineral oils and greases, and hardened steel. ISO 3408-5 has only a_1 for ball
+screws. For them, (2) for thrust bearings is used, as their rating has the form of that of a thrust bearing and P is axial;
+this is an extension of the standard.
 
-Compared with print: a_1 agrees with ISO 281's Table 12 within its rounding; k is continuous at 0.4 and 1 to 1e-4, and
-2.5671 at 0.1, where a_ISO is 0.1 under every load. SKF's a_SKF of its class Explorer, 8 and 20.7 for the bearing 6309
-(catalogue "Rolling bearings", example 1; a report of its calculator), are (2) with C_u 1.22 times as large in both.
+Comparison with published values: a_1 agrees with Table 12 of ISO 281 within its rounding; k is continuous at 0.4 and 1 to
+1e-4, and equals 2.5671 at 0.1, where a_ISO is 0.1 under every load. SKF's a_SKF of its class Explorer, 8 and 20.7 for the
+bearing 6309 (catalogue "Rolling bearings", example 1; a report of its calculator), agree with (2) if C_u is 1.22 times as
+large.
 """
 
 from __future__ import annotations
@@ -35,18 +38,18 @@ from rollbench.lowfi.statics.contacts import error_free_hertz
 from rollbench.meshes.parts import Scene
 from rollbench.meshes.quantity import quantity, record
 
-#: Pressure [Pa] up to which ISO 281 expects no fatigue of clean, well lubricated contacts; C_0 over C_u of rings.
+#: Pressure [Pa] up to which clean, well lubricated contacts do not fatigue (ISO 281); ratio C_0/C_u of bearings.
 FATIGUE_PRESSURE, STATIC_OVER_FATIGUE = 1.5e9, 22.0
 
-#: Largest a_ISO that the standard takes, and kappa beyond which nothing is gained.
+#: Largest a_ISO that the standard permits, and viscosity ratio kappa above which a_ISO does not increase.
 MOST, FULL_FILM = 50.0, 4.0
 
 
 @record
 class ModifiedLife:
-    """Modified rating life by ISO 281, with the factors it is made of."""
+    """Modified rating life by ISO 281, with its factors."""
 
-    #: L_nm in 10^6 revolutions.
+    #: Modified rating life L_nm [10^6 revolutions].
     revolutions: float = quantity(
         "Lnm_million_revolutions",
         "modified life a_1 a_ISO L10",
@@ -56,9 +59,9 @@ class ModifiedLife:
     )
     #: Reliability [%].
     reliability: float = quantity("reliability_percent", "share of screws or bearings that reach it")
-    #: Factor of the reliability.
+    #: Factor a_1 for the reliability.
     a_1: float = quantity("a_1", "factor of the reliability (ISO 281)")
-    #: Factor of lubricant and contamination; None where the scene does not give them.
+    #: Factor a_ISO for lubricant and contamination; None if the scene does not give them.
     a_iso: float | None = quantity(
         "a_ISO", "factor of lubricant and contamination (ISO 281); null where they are not given"
     )
@@ -67,7 +70,7 @@ class ModifiedLife:
 
 
 def reliability_factor(percent: float) -> float:
-    """Return the factor a_1 of a reliability by (1).
+    """Return the life modification factor a_1 for a reliability by (1).
 
     Parameters
     ----------
@@ -87,16 +90,16 @@ def reliability_factor(percent: float) -> float:
 
 
 def iso_factor(kappa: float, clean: float, *, thrust: bool = False) -> float:
-    """Return the factor a_ISO of lubricant and contamination of a ball bearing by (2), at most 50.
+    """Return the life modification factor a_ISO for lubricant and contamination of a ball bearing by (2), at most 50.
 
     Parameters
     ----------
     kappa
-        Viscosity ratio, from 0.1 on; above 4 as 4.
+        Viscosity ratio, at least 0.1; values above 4 count as 4.
     clean
         Contamination factor times fatigue load limit over equivalent load, e_C C_u/P.
     thrust
-        Whether it is a thrust bearing.
+        Whether the bearing is a thrust bearing.
 
     References
     ----------
@@ -119,7 +122,8 @@ def fatigue_limit(scene: Scene) -> float:
 
     References
     ----------
-    ISO 281:2007, B.3.3, for bearings; for screws the same pressure of 1500 MPa under equal contact loads.
+    ISO 281:2007, B.3.3, for bearings. For screws it is the load at which all contacts, equally loaded, have the same
+    pressure of 1500 MPa.
     """
     if scene.track.lead == 0.0:
         across = 2.0 * scene.track.pitch_radius
@@ -129,19 +133,19 @@ def fatigue_limit(scene: Scene) -> float:
 
 
 def modified_life(scene: Scene, life: Life | None) -> ModifiedLife | None:
-    """Return the life modified by the reliability, lubricant and contamination of a scene's operation.
+    """Return the modified rating life for the reliability, lubricant and contamination that a scene states.
 
     Parameters
     ----------
     scene
-        Scene that states reliability, lubricant and contamination.
+        Scene whose table [operation] may state reliability, viscosity ratio and contamination.
     life
-        Basic rating life by the contact loads; None: not known.
+        Basic rating life by the contact loads; None if it is not known.
 
     Returns
     -------
     ModifiedLife | None
-        The modified life; None where there is no life or the scene gives neither reliability nor viscosity ratio.
+        The modified life; None if the basic life is None, or if the scene gives neither reliability nor viscosity ratio.
     """
     of = scene.operation
     if life is None or (of.reliability is None and of.viscosity_ratio is None):

@@ -1,12 +1,12 @@
-"""Overall coefficients of friction of catalogues and calculators, as distinct from the sliding coefficient of a scene.
+"""Check that a scene's coefficient of sliding friction is not confused with the overall coefficient of a catalogue.
 
-Calculators treat a ball screw as a sliding thread with one small coefficient f. At the lead angle phi of the pitch circle
-its efficiency against the load is
+Catalogues and calculators treat a ball screw as a sliding thread with one small coefficient f for all losses. With the lead
+angle phi of the pitch circle its efficiency against the load is
 
     eta = tan(phi)/tan(phi + arctan(f)).                                                                              (1)
 
-In it f stands for all losses. A scene's coefficient is that of sliding in the contacts of the balls, which mostly roll:
-about 0.1 with grease, less with a full film. With f in its place a computed loss is several times too small.
+The coefficient of a scene, by contrast, is that of sliding in the contacts of the balls, which mostly roll: about 0.1 with
+grease, less with a full film. If f is used in its place, the computed loss is several times too small.
 """
 
 from __future__ import annotations
@@ -17,20 +17,19 @@ from rollbench.lowfi.warned import Warned
 from rollbench.meshes.helix import lead_angle
 from rollbench.meshes.parts import Friction, Track
 
-#: Largest overall coefficient of calculators and catalogues (0.003 to 0.01 for ball screws, 0.001 to 0.002 for ball
-#: bearings), doubled.
+#: Twice the largest overall coefficient of catalogues (0.003 to 0.01 for ball screws, 0.001 to 0.002 for ball bearings).
 OVERALL = 0.02
 
 
 def efficiency(track: Track, coefficient: float) -> float:
-    """Return the efficiency of a screw that moves its load against the force, by (1).
+    """Return the efficiency of a ball screw that drives its load, from an overall coefficient of friction, by (1).
 
     Parameters
     ----------
     track
         Track of the screw, for its lead angle.
     coefficient
-        Overall coefficient of friction f, for all losses together; 0.003 to 0.01 for ball screws.
+        Overall coefficient of friction f for all losses; 0.003 to 0.01 for ball screws.
 
     Examples
     --------
@@ -44,12 +43,12 @@ def efficiency(track: Track, coefficient: float) -> float:
 
 
 def overall_warnings(track: Track, friction: Friction) -> list[Warned]:
-    """Return a warning where a scene's coefficient of sliding is as small as an overall coefficient of catalogues.
+    """Return a warning if a scene's coefficient of sliding friction is as small as overall coefficients of catalogues.
 
     Parameters
     ----------
     track
-        Path of the balls, whose lead angle decides.
+        Track of the balls; the efficiency is stated for a track with a lead.
     friction
         Coefficients of friction of the scene.
     """
@@ -62,7 +61,7 @@ def overall_warnings(track: Track, friction: Friction) -> list[Warned]:
         f"and calculators{as_one}"
     )
     text = (
-        f"{brief}; here it is about 0.1 with grease, less with a full film: if an overall one was meant, friction torque "
-        "and losses are several times too small"
+        f"{brief}; here it is about 0.1 with grease, less with a full film: if an overall coefficient was meant, friction "
+        "torque and losses are several times too small"
     )
     return [Warned("coefficient", text, brief)]

@@ -1,37 +1,38 @@
-"""Basic reference rating life of a bearing by its load distribution (ISO/TS 16281:2008).
+"""Basic reference rating life of a bearing from the loads of its rolling elements (ISO/TS 16281:2008).
 
-Of every raceway the norm has the load Q_c that a contact bears for 10^6 revolutions, and the dynamic equivalent load Q_e, a
-mean over all Z rolling elements, of order 3 (balls) or 4 (rollers) where the race turns relative to the load (inner),
-10/3 or 9/2 where it stands (outer).
+For every raceway the standard has the load Q_c that a contact bears for 10^6 revolutions, and the dynamic equivalent load
+Q_e, a mean over all Z rolling elements. The mean is of order 3 (balls) or 4 (rollers) for the raceway that rotates relative
+to the load (inner), and of order 10/3 or 9/2 for the stationary raceway (outer).
 
-Balls: Q_c is that of `lowfi.rating.life` (2), which the norm writes by C_r,
+Balls: Q_c is that of `lowfi.rating.life` (2), which the standard expresses by C_r,
 
-    L_10r = ((Q_ci/Q_ei)^(-10/3) + (Q_ce/Q_ee)^(-10/3))^(-9/10),   P_ref = C/L_10r^(1/3),                             (1)
+    L_10r = ((Q_ci/Q_ei)^(-10/3) + (Q_ce/Q_ee)^(-10/3))^(-9/10),   P_ref = C/L_10r^(1/3).                             (1)
 
-the life that `life` returns; of four-point contact the sum has all flanks. With the C of a catalogue in place of the
-computed one L_10r is larger by the cube of their ratio.
+This is the life that `life` returns; for four-point contact the sum includes all four flanks. If the rating C of a
+catalogue replaces the computed one, L_10r changes by the cube of their ratio.
 
-Rollers are cut into n_s >= 30 laminae; lamina k of roller j carries q_jk, and at its edges the stress is higher:
+Rollers are cut into n_s >= 30 laminae; lamina k of roller j carries q_jk, and at the roller's edges the stress is higher:
 
     q_c = Q_c n_s^(-7/9),   f_k = 1 - 0.01/ln(1.985 |2 k - n_s - 1|/(2 n_s - 2)),
     q_ek = (sum_j (f_k q_jk)^m/Z)^(1/m),   m = 4 (inner), 9/2 (outer),                                                (2)
     L_10r = (sum_k (q_ci/q_eik)^(-9/2) + (q_ce/q_eek)^(-9/2))^(-8/9),   P_ref = C/L_10r^(3/10).                         (3)
 
-Q_c is here `lowfi.rating.roller_life` (1) without lambda (0.83; thrust bearings 0.73), as f_k now has what ends and uneven
-loads cost. An even load on a straight roller, whose edges carry their full share, has L_10r = (x P/C)^(-4), x = lambda
-(mean of f_k^(9/2))^(2/9): 1.13 with 30 laminae, 0.96 with 120, 0.89 at last, as f narrows with their number. So the norm
-is for profiled rollers: where the edges are unloaded, L_10r does not depend on n_s.
+Q_c is here that of `lowfi.rating.roller_life` (1) without the factor lambda (0.83; thrust bearings 0.73), because f_k
+accounts for edge stress and non-uniform load. For a uniform load on a straight roller, whose edges are fully loaded,
+L_10r = (x P/C)^(-4) with x = lambda (mean of f_k^(9/2))^(2/9). This x depends on the number of laminae: 1.13 for 30, 0.96
+for 120, 0.89 in the limit. The standard is therefore meant for profiled rollers: if the edges are unloaded, L_10r does not
+depend on n_s.
 
-The line loads are those of the statics: cone and cup approach by rigid motions of both rings, linear along the roller, so
-that a tilt of the rings reaches every lamina. A lamina answers as Hertz's line contact of both races in series, in place of
-the norm's spring 35948 N/mm^(10/9) L^(8/9), so that the roller's tilt between the races is included. Fewer slices than 30
-are divided into equal pieces of the same line load.
+The line loads come from the static model. The approach of cone and cup is linear along the roller and follows from rigid
+motions of both rings, so that a tilt of the rings affects every lamina. A lamina deforms as Hertz's line contacts at both
+races in series, in place of the standard's spring of 35948 N/mm^(10/9) L^(8/9), so that the tilt of the roller between the
+races is included. If there are fewer than 30 slices, each is divided into equal laminae of the same line load.
 
-Range: as `lowfi.rating.life` and `roller_life`; the inner ring turns relative to the load. ISO/TS 16281 covers radial and
-thrust bearings, and no screws. Source of (2) and (3): ISO/TS 16281:2008, (47) to (65), as github.com/minzhun/ISO16281 has
-them; the norm itself was not read.
+Valid as `lowfi.rating.life` and `roller_life`, if the inner ring rotates relative to the load. ISO/TS 16281 covers radial
+and thrust bearings, not screws. Equations (2) and (3) are ISO/TS 16281:2008, (47) to (65), as github.com/minzhun/ISO16281
+implements them; the standard itself was not consulted.
 
-Compared: with lives that MASTA prints for a deep-groove bearing (`external-masta`), and in limits with ISO 281.
+Compared with lives that MASTA prints for a deep-groove bearing (`external-masta`), and in limiting cases with ISO 281.
 """
 
 from __future__ import annotations
@@ -52,9 +53,9 @@ LAMINAE = 30
 
 @record
 class ReferenceLife:
-    """Basic reference rating life (reliability 90 %) by ISO/TS 16281, with the loads that it is made of."""
+    """Basic reference rating life (reliability 90 %) by ISO/TS 16281, with the capacities and loads of the raceways."""
 
-    #: L_10r in 10^6 revolutions.
+    #: Basic reference rating life L_10r [10^6 revolutions].
     revolutions: float = quantity(
         "L10r_million_revolutions",
         "basic reference rating life by ISO/TS 16281; of balls the same as L10",
@@ -62,17 +63,17 @@ class ReferenceLife:
         heading="life L10r, ISO/TS 16281",
         expected=("rms_percent", 3.0),
     )
-    #: P_ref [N].
+    #: Dynamic equivalent reference load P_ref [N].
     equivalent: float = quantity(
         "equivalent_reference_load_N",
         "dynamic equivalent reference load P_ref, C/L10r^(1/3), of rollers C/L10r^(3/10)",
         error="that of the loads",
     )
-    #: Q_c [N] of each loaded raceway, by its name.
+    #: Load Q_c [N] that a contact bears for 10^6 revolutions, for each loaded raceway by its name.
     capacities: dict[str, float] = quantity(
         "raceway_capacity_N", "load Q_c that one contact of the raceway bears for 10^6 revolutions", parts=".*"
     )
-    #: Q_e [N] of each loaded raceway, by its name.
+    #: Dynamic equivalent contact load Q_e [N] of each loaded raceway, by its name.
     loads: dict[str, float] = quantity(
         "raceway_equivalent_load_N",
         "dynamic equivalent load Q_e of one contact of the raceway; of rollers that which every lamina alike would carry",
@@ -82,19 +83,19 @@ class ReferenceLife:
 
 
 def ball_reference_life(scene: Scene, life: Life | None) -> ReferenceLife | None:
-    """Return the reference life of a bearing's row of balls by (1).
+    """Return the basic reference rating life of a ball bearing by (1).
 
     Parameters
     ----------
     scene
-        The bearing.
+        Scene of the bearing.
     life
-        Life of its contact loads.
+        Basic rating life under its contact loads (`rollbench.lowfi.rating.life.life`).
 
     Returns
     -------
     ReferenceLife | None
-        The life; None for a screw and without load.
+        The life; None for a screw, and without load.
     """
     if life is None or scene.track.lead:
         return None
@@ -105,17 +106,17 @@ def ball_reference_life(scene: Scene, life: Life | None) -> ReferenceLife | None
 
 
 def edge_stress(laminae: int) -> Array:
-    """Return the factors f_k of the stress along a roller by (2).
+    """Return the stress concentration factors f_k along a roller by (2).
 
     Parameters
     ----------
     laminae
-        Number n_s, 2 or more.
+        Number n_s of laminae, 2 or more.
 
     Returns
     -------
     Array
-        Factors without unit, ``(laminae,)``; 1 in the middle of an odd number.
+        Dimensionless factors ``(laminae,)``; 1 for the middle one of an odd number of laminae.
 
     Examples
     --------
@@ -124,17 +125,17 @@ def edge_stress(laminae: int) -> Array:
     """
     k = np.arange(1, laminae + 1)
     place = np.abs(2 * k - laminae - 1) / (2.0 * laminae - 2.0)
-    with np.errstate(divide="ignore"):  # the middle of an odd number: ln(0), and f is one
+    with np.errstate(divide="ignore"):  # middle lamina of an odd number: ln(0), and f is one
         return np.asarray(1.0 - 0.01 / np.log(1.985 * place))
 
 
 def roller_reference_life(row: RollerRow, line_loads: Array) -> ReferenceLife | None:
-    """Return the reference life of a row of rollers by (2) and (3).
+    """Return the basic reference rating life of a row of rollers by (2) and (3).
 
     Parameters
     ----------
     row
-        The row.
+        Row of tapered rollers.
     line_loads
         Loads per length ``(count, slices)`` [N/m] of each roller in equal slices.
 

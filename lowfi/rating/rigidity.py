@@ -1,28 +1,28 @@
-"""The three rigidities of a ball nut that ISO 3408-4 separates, each as axial load over axial displacement.
+"""Axial rigidity of a ball nut (axial load over axial displacement), in the three stages that ISO 3408-4 distinguishes.
 
-Contacts only (R_b/t): equal balls between rigid bodies at the nominal contact angle. With s = sin(alpha) cos(phi), N balls
-and C the Hertz constants of both contacts of a ball together, flanks that press with the load and against it,
+Contacts only (R_b/t): equal balls lie between rigid bodies at the nominal contact angle. With s = sin(alpha) cos(phi), N
+balls, and the constant C of both Hertz contacts of a ball together,
 
-    F = N s (((c_1 + s u)/C)^(3/2) - ((c_2 - s u)/C)^(3/2)),   terms of negative closure c +- s u zero,                (1)
+    F = N s (((c_1 + s u)/C)^(3/2) - ((c_2 - s u)/C)^(3/2)),   terms with a negative approach c +- s u are zero.       (1)
 
-closed by c_1, c_2 at zero load (preload by large balls or errors; with a lead offset each half of the nut has its own
-closures, and the sum runs over both); without preload u = C (F/(N s))^(2/3)/s.
+c_1 and c_2 are the approaches of both pairs of flanks at zero load (preload by oversized balls or errors). A nut with a
+lead offset has its own c_1, c_2 in each half, and the sum is over both halves. Without preload u = C (F/(N s))^(2/3)/s.
 
-With the bodies (R_nu): the radial part F/tan(alpha) of the contact loads widens the nut and squeezes the screw, as thick
-tubes under even pressure over the loaded length i P_h of each start (Lame), which ISO 3408-4 takes too:
+With bodies (R_nu): the radial part F/tan(alpha) of the contact loads widens the nut and compresses the screw. Both are
+taken as thick tubes under uniform pressure over the loaded length i P_h of each start (Lame), as in ISO 3408-4:
 
     u = F/(2 pi i P_h tan^2(alpha)) (((D_1^2 + D_c^2)/(D_1^2 - D_c^2) + nu_n)/E_n
                                       + ((d_c^2 + d_b^2)/(d_c^2 - d_b^2) - nu_s)/E_s).
                                                                                                                        (2)
 
-i counts the filled turns only (`life.filled_turns`): where no ball presses there is no pressure, so that gaps between
-circuits do not change (2). In truth the wall without balls, between circuits and beyond the outer ones, carries a share
-along about sqrt(R t)/1.3 (R its mean radius, t its thickness); that is left out, here as in ISO 3408-4, and makes (2) too
-soft, most where short circuits are far apart.
+i counts only turns that are filled with balls (`life.filled_turns`), so that gaps between circuits do not change (2). In
+reality the wall next to the loaded turns carries a part of the load over a length of about sqrt(R t)/1.3 (R its mean
+radius, t its thickness). This is neglected, as in ISO 3408-4, and makes (2) too soft, mostly for short circuits far apart.
 
-With unequal loads (R_nu,ar): the displacement of a model that solves for them, here that of the screw's section at the
-nut's centre; ISO 3408-4 takes a factor of the tolerance class for it. Its contact angles are those under load, so that it
-may be above the others, which take the nominal one. Range: small displacements, balls on whole turns.
+With unequal loads (R_nu,ar): the displacement comes from a model that solves for the contact loads; it is that of the
+screw's section at the nut's centre. ISO 3408-4 uses a factor of the tolerance class instead. This rigidity may exceed the
+other two, because its contact angles are those under load and not the nominal ones. Valid for small displacements and balls
+on whole turns.
 """
 
 from __future__ import annotations
@@ -43,15 +43,15 @@ from rollbench.meshes.numerics import brentq
 from rollbench.meshes.parts import Scene
 from rollbench.meshes.quantity import Stated, quantity, record
 
-#: Share of the sum of contact loads below which an axial force is round-off: what searches leave of the balance.
+#: Axial force over the sum of the contact loads below which it is a round-off error of the equilibrium.
 ROUND_OFF = 1e-9
-#: Share of a computed rigidity that makers advise to take (THK), and most about print; Rexroth prints half of it.
+#: Part of a computed rigidity that THK advises to use, and that most makers print approximately; Rexroth prints half of it.
 PRACTICE = 0.8
 
 
 @record
 class Rigidities:
-    """Axial load over axial displacement of a nut or bearing, with three extents of what deforms [N/m]."""
+    """Axial rigidities of a nut or bearing [N/m]: contacts only, contacts and bodies, and with unequal contact loads."""
 
     #: Rigidity of the contacts only.
     contacts: float = quantity(
@@ -59,13 +59,13 @@ class Rigidities:
         "secant of rigid bodies and equal contact loads at the nominal contact angle, by Hertz' law",
         error="leaves out bodies and unequal loads",
     )
-    #: Rigidity of contacts and bodies; None for bearings, which have no loaded length.
+    #: Rigidity of contacts and bodies; None for bearings, to which the formula does not apply.
     bodies: float | None = quantity(
         "rigidities_N_per_um.with_bodies",
         "the same with nut and screw as thick tubes, which widen and are squeezed",
         error="leaves out unequal loads",
     )
-    #: Rigidity by the model with unequal contact loads; None where its displacement is not known.
+    #: Rigidity by the model with unequal contact loads; None if its displacement is not known.
     unequal: float | None = quantity(
         "rigidities_N_per_um.with_unequal_loads",
         "the model's secant, `axial.rigidity_N_per_um`",
@@ -81,12 +81,12 @@ class Rigidities:
         note="as makers advise",
     )
     def practice(self) -> float | None:
-        """Rigidity that manufacturers advise to use [N/m], four fifths of contacts with bodies; None for bearings."""
+        """Rigidity that manufacturers advise to use [N/m], 0.8 times that of contacts and bodies; None for bearings."""
         return None if self.bodies is None else PRACTICE * self.bodies
 
 
 def approach_per_displacement(scene: Scene) -> float:
-    """Return the approach of a diagonal pair of flanks per axial displacement, sin(alpha) cos(phi).
+    """Return the approach at a ball's two opposite contacts per axial displacement of the nut, sin(alpha) cos(phi).
 
     Parameters
     ----------
@@ -97,7 +97,7 @@ def approach_per_displacement(scene: Scene) -> float:
 
 
 def contacts_displacement(scene: Scene, force: float) -> float:
-    """Return the axial displacement by the contacts only [m], (1).
+    """Return the axial displacement of a nut or bearing by deformation of the contacts only [m], by (1).
 
     Parameters
     ----------
@@ -109,7 +109,7 @@ def contacts_displacement(scene: Scene, force: float) -> float:
     Returns
     -------
     float
-        Displacement from first contact; with a lead offset that preloads the nut's halves against each other, from their
+        Displacement from first contact; for nut halves that a lead offset preloads against each other, from their
         equilibrium without load.
     """
     layout = ball_layout(scene)
@@ -130,12 +130,12 @@ def contacts_displacement(scene: Scene, force: float) -> float:
     held = float(brentq(lambda u: excess(u, closure, 0.0), -reach, reach, xtol=1e-15))
     begun = closure + s * max(held, -float(closure[:, 0].max()) / s) * np.array([1.0, -1.0])
     free = reach * (len(halves) - 1) + float(contact_approach(force / (n * s), pair[0])) / s
-    # counted from there: a small load's displacement would be lost against the place where it begins
+    # displacement counted from that state: that of a small load would be lost to round-off against its position
     return float(brentq(lambda u: excess(u, begun, force), 0.0, 2.0 * free, xtol=1e-18 * free, rtol=1e-12))
 
 
 def body_compliance(scene: Scene) -> float | None:
-    """Return the axial displacement per load of nut and screw as thick tubes [m/N], (2).
+    """Return the axial compliance of nut and screw as thick tubes under radial pressure [m/N], by (2).
 
     Parameters
     ----------
@@ -145,12 +145,12 @@ def body_compliance(scene: Scene) -> float | None:
     Returns
     -------
     float | None
-        None for bearings, which have no lead.
+        Axial displacement per axial load; None for bearings, which have no lead.
 
     Raises
     ------
     ValueError
-        A nut or screw without a wall behind its contacts.
+        Nut or screw has no wall behind its contacts.
 
     References
     ----------
@@ -179,18 +179,18 @@ def axial_displacement(scene: Scene, result: StaticResult) -> float:
     scene
         Screw or bearing.
     result
-        Its result.
+        Static result of the scene.
     """
     return float(np.interp(scene.nut.position, result.centreline_z, result.centreline[:, 2]))
 
 
 def axial_force(result: StaticResult) -> float:
-    """Return the axial force of the screw on the nut [N]; zero where it is round-off of the contact loads.
+    """Return the axial force of the screw on the nut [N]; zero if it is only a round-off error of the contact loads.
 
     Parameters
     ----------
     result
-        Result of a screw or bearing.
+        Static result of a screw or bearing.
     """
     balance = result.equilibrium
     force = 0.0 if balance is None else -float(balance.contact_force[2])
@@ -198,7 +198,7 @@ def axial_force(result: StaticResult) -> float:
 
 
 def rigidities(scene: Scene, force: float, displacement: float | None) -> Rigidities | None:
-    """Return the three rigidities of a nut or bearing at an axial load.
+    """Return the three axial rigidities of a nut or bearing at an axial load.
 
     Parameters
     ----------
@@ -207,17 +207,17 @@ def rigidities(scene: Scene, force: float, displacement: float | None) -> Rigidi
     force
         Axial load [N], with its sign.
     displacement
-        Axial displacement [m] of a model that solves for unequal loads, with the same sign; None where it is not known.
+        Axial displacement [m] by a model that solves for unequal loads, with the same sign; None if it is not known.
 
     Returns
     -------
     Rigidities | None
-        The rigidities; None without axial load or with a contact angle of zero.
+        The rigidities; None without axial load, or for a contact angle of zero.
 
     Raises
     ------
     ValueError
-        A nut or screw without a wall behind its contacts.
+        Nut or screw has no wall behind its contacts.
 
     References
     ----------

@@ -1,36 +1,39 @@
-"""Fatigue life and load ratings of rows of rollers: ISO 281 with the loads of each roller, as in ISO/TS 16281.
+"""Fatigue life and load ratings of rows of tapered rollers: ISO 281 with the loads of each roller, as in ISO/TS 16281.
 
-Lundberg and Palmgren's line contact (ISO/TR 1281-1), lengths in mm, forces in N, gamma = D cos(alpha)/D_pw, upper sign
-inner race, D the roller's mean diameter, D_pw the pitch diameter, L its effective length, Z rollers, alpha the cup's angle:
+The capacity Q_c of a line contact by Lundberg and Palmgren (ISO/TR 1281-1), with lengths in mm, forces in N, gamma = D
+cos(alpha)/D_pw, the upper sign for the inner race, the roller's mean diameter D and effective length L, the pitch diameter
+D_pw, Z rollers, and the cup's half angle alpha, is
 
     Q_c = 551.13 b_m lambda (1 -+ gamma)^(29/27)/(1 +- gamma)^(1/4) (gamma/cos(alpha))^(2/9)
           D^(29/27) L^(7/9) Z^(-1/4),                                                                                   (1)
 
-b_m = 1.1 of cylindrical and tapered rollers; lambda = 0.83 up to 45 deg, a radial bearing, above it 0.73 (1 - 0.15
-sin(alpha)), a thrust bearing. lambda covers what ends and uneven loads cost. Ratings of one row:
+with b_m = 1.1 for cylindrical and tapered rollers. The factor lambda accounts for edge stress and non-uniform load: it is
+0.83 for radial bearings (alpha up to 45 deg) and 0.73 (1 - 0.15 sin(alpha)) for thrust bearings (above). The ratings of one
+row are
 
     C_r = 0.377 Z cos(alpha) Q_ci (1 + (1.04 ((1 - gamma)/(1 + gamma))^(143/108))^(9/2))^(-2/9)
         = b_m f_c (L cos(alpha))^(7/9) Z^(3/4) D^(29/27),                                                               (2)
     C_a = Z sin(alpha) (Q_ci^(-9/2) + Q_ce^(-9/2))^(-2/9).
 
-Life of the loads q_jk of roller j in slice k, n equal slices of the capacity q_c = Q_c n^(-7/9) each, with means of
-order 4 over the rollers where the race turns relative to the load (inner) and 9/2 where it is stationary (outer):
+The life under the loads q_jk of roller j in slice k, with n equal slices of the capacity q_c = Q_c n^(-7/9) each, and q_e
+the mean over the rollers, of order 4 for the race that rotates relative to the load (inner) and of order 9/2 for the
+stationary race (outer), is
 
     S = sum over races and slices of (q_e/q_c)^(9/2),   P = C S^(2/9),   L = (C/P)^(10/3) in 10^6 revolutions.          (3)
 
-The exponent is ISO 281's 10/3; that of line contacts, 4, which ISO/TS 16281 takes (S^(-8/9)), gives (C/P)^(2/3) times
-this life. ISO/TS 16281's stress concentration at the ends is left out together with the 1/lambda that it goes with: an
-even load has the life of ISO 281. Several load cases: means of order 4 at every position of a race, as
-`lowfi.rating.life` (4).
+The exponent 10/3 is that of ISO 281. ISO/TS 16281 uses the exponent 4 of line contacts (S^(-8/9)), which gives (C/P)^(2/3)
+times this life. The stress concentration of ISO/TS 16281 at the ends is neglected together with the factor 1/lambda that
+belongs to it, so that a uniform load has the life of ISO 281. For several load cases the mean of order 4 is taken at every
+position of a race, as in `lowfi.rating.life` (4).
 
-Static (ISO 76): the force Q_0 that presses the cone's middle with 4,000 MPa; C_0r = Z Q_0 cos(alpha)/5, C_0a = Z Q_0
-sin(alpha).
+Static ratings (ISO 76): Q_0 is the force at which the middle of the cone's contact has a pressure of 4,000 MPa;
+C_0r = Z Q_0 cos(alpha)/5, C_0a = Z Q_0 sin(alpha).
 
-Equivalent load of one row for radial and axial force (ISO 281): P = F_r up to F_a = e F_r, e = 1.5 tan(alpha), then 0.4
-F_r + 0.4 cot(alpha) F_a; above 45 deg tan(alpha) F_r + F_a.
+Dynamic equivalent load of one row under radial and axial force (ISO 281): P = F_r for F_a up to e F_r, e = 1.5 tan(alpha),
+otherwise 0.4 F_r + 0.4 cot(alpha) F_a; above 45 deg P = tan(alpha) F_r + F_a.
 
-Range: rollers of hardened bearing steel with profiled ends, seated on their ribs, full lubrication, no plastic contact;
-factors for material, reliability and lubricant are one. These are computed ratings, not those of a manufacturer.
+Valid for rollers of hardened bearing steel with profiled ends that touch their ribs, full lubrication, and no plastic
+contact; factors for material, reliability and lubricant are one. The ratings are computed and not those of a manufacturer.
 """
 
 from __future__ import annotations
@@ -48,19 +51,19 @@ from rollbench.lowfi.statics.validity import ROLLER_DENT_PRESSURE
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import RollerRow
 
-#: Constant of (1) for mm and N; rating factor of today's steel; reductions of radial and of thrust bearings.
+#: Constant of (1) for mm and N; rating factor of contemporary steel; reduction factors of radial and of thrust bearings.
 CONTACT, STEEL, RADIAL, THRUST = 551.13, 1.1, 0.83, 0.73
 
-#: Weibull slope of the life of line contacts, orders of the mean load of a race that rotates relative
-#: to the load and of a stationary one.
+#: Weibull slope of the life of line contacts; orders of the mean load for a race that rotates relative to the load and for
+#: a stationary race.
 SLOPE, TURNING, STANDING = 9.0 / 8.0, 4.0, 4.5
 
-#: Exponent of the life over the load.
+#: Exponent of the ratio of rating to load in the life.
 EXPONENT = 10.0 / 3.0
 
 
 def is_thrust(row: RollerRow) -> bool:
-    """Return whether a row is rated as a thrust bearing: a cup's angle above 45 deg."""
+    """Return whether a row of rollers is rated as a thrust bearing: its cup has a half angle above 45 deg."""
     return degrees(row.cup_angle) > RADIAL_UP_TO + 1e-9
 
 
@@ -81,12 +84,12 @@ def dynamic_rating(row: RollerRow) -> float:
     Parameters
     ----------
     row
-        The row; its pitch diameter follows from the angles of its cones.
+        Row of tapered rollers; its pitch diameter follows from the angles of cup and rollers.
 
     Returns
     -------
     float
-        C [N]: radial for a cup's angle up to 45 deg, axial above it.
+        C [N]: radial for a cup's half angle up to 45 deg, axial above.
 
     References
     ----------
@@ -111,13 +114,13 @@ def dynamic_rating(row: RollerRow) -> float:
 def static_rating(row: RollerRow) -> float:
     """Return the basic static load rating C_0 of a row of rollers (ISO 76).
 
-    The load under which the most heavily loaded roller presses the middle of the cone with 4,000 MPa; radially that roller
-    carries five times the mean share (Stribeck).
+    It is the load at which the most heavily loaded roller has a pressure of 4,000 MPa at the middle of its contact with the
+    cone. Under a radial load that roller carries five times the mean load (Stribeck).
 
     Returns
     -------
     float
-        C_0 [N]: radial for a cup's angle up to 45 deg, axial above it.
+        C_0 [N]: radial for a cup's half angle up to 45 deg, axial above.
     """
     bearing, E, nu = tapered_bearing(row), row.material.youngs_modulus, row.material.poissons_ratio
     roller, cone, _ = bearing.radii()
@@ -139,12 +142,12 @@ def ratings(row: RollerRow) -> Ratings:
 
 
 def life(row: RollerRow, line_loads: Array) -> Life | None:
-    """Return the rating life of a distribution of line loads by (3).
+    """Return the basic rating life of a row of tapered rollers under given line loads, by (3).
 
     Parameters
     ----------
     row
-        The row.
+        Row of tapered rollers.
     line_loads
         Loads per length ``(count, slices)`` [N/m] of each roller in equal slices.
 
@@ -175,14 +178,14 @@ def equivalent_line_loads(line_loads: Sequence[Array], shares: Sequence[float]) 
     Parameters
     ----------
     line_loads
-        Of each case, ``(count, slices)`` [N/m].
+        Loads per length in each case ``(count, slices)`` [N/m].
     shares
-        Fractions of the revolutions spent in each case, with the sum 1.
+        Fractions of the revolutions in each case, with the sum 1.
 
     Returns
     -------
     Array
-        ``(count, slices)`` [N/m]: means of order 4, of which `life` is the life over all cases.
+        Means of order 4 ``(count, slices)`` [N/m], for which `life` gives the life over all cases.
     """
     top = max(float(q.max(initial=0.0)) for q in line_loads) or 1.0
     sums = sum(share * (q / top) ** TURNING for q, share in zip(line_loads, shares, strict=True))
@@ -190,19 +193,19 @@ def equivalent_line_loads(line_loads: Sequence[Array], shares: Sequence[float]) 
 
 
 def equivalent_load(row: RollerRow, radial: float, axial: float) -> float:
-    """Return the dynamic equivalent load P of a row under radial and axial force (ISO 281).
+    """Return the dynamic equivalent load P of a row of rollers under radial and axial force (ISO 281).
 
     Parameters
     ----------
     row
-        The row.
+        Row of tapered rollers.
     radial, axial
         Forces [N], not negative.
 
     Returns
     -------
     float
-        P [N]: radial for a cup's angle up to 45 deg, axial above it.
+        P [N]: radial for a cup's half angle up to 45 deg, axial above.
 
     Examples
     --------
@@ -220,21 +223,21 @@ def equivalent_load(row: RollerRow, radial: float, axial: float) -> float:
 
 
 def equivalent_life(row: RollerRow, shares: Sequence[float], forces: Sequence[Array]) -> EquivalentLife:
-    """Return the life of several load cases of a row by ISO 281, (C/P_m)^(10/3).
+    """Return the life of a row of rollers over several load cases by the equivalent loads of ISO 281, (C/P_m)^(10/3).
 
     Parameters
     ----------
     row
-        The row.
+        Row of tapered rollers.
     shares
-        Fractions of the revolutions spent in each case, with the sum 1.
+        Fractions of the revolutions in each case, with the sum 1.
     forces
         Force of the shaft on the row in each case, ``(3,)`` [N].
 
     Returns
     -------
     EquivalentLife
-        The life with P_m, the mean of order 10/3 of the equivalent loads.
+        Life, and the mean P_m of order 10/3 of the equivalent loads.
     """
     loads = np.array([equivalent_load(row, hypot(F[0], F[1]), abs(float(F[2]))) for F in forces])
     top = float(loads.max())

@@ -1,21 +1,22 @@
 """Limits of a screw shaft between its bearings: Euler's buckling load, critical speed and DN value.
 
-A bar of the thread's root diameter d (bore d_b) over the free length L, the nut at its far end,
+The shaft is a bar of the thread's root diameter d (bore d_b) over the free length L, with the nut at its far end:
 
     F_c = c pi^2 E I / L^2,                            I = pi (d^4 - d_b^4)/64,                                        (1)
     n_c = lambda^2/(2 pi L^2) sqrt(E I/(rho A)),       A = pi (d^2 - d_b^2)/4,                                         (2)
 
-with c and lambda by the support of both ends, as manufacturers print them:
+The factors c and lambda depend on the support of both ends; manufacturers print
 
     fixed, free: 1/4, 1.875    supported both: 1, 3.142    fixed, supported: 2, 3.927    fixed both: 4, 4.730
 
-(c: STAR/Rexroth RE 83 301/12.99, p. 97, f_Fk 2.6, 10.2, 20.4 and 40.6; lambda: THK general catalogue 513-1E, A15-32; a
-fixed and a supported end have 2.05 exactly). Manufacturers let a shaft carry half of F_c, and turn at four fifths of n_c
-(same pages). DN is pitch diameter times speed; its limit depends on the return of the balls and is the manufacturer's to
-give; without it 76,200 mm/min is taken, 3000 in rpm for returns by tubes (Engineers Edge, critical speed of ball screws).
+(c: STAR/Rexroth RE 83 301/12.99, p. 97, f_Fk 2.6, 10.2, 20.4 and 40.6; lambda: THK general catalogue 513-1E, A15-32; the
+exact c for a fixed and a supported end is 2.05). Manufacturers permit half of F_c, and a speed of 0.8 n_c (same pages). The
+DN value is pitch diameter times speed. Its limit depends on the return of the balls and is given by the manufacturer; if it
+is not given, 76,200 mm/min is used, 3000 in rpm for returns by tubes (Engineers Edge, critical speed of ball screws).
 
-Range: slender shafts, L of more than some 25 d (a shorter one yields before it buckles, and its bearings deflect before it
-whirls); thread over the whole length, steel of 7850 kg/m3; loads count where they and the reactions compress the shaft.
+Valid for slender shafts, L above some 25 d (a shorter one yields before it buckles, and its bearings deflect before it
+whirls), with a thread over the whole length, of steel of 7850 kg/m3. Only loads and reactions that compress the shaft
+count.
 """
 
 from __future__ import annotations
@@ -29,7 +30,7 @@ from rollbench.lowfi.warned import Warned
 from rollbench.meshes.parts import Scene, Support
 from rollbench.meshes.quantity import quantity, record
 
-#: Factors c and lambda by the holding of both ends.
+#: Factors c and lambda by the supports of both ends.
 FACTORS = {
     ("fixed", "fixed"): (4.0, 4.730),
     ("fixed", "supported"): (2.0, 3.927),
@@ -40,15 +41,15 @@ FACTORS = {
 #: Density of steel [kg/m3].
 DENSITY = 7850.0
 
-#: Parts of buckling load and critical speed that makers allow.
+#: Parts of buckling load and critical speed that manufacturers permit.
 SHARE_OF_LOAD, SHARE_OF_SPEED = 0.5, 0.8
 
 
 @record
 class ShaftLimits:
-    """Limits of the weakest free length of a screw shaft."""
+    """Limits of load and speed of the weakest free length of a screw shaft."""
 
-    #: Support of that length at its ends: fixed, supported or free.
+    #: Supports at the ends of that length: fixed, supported or free.
     ends: str = quantity("ends", "how that length is held at its ends: fixed (no tilt), supported or free")
     #: Free length L [m].
     length: float = quantity("length_mm", "free length: between bearings, or from the only one to the free end")
@@ -56,24 +57,24 @@ class ShaftLimits:
     root: float = quantity("root_diameter_mm", "root diameter of the thread, which the formulas take")
     #: Euler's buckling load F_c [N].
     buckling: float = quantity("buckling_N", "Euler's buckling load of it", error="as its ends are as stiff as stated")
-    #: Largest axial compression of the shaft by its loads [N]; 0 where it is only in tension.
+    #: Largest axial compression of the shaft by its loads [N]; 0 if it is only in tension.
     compression: float = quantity("compression_N", "largest axial compression in the shaft by its loads")
     #: Critical speed [rad/s].
     critical: float = quantity("critical_speed_rpm", "speed of the first whirl of it", error="as above")
-    #: Speed of the scene's motion [rad/s]; None where the scene states none.
+    #: Speed of the scene's motion [rad/s]; None if the scene states none.
     speed: float | None = quantity("speed_rpm", "speed of the scene's motion")
     #: Pitch diameter times speed [m rad/s]; None without a speed.
     dn: float | None = quantity("dn_mm_rpm", "DN value: pitch diameter times speed")
-    #: Largest DN value allowed [m rad/s].
+    #: Largest permissible DN value [m rad/s].
     dn_limit: float = quantity("dn_limit_mm_rpm", "what is allowed, by operation.dn_limit")
-    #: Half of the buckling load [N].
+    #: Permissible compression, half of the buckling load [N].
     allowed_load: float = quantity(
         "allowed_compression_N",
         "half the buckling load, as makers have it",
         heading="allowed compression",
         note="buckles under {buckling_N} N",
     )
-    #: Least of four fifths of the critical speed and the speed at the DN limit [rad/s].
+    #: Permissible speed, the smaller of 0.8 times the critical speed and the speed at the DN limit [rad/s].
     allowed_speed: float = quantity(
         "allowed_speed_rpm",
         "least of four fifths of the critical speed and the DN limit",
@@ -83,39 +84,38 @@ class ShaftLimits:
 
     @property
     def warnings(self) -> list[Warned]:
-        """Warnings of the limits that the scene exceeds."""
+        """Warnings about permissible compression or speed that the scene exceeds."""
         found = []
         if self.compression > self.allowed_load:
-            words = f"{self.compression:.4g} N press on {1e3 * self.length:.4g} mm of shaft, {self.ends}"
-            text = f"{words}; makers allow {self.allowed_load:.4g} N, half of its buckling load"
+            words = f"{self.compression:.4g} N compress {1e3 * self.length:.4g} mm of shaft, {self.ends}"
+            text = f"{words}; makers allow {self.allowed_load:.4g} N, half of the buckling load"
             found.append(Warned("buckling", text, f"compression {self.compression:.4g} N, above {self.allowed_load:.4g} N"))
         if self.speed is not None and self.speed > self.allowed_speed:
             turns, most, critical = (x * 30.0 / pi for x in (self.speed, self.allowed_speed, self.critical))
-            text = (
-                f"{turns:.4g} rpm; allowed are {most:.4g} rpm, by a critical speed of {critical:.4g} rpm and the DN value"
-            )
+            words = f"the shaft turns at {turns:.4g} rpm; {most:.4g} rpm are allowed"
+            text = f"{words}, by the critical speed of {critical:.4g} rpm and by the DN value"
             found.append(Warned("speed", text, f"{turns:.4g} rpm, above {most:.4g} rpm"))
         return found
 
 
 def root_diameter(scene: Scene) -> float:
-    """Return the diameter at the bottom of the screw's groove [m], where its two arcs meet."""
+    """Return the root diameter of a screw's thread [m], where the two arcs of the groove meet."""
     track, slack = scene.track, scene.screw.groove_radius - scene.balls.radius
     deep = sqrt(scene.screw.groove_radius**2 - (slack * sin(track.contact_angle)) ** 2)
     return 2.0 * (track.pitch_radius + slack * cos(track.contact_angle) - deep)
 
 
 def free_lengths(scene: Scene) -> list[tuple[float, tuple[str, str]]]:
-    """Return the free lengths of a shaft with the supports at their ends.
+    """Return the free lengths of a screw shaft with the kinds of support at their ends.
 
-    A bearing that fixes both lateral displacements supports the shaft; one at the shaft's end that also fixes both
-    rotations counts as fixed.
+    A bearing that fixes both lateral displacements supports the shaft. The first or last bearing is a fixed end if it also
+    fixes both tilting rotations.
 
     Returns
     -------
     list[tuple[float, tuple[str, str]]]
-        Lengths [m] between neighbouring bearings, or from a single bearing to the farther end, each with the kinds of its
-        two ends, the stiffer first.
+        Lengths [m] between neighbouring bearings, or from a single bearing to the farther end of the shaft. With each
+        length the kinds of its two ends, the stiffer one first.
     """
     bearings = sorted((s for s in scene.supports if _support_fixes(s, "ux", "uy")), key=lambda s: s.at)
     held = ["fixed" if _support_fixes(s, "rx", "ry") else "supported" for s in bearings]
@@ -127,33 +127,34 @@ def free_lengths(scene: Scene) -> list[tuple[float, tuple[str, str]]]:
 
 
 def _support_fixes(support: Support, *names: str) -> bool:
+    """Return whether a support fixes all the named degrees of freedom, such as "ux"."""
     return {*names} <= {name for name, _ in support.fixed}
 
 
 def buckling_load_and_critical_speed(
     length: float, ends: tuple[str, str], root: float, bore: float, modulus: float
 ) -> tuple[float, float]:
-    """Return the buckling load and the critical speed of a steel bar by (1) and (2).
+    """Return Euler's buckling load and the critical speed of a steel shaft by (1) and (2).
 
     Parameters
     ----------
     length
         Free length L [m].
     ends
-        Kinds of the two ends, a key of ``FACTORS``.
+        Kinds of support at the two ends, a key of ``FACTORS``.
     root, bore
-        Outer and inner diameter of the bar [m].
+        Outer and inner diameter of the shaft [m].
     modulus
         Young's modulus [Pa].
 
     Returns
     -------
     tuple[float, float]
-        F_c [N] and the critical speed 2 pi n_c [rad/s].
+        Buckling load F_c [N] and critical speed 2 pi n_c [rad/s]; valid for L above some 25 diameters.
 
     References
     ----------
-    Rexroth RE 83 301/12.99, p. 97; THK 513-1E, A15-32. Range: L above some 25 diameters.
+    Rexroth RE 83 301/12.99, p. 97; THK 513-1E, A15-32.
 
     Examples
     --------
@@ -167,9 +168,9 @@ def buckling_load_and_critical_speed(
 
 
 def shaft_compression(scene: Scene, result: StaticResult) -> float:
-    """Return the largest axial compression of the shaft [N] by its loads, its supports and the nut.
+    """Return the largest axial compression of a screw shaft [N] by its loads, the reactions of its supports and the nut.
 
-    The nut's force is taken to act at the nut's middle; zero where the shaft is only in tension.
+    The nut's force acts at the middle of the nut. The compression is zero if the shaft is only in tension.
     """
     balance = result.equilibrium
     forces = [(x.at, x.force[2]) for x in scene.loads]
@@ -181,20 +182,20 @@ def shaft_compression(scene: Scene, result: StaticResult) -> float:
 
 
 def shaft_limits(scene: Scene, result: StaticResult) -> ShaftLimits | None:
-    """Return the limits of a screw's shaft under the loads of a solved scene.
+    """Return the limits of load and speed of a screw shaft, and its compression in a solved scene.
 
     Parameters
     ----------
     scene
         Screw with supports.
     result
-        Its result.
+        Static result of the scene.
 
     Returns
     -------
     ShaftLimits | None
-        The limits of the weakest free length; None for bearings, and where no bearing fixes the shaft laterally or it
-        rotates freely about its only bearing.
+        Limits of the weakest free length. None for bearings, for a shaft that no bearing fixes laterally, and for a shaft
+        that tilts freely about its only bearing.
     """
     spans = [(x, ends) for x, ends in free_lengths(scene) if ends in FACTORS and x > 0.0]
     if scene.track.lead == 0.0 or not spans:

@@ -1,1 +1,1 @@
-"""Friction of elliptical rolling contacts and the motion of least dissipation of a ball."""
+"""Friction of elliptical rolling contacts, contact loads of balls between rigid bodies, and a ball's least dissipation."""

@@ -1,4 +1,4 @@
-"""Arguments and results of the kernels of contacts, as named tuples: the plain and the compiled copy share them."""
+"""Arguments and results of the kernels for contacts, as named tuples that their plain and compiled copies share."""
 
 from typing import Any, NamedTuple
 
@@ -9,20 +9,20 @@ Array = NDArray[Any]
 
 
 class DissipationTerms(NamedTuple):
-    """Dissipation D of one contact per friction bound mu F [m/s], and its derivatives.
+    """Dissipated power D of one contact over its friction bound mu F [m/s], and its derivatives.
 
-    By the sliding velocity (vx, vz) [m/s], the spin [rad/s] and the regularising speed [m/s].
+    Derivatives are by the sliding velocity (vx, vz) [m/s], the spin [rad/s] and the regularising speed [m/s].
     """
 
-    #: D [m/s].
+    #: Dissipated power D over mu F [m/s].
     value: float
-    #: dD/dvx.
+    #: Derivative by vx.
     by_vx: float
-    #: dD/dvz.
+    #: Derivative by vz.
     by_vz: float
-    #: dD/dspin [m].
+    #: Derivative by the spin [m].
     by_spin: float
-    #: dD/dspeed.
+    #: Derivative by the regularising speed.
     by_speed: float
     #: Second derivative by vx and vx [s/m].
     xx: float
@@ -39,39 +39,40 @@ class DissipationTerms(NamedTuple):
 
 
 class CellArrays(NamedTuple):
-    """N balls pressed between the grooves of two rigid bodies: the inner one moves by u (m,), the outer one is fixed.
+    """Geometry, stiffness and loads of N balls between an inner rigid body, which moves by u (m,), and a fixed outer one.
 
-    In the plane of each ball's section, axes x and z; contacts 0 and 1 are on the inner body, 2 and 3 on the outer one.
+    The axes x and z lie in the plane of each ball's groove section. Contacts 0 and 1 of a ball are on the inner body, 2 and
+    3 on the outer body.
     """
 
-    #: Start from the grooves' centres to the ball (N, 4, 2) along x, z [m], at which the contacts' interference is given.
+    #: Vectors from the grooves' centres of curvature to the ball's centre (N, 4, 2) along x, z [m], at zero displacement.
     start: Array
-    #: Interference (N, 4) [m] along ``start``.
+    #: Interference of ball and groove at zero displacement (N, 4) [m].
     interference: Array
     #: Hertz constants (4,) [m/N^(2/3)].
     C: Array
-    #: Displacement of the inner body (N, 2, m) along x, z by u.
+    #: Displacements of the inner body at each ball along x, z by unit u (N, 2, m).
     section: Array
-    #: Further displacement of the inner body (N, 2) [m].
+    #: Prescribed additional displacement of the inner body (N, 2) [m].
     offset: Array
-    #: Given forces on the balls (N, 2) [N].
+    #: Applied forces on the balls (N, 2) [N].
     push: Array
-    #: Forces (m,) on the inner body along its motions [N].
+    #: Applied forces on the inner body along its motions u (m,) [N].
     pull: Array
-    #: Distance of a groove's centre from the ball [m], to limit steps.
+    #: Distance of a groove's centre of curvature from the ball's centre [m], by which steps are limited.
     reach: float
 
 
 class CellState(NamedTuple):
-    """What the energy of a cell gives at positions of balls and inner body."""
+    """Derivatives of the elastic energy, and contact forces, at given positions of balls and inner body."""
 
-    #: Gradient by the balls (N, 2) [N].
+    #: Gradient by the positions of the balls (N, 2) [N].
     ball: Array
-    #: Gradient by the inner body (m,) [N].
+    #: Gradient by the position of the inner body (m,) [N].
     inner: Array
-    #: Stiffness of the contacts (N, 4, 3) as xx, xz, zz [N/m].
+    #: Stiffness of the contacts as xx, xz, zz (N, 4, 3) [N/m].
     stiffness: Array
     #: Contact forces (N, 4) [N].
     force: Array
-    #: Normals (N, 4, 2) along x, z.
+    #: Contact normals along x, z (N, 4, 2).
     normal: Array

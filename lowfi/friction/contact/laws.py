@@ -1,8 +1,8 @@
-"""Friction laws with one interface: Coulomb, Coulomb regularised, and Lin's sigmoid.
+"""Friction laws of sliding and spinning contacts: Coulomb, regularised Coulomb, and Lin's sigmoid.
 
-Coulomb friction of elliptical Hertz contacts that slide and spin has a closed form. Each contact has its axes: x along
-the semi-axis a, z along b, y the normal into the body whose motion relative to the other is (vx, vz, spin); its points move
-with (vx + spin z, vz - spin x). Friction acts on that body.
+Coulomb friction of elliptical Hertz contacts that slide and spin has a closed form. Each contact has its own axes: x along
+the semi-axis a, z along b, and y the normal into the moving body. The motion of this body relative to the other one is (vx,
+vz, spin), so that its points slide with (vx + spin z, vz - spin x). The friction computed is that on the moving body.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from rollbench.meshes.arrays import Array
 
 @dataclass(frozen=True)
 class Contacts:
-    """Elliptical contacts with friction, arrays ``(n,)``."""
+    """Data of n elliptical contacts with friction, arrays ``(n,)``."""
 
     #: Semi-axes a >= b [m].
     a: Array
@@ -43,30 +43,30 @@ class Friction:
 
     #: Force along x and z ``(n, 2)`` [N].
     force: Array
-    #: About the normal at the centre ``(n,)`` [N m].
+    #: Moment about the contact normal through the ellipse's centre ``(n,)`` [N m].
     moment: Array
-    #: ``(n,)`` [W].
+    #: Friction loss ``(n,)`` [W].
     loss: Array
 
 
 @dataclass(frozen=True)
 class Dissipation:
-    """Convex function of the motion whose negative gradient is the friction, at n contacts."""
+    """Dissipated power of n contacts and its derivatives by the sliding motion; friction is the negative gradient."""
 
-    #: ``(n,)`` [W].
+    #: Dissipated power, a convex function of the motion ``(n,)`` [W].
     value: Array
-    #: Gradient by (vx, vz, spin) ``(n, 3)``.
+    #: Gradient with respect to (vx, vz, spin) ``(n, 3)``.
     gradient: Array
-    #: ``(n, 3, 3)``.
+    #: Second derivatives ``(n, 3, 3)``.
     hessian: Array
-    #: Value less the loss ``(n,)`` [W], zero without a regularising speed.
+    #: Value less the friction loss ``(n,)`` [W]; zero without a regularising speed.
     excess: Array
 
 
 def equal_contacts(a: ArrayLike, b: ArrayLike, load: ArrayLike, mu: ArrayLike) -> Contacts:
-    """Return contacts of one shape ``(n,)``, to which the arguments are broadcast.
+    """Return the data of n contacts from numbers or arrays that broadcast to ``(n,)``, after checking them.
 
-    Friction is exact to 1e-10 of its size for b/a >= 0.01 (measured against quadrature), to 1e-8 at 1e-3, to 1e-7 at 1e-4.
+    The relative error of friction is 1e-10 for b/a >= 0.01 (against quadrature), 1e-8 at 1e-3, and 1e-7 at 1e-4.
 
     Parameters
     ----------
@@ -80,7 +80,7 @@ def equal_contacts(a: ArrayLike, b: ArrayLike, load: ArrayLike, mu: ArrayLike) -
     Raises
     ------
     ValueError
-        A number out of range or not finite.
+        A value is out of range or not finite.
     """
     arrays = np.broadcast_arrays(*(np.atleast_1d(np.asarray(v, dtype=float)) for v in (a, b, load, mu)))
     full = Contacts(*(np.array(v) for v in arrays))
@@ -94,22 +94,26 @@ def equal_contacts(a: ArrayLike, b: ArrayLike, load: ArrayLike, mu: ArrayLike) -
 
 
 def rotation_about_point(spin: ArrayLike, c: ArrayLike, d: ArrayLike) -> Array:
-    """Return motion ``(n, 3)`` of a body that turns with ``spin`` [rad/s] about the point x = c, z = d [m] (Lin 3.12)."""
+    """Return the motion (vx, vz, spin) ``(n, 3)`` of a rotation about the point x = c, z = d of a contact (Lin 3.12).
+
+    spin: angular speed about the contact normal [rad/s]; c, d: coordinates in the contact plane [m].
+    """
     s, x, z = np.broadcast_arrays(*(np.atleast_1d(np.asarray(v, dtype=float)) for v in (spin, c, d)))
     return np.stack([-s * z, s * x, s], axis=1)
 
 
 def dissipated_power(at: Contacts, motion: Array, speed: float = 0.0, fast: bool = False) -> Dissipation:
-    """Return mu int p sqrt(|v|^2 + speed^2) dA with first and second derivatives, in closed form.
+    """Return the friction power mu int p sqrt(|v|^2 + speed^2) dA of contacts, with its derivatives, in closed form.
 
     Parameters
     ----------
     at
         The contacts.
     motion
-        vx, vz [m/s], spin [rad/s], ``(n, 3)``. At rest without regularisation there is no gradient: zeros are returned.
+        Motion (vx, vz [m/s], spin [rad/s]) ``(n, 3)``. A contact at rest without regularisation has no gradient; zeros are
+        returned.
     speed
-        Regularising speed >= 0 [m/s]; the value grows by at most mu F speed.
+        Regularising speed >= 0 [m/s]; it raises the value by at most mu F speed.
     fast
         Whether to use compiled kernels.
 
@@ -121,7 +125,7 @@ def dissipated_power(at: Contacts, motion: Array, speed: float = 0.0, fast: bool
     """
     out = np.empty((at.a.shape[0], 11))
     motion = np.ascontiguousarray(motion, dtype=float)
-    kernels(CONTACT, compiled=fast).dissipation_many(at.a, at.b, motion, float(speed), out)
+    kernels(CONTACT, compiled=fast).dissipation_of_contacts(at.a, at.b, motion, float(speed), out)
     out *= at.strength[:, None]
     return Dissipation(
         value=out[:, 0],
@@ -132,15 +136,17 @@ def dissipated_power(at: Contacts, motion: Array, speed: float = 0.0, fast: bool
 
 
 def friction_forces(at: Contacts, motion: Array, speed: float = 0.0, fast: bool = False) -> Friction:
-    """Return the friction of contacts in a given motion; arguments as for `dissipated_power`.
+    """Return friction force, moment and loss of contacts for a given sliding motion.
+
+    Arguments are those of `dissipated_power`.
 
     References
     ----------
-    Lin (2019), 3.16 to 3.18, for any d. His M_iO is taken about -y: it is minus this moment.
+    Lin (2019), 3.16 to 3.18, for any d. His moment M_iO is about -y, so it has the opposite sign.
 
     Examples
     --------
-    Pure sliding has the force mu F:
+    The friction force of pure sliding is mu F:
 
     >>> sliding = friction_forces(equal_contacts(1e-3, 0.5e-3, 10.0, 0.1), np.array([[0.0, 2.0, 0.0]]))
     >>> round(float(sliding.force[0, 1]), 9), round(float(sliding.loss[0]), 9)
@@ -151,18 +157,19 @@ def friction_forces(at: Contacts, motion: Array, speed: float = 0.0, fast: bool 
 
 
 def linear_factor(ratio: ArrayLike) -> Array:
-    """Return the slope k_f of the normalised friction force against c/a at c = d = 0.
+    """Return the slope k_f of the friction force over mu F against c/a, for rotation about a point near the centre.
 
-    k_f = (b/a)^2 R_D(0, 1, b^2/a^2)/2, from 3 pi/8 = 1.178 on a circle to 3/2 on a line.
+    c is the distance of the centre of rotation from the ellipse's centre along the semi-axis a. k_f = (b/a)^2 R_D(0, 1,
+    b^2/a^2)/2; it is 3 pi/8 = 1.178 for a circle and 3/2 in the limit of a line.
 
     Parameters
     ----------
     ratio
-        b/a in (0, 1].
+        Ratio b/a of the semi-axes, in (0, 1].
 
     References
     ----------
-    Lin (2019), 3.35, here exact.
+    Lin (2019), 3.35, here without approximation.
 
     Examples
     --------
@@ -174,9 +181,10 @@ def linear_factor(ratio: ArrayLike) -> Array:
 
 
 def cubic_factor(ratio: ArrayLike) -> Array:
-    """Return g of the exact normalised force k_f t - g t^3, t = c/a, for -1 <= t <= 1 and d = 0.
+    """Return the factor g of the exact friction force over mu F, k_f t - g t^3, for rotation about x = c, t = c/a.
 
-    g = (b/a)^2 (R_D(0, 1, r^2) - R_D(0, r^2, 1))/(6 (1 - r^2)) by r = b/a; valid for ratio <= 1 - 1e-6.
+    Valid for -1 <= t <= 1 and a centre of rotation on the semi-axis a. g = (b/a)^2 (R_D(0, 1, r^2) - R_D(0, r^2, 1))/(6 (1
+    - r^2)) with r = b/a <= 1 - 1e-6.
 
     Parameters
     ----------
@@ -189,85 +197,86 @@ def cubic_factor(ratio: ArrayLike) -> Array:
 
 
 def linear_error(ratio: ArrayLike, factor: ArrayLike, reach: float = 0.5) -> Array:
-    """Return the largest error of a linear friction law factor c/a against the exact one, over 0 < |c/a| <= reach.
+    """Return the largest relative error of a friction force that is linear in c/a, over 0 < |c/a| <= reach.
 
-    The ratio of exact to linear is k_f - g t^2, t = c/a, monotonous in t, so that the ends decide.
+    The ratio of exact force to c/a is k_f - g t^2 with t = c/a (`linear_factor`, `cubic_factor`). It is monotonous in t, so
+    the error is largest at an end of the range.
 
     Parameters
     ----------
     ratio
-        b/a in (0, 1].
+        Ratio b/a of the semi-axes, in (0, 1].
     factor
         Slope of the linear law; Lin uses 1.38.
     reach
-        At most 1; Lin uses 0.5.
+        Largest |c/a|, at most 1; Lin uses 0.5.
 
     References
     ----------
     Lin (2019), 3.35 and appendix G.
     """
     if not 0.0 < reach <= 1.0:
-        raise ValueError("reach must lie in (0, 1]: the force is a cubic inside the ellipse only")
+        raise ValueError("reach must lie in (0, 1]: the force is a cubic only for rotation about a point of the ellipse")
     start = linear_factor(ratio)
     end = start - cubic_factor(ratio) * reach**2
     return np.asarray(np.maximum(np.abs(np.asarray(factor) / start - 1.0), np.abs(np.asarray(factor) / end - 1.0)))
 
 
 class Law(Protocol):
-    """Friction law of contacts in a motion ``(n, 3)``."""
+    """Interface of a friction law for contacts that slide and spin."""
 
     def friction(self, at: Contacts, motion: Array, fast: bool = False) -> Friction:
-        """Return the friction on the moving bodies; axes and signs as in this module's description."""
+        """Return the friction on the moving body of each contact for a motion (vx, vz, spin) ``(n, 3)``."""
 
 
 @dataclass(frozen=True)
 class Coulomb:
-    """Coulomb's law: mu p against the direction of the local velocity; zero at rest, where it is not determined."""
+    """Coulomb's law: traction mu p against the local sliding velocity; zero at rest, where it is not determined."""
 
     def friction(self, at: Contacts, motion: Array, fast: bool = False) -> Friction:
-        """Return the exact integrals over the ellipse."""
+        """Return the friction by exact integrals over the contact ellipse."""
         return friction_forces(at, motion, 0.0, fast)
 
 
 @dataclass(frozen=True)
 class Regularised:
-    """Regularised Coulomb law mu p v/sqrt(|v|^2 + speed^2).
+    """Regularised Coulomb law, with the traction mu p v/sqrt(|v|^2 + speed^2).
 
-    Smooth, with a convex potential at most mu F speed above Coulomb's.
+    It is smooth; its dissipated power is convex and exceeds Coulomb's by at most mu F speed.
     """
 
     #: Regularising speed > 0 [m/s].
     speed: float
 
     def friction(self, at: Contacts, motion: Array, fast: bool = False) -> Friction:
-        """Return the exact integrals over the ellipse."""
+        """Return the friction by exact integrals over the contact ellipse."""
         return friction_forces(at, motion, self.speed, fast)
 
 
 @dataclass(frozen=True)
 class Sigmoid:
-    """Lin's friction law: Coulomb's friction times Sig(k_S spin/reference) (Lin 3.20).
+    """Lin's friction law: Coulomb friction times the sigmoid Sig(k_S spin/reference) (Lin 3.20).
 
-    Not the gradient of a convex function; sliding without spin is frictionless.
+    It is not the gradient of a convex function, and sliding without spin has no friction.
     """
 
-    #: k_S.
+    #: Sharpness k_S of the sigmoid.
     sharpness: float
-    #: Relative spin of a diagonal pair, omega_I sin(beta) [rad/s].
+    #: Reference spin omega_I sin(beta), that of two opposite contacts [rad/s].
     reference: float
-    #: Step in c/a of Lin's maps, between which he interpolates linearly, for d = 0; None for exact integrals.
+    #: Step in c/a of Lin's table of friction forces (d = 0), in which he interpolates linearly; None for exact integrals.
     map_spacing: float | None = None
-    #: Whether the factor has abs(spin); without, the sign of the spin enters twice, as 3.19 prints it, and friction no
-    #: longer changes sign with the motion.
+    #: Whether the sigmoid takes abs(spin). With the signed spin, as printed in 3.19, the sign enters twice, and friction
+    #: does not change sign with the motion.
     magnitude: bool = True
 
     def factor(self, spin: Array) -> Array:
-        """Return Sig(k_S spin/reference), written as a hyperbolic tangent, which cannot overflow."""
+        """Return the sigmoid Sig(k_S spin/reference), computed as a hyperbolic tangent, which cannot overflow."""
         x = np.abs(spin) if self.magnitude else spin
         return np.asarray(np.tanh(0.5 * self.sharpness * x / self.reference))
 
     def friction(self, at: Contacts, motion: Array, fast: bool = False) -> Friction:
-        """Return Coulomb's friction, from exact integrals or interpolated, times the factor."""
+        """Return Coulomb friction, exact or interpolated (``map_spacing``), times the sigmoid."""
         full = friction_forces(at, motion, 0.0, fast)
         if self.map_spacing is not None:
             full = interpolated_friction(at, motion, self.map_spacing, full, fast)
@@ -276,12 +285,12 @@ class Sigmoid:
 
 
 def interpolated_friction(at: Contacts, motion: Array, spacing: float, exact: Friction, fast: bool) -> Friction:
-    """Return Coulomb's friction interpolated linearly between multiples of ``spacing`` in c/a (Lin 3.2.1).
+    """Return Coulomb friction interpolated linearly between multiples of ``spacing`` in c/a, as by Lin (3.2.1).
 
-    Where the spin vanishes, c/a has no value and ``exact`` is taken. Raises ValueError for vx not 0 (d not 0).
+    Without spin c/a is not defined, and the friction ``exact`` is returned. Raises ValueError if vx is not 0 (d not 0).
     """
     if np.any(motion[:, 0] != 0.0):
-        raise ValueError("the source's maps hold only motions with their centre on the major axis: vx = 0")
+        raise ValueError("Lin's tables cover only rotations about a point on the major axis: vx must be 0")
     spin = motion[:, 2]
     place = np.zeros_like(spin)
     turns = np.abs(motion[:, 1]) < 1e12 * np.abs(spin) * at.a

@@ -1,11 +1,11 @@
-"""Quasi-static motion of a body on frictional contacts at given loads: the motion of least dissipation.
+"""Quasi-static motion of a body on frictional contacts with given normal loads: the motion of least dissipation.
 
-Contact i has the motion ``maps[i] @ q + drives[i]`` of the body relative to what it touches, q the unknown motion.
-The minimum of
+At contact i the body moves relative to its counterbody by v_i = ``maps[i] @ q + drives[i]``, with the unknown motion q.
+Friction and the other forces ``push`` on the body balance at the minimum of
 
-    sum_i mu F_i D_i(v_i) - push . q                                                                                   (1)
+    sum_i mu F_i D_i(v_i) - push . q.                                                                                  (1)
 
-is where friction and the other forces balance; it is convex, so that every balance is a minimum, rest included.
+The function is convex, so that every equilibrium is a minimum, also with contacts at rest.
 """
 
 from __future__ import annotations
@@ -19,62 +19,62 @@ from rollbench.lowfi.friction.contact.laws import Contacts, Friction, Law, Sigmo
 from rollbench.lowfi.jit import CONTACT, kernels
 from rollbench.meshes.arrays import Array
 
-#: Meaning of ``Motion.status`` by the number the kernel returns.
+#: Values of ``Motion.status`` in the order of the numbers that the kernel returns.
 STATUS = ("exact", "regularised", "at rest")
-#: MINPACK's hybrid method, which is Matlab's fsolve but for details. Its first step is kept short: of single balls from
-#: random starts, that finds more roots than its default factor of 100.
+#: Options of MINPACK's hybrid method, which is nearly Matlab's fsolve. A short first step finds more roots for single balls
+#: from random starts than the default factor of 100.
 HYBRID = {"xtol": 1e-13, "factor": 0.1}
 
 
 @dataclass(frozen=True)
 class Problem:
-    """Problem of the motion of a body with m contacts and n unknowns."""
+    """Contacts, kinematics and forces that determine the motion of a body with m contacts and n unknowns."""
 
-    #: The contacts.
+    #: Ellipses, loads and friction coefficients of the contacts.
     at: Contacts
-    #: Motion of the contacts by the unknowns ``(m, 3, n)``.
+    #: Motion (vx, vz, spin) of the contacts by unit unknowns ``(m, 3, n)``.
     maps: Array
-    #: Motion of the contacts without them ``(m, 3)``.
+    #: Motion of the contacts that the drive imposes, at zero unknowns ``(m, 3)``.
     drives: Array
-    #: Other forces ``(n,)`` [W per unknown].
+    #: Generalised forces other than friction ``(n,)`` [W per unknown].
     push: Array
 
     def motion_at(self, q: Array) -> Array:
-        """Return the motions of the contacts ``(m, 3)``: vx, vz [m/s], spin [rad/s]."""
+        """Return the motions (vx, vz [m/s], spin [rad/s]) of the contacts ``(m, 3)`` for the unknowns q."""
         return np.asarray(self.drives + self.maps @ q)
 
     def units(self) -> Array:
-        """Return the surface speed per unit of each unknown ``(n,)``, over the loaded contacts; one where nothing moves."""
+        """Return the surface speed of the loaded contacts per unit of each unknown ``(n,)``; 1 if it moves no contact."""
         rows = self.maps * np.stack([np.ones_like(self.at.a), np.ones_like(self.at.a), self.at.a], axis=1)[:, :, None]
         size = np.sqrt(np.sum(rows[self.at.strength > 0.0] ** 2, axis=(0, 1)))
         return np.asarray(np.where(size > 0.0, size, 1.0))
 
     def imbalance(self, friction: Friction) -> float:
-        """Return the largest generalised force that friction and push leave [N]."""
+        """Return the largest unbalanced generalised force of friction and other forces, in units of force [N]."""
         wrench = np.column_stack([friction.force, friction.moment])
         return float(np.max(np.abs((np.einsum("ir,irj->j", wrench, self.maps) + self.push) / self.units())))
 
 
 @dataclass(frozen=True)
 class Motion:
-    """Result of a search for the motion of a body with m contacts and n unknowns."""
+    """Computed motion of a body with m contacts and n unknowns, with its friction."""
 
-    #: The unknowns ``(n,)``.
+    #: Unknowns ``(n,)``.
     q: Array
-    #: Motion of the contacts ``(m, 3)``.
+    #: Motion (vx, vz, spin) of the contacts ``(m, 3)``.
     motion: Array
-    #: Friction on the body, reactions of contacts at rest included.
+    #: Friction on the body, with the reactions of contacts at rest.
     friction: Friction
     #: Which contacts are at rest ``(m,)``.
     rest: NDArray[np.bool_]
-    #: Largest force out of balance [N].
+    #: Largest unbalanced force [N].
     imbalance: float
-    #: The least dissipation less the work of push lies between them [W].
+    #: Lower and upper bound of the least value of (1): dissipation less the power of the other forces [W].
     bounds: tuple[float, float]
-    #: ``"exact"``: balance with rest and slip exact; ``"regularised"``: a contact on the verge of slip; ``"at rest"``:
-    #: nothing drives; ``"failed"``: no balance found.
+    #: ``"exact"``: equilibrium with exact rest and slip; ``"regularised"``: a contact on the verge of slip; ``"at rest"``:
+    #: no drive and no force; ``"failed"``: no equilibrium found.
     status: str
-    #: Iterations or calls.
+    #: Number of iterations or function calls.
     steps: int
 
     @property
@@ -86,14 +86,14 @@ class Motion:
 def least_dissipation(problem: Problem, start: Array | None = None, fast: bool = False) -> Motion:
     """Return the motion of least dissipation, the minimum of (1).
 
-    Motions that dissipate nothing at all stay where the start put them.
+    Unknowns that cause no dissipation keep their values from the start.
 
     Parameters
     ----------
     problem
-        The problem, with any number of loaded contacts.
+        Contacts, kinematics and forces, with any number of loaded contacts.
     start
-        Motion ``(n,)`` to begin from; rolling as nearly as possible where None.
+        First values of the unknowns ``(n,)``; None starts from the motion nearest to pure rolling.
     fast
         Whether to use compiled kernels.
     """
@@ -124,7 +124,9 @@ def least_dissipation(problem: Problem, start: Array | None = None, fast: bool =
 
 
 def remove_friction_forces(motion: Motion) -> Motion:
-    """Return same motion without forces: the limit of a vanishing coefficient, which at given loads keeps the motion.
+    """Return a motion with its friction set to zero: the limit of a vanishing coefficient of friction.
+
+    With given normal loads the motion does not depend on the coefficient.
 
     Parameters
     ----------
@@ -136,19 +138,19 @@ def remove_friction_forces(motion: Motion) -> Motion:
 
 
 def balance_by_root(problem: Problem, law: Law, start: Array, fast: bool = False) -> Motion:
-    """Return a root of the force balance by MINPACK's hybrid method, Lin's method, for comparison.
+    """Return a root of the force balance by MINPACK's hybrid method, for comparison with Lin's method.
 
-    As Matlab's fsolve for Lin 3.19: fails from many starts near two-point contact and for sharp laws. A short first step
-    finds more roots than MINPACK's default.
+    It corresponds to Matlab's fsolve for Lin 3.19. It fails from many starts near two-point contact, and for sharp
+    sigmoids.
 
     Parameters
     ----------
     problem
-        The problem.
+        Contacts, kinematics and forces.
     law
         Friction law.
     start
-        Motion ``(n,)`` to begin from.
+        First values of the unknowns ``(n,)``.
     fast
         Whether to use compiled kernels.
     """
@@ -181,19 +183,20 @@ def balance_by_root(problem: Problem, law: Law, start: Array, fast: bool = False
 
 
 def balance_by_sharpening(problem: Problem, law: Sigmoid, start: Array, fast: bool = False) -> Motion:
-    """Return `balance_by_root` for ever sharper sigmoids up to ``law``, each root the start of the next.
+    """Return a root of the force balance by a sequence of sigmoids of increasing sharpness, up to that of ``law``.
 
-    Not Lin's method: it finds the roots that his table prints where the plain search fails. The steps in sharpness shrink
-    after a failure; "failed" where they become tiny.
+    Each root is the start of the next search (`balance_by_root`). This is not Lin's method; it finds the roots that his
+    table prints where the direct search fails. After a failure the step in sharpness is reduced; the status is "failed" if
+    it becomes too small.
 
     Parameters
     ----------
     problem
-        Ball at given loads.
+        Contacts, kinematics and forces.
     law
         Lin's sigmoid, the sharpest of the sequence.
     start
-        Motion from which the search begins.
+        First values of the unknowns ``(n,)``.
     fast
         Whether kernels are compiled.
     """

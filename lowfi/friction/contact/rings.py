@@ -1,7 +1,7 @@
-"""Contact loads of balls between two rigid bodies: minimum of a convex energy over all positions.
+"""Contact loads of balls between two rigid bodies, by the minimum of a convex energy over all positions.
 
-One solver for balls between screw and nut, inner and outer ring, carriage and rail: the inner body moves by u, the outer
-one is fixed, and every ball has its position in the plane of its section.
+The bodies are screw and nut, inner and outer ring, or carriage and rail. The inner body moves by u, the outer body is
+fixed, and the unknowns of every ball are its two coordinates in the plane of its groove section.
 """
 
 from __future__ import annotations
@@ -14,8 +14,9 @@ import numpy as np
 from rollbench.lowfi.friction.contact.kernel_types import Array, CellArrays, CellState
 from rollbench.lowfi.jit import CONTACT, kernels
 
-#: Round-off limit of the search and what counts as converged, as parts of the sum of forces.
+#: Imbalance at which the iteration ends, and largest imbalance of a converged result, over the sum of forces.
 GOAL, ACCEPTED = 1e-13, 1e-8
+#: Largest number of Newton steps.
 STEPS = 600
 
 
@@ -31,16 +32,16 @@ class SettledCell:
     ball: Array
     #: Position of the inner body ``(m,)`` [m].
     inner: Array
-    #: Largest force out of balance [N].
+    #: Largest unbalanced force [N].
     left: float
-    #: Newton steps.
+    #: Number of Newton steps.
     steps: int
-    #: Whether ``left`` is below 1e-8 of the sum of forces.
+    #: Whether the unbalanced force is below 1e-8 times the sum of forces.
     converged: bool
 
 
 def cell_state(cell: CellArrays) -> CellState:
-    """Return arrays for the state that the kernels write."""
+    """Return empty arrays for the results that the kernels write."""
     n, m = cell.interference.shape[0], cell.pull.shape[0]
     return CellState(np.zeros((n, 2)), np.zeros(m), np.zeros((n, 4, 3)), np.zeros((n, 4)), np.zeros((n, 4, 2)))
 
@@ -48,21 +49,22 @@ def cell_state(cell: CellArrays) -> CellState:
 def settle_cell(
     cell: CellArrays, load: float, ball: Array, inner: Array, angles: Callable[[Array], Array], fast: bool = False
 ) -> SettledCell:
-    """Return the loads, the minimum of sum (2/5) C^(-3/2) <approach>^(5/2) - pull . u - push . p.
+    """Return the contact loads of balls between two rigid bodies, by Newton's method with line search.
 
-    By Newton's method with line search. Valid for approaches far below the reach r_G - r_B; forces do not depend on the
-    start.
+    They are the minimum of sum (2/5) C^(-3/2) <approach>^(5/2) - pull . u - push . p over the positions u of the inner body
+    and p of the balls. Valid for approaches far below the distance r_G - r_B of groove and ball centres. The forces do not
+    depend on the start.
 
     Parameters
     ----------
     cell
-        The balls and bodies.
+        Geometry, stiffness and loads of balls and bodies.
     load
-        Sum of the sizes of the given forces [N].
+        Sum of the magnitudes of the applied forces [N].
     ball, inner
-        Positions of balls ``(N, 2)`` and inner body ``(m,)`` to begin from [m]; overwritten.
+        First positions of balls ``(N, 2)`` and inner body ``(m,)`` [m]; overwritten.
     angles
-        Returns contact angles from normals ``(N, 4, 2)``.
+        Function that computes contact angles from contact normals ``(N, 4, 2)``.
     fast
         Whether to use compiled kernels.
     """
@@ -76,27 +78,28 @@ def settle_cell(
 def settle_each_ball(
     start: Array, interference: Array, C: Array, along: Array, given: Array, shift: Array, fast: bool = False
 ) -> tuple[Array, Array, Array, Array]:
-    """Return the result of `settle_cell` for N balls independent of each other, each with its inner body.
+    """Return the contact loads of N independent balls, each between its own inner body and the fixed outer body.
 
     Parameters
     ----------
     start, interference
-        ``(N, 4, 2)`` and ``(N, 4)``, as in ``CellArrays``.
+        Arrays ``(N, 4, 2)`` and ``(N, 4)`` as in ``CellArrays``.
     C
-        Hertz constants ``(N, 4)``.
+        Hertz constants ``(N, 4)`` [m/N^(2/3)].
     along
         Direction in which the inner bodies move ``(2,)``.
     given
-        Forces on balls and inner bodies ``(N, 3)`` [N].
+        Forces on ball and inner body ``(N, 3)`` [N].
     shift
-        Positions to begin from ``(N, 3)`` [m].
+        First positions of ball and inner body ``(N, 3)`` [m].
     fast
         Whether to use compiled kernels.
 
     Returns
     -------
     tuple[Array, Array, Array, Array]
-        Positions, contact loads ``(N, 4)`` [N], normals ``(N, 4, 2)``, and the largest force out of balance ``(N,)`` [N].
+        Positions ``(N, 3)`` [m], contact loads ``(N, 4)`` [N], contact normals ``(N, 4, 2)``, and largest unbalanced force
+        ``(N,)`` [N].
     """
     x, n = shift.copy(), len(shift)
     force, normal, left = np.zeros((n, 4)), np.zeros((n, 4, 2)), np.zeros(n)

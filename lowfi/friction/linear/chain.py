@@ -11,8 +11,8 @@ mu G map [0, B]^(N-1) continuously into itself and have a fixed point F(G) = G (
 force. But there may be several solutions (two balls in two-point contact may part or jam, many in four-point contact have
 other states too): friction between balls makes the very forces that cause it.
 The result then is the end of the path that begins without friction between balls, at the one solution of the convex
-problem with smoothed friction, and along which that friction rises and smoothing falls (``kernel.motion.trace``). Balls
-that all part without it do part. ``find_second_state`` looks for others.
+problem with smoothed friction, and along which that friction rises and smoothing falls (``kernel.motion.trace_path``).
+Balls that all part without it do part. ``find_second_state`` looks for others.
 
 Two balls under opposite side forces are the case study of Lin 3.3.4, by this model and by the formulas.
 """
@@ -272,15 +272,15 @@ def find_second_state(chain: Chain, known: ChainResult, fast: bool = True) -> Ch
     def states() -> Iterator[ChainResult]:
         for start in range(engine.STARTS):
             point, work = _work_arrays(chain)
-            done = engine.other_motion(chain.problem, point, work, CREEP, TOLERANCE, STEPS, start)
+            done = engine.motion_from_other_start(chain.problem, point, work, CREEP, TOLERANCE, STEPS, start)
             yield _chain_result(chain, point, done, fast)
         for mu in (mu for mu in RISEN if mu > chain.bearing.mu_balls):
             point, work = _work_arrays(chain)
             at = chain.problem._replace(mu=mu)
-            done = engine.other_motion(at, point, work, CREEP, TOLERANCE, STEPS, 0)
+            done = engine.motion_from_other_start(at, point, work, CREEP, TOLERANCE, STEPS, 0)
             while at.mu > chain.bearing.mu_balls and done[1] <= ACCEPTED and point.z.max() > 0.0:
                 at = at._replace(mu=max(at.mu * FALLING, chain.bearing.mu_balls))
-                done = engine.motion_from(at, point, work, CREEP, TOLERANCE)
+                done = engine.motion_from_state(at, point, work, CREEP, TOLERANCE)
             if at.mu == chain.bearing.mu_balls:
                 yield _chain_result(chain, point, done, fast)
 
@@ -304,7 +304,7 @@ def _chain_result(chain: Chain, point: ChainPoint, done: tuple[int, float], fast
     speed = abs(chain.bearing.speed)
     x = (nominal + drift) * speed
     force, moment = np.zeros(slips.shape[:2]), np.zeros(slips.shape[:2])
-    law = kernels(LINEAR, compiled=fast).regularised
+    law = kernels(LINEAR, compiled=fast).regularised_friction
     for j, i in np.ndindex(*force.shape):
         force[j, i], moment[j, i], *_ = law(slips[j, i, 0], slips[j, i, 1], shape, CREEP)
     scale = chain.scale if chain.bearing.mu > 0.0 else 0.0

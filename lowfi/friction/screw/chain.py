@@ -461,7 +461,7 @@ class _Path:
         """Rescale forces and the set of loaded balls by the loads at the present state."""
         g, arrays = self.cell.groove, load_arrays(self.cell)
         self.state = cell_state(arrays)
-        kernels(CONTACT, compiled=self.fast).press(arrays, self.ball, self.screw, self.state)
+        kernels(CONTACT, compiled=self.fast).contact_energy(arrays, self.ball, self.screw, self.state)
         n = self.state.normal
         normals = np.stack([n[..., 0], np.zeros_like(n[..., 0]), n[..., 1]], axis=-1)
         self.search = Search(Chain(g, self.state.force, normals, self.slack), self.fast)

@@ -1,4 +1,4 @@
-"""Contacts in which friction acts from a static load distribution: forces, directions, ellipses, pressures."""
+"""Contacts of a static result as friction needs them: forces, directions, contact ellipses, pressures."""
 
 from __future__ import annotations
 
@@ -25,46 +25,46 @@ from rollbench.meshes.helix import BallLayout, ball_layout, groove_radii
 from rollbench.meshes.parts import Errors, Scene
 from rollbench.meshes.surface import printed_radii
 
-#: Part of a ball's largest contact load below which a contact keeps the ellipse of that part.
+#: Part of a ball's largest contact load that sets the least size of its contact ellipses, also for unloaded contacts.
 FAINT = 1e-9
 
 
 @dataclass(frozen=True)
 class StaticContacts:
-    """Contacts of N balls (order SL, SR, NL, NR) by a static model."""
+    """Contacts of N balls with the flanks SL, SR, NL, NR (screw or nut, left or right) by a static model."""
 
     #: Radius of the balls with errors ``(N,)`` [m].
     ball_radius: Array
-    #: ``(N, 4)`` [N], zero without contact.
+    #: Contact forces ``(N, 4)`` [N], zero without contact.
     force: Array
-    #: ``(N, 4)`` [rad], the nominal one without contact.
+    #: Contact angles ``(N, 4)`` [rad], the nominal one without contact.
     angle: Array
     #: Long semi-axes ``(N, 4)`` [m].
     a: Array
     #: Short semi-axes ``(N, 4)`` [m].
     b: Array
-    #: Whether the long one lies across the groove ``(N, 4)``.
+    #: Whether the long semi-axis lies across the groove ``(N, 4)``.
     across: NDArray[np.bool_]
     #: Azimuths, centres and section frames of the balls.
     layout: BallLayout
 
     @cached_property
     def normals(self) -> Array:
-        """Directions from the ball's centre to its contacts in x3, y3, z3 ``(N, 4, 3)``."""
+        """Unit vectors from each ball's centre to its contacts, in its section's axes x3, y3, z3 ``(N, 4, 3)``."""
         return np.stack([SIGN_X * np.cos(self.angle), np.zeros_like(self.angle), SIGN_Z * np.sin(self.angle)], axis=-1)
 
     @cached_property
     def frames(self) -> Array:
-        """Axes x3, y3, z3 of each ball's section in fixed axes, as rows ``(N, 3, 3)``."""
+        """Axes x3 (radial), y3 (tangent), z3 (binormal) of each ball's section, as rows in fixed axes ``(N, 3, 3)``."""
         return np.stack([self.layout.radial, self.layout.tangent, self.layout.binormal], axis=1)
 
     @property
     def pressure(self) -> Array:
-        """Largest pressures ``(N, 4)`` [Pa]."""
+        """Largest Hertz pressures of the contacts ``(N, 4)`` [Pa]."""
         return np.asarray(1.5 * self.force / (np.pi * self.a * self.b))
 
     def subset(self, balls: NDArray[np.int64] | slice) -> StaticContacts:
-        """Return the contacts of some of the balls."""
+        """Return the contacts of the balls with the given indices."""
         layout = BallLayout(*(getattr(self.layout, f.name)[balls] for f in fields(self.layout)))
         return StaticContacts(
             self.ball_radius[balls],
@@ -78,24 +78,37 @@ class StaticContacts:
 
     @property
     def axial_force(self) -> float:
-        """Force along +z with which the normal contact loads push the screw [N]."""
+        """Axial force of the normal contact loads on the screw, positive along +z [N]."""
         push = self.force[:, :2, None] * self.normals[:, :2]
         return float(np.einsum("nsi,ni->", push, self.frames[:, :, 2]))
 
 
 def contacts_of_result(scene: Scene, result: StaticResult, member: int = 0) -> StaticContacts:
-    """Return the contacts of a solved scene with the Hertz constants that its ingredients name.
+    """Return the contacts of a static result, with the Hertz constants that the scene's ingredient ``hertz`` chooses.
 
-    member: the specimen that ``result`` was solved for. Raises ValueError for a result that did not converge.
+    member: number of the specimen with random errors for which ``result`` was solved. Raises ValueError if the result did
+    not converge.
     """
     if not result.converged:
-        raise ValueError(f"no loads to take friction from: {result.status}")
+        raise ValueError(f"friction needs converged contact loads: {result.status}")
     layout = ball_layout(scene)
     return contacts_at(scene, result, specimen(scene, layout, member), layout)
 
 
 def contacts_at(scene: Scene, result: StaticResult | ContactLoads, drawn: Specimen, layout: BallLayout) -> StaticContacts:
-    """Return the contacts of a solution for the balls of ``drawn`` at the positions of ``layout``."""
+    """Return the contacts of a static solution.
+
+    Parameters
+    ----------
+    scene
+        Scene that was solved.
+    result
+        Contact loads and angles.
+    drawn
+        Parts with random errors.
+    layout
+        Positions of the balls.
+    """
     force = np.maximum(result.load, 0.0)
     angle = np.where(force > 0.0, np.nan_to_num(result.contact_angle), scene.track.contact_angle)
     c_a, c_b, across = _ellipse_constants(scene, drawn, angle)
@@ -104,13 +117,13 @@ def contacts_at(scene: Scene, result: StaticResult | ContactLoads, drawn: Specim
 
 
 def _force_cube_root(force: Array) -> Array:
-    """Return cube roots of forces ``(N, 4)``, for the ellipses: a contact without load keeps a vanishing one."""
+    """Return cube roots of contact forces ``(N, 4)``, for the semi-axes; tiny but not zero for unloaded contacts."""
     most = force.max(axis=1, keepdims=True)
     return np.asarray(np.cbrt(np.maximum(force, np.maximum(FAINT * most, 1e-30))))
 
 
 def replace_loads(at: StaticContacts, force: Array, angle: Array) -> StaticContacts:
-    """Return the contacts with other forces ``(N, 4)`` [N] and contact angles ``(N, 4)`` [rad]; Hertz constants stay."""
+    """Return contacts with other forces ``(N, 4)`` [N] and contact angles ``(N, 4)`` [rad] but the same Hertz constants."""
     grown = _force_cube_root(force) / _force_cube_root(at.force)
     return replace(at, force=force, angle=angle, a=at.a * grown, b=at.b * grown)
 
@@ -118,20 +131,20 @@ def replace_loads(at: StaticContacts, force: Array, angle: Array) -> StaticConta
 def spread_to_all_balls(
     at: StaticContacts | None, layout: BallLayout, balls: NDArray[np.int64], ball_radius: Array, angle: float
 ) -> StaticContacts:
-    """Return the contacts of all N balls of ``layout``, some of which are in ``at``; no load on the others.
+    """Return the contacts of all N balls from those of some balls; the other balls are unloaded.
 
     Parameters
     ----------
     at
-        Contacts of some balls.
+        Contacts of some balls; None if no ball is loaded.
     layout
         Positions of all balls.
     balls
-        Indices of those in ``at``.
+        Indices of the balls in ``at``.
     ball_radius
-        Of all balls ``(N,)`` [m].
+        Radii of all balls ``(N,)`` [m].
     angle
-        Contact angle of balls without load [rad].
+        Contact angle of unloaded balls [rad].
     """
     n = ball_radius.size
     least = 1e-30 ** (1.0 / 3.0)
@@ -151,7 +164,10 @@ def spread_to_all_balls(
 
 
 def _ellipse_constants(scene: Scene, drawn: Specimen, angle: Array) -> tuple[Array, Array, NDArray[np.bool_]]:
-    """Return the constants of the semi-axes ``(N, 4)`` and whether the long one lies across the groove, by ``hertz``."""
+    """Return Hertz constants of long and short semi-axes ``(N, 4)``, and whether the long one lies across the groove.
+
+    The scene's ingredient ``hertz`` chooses the radii: nominal, with errors, or as printed in Lin's thesis.
+    """
     kind, shape = scene.ingredients.hertz, angle.shape
     if kind == "as printed":
         c_a, c_b = _printed_ellipse_constants(scene)
@@ -161,14 +177,14 @@ def _ellipse_constants(scene: Scene, drawn: Specimen, angle: Array) -> tuple[Arr
     else:
         h = error_free_hertz(scene) if kind == "error-free" else distinct_hertz(scene, drawn, drawn.ball_radius)
         curvature = nominal_curvatures(scene)
-    # curvatures come in ascending order: that of the groove's profile tells which one lies across
+    # curvatures are in ascending order; the one that equals the groove profile's belongs to the semi-axis across
     profile = 1.0 / drawn.ball_radius[:, None] - 1.0 / groove_radii(scene)
     across = np.abs(curvature[..., 0] - profile) <= np.abs(curvature[..., 1] - profile)
     return np.broadcast_to(h.C_a, shape), np.broadcast_to(h.C_b, shape), np.broadcast_to(across, shape)
 
 
 def _printed_ellipse_constants(scene: Scene) -> tuple[Array, Array]:
-    """Return the constants of the semi-axes ``(4,)`` with the errors of Lin's Table B.1."""
+    """Return the Hertz constants of long and short semi-axes ``(4,)`` with the errors of Lin's Table B.1."""
     bare = replace(scene, errors=Errors())
     drawn = specimen(bare, ball_layout(bare))
     gamma, ball = np.full(scene.ball_count, scene.track.contact_angle), scene.balls.material

@@ -142,7 +142,9 @@ def ball_friction(
     n = loaded.size
     q = np.full((n, 4), np.nan) if near is None else near[loaded]
     forces, rests, outcome = np.zeros((n, 4, 3)), np.zeros((n, 4)), np.zeros((n, 2))
-    kernels(CONTACT, compiled=fast).least_dissipation_many(rubs.shape, rubs.maps, rubs.drives, q, forces, rests, outcome)
+    kernels(CONTACT, compiled=fast).least_dissipation_of_bodies(
+        rubs.shape, rubs.maps, rubs.drives, q, forces, rests, outcome
+    )
     seen = rubs.drives + np.einsum("nirj,nj->nir", rubs.maps, q)
     seen[rests > 0.0] = 0.0
     turn_back(pressed, seen)

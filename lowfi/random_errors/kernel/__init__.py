@@ -1,5 +1,5 @@
-"""Kernels of the chain of balls in a subset of Python that numba compiles; see ``lowfi.jit``."""
+"""Kernels for balls with random errors between screw and nut, in the subset of Python that numba compiles (`lowfi.jit`)."""
 
-from .chain import TOLERANCE, ball, batch, newton
+from .chain import TOLERANCE, ball_force, solve_batch, solve_by_newton
 
-__all__ = ["TOLERANCE", "ball", "batch", "newton"]
+__all__ = ["TOLERANCE", "ball_force", "solve_batch", "solve_by_newton"]

@@ -1,6 +1,7 @@
-"""Chains of balls: force of one ball by three readings of the contact angle, Newton's method of a chain, many chains.
+"""Axial equilibrium of the balls between screw and nut: force of one ball, Newton's method, many screws with errors.
 
-Newton's method starts with rigid bodies, then solves a tridiagonal system a step.
+Three interpretations of Liu's equation of the contact angle are implemented. Newton's method starts from the solution for
+rigid bodies; each step solves a tridiagonal system.
 """
 
 from __future__ import annotations
@@ -16,15 +17,16 @@ from rollbench.lowfi.jit import kernel
 #: Array of floats.
 Array = NDArray[Any]
 
-#: Readings of the contact angle: constant; by Liu's implicit equation (10); by the geometry of the groove centres.
+#: Contact angle: constant; by Liu's implicit equation (10); by the exact geometry of the groove centres.
 CONSTANT, IMPLICIT, EXACT = 0, 1, 2
 
 
 @kernel
 def _implicit_approach(v: float, error: float, p: Array) -> tuple[float, float, float]:
-    """Return approach, sine of the contact angle and d(approach)/dv by Liu's (10) and (14).
+    """Return approach [m], sine of the contact angle and d(approach)/dv of a ball by Liu's equations (10) and (14).
 
-    Approach = error + v sin(angle(approach)).
+    The equation solved is approach = error + v sin(angle(approach)). v [m]: axial motion of the groove times the cosine of
+    the lead angle; error [m] and p as in `ball_force`.
     """
     a = p[1] - error
     approach = error + v * p[2]
@@ -43,7 +45,11 @@ def _implicit_approach(v: float, error: float, p: Array) -> tuple[float, float, 
 
 @kernel
 def _exact_approach(v: float, error: float, p: Array) -> tuple[float, float, float]:
-    """Return force law and direction of a ball from the distance of the groove centres, at a fixed lateral offset."""
+    """Return approach [m], sine of the contact angle and d(approach)/dv of a ball from the distance of the groove centres.
+
+    The lateral offset of the centres is constant. v [m]: axial motion of the groove times the cosine of the lead angle;
+    error [m] and p as in `ball_force`.
+    """
     along, across = p[1] * p[2] + v, p[1] * p[3]
     distance = sqrt(along * along + across * across)
     sine = along / distance
@@ -56,8 +62,9 @@ def _exact_approach(v: float, error: float, p: Array) -> tuple[float, float, flo
 def ball_force(u: float, error: float, law: int, p: Array) -> tuple[float, float, float]:
     """Return contact load [N], axial force [N] and its slope [N/m] of a ball at the axial motion u [m] of its groove.
 
-    error [m]: excess of the ball; law: interpretation of the contact angle; p: Hertz stiffness [N/m^1.5], distance A of the
-    groove centres [m], sine and cosine of the free contact angle, cosine of the lead angle.
+    error [m]: oversize of the ball; law: interpretation of the contact angle (``CONSTANT``, ``IMPLICIT`` or ``EXACT``);
+    p: Hertz stiffness [N/m^1.5], distance A of the groove centres [m], sine and cosine of the unloaded contact angle,
+    cosine of the lead angle.
     """
     v = u * p[4]
     approach, sine, slope = error + v * p[2], p[2], p[2]
@@ -75,7 +82,7 @@ def ball_force(u: float, error: float, law: int, p: Array) -> tuple[float, float
     return load, load * sine * p[4], (1.5 * p[0] * root * slope * sine + load * turn) * p[4] * p[4]
 
 
-#: Newton steps after which a chain is given up.
+#: Number of Newton steps after which the iteration ends without convergence.
 MAX_ITERATIONS = 60
 
 #: Largest error of a ball's force against the load of the screw.
@@ -84,9 +91,10 @@ TOLERANCE = 1e-10
 
 @kernel
 def _rigid_motion(errors: Array, load: float, p: Array) -> float:
-    """Return the motion [m] of rigid bodies with a constant contact angle, to a hundredth of the load from above.
+    """Return the axial motion of the nut [m] if screw and nut are rigid and the contact angle is constant.
 
-    Some ball is loaded there.
+    The forces at this motion sum up to the load or at most 1 % more, so that at least one ball is loaded. Other arguments:
+    errors of the balls [m], load [N], p as in `ball_force`.
     """
     slope = p[2] * p[4]
     u = ((load / (slope * p[0] * errors.size)) ** (2.0 / 3.0) - errors.min()) / slope
@@ -109,12 +117,16 @@ def _rigid_motion(errors: Array, load: float, p: Array) -> float:
 def solve_by_newton(
     errors: Array, load: float, segments: Array, law: int, p: Array, u: Array, work: Array
 ) -> tuple[int, float, float]:
-    """Solve the axial chain of balls by Newton's method; equations in ``lowfi.random_errors.chain``."""
+    """Solve the axial equilibrium of all balls by Newton's method; the equations are in ``lowfi.random_errors.chain``.
+
+    u [m]: axial motions at the balls, the result; work (3, M): work arrays, the first with the contact loads [N] at the
+    end. Returns the number of steps, the largest error of a ball's force over the load, and the stiffness dF/du_1 [N/m].
+    """
     m = errors.size
     loads, s, t = work[0], work[1], work[2]
     u[m - 1] = _rigid_motion(errors, load, p)
     for j in range(m - 1, 0, -1):
-        # the stretch under equal shares, laid on the rigid motion
+        # the motion of rigid bodies plus the stretch if all balls carried the same load
         u[j - 1] = u[j] + segments[j] * load * (m - j) / m
     forces = np.empty(m)
     worst = np.inf
@@ -150,10 +162,10 @@ def solve_by_newton(
 
 @kernel
 def solve_batch(errors: Array, loads: Array, segments: Array, law: int, p: Array, out: Array) -> None:
-    """Solve every chain ``errors`` (n, M) [m] under every load (L,) [N].
+    """Solve n screws with the errors ``errors`` (n, M) [m] of their M balls under every load (L,) [N]; fill ``out``.
 
-    out (n, L, 7): smallest and largest contact load [N], loaded balls, motion u of ball 1 [m], the same of the first
-    loaded ball, stiffness dF/du_1 [N/m], residual over the load.
+    out (n, L, 7): smallest and largest contact load [N], number of loaded balls, axial motion at ball 1 and at the first
+    loaded ball [m], stiffness dF/du_1 [N/m], residual over the load.
     """
     n, m = errors.shape
     u, work = np.empty(m), np.empty((3, m))

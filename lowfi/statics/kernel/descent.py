@@ -1,6 +1,6 @@
 """Newton's method with a vanishing shift and a line search on a convex energy: the one driver of all systems here.
 
-This file is loaded once for each system (`lowfi.jit.load_driver`), a module that gives by name the functions taken below and
+This file is loaded once for each system (`jit.load_driver`), a module that gives by name the functions taken below and
 ``KEPT``, the residual over the least one before from which on, near the end, the stiffness is factored again. ``given`` is
 the constants of such a system, ``state`` its unknowns, ``workspace`` its work arrays: derivatives, the step and its start.
 The shift is proportional to the residual, so it vanishes at the solution and convergence stays fast.

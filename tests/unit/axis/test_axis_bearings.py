@@ -60,7 +60,7 @@ def roller_set(**options):
 def test_rollers_share_thrust_and_radial_load_as_the_bearing_alone(radial):
     held = Support(0.15, tuple((k, 0.0) for k in ("uy", "rx", "ry", "rz")))
     found = solved(with_load(roller_set(), force=(radial, 0.0, 3000.0), at=0.15, held=held))
-    alone = combined_load.combined_equilibrium(system.tapered(ROLLERS), 3000.0, radial)
+    alone = combined_load.combined_equilibrium(system.tapered_bearing(ROLLERS), 3000.0, radial)
     # without moment equilibrium, as there: the shaft is kept from tilting, and slices are loaded evenly
     assert relative(found.sets[0].roller_load, alone.loads) < 1e-7
     assert np.ptp(found.sets[0].line_loads, axis=1).max() < 1e-6 * found.sets[0].line_loads.max()
@@ -136,7 +136,9 @@ def test_tapered_preload_by_force():
     other = replace(roller_set(), name="other", position=0.2, thrust="-z")
     found = solved(assembly(roller_set(preload=900.0), other, segments=THICK, supports=(GUIDED,)))
     assert [s.force[2] for s in found.sets] == pytest.approx([-900.0, 900.0], rel=1e-9)
-    assert -found.sets[0].outer[2] == pytest.approx(2.0 * ThrustRow(system.tapered(ROLLERS)).deflection(900.0), rel=1e-3)
+    assert -found.sets[0].outer[2] == pytest.approx(
+        2.0 * ThrustRow(system.tapered_bearing(ROLLERS)).deflection(900.0), rel=1e-3
+    )
 
 
 def test_warm_shaft_grows_and_between_rigid_ends_is_pushed_by_its_strain():

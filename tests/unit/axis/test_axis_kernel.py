@@ -11,7 +11,7 @@ from rollbench.compare.models.registry import MODELS
 from rollbench.lowfi import jit
 from rollbench.lowfi.rollers import LineLaw
 from rollbench.lowfi.statics.axis.solve import prepare
-from rollbench.lowfi.statics.axis.system import build, tapered
+from rollbench.lowfi.statics.axis.system import build, tapered_bearing
 from rollbench.lowfi.statics.kernel import axis, beam, rollers
 from rollbench.lowfi.statics.kernel_types import Slopes
 from rollbench.meshes.axis import Housing, Joint, RollingSet, diagonal_stiffness
@@ -21,7 +21,7 @@ SPRINGS = diagonal_stiffness((4e8, 5e8, 6e8, 2e5, 3e5, 4e5))
 
 
 def test_law_of_a_slice_is_that_of_the_bearings():
-    law = tapered(ROLLERS).law()
+    law = tapered_bearing(ROLLERS).law()
     exact = LineLaw(law.g, law.s)
     for delta in (1e-8, 3e-6, 2e-5):
         load, slope, energy = rollers.roller_law(delta, float(law.g), law.s)

@@ -145,7 +145,7 @@ def test_faulty_bearings_are_refused(change, words):
 def test_faulty_loads_are_refused():
     with pytest.raises(ValueError, match="negative"):
         axial_displacement(bearing(), -1.0)
-    with pytest.raises(ValueError, match="beyond"):
+    with pytest.raises(ValueError, match="too large for Hertz"):
         axial_displacement(bearing(), 1e12)
     for difference in (-0.1, 1.0):
         with pytest.raises(ValueError, match="curvature difference"):
@@ -172,7 +172,7 @@ def test_many_bearings_under_given_loads_and_back_from_their_rigidity() -> None:
         assert float(state.displacement[k]) == pytest.approx(axial_displacement(alone, float(load[k])), rel=1e-9)
     begin = replace(many, conformity=np.full(3, 0.54))
     assert conformity_of_pair(begin, load, 2.0 * state.stiffness) == pytest.approx(many.conformity, rel=1e-7)
-    with pytest.raises(ValueError, match=r"no conformity of 0\.503 to 0\.65"):
+    with pytest.raises(ValueError, match=r"no conformity between 0\.503 and 0\.65"):
         conformity_of_pair(begin, load, 20.0 * state.stiffness)
-    with pytest.raises(ValueError, match="beyond what Hertz contact describes"):
+    with pytest.raises(ValueError, match="too large for Hertz contact"):
         thrust_state_under_load(many, 1e9 * load)

@@ -115,12 +115,12 @@ def test_a_set_facing_one_way_rests_loose():
 
 
 REFUSED = [
-    (lambda: BearingSet((), (), ()), "at least one row"),
+    (lambda: BearingSet((), (), ()), "at least one bearing row"),
     (lambda: BearingSet((ROW,), (1,), ()), "offset for each"),
     (lambda: BearingSet((ROW,), (2,), (0.0,)), r"\+1 or -1"),
     (lambda: equilibrium(BearingSet((ROW,), (1,), (0.0,)), -1.0), "direction of the force"),
     (lambda: preloaded_rows(ROW, (1, 1), 1e3), "both directions"),
-    (lambda: lift_off_force(BearingSet((ROW,), (1,), (0.0,))), "other way"),
+    (lambda: lift_off_force(BearingSet((ROW,), (1,), (0.0,))), "negative direction"),
 ]
 
 

@@ -84,7 +84,7 @@ def test_zone_refusals():
     with pytest.raises(ValueError, match="positive"):
         load_zone(0.0, 1.1)
     for axial, radial in ((1.0, 2.0), (0.0, 1.0), (1.0, -0.1)):
-        with pytest.raises(ValueError, match="stay together"):
+        with pytest.raises(ValueError, match="F_r tan"):
             load_zone_of_forces(axial, radial, np.pi / 4.0, 1.1)
 
 
@@ -198,7 +198,7 @@ def test_small_radial_load_by_first_order():
 
 
 def test_too_much_radial_load_is_refused():
-    with pytest.raises(ValueError, match="stay together"):
+    with pytest.raises(ValueError, match="F_r tan"):
         combined_equilibrium(B, THRUST, 1.01 * THRUST / np.tan(B.cup_angle))
     hard = combined_equilibrium(B, THRUST, 0.97 * THRUST / np.tan(B.cup_angle))
     assert hard.converged

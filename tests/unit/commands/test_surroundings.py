@@ -65,7 +65,7 @@ def test_kernels_are_not_kept_where_the_cache_cannot_be_written(tmp_path, monkey
     monkeypatch.delenv("NUMBA_CACHE_DIR", raising=False)
     monkeypatch.setenv("ROLLBENCH_CACHE", str(tmp_path / "file" / "cache"))
     assert jit.code_folder.__wrapped__() is None
-    assert "are not kept" in capsys.readouterr().err
+    assert "are not stored" in capsys.readouterr().err
 
 
 def test_what_a_killed_process_left_is_removed(tmp_path):

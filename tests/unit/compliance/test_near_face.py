@@ -82,8 +82,8 @@ def test_a_lip_is_soft_and_a_clamp_is_stiff(case):
     assert compliance[[-1, -2]] - compliance[16] == pytest.approx([1.756, 1.352], rel=0.04)
     found = near_face_of_body(parts, False, REFINED)
     distance = np.array([2.05, 2.50]) * flank.map.ball + found.beside
-    assert (found.by_face(True, np.zeros(2), distance)[:, 0, 0, 0, 0] < 0.0).all()
-    assert found.by_face(False, np.zeros(1), np.array([1.0]))[0] == pytest.approx(np.zeros((2, 2, 2, 2)), abs=1e-20)
+    assert (found.face_compliance(True, np.zeros(2), distance)[:, 0, 0, 0, 0] < 0.0).all()
+    assert found.face_compliance(False, np.zeros(1), np.array([1.0]))[0] == pytest.approx(np.zeros((2, 2, 2, 2)), abs=1e-20)
 
 
 def test_a_lip_tilts_and_the_contact_leaves_it():
@@ -159,7 +159,7 @@ def test_far_from_a_face_it_does_not_matter_how_the_face_is_held(case):
         for radii in ((0.0, np.inf), (1.1 * smooth.outer, 1.5 * smooth.outer))
     )
     assert annulus.alone == whole_face.alone
-    assert np.array_equal(annulus.between(angle), whole_face.between(angle))
+    assert np.array_equal(annulus.compliance_between(angle), whole_face.compliance_between(angle))
 
 
 def test_beside_a_face_a_contact_is_as_small_as_it_is(monkeypatch):

@@ -16,7 +16,7 @@ from rollbench.compare.scenes import catalogue
 from rollbench.lowfi.hertz import hertz_constants
 from rollbench.lowfi.rating.contacts import roller_safety, worst_roller
 from rollbench.lowfi.rollers import slice_contacts
-from rollbench.lowfi.statics.axis.system import tapered
+from rollbench.lowfi.statics.axis.system import tapered_bearing
 from rollbench.meshes.axis import RollingSet, Segment
 from rollbench.meshes.parts import Load, Support
 
@@ -43,7 +43,7 @@ def row(thrust: float, tilt: float = 0.0, **options):
 
 def limit(pressure: float) -> float:
     """Thrust [N] on the row at which the small ends of its rollers have a pressure [Pa], by closed form."""
-    bearing = tapered(ROLLERS)
+    bearing = tapered_bearing(ROLLERS)
     small = bearing.apex_distance - 0.5 * ROLLERS.length * (1.0 - 1.0 / ROLLERS.slices)
     curvature = 1.0 / (small * np.tan(bearing.roller_angle)) + 1.0 / (small * np.tan(bearing.cone_angle))
     modulus = bearing.young / (2.0 * (1.0 - bearing.poisson**2))
@@ -53,7 +53,7 @@ def limit(pressure: float) -> float:
 
 def test_pressure_is_that_of_two_cylinders_and_of_the_long_ellipse():
     """A strip is the middle of an ellipse that goes on for ever: 3 F/(2 pi a b) with F/(2 a) = 2 q/3 has its pressure."""
-    bearing, q = tapered(ROLLERS), np.full((1, 1), 3e5)
+    bearing, q = tapered_bearing(ROLLERS), np.full((1, 1), 3e5)
     half, pressure = slice_contacts(bearing, q)
     radii = bearing.radii()
     modulus = bearing.young / (2.0 * (1.0 - bearing.poisson**2))
@@ -74,7 +74,7 @@ def test_even_load_presses_hardest_at_the_small_end_of_the_cone():
     assert (worst.roller, worst.race) == (2, "inner")
     assert worst.force == pytest.approx(3e5 * ROLLERS.length)
     assert worst.place == pytest.approx(-0.5 * ROLLERS.length * 14.0 / 15.0)
-    reach = tapered(ROLLERS).apex_distance
+    reach = tapered_bearing(ROLLERS).apex_distance
     assert worst.pressure / worst.middle == pytest.approx(np.sqrt(reach / (reach + worst.place)), rel=1e-12)
     assert worst.other < worst.pressure
     assert roller_safety(worst).factor == pytest.approx((4e9 / worst.pressure) ** 2)

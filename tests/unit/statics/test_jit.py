@@ -85,7 +85,7 @@ def test_without_a_folder_kernels_still_compile(tmp_path, monkeypatch, capfd):
     monkeypatch.setenv("NUMBA_CACHE_DIR", str(blocked))
     assert jit.code_folder() is None
     assert not jit.is_machine_code_cached()
-    assert "compiled kernels are not kept" in capfd.readouterr().err
+    assert "compiled kernels are not stored" in capfd.readouterr().err
     jit.code_folder.cache_clear()
     monkeypatch.delenv("NUMBA_CACHE_DIR")
     monkeypatch.setenv("ROLLBENCH_CACHE", "off")
@@ -144,8 +144,8 @@ def test_one_solve_compiles_nothing_from_an_empty_home(tmp_path):
 
 def test_a_small_solve_does_not_look_for_machine_code(monkeypatch):
     asked = []
-    monkeypatch.setattr(jit, "cached", lambda package: bool(asked.append(package)))
-    monkeypatch.setattr(jit, "loaded", lambda _: False)
+    monkeypatch.setattr(jit, "is_machine_code_cached", lambda package: bool(asked.append(package)))
+    monkeypatch.setattr(jit, "is_copy_loaded", lambda _: False)
     plain = jit.kernels(jit.STATICS, compiled=False)
     assert pick_engine("auto", 32) is plain
     assert asked == []

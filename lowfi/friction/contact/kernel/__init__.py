@@ -1,23 +1,31 @@
-"""Kernels of friction in a subset of Python that numba compiles; see ``lowfi.jit`` for the two engines."""
+"""Kernels for friction and loads of contacts, in the subset of Python that numba compiles (``lowfi.jit``)."""
 
 from .band import solve_with_pivots
-from .dissipation import dissipation, dissipation_many
-from .motion import GIVEN, ROLLING, descend, evaluate, least_dissipation, least_dissipation_many, speeds_at
-from .rings import hertz_contact, minimise_each, minimise_energy, press
+from .dissipation import dissipation, dissipation_of_contacts
+from .motion import (
+    GIVEN,
+    ROLLING,
+    contact_speeds,
+    evaluate_dissipation,
+    least_dissipation,
+    least_dissipation_of_bodies,
+    minimise_dissipation,
+)
+from .rings import contact_energy, hertz_contact, minimise_each, minimise_energy
 
 __all__ = [
     "GIVEN",
     "ROLLING",
-    "descend",
+    "contact_energy",
+    "contact_speeds",
     "dissipation",
-    "dissipation_many",
-    "evaluate",
+    "dissipation_of_contacts",
+    "evaluate_dissipation",
     "hertz_contact",
     "least_dissipation",
-    "least_dissipation_many",
+    "least_dissipation_of_bodies",
+    "minimise_dissipation",
     "minimise_each",
     "minimise_energy",
-    "press",
     "solve_with_pivots",
-    "speeds_at",
 ]

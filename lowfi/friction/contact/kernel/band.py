@@ -1,6 +1,7 @@
-"""Banded linear systems by elimination with row exchange.
+"""Solution of banded linear systems by Gaussian elimination with row exchange.
 
-Friction between balls makes a matrix unsymmetric and, beyond a fold, indefinite.
+Row exchange is needed because friction between balls makes the matrix unsymmetric and, beyond a fold of the solution,
+indefinite.
 """
 
 from rollbench.lowfi.friction.contact.kernel_types import Array
@@ -9,10 +10,10 @@ from rollbench.lowfi.jit import kernel
 
 @kernel
 def solve_with_pivots(K: Array, x: Array, half: int) -> float:
-    """Overwrite right-hand sides x (n, c) by the solutions, K by its factors; beyond all bounds where K is singular.
+    """Solve a banded linear system by Gaussian elimination with row exchange; return the sign of its determinant.
 
-    Entry (i, j) of the matrix is K[i, half + j - i]; K (n, 3 half + 1) has room for what row exchange fills in. Returns the
-    sign of the determinant.
+    Entry (i, j) of the matrix is K[i, half + j - i]; K (n, 3 half + 1) has room for entries that row exchange adds. The
+    right-hand sides x (n, c) are overwritten by the solutions, K by its factors. For a singular K the solutions are huge.
     """
     n, sign = x.shape[0], 1.0
     for c in range(n):

@@ -1,13 +1,16 @@
-"""Dissipation of one elliptical contact as a function of its sliding velocity, its spin and a regularising speed.
+"""Dissipated power of one elliptical contact as a function of sliding velocity, spin and a regularising speed.
 
-It follows from the mean distance psi from a point to the mass of a flattened ellipsoid and its derivatives, by Carlson's
-R_D (duplication). With unit force and a = 1 the Hertz pressure is the mass of the homogeneous ellipsoid (1, b, 0), and
+The local sliding speed is proportional to the distance from the centre of rotation. The power is therefore the mean
+distance psi between this point and the pressure distribution. For unit force and a = 1 the Hertz pressure is the mass
+density of a homogeneous ellipsoid with semi-axes (1, b, 0), flattened to its plane; the regularising speed is a height h
+above the plane. The derivatives of psi are
 
     psi_i = (3/4) x_i int_l^oo U s / ((a_i^2 + s) S) ds,   S = sqrt(s (s + b^2) (s + 1)),
     U = 1 - x^2/(1 + s) - y^2/(b^2 + s) - h^2/s,
 
-l the largest root of U (zero for a point of the ellipse). U vanishes at l, so that second derivatives need no
-derivative of l. Up to l = 1 the integrals are R_D, beyond they are Gauss sums of a smooth even function.
+with the largest root l of U (zero for a point of the ellipse). U vanishes at l, so that second derivatives need no
+derivative of l. For l <= 1 the integrals are Carlson's R_D, computed by duplication; for larger l they are Gauss sums of a
+smooth even function.
 """
 
 from math import copysign, sqrt
@@ -20,7 +23,10 @@ from rollbench.lowfi.jit import kernel
 
 @kernel
 def _carlson_series(x: float, y: float, mean: float) -> float:
-    """Return R_D (x + ..)^(3/2) about equal arguments, to the seventh order (DLMF 19.36.2); x, y: relative deviations."""
+    """Return Carlson's R_D for nearly equal arguments by its series to the seventh order (DLMF 19.36.2).
+
+    x, y: relative deviations of the first two arguments from their mean ``mean``.
+    """
     z = -(x + y) / 3.0
     xy, zz = x * y, z * z
     e2 = xy - 6.0 * zz
@@ -34,7 +40,7 @@ def _carlson_series(x: float, y: float, mean: float) -> float:
 
 @kernel
 def _carlson_series_slope(x: float, y: float, dx: float, dy: float) -> float:
-    """Return the derivative of the bracket of `_carlson_series` along (dx, dy)."""
+    """Return the derivative of the polynomial in `_carlson_series` if the deviations x, y change by dx, dy."""
     z, dz = -(x + y) / 3.0, -(dx + dy) / 3.0
     xy, zz = x * y, z * z
     dxy, dzz = dx * y + x * dy, 2.0 * z * dz
@@ -50,11 +56,11 @@ def _carlson_series_slope(x: float, y: float, dx: float, dy: float) -> float:
 
 @kernel
 def rd_and_slope(x: float, y: float, z: float) -> tuple[float, float]:
-    """Return R_D(x, y, z) and -(4/3) dR_D/dy.
+    """Return Carlson's elliptic integral R_D(x, y, z) and -(4/3) dR_D/dy, for x >= 0 and y, z > 0.
 
-    The second is the integral over t = 0 to infinity of (t+x)^(-1/2) (t+y)^(-3/2) (t+z)^(-3/2), for x >= 0, y, z > 0, which
-    is (2/3) (R_D(x, z, y) - R_D(x, y, z))/(z - y) without its cancellation at y = z. Duplication (Carlson 1995),
-    differentiated step by step.
+    The second value is the integral over t = 0 to infinity of (t+x)^(-1/2) (t+y)^(-3/2) (t+z)^(-3/2). It equals (2/3)
+    (R_D(x, z, y) - R_D(x, y, z))/(z - y), but without the cancellation at y = z. Both come from Carlson's duplication
+    (1995), differentiated in each step.
     """
     dx, dy, dz = 0.0, 1.0, 0.0
     total, d_total, scale = 0.0, 0.0, 1.0
@@ -81,18 +87,22 @@ def rd_and_slope(x: float, y: float, z: float) -> tuple[float, float]:
     return 3.0 * total + scale * end, -4.0 / 3.0 * slope
 
 
-#: psi; psi_x, psi_y, psi_h; N = psi - r . grad psi; psi_xx, psi_xy, psi_yy; (H r)_x, (H r)_y; r . H r; r = (x, y, h).
+#: Mean distance psi and its derivatives, with r = (x, y, h) and the Hessian H: psi; psi_x, psi_y, psi_h; N = psi - r . grad
+#: psi; psi_xx, psi_xy, psi_yy; (H r)_x, (H r)_y; r . H r.
 Potential = tuple[float, float, float, float, float, float, float, float, float, float, float]
 
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(24)
 
-#: Squares of the positive nodes: an even integrand over (0, 1) needs one half of them.
+#: Squares and weights of the positive nodes only, as the integrand over (-1, 1) is even.
 _U2, _W = _NODES[12:] ** 2, _WEIGHTS[12:].copy()
 
 
 @kernel
 def confocal_coordinate(x: float, y: float, h: float, b2: float) -> float:
-    """Return the largest root l >= 0 of x^2/(1 + l) + y^2/(b^2 + l) + h^2/l = 1, zero inside the ellipse at h = 0."""
+    """Return the largest root l >= 0 of x^2/(1 + l) + y^2/(b^2 + l) + h^2/l = 1; zero inside the ellipse at h = 0.
+
+    l is the confocal ellipsoidal coordinate of the point (x, y, h); b2: square of the ratio of the semi-axes.
+    """
     x2, y2, h2 = x * x, y * y, h * h
     p = x2 + y2 - 1.0 - b2
     q = b2 * (x2 - 1.0) + y2
@@ -118,7 +128,7 @@ def confocal_coordinate(x: float, y: float, h: float, b2: float) -> float:
 
 @kernel
 def potential_near(x: float, y: float, h: float, b2: float, low: float) -> Potential:
-    """Return the potential by Carlson's integrals for the confocal coordinate ``low`` <= 1."""
+    """Return psi and its derivatives by Carlson's integrals, at (x, y, h) with confocal coordinate ``low`` <= 1."""
     # moments i_... of the ellipsoid's potential from R_D; edge: the integrals' lower end
     cy, cx = low + b2, low + 1.0
     p, t = rd_and_slope(low, cy, cx)
@@ -156,10 +166,11 @@ def potential_near(x: float, y: float, h: float, b2: float, low: float) -> Poten
 
 @kernel
 def potential_far(x: float, y: float, h: float, b2: float, low: float) -> Potential:
-    """Return the potential for ``low`` >= 1 by Gauss sums over u = sqrt(low/s); N and H r are summed without cancellation.
+    """Return psi and its derivatives by Gauss sums, for a point (x, y, h) with confocal coordinate ``low`` >= 1.
 
-    Integration by parts of s U^2/S gives N = (3/16) int (s/S) U (e U - 4 f) ds with e = 1/(1 + s) + b^2/(b^2 + s)
-    and f = x^2/(1 + s)^2 + b^2 y^2/(b^2 + s)^2, and H r = -grad N.
+    The variable is u = sqrt(low/s). N and H r are summed without cancellation: integration by parts of s U^2/S gives N =
+    (3/16) int (s/S) U (e U - 4 f) ds with e = 1/(1 + s) + b^2/(b^2 + s) and f = x^2/(1 + s)^2 + b^2 y^2/(b^2 + s)^2, and
+    H r = -grad N.
     """
     rho = sqrt(low)
     x, y, h = x / rho, y / rho, h / rho
@@ -203,11 +214,12 @@ def potential_far(x: float, y: float, h: float, b2: float, low: float) -> Potent
 
 @kernel
 def dissipation(a: float, b: float, vx: float, vz: float, spin: float, speed: float) -> DissipationTerms:
-    """Return D = int p sqrt(|v|^2 + speed^2) dA/F with v = (vx + spin z, vz - spin x), and its derivatives.
+    """Return the dissipated power over mu F of one contact, D = int p sqrt(|v|^2 + speed^2) dA/F, and its derivatives.
 
-    a >= b > 0: semi-axes along x and z [m]; vx, vz, speed >= 0 [m/s]; spin [rad/s]; p: Hertz pressure of the force F.
-    Friction is -mu F dD/dv; the loss is mu F (D - speed dD/dspeed) (Lin 3.14-3.18 at speed = 0). D is convex,
-    of degree one in (vx, vz, spin, speed), and smooth but at rest, where the derivatives returned are zero.
+    The local sliding velocity is v = (vx + spin z, vz - spin x), p the Hertz pressure of the force F. a >= b > 0: semi-axes
+    along x and z [m]; vx, vz, and the regularising speed >= 0 [m/s]; spin [rad/s]. The friction force is -mu F dD/dv, and
+    the loss is mu F (D - speed dD/dspeed) (Lin 3.14-3.18 at speed = 0). D is convex and homogeneous of degree one in (vx,
+    vz, spin, speed). It is smooth except at rest, where the derivatives returned are zero.
     """
     turn = spin * a
     slide = sqrt(vx * vx + vz * vz + speed * speed)
@@ -240,6 +252,6 @@ def dissipation(a: float, b: float, vx: float, vz: float, spin: float, speed: fl
 
 @kernel
 def dissipation_of_contacts(a: Array, b: Array, motion: Array, speed: float, out: Array) -> None:
-    """Write `dissipation` of n contacts to out (n, 11); a, b (n,); motion (n, 3): vx, vz, spin."""
+    """Write the terms of `dissipation` for n contacts to out (n, 11); a, b (n,) [m]; motion (n, 3): vx, vz, spin."""
     for i in range(a.shape[0]):
         out[i] = dissipation(a[i], b[i], motion[i, 0], motion[i, 1], motion[i, 2], speed)

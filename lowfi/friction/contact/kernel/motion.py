@@ -1,8 +1,8 @@
-"""Motion of least dissipation with contacts at rest: a falling regularising speed, then rest imposed exactly.
+"""Motion of least dissipation of a body on elliptical contacts, some of which may stick.
 
-Dissipation of a body at elliptical contacts, and Newton's method for its minimum: unknown is the motion q (n,). Contact i
-has (vx, vz, spin) = ``maps[i] @ q + drives[i]`` and has friction strength mu F. The convex function is sum_i strength_i
-D_i(v_i; speed) - push . q.
+The unknown is the motion q (n,) of the body. Contact i has (vx, vz, spin) = ``maps[i] @ q + drives[i]`` and the friction
+bound strength_i = mu F. The convex function sum_i strength_i D_i(v_i; speed) - push . q is minimised by Newton's method for
+a sequence of decreasing regularising speeds. Then contacts that nearly stand still are set to rest exactly.
 """
 
 from math import sqrt
@@ -19,10 +19,10 @@ from .dissipation import dissipation
 def evaluate_dissipation(
     shape: Array, maps: Array, drives: Array, push: Array, speed: float, q: Array, grad: Array, hess: Array
 ) -> tuple[float, float]:
-    """Return the value of the function at q and its part from the speed; write gradient (n,) and Hessian (n, n).
+    """Return the dissipation less the power of other forces at q; write its gradient (n,) and Hessian (n, n).
 
-    shape (m, 3): semi-axes a, b [m] and strength mu F [N]; maps (m, 3, n); drives (m, 3); push (n,).
-    The second value is sum_i strength_i speed dD_i/dspeed, the excess of the function over the friction loss.
+    shape (m, 3): semi-axes a, b [m] and friction bound mu F [N] of the contacts; maps (m, 3, n); drives (m, 3); push (n,).
+    The second value returned is sum_i strength_i speed dD_i/dspeed, the excess of the dissipation over the friction loss.
     """
     n = q.shape[0]
     value, excess = 0.0, 0.0
@@ -54,7 +54,10 @@ def evaluate_dissipation(
 
 @kernel
 def newton_step(hess: Array, grad: Array, units: Array, step: Array) -> None:
-    """Write the step (n,) of the lower triangle ``hess`` by Cholesky, pivots above a tiny fraction of the largest."""
+    """Write Newton's step (n,) by Cholesky factors of ``hess`` (lower triangle), with pivots bounded below.
+
+    units: surface speed per unit of each unknown (`column_units`).
+    """
     n = grad.shape[0]
     top = 0.0
     for j in range(n):
@@ -82,7 +85,10 @@ def newton_step(hess: Array, grad: Array, units: Array, step: Array) -> None:
 
 @kernel
 def column_units(shape: Array, maps: Array) -> Array:
-    """Return speed of contact surfaces per unit of each unknown (n,): root of the sum of squares of vx, vz and a spin."""
+    """Return the surface speed of the loaded contacts per unit of each unknown (n,).
+
+    It is the root of the sum of squares of vx, vz and a spin over the contacts.
+    """
     n = maps.shape[2]
     units = np.empty(n)
     for j in range(n):
@@ -97,7 +103,7 @@ def column_units(shape: Array, maps: Array) -> Array:
 
 @kernel
 def largest_imbalance(grad: Array, units: Array) -> float:
-    """Return the largest component of the gradient as a force [N]."""
+    """Return the largest unbalanced generalised force, in units of force [N]."""
     worst = 0.0
     for j in range(grad.shape[0]):
         worst = max(worst, abs(grad[j]) / units[j])
@@ -116,11 +122,11 @@ def minimise_dissipation(
     limit: int,
     reach: float,
 ) -> tuple[float, float, float, int]:
-    """Minimise at one regularising speed, from q (n,) onwards, which is overwritten; arguments as in ``evaluate_dissipation``.
+    """Minimise the dissipation at one regularising speed by Newton's method from q (n,), which is overwritten.
 
-    Ends where no generalised force is out of balance by more than ``tolerance`` times the sum of the strengths, or
-    after ``limit`` steps, or beyond the surface speed ``reach`` [m/s], where push exceeds friction. Returns value,
-    excess, largest force out of balance [N], steps.
+    Arguments are those of `evaluate_dissipation`. The iteration ends if the largest unbalanced force is below ``tolerance``
+    times the sum of the friction bounds, after ``limit`` steps, or at a surface speed above ``reach`` [m/s], where the
+    other forces exceed friction. Returns value, excess, largest unbalanced force [N] and number of steps.
     """
     n = q.shape[0]
     grad, step, trial, next_grad = np.empty(n), np.empty(n), np.empty(n), np.empty(n)
@@ -140,7 +146,7 @@ def minimise_dissipation(
             for j in range(n):
                 trial[j] = q[j] + length * step[j]
             new, new_excess = evaluate_dissipation(shape, maps, drives, push, speed, trial, next_grad, next_hess)
-            small = -slope <= 1e-13 * abs(value)  # then only the gradient still tells one point from another
+            small = -slope <= 1e-13 * abs(value)  # the change of the value is round-off: compare gradients
             if small and largest_imbalance(next_grad, units) < 0.5 * largest_imbalance(grad, units):
                 better = True
                 break
@@ -159,9 +165,9 @@ def minimise_dissipation(
 
 @kernel
 def rolling_start(shape: Array, maps: Array, drives: Array) -> Array:
-    """Return the motion (n,) of least squared surface speed, weighted by the strengths.
+    """Return the motion q (n,) nearest to pure rolling: least squared surface speed, weighted by the friction bounds.
 
-    Linear, unique up to motions without surface speed.
+    It solves a linear system and is unique except for motions without surface speed.
     """
     n = maps.shape[2]
     grad, hess, q = np.zeros(n), np.zeros((n, n)), np.empty(n)
@@ -178,7 +184,7 @@ def rolling_start(shape: Array, maps: Array, drives: Array) -> Array:
 
 @kernel
 def drive_speed(shape: Array, drives: Array) -> float:
-    """Return the largest surface speed [m/s] that the drives impose on a loaded contact."""
+    """Return the largest surface speed [m/s] that the drive imposes on a loaded contact."""
     top = 0.0
     for i in range(shape.shape[0]):
         if shape[i, 2] > 0.0:
@@ -189,7 +195,7 @@ def drive_speed(shape: Array, drives: Array) -> float:
 
 @kernel
 def contact_speeds(shape: Array, maps: Array, drives: Array, q: Array) -> tuple[Array, Array]:
-    """Return the contact motions (m, 3) at q and their surface speeds (m,) [m/s]."""
+    """Return the motions (vx, vz, spin) of the contacts (m, 3) for the unknowns q, and their surface speeds (m,) [m/s]."""
     m, n = shape.shape[0], q.shape[0]
     motion, size = drives.copy(), np.empty(m)
     for i in range(m):
@@ -201,16 +207,16 @@ def contact_speeds(shape: Array, maps: Array, drives: Array, q: Array) -> tuple[
     return motion, size
 
 
-#: Status: rest and slip exact; regularised only (a contact on the verge of slip); nothing drives the body.
+#: Status: exact rest and slip; regularised only (a contact is on the verge of slip); no drive and no force.
 EXACT, REGULARISED, AT_REST = 0, 1, 2
 
-#: What a search begins from: rolling as nearly as possible, a motion given, or one that is near the minimum.
+#: Start of a search: the motion nearest to pure rolling, a given motion, or a given motion near the minimum.
 ROLLING, GIVEN, NEAR = 0, 1, 2
 
 
 @kernel
 def friction_gradients(shape: Array, motion: Array, speed: float, forces: Array) -> None:
-    """Write strength times the derivative of D by (vx, vz, spin) to forces (m, 3): friction is its opposite."""
+    """Write the gradient of each contact's dissipation by (vx, vz, spin) to forces (m, 3); friction is its negative."""
     for i in range(shape.shape[0]):
         f = shape[i, 2]
         d = dissipation(shape[i, 0], shape[i, 1], motion[i, 0], motion[i, 1], motion[i, 2], speed)
@@ -219,9 +225,10 @@ def friction_gradients(shape: Array, motion: Array, speed: float, forces: Array)
 
 @kernel
 def contact_can_stick(shape: Array, force: Array) -> bool:
-    """Return whether one contact, shape (1, 3), resists the generalised force (3,) at rest.
+    """Return whether one contact, shape (1, 3), can carry the generalised force (3,) without sliding.
 
-    It does where D(v; 1 m/s) - force . v has a minimum: the force is then a gradient of D, inside the limit surface.
+    It can if the dissipation D(v; 1 m/s) less force . v has a minimum: the force is then a gradient of D and lies inside
+    the limit surface of friction.
     """
     maps, q = np.eye(3).reshape(1, 3, 3), np.zeros(3)
     _, _, left, _ = minimise_dissipation(shape, maps, np.zeros((1, 3)), force, 1.0, q, 1e-9, int(np.int64(100)), 1e9)
@@ -232,7 +239,10 @@ def contact_can_stick(shape: Array, force: Array) -> bool:
 def minimise_free_motion(
     slipping: Array, maps: Array, drives: Array, push: Array, basis: Array, q: Array, reach: float
 ) -> int:
-    """Minimise without regularisation over q + span of the rows of ``basis`` (f, n); overwrite q (n,); return the steps."""
+    """Minimise the dissipation without regularisation over q plus combinations of the rows of ``basis`` (f, n).
+
+    Overwrites q (n,) and returns the number of steps.
+    """
     reduced = np.empty((maps.shape[0], 3, basis.shape[0]))
     for i in range(maps.shape[0]):
         reduced[i] = maps[i] @ basis.T
@@ -254,7 +264,10 @@ def sticking_reactions(
     q: Array,
     forces: Array,
 ) -> float:
-    """Add to ``forces`` the reactions of sticking contacts that balance the ball; return the remaining imbalance."""
+    """Write friction gradients and the reactions of sticking contacts that balance the body to ``forces`` (m, 3).
+
+    Returns the largest unbalanced force that remains [N].
+    """
     n = maps.shape[2]
     out, hess, held = np.zeros(n), np.zeros((n, n)), forces[resting]
     evaluate_dissipation(slipping, maps, drives, push, 0.0, q, out, hess)
@@ -273,7 +286,10 @@ def sticking_reactions(
 
 @kernel
 def rest_space(rows: Array, units: Array) -> tuple[Array, Array]:
-    """Return the pseudo-inverse (n, 3k) of the resting rows (3k, n), and motions (f, n) that keep them at rest."""
+    """Return the pseudo-inverse (n, 3k) of the kinematic rows of k sticking contacts, and their null space (f, n).
+
+    The null space are the motions of the body at which these contacts remain at rest.
+    """
     n = rows.shape[1]
     left, size, right = np.linalg.svd(rows, True)
     rank = 0
@@ -287,10 +303,10 @@ def rest_space(rows: Array, units: Array) -> tuple[Array, Array]:
 def impose_rest(
     shape: Array, maps: Array, drives: Array, push: Array, q: Array, forces: Array, rest: Array, still: float
 ) -> tuple[bool, float, int]:
-    """Impose rest on contacts slower than ``still`` [m/s] and minimise over the others; overwrite q, forces, rest.
+    """Set contacts slower than ``still`` [m/s] to rest and minimise the dissipation of the others.
 
-    Returns whether that is the least dissipation (rest possible, every reaction inside its limit surface), the largest
-    force out of balance [N], and the steps.
+    Overwrites q, forces and rest. Returns whether the result is the least dissipation (rest is kinematically possible, and
+    every reaction lies inside its limit surface), the largest unbalanced force [N], and the number of steps.
     """
     n, units, count = maps.shape[2], column_units(shape, maps), 0
     (motion, size), slipping = contact_speeds(shape, maps, drives, q), shape.copy()
@@ -320,13 +336,14 @@ def impose_rest(
 def least_dissipation(
     shape: Array, maps: Array, drives: Array, push: Array, start: int, q: Array, forces: Array, rest: Array, bounds: Array
 ) -> tuple[int, float, int]:
-    """Write the motion of least dissipation: q (n,), forces (m, 3), rest (m,), bounds (2,); arguments as in `evaluate_dissipation`.
+    """Compute the motion of least dissipation; write q (n,), forces (m, 3), rest (m,) and bounds (2,).
 
-    A regularising speed falls from a tenth of the drive's to 1e-6 times it (further, to 1e-10, where a contact is on
-    the verge of slip), each minimum the start of the next; then contacts at rest are locked. bounds: the least
-    dissipation less the work of push lies between them, by joint convexity in motion and speed. start: ``ROLLING``, or
-    ``GIVEN``: q, or ``NEAR``: q, which is so near the minimum that the speed is 1e-6 at once, and ``ROLLING`` if it is not.
-    Returns the status, the largest force out of balance [N], and the Newton steps.
+    Arguments are those of `evaluate_dissipation`. The regularising speed decreases from 0.1 to 1e-6 times the drive's speed
+    (to 1e-10 if a contact is on the verge of slip); each minimum is the start of the next. Then contacts that stand still
+    are set to rest. bounds: lower and upper bound of the least dissipation less the power of ``push``, by joint convexity
+    in motion and speed. start: ``ROLLING``, ``GIVEN`` (start from q), or ``NEAR`` (start from q with the speed 1e-6 at
+    once, and from ``ROLLING`` if this fails). Returns the status, the largest unbalanced force [N], and the number of
+    steps.
     """
     top = drive_speed(shape, drives)
     if top == 0.0 and np.sum(np.abs(push)) == 0.0:
@@ -336,7 +353,7 @@ def least_dissipation(
         bounds[:] = 0.0
         return AT_REST, 0.0, 0
     if top == 0.0:
-        top = 1.0  # [m/s]: nothing but push drives, and no other speed is known
+        top = 1.0  # [m/s]: only ``push`` acts, and no other speed is known
     if start == ROLLING:
         q[:] = rolling_start(shape, maps, drives)
     n = q.shape[0]
@@ -378,10 +395,10 @@ def least_dissipation(
 def least_dissipation_of_bodies(
     shape: Array, maps: Array, drives: Array, q: Array, forces: Array, rest: Array, outcome: Array
 ) -> None:
-    """Write `least_dissipation` of N bodies without push: shape (N, m, 3), maps (N, m, 3, n), drives (N, m, 3).
+    """Compute the motions of least dissipation of N independent bodies without forces other than friction.
 
-    q (N, n): motions of a similar state, nan where none is known. Writes q, forces (N, m, 3), rest (N, m), outcome (N, 2):
-    status and largest force out of balance [N].
+    shape (N, m, 3), maps (N, m, 3, n), drives (N, m, 3) as in `least_dissipation`; q (N, n): motions in a similar state,
+    nan if none is known. Writes q, forces (N, m, 3), rest (N, m), and outcome (N, 2): status, largest unbalanced force [N].
     """
     none, bounds = np.zeros(q.shape[1]), np.empty(2)
     for k in range(q.shape[0]):

@@ -1,6 +1,6 @@
-"""Energy of balls pressed between grooves of two rigid bodies, and Newton's method for its minimum.
+"""Elastic energy of balls between the grooves of two rigid bodies, and Newton's method for its minimum.
 
-The bodies are screw and nut, rings (a screw of zero lead), or rail and carriage.
+The bodies are screw and nut, inner and outer ring (a screw of zero lead), or rail and carriage.
 """
 
 from math import sqrt
@@ -10,9 +10,9 @@ import numpy as np
 from rollbench.lowfi.friction.contact.kernel_types import Array, CellArrays, CellState
 from rollbench.lowfi.jit import kernel
 
-#: Contacts 0 and 1 of a ball are on the inner body, 2 and 3 on the outer one.
+#: Number of a ball's contacts on the inner body, which come first; the others are on the outer body.
 ON_INNER = 2
-#: Longest step as a fraction of the distance of the grooves' centres from the ball.
+#: Longest step over the distance of the grooves' centres of curvature from the ball's centre.
 LONGEST_STEP = 0.3
 
 
@@ -20,10 +20,15 @@ LONGEST_STEP = 0.3
 def hertz_contact(
     start_x: float, start_z: float, move_x: float, move_z: float, interference: float, C: float
 ) -> tuple[float, float, float, float, float]:
-    """Return Hertz force [N], its direction (x3, z3) on the groove, approach/C and distance [m] after a ball's move."""
+    """Return the contact force of ball and groove after a displacement of the ball relative to the groove.
+
+    start_x, start_z: vector from the groove's centre of curvature to the ball's centre before [m]; move_x, move_z:
+    displacement [m]; interference: at zero displacement [m]; C: Hertz constant [m/N^(2/3)]. Returns the force [N], its
+    direction (x, z), approach/C, and the distance of both centres [m].
+    """
     x, z = start_x + move_x, start_z + move_z
     size = sqrt(x * x + z * z)
-    # growth of the distance, built as a change so that its round-off is that of the motion
+    # change of the distance, computed without cancellation
     grown = (move_x * (start_x + x) + move_z * (start_z + z)) / (size + sqrt(start_x * start_x + start_z * start_z))
     d = max(grown + interference, 0.0) / C
     return d * sqrt(d), x / size, z / size, d, size
@@ -31,9 +36,10 @@ def hertz_contact(
 
 @kernel
 def contact_energy(cell: CellArrays, p: Array, u: Array, state: CellState) -> float:
-    """Return the elastic energy [J] at positions of balls (N, 2) and inner body (m,) [m]; write ``state``.
+    """Return the elastic energy [J] of balls at the positions p (N, 2) and the inner body at u (m,) [m]; write ``state``.
 
-    sum (2/5) C^(-3/2) <approach>^(5/2); less push . p + pull . u, which ``state`` derives too, it is convex.
+    The energy is sum (2/5) C^(-3/2) <approach>^(5/2). The gradient in ``state`` is that of the energy less push . p +
+    pull . u, which is convex.
     """
     start, interference, C, section, offset, push, pull, _ = cell
     ball, inner, stiff, force, normal = state
@@ -67,7 +73,10 @@ def contact_energy(cell: CellArrays, p: Array, u: Array, state: CellState) -> fl
 
 @kernel
 def newton_step(cell: CellArrays, state: CellState, floor: float, dp: Array, du: Array) -> None:
-    """Write Newton's step of balls (N, 2) and inner body (m,); the balls are eliminated."""
+    """Write Newton's step of the balls to dp (N, 2) and of the inner body to du (m,), by eliminating the balls.
+
+    floor: stiffness that is added on the diagonal [N/m].
+    """
     section, ball, inner, stiff = cell.section, state.ball, state.inner, state.stiffness
     n, m = ball.shape[0], inner.shape[0]
     schur, solved, right = np.zeros((m, m)), np.empty((n, 2, m)), -inner
@@ -75,7 +84,7 @@ def newton_step(cell: CellArrays, state: CellState, floor: float, dp: Array, du:
         schur[j, j] = floor
     for k in range(n):
         least = floor
-        if np.max(state.force[k]) == 0.0:  # a ball that floats would ask for a step that makes those of others tiny
+        if np.max(state.force[k]) == 0.0:  # limits the step of a ball without contact, which would shorten all steps
             least = max(floor, sqrt(ball[k, 0] * ball[k, 0] + ball[k, 1] * ball[k, 1]) / (LONGEST_STEP * cell.reach))
         xx, xz, zz, s_xx, s_xz, s_zz = least, 0.0, least, 0.0, 0.0, 0.0
         for i in range(4):
@@ -108,14 +117,14 @@ def newton_step(cell: CellArrays, state: CellState, floor: float, dp: Array, du:
 
 @kernel
 def copy_state(source: CellState, to: CellState) -> None:
-    """Overwrite ``to`` by ``source``."""
+    """Copy all arrays of the state ``source`` to the state ``to``."""
     to.ball[:], to.inner[:], to.stiffness[:] = source.ball, source.inner, source.stiffness
     to.force[:], to.normal[:] = source.force, source.normal
 
 
 @kernel
 def largest_entry(balls: Array, inner: Array) -> float:
-    """Return the largest entry in size of (N, 2) and (m,)."""
+    """Return the largest absolute value in the arrays ``balls`` (N, 2) and ``inner`` (m,)."""
     size = 0.0
     for k in range(balls.shape[0]):
         size = max(size, abs(balls[k, 0]), abs(balls[k, 1]))
@@ -126,10 +135,11 @@ def largest_entry(balls: Array, inner: Array) -> float:
 
 @kernel
 def minimise_energy(cell: CellArrays, load: float, p: Array, u: Array, state: CellState, goal: float, limit: int) -> int:
-    """Minimise the energy from (p, u), which are overwritten as ``state`` is; return the steps.
+    """Minimise the energy from positions p of the balls and u of the inner body; return the number of steps.
 
-    load: sum of the sizes of the given forces [N]. Ends where nothing is out of balance by more than ``goal`` of the
-    sum of all forces, or where round-off lets neither energy nor imbalance fall.
+    p, u and ``state`` are overwritten. load: sum of the magnitudes of the applied forces [N]. The iteration ends when the
+    largest unbalanced force is below ``goal`` times the sum of all forces, after ``limit`` steps, or when round-off
+    prevents a further decrease of energy and imbalance.
     """
     reach = cell.reach
     dp, du = np.zeros_like(p), np.zeros_like(u)
@@ -147,8 +157,8 @@ def minimise_energy(cell: CellArrays, load: float, p: Array, u: Array, state: Ce
         moved = False
         for _ in range(50):
             new = contact_energy(cell, p + length * dp, u + length * du, trial)
-            # the work is that of the step, to keep precision for nearly unloaded balls, which would otherwise drift; where
-            # round-off still hides the fall of the energy, the forces must tell
+            # the work of the step is added separately, which is precise also for nearly unloaded balls; if round-off still
+            # hides the decrease of the energy, the imbalance decides
             flat = -length * slope <= 1e-12 * energy
             off = largest_entry(trial.ball, trial.inner)
             if off < worst if flat else new - energy - length * work <= 1e-4 * length * slope:
@@ -178,10 +188,11 @@ def minimise_each(
     goal: float,
     limit: int,
 ) -> None:
-    """Minimise the energy of N balls, each with an inner body that moves along ``along`` (2,); see `minimise_energy`.
+    """Minimise the energy of N independent balls, each with its own inner body that moves along ``along`` (2,).
 
-    start, interference as in ``CellArrays``; C (N, 4); given (N, 3): forces on ball and inner body [N]. Overwrites
-    positions x (N, 3) [m], forces (N, 4), normals (N, 4, 2), and writes the largest force out of balance left (N,) [N].
+    start, interference as in ``CellArrays``; C (N, 4); given (N, 3): applied forces on ball and inner body [N]. Overwrites
+    positions x (N, 3) [m], forces (N, 4) [N] and normals (N, 4, 2); writes the largest unbalanced force to left (N,) [N].
+    See `minimise_energy`.
     """
     section, offset, stiff = along.copy().reshape(1, 2, 1), np.zeros((1, 2)), np.zeros((1, 4, 3))
     for k in range(x.shape[0]):

@@ -13,7 +13,18 @@ import numpy as np
 from rollbench.lowfi.friction.linear.kernel_types import Array, ChainArrays, ChainPoint, Smoothing, Work
 from rollbench.lowfi.jit import kernel
 
-from .equations import assemble, copied, largest, leap, rebuild, reopen, restore, semismooth_newton, shift, solve_banded
+from .equations import (
+    apply_step,
+    assemble_equations,
+    copy_point,
+    largest_entry,
+    rebuild_slips,
+    reset_open_gaps,
+    restore_point,
+    semismooth_newton,
+    solve_banded,
+    undamped_newton,
+)
 
 #: Creeping speed at the beginning of the path.
 FIRST = 0.1
@@ -57,7 +68,7 @@ def _path_tangent(
     Needs ``work`` as assembled at the point; change: the residual's derivative by s.
     """
     K, factors, g, _, other = work
-    assemble(chain, point, path_smoothing(s + DIFFERENCE, eps), factors, other)
+    assemble_equations(chain, point, path_smoothing(s + DIFFERENCE, eps), factors, other)
     n = g.shape[0]
     for i in range(n):
         change[i] = (other[i] - g[i]) / DIFFERENCE
@@ -90,8 +101,8 @@ def _correct_point(
     n, moved = g.shape[0], 0.0
     for newton in range(STEPS + 1):
         law = path_smoothing(s, eps)
-        assemble(chain, point, law, K, g)
-        if largest(g) <= max(ON_PATH, 1e-5 * law.eps):
+        assemble_equations(chain, point, law, K, g)
+        if largest_entry(g) <= max(ON_PATH, 1e-5 * law.eps):
             return True, newton, s
         step[:] = -g
         other[:] = -change
@@ -101,7 +112,7 @@ def _correct_point(
         moved += sqrt(np.dot(step, step) + ds * ds)
         if newton == STEPS or not moved <= 0.7 * max(length, NEAR):
             break
-        shift(chain, point, step, 1.0)
+        apply_step(chain, point, step, 1.0)
         s += ds
     return False, STEPS, s
 
@@ -125,14 +136,14 @@ def trace_path(chain: ChainArrays, point: ChainPoint, eps: float, work: Work, li
     if not left <= ON_PATH:
         return total, False
     _path_tangent(chain, point, 0.0, eps, work, change, tau)
-    kept = copied(point)
+    kept = copy_point(point)
     s, length = 0.0, LENGTH
     while total < limit and length > SHORTEST:
         length = min(length, _longest_step(tau))
         last = s + length * tau[n] >= 1.0
         if last:
             length = (1.0 - s) / tau[n]
-        shift(chain, point, tau, length)
+        apply_step(chain, point, tau, length)
         good, used, found = _correct_point(chain, point, s + length * tau[n], eps, work, change, tau, length, last)
         total += used
         if good and last:
@@ -144,11 +155,11 @@ def trace_path(chain: ChainArrays, point: ChainPoint, eps: float, work: Work, li
         else:
             good = False
         if good:
-            restore(kept, point)
+            restore_point(kept, point)
             tau[:], s = ahead, found
             length *= 2.0 if used < 3 else (1.3 if used == 3 else 0.8)
         else:
-            restore(point, kept)
+            restore_point(point, kept)
             length *= 0.4
     return total, False
 
@@ -181,7 +192,7 @@ STARTS, PRESSED = 3, 3.0
 @kernel
 def _solve_without_ball_friction(chain: ChainArrays, point: ChainPoint, work: Work) -> int:
     """Solve without friction between balls at creeping speed ``FIRST``, from any drift; return the Newton steps."""
-    rebuild(chain, point)
+    rebuild_slips(chain, point)
     total = 0
     for smooth in (ROUND, 0.0):
         law = Smoothing(FIRST, 0.0, smooth, SPRING * FIRST)
@@ -206,7 +217,7 @@ def _reduce_creeping_speed(
     """
     total, eps = 0, FIRST
     while True:
-        reopen(point, eps)
+        reset_open_gaps(point, eps)
         used, left = semismooth_newton(chain, point, Smoothing(eps, share, 0.0, SPRING * eps), work, COARSE, limit, 0.0)
         total += used
         if not left <= COARSE:
@@ -225,26 +236,26 @@ def chain_motion(
 
     The first step has no ball-to-ball friction, so that only a convex problem decides where the solution starts from.
     Where friction between balls may bring further solutions, and where Newton's method does not follow from there at
-    once while creeping speeds fall, the path by `trace_path` decides, unless the balls all part without that friction. Returns
-    iterations and largest residual.
+    once while creeping speeds fall, the path by `trace_path` decides, unless the balls all part without that friction.
+    Returns iterations and largest residual.
     """
     total = _solve_without_ball_friction(chain, point, work)
-    first = copied(point)
+    first = copy_point(point)
     share = chain.mu * sqrt(point.z.shape[0])
     good = chain.mu == 0.0 or (share <= LARGE and _all_balls_supported(chain.contacts))
     if good:
         used, good = _reduce_creeping_speed(chain, point, work, eps, 1.0, FEW if share > SLIGHT else MANY)
         total += used
     if not good:
-        restore(point, first)
+        restore_point(point, first)
         used, good = _reduce_creeping_speed(chain, point, work, eps, 0.0, int(np.int64(MANY)))
         total += used
         good = good and not np.any(point.z > 0.0)
     if not good:
-        restore(point, first)
+        restore_point(point, first)
         used, _ = trace_path(chain, point, eps, work, limit)
         total += used
-        reopen(point, eps)
+        reset_open_gaps(point, eps)
     used, residual = _solve_exact_equations(chain, point, work, eps, tolerance)
     return total + used, residual
 
@@ -266,7 +277,7 @@ def motion_from_other_start(
         point.z[:] = PRESSED * chain.closed
         used, _ = _reduce_creeping_speed(chain, point, work, eps, 1.0, int(np.int64(MANY)))
     total += used
-    reopen(point, eps)
+    reset_open_gaps(point, eps)
     used, residual = _solve_exact_equations(chain, point, work, eps, tolerance)
     return total + used, residual
 
@@ -274,7 +285,7 @@ def motion_from_other_start(
 @kernel
 def motion_from_state(chain: ChainArrays, point: ChainPoint, work: Work, eps: float, tolerance: float) -> tuple[int, float]:
     """Solve as `chain_motion`, by Newton's method only, from the state given, one of a similar chain."""
-    reopen(point, eps)
+    reset_open_gaps(point, eps)
     return _solve_exact_equations(chain, point, work, eps, tolerance)
 
 
@@ -286,6 +297,6 @@ def _solve_exact_equations(
     exact = Smoothing(eps, 1.0, 0.0, 0.0)
     total, residual = semismooth_newton(chain, point, exact, work, tolerance, int(np.int64(100)), FIRMEST)
     if residual > tolerance:
-        used, residual = leap(chain, point, exact, work, tolerance, LEAPS)
+        used, residual = undamped_newton(chain, point, exact, work, tolerance, LEAPS)
         total += used
     return total, residual

@@ -13,7 +13,9 @@ from rollbench.lowfi.jit import CONTACT, is_compiled, kernel, kernels
 
 _OTHER = kernels(CONTACT, compiled=is_compiled(__name__))  # the kernels of one contact, compiled where these are
 
-dissipation, evaluate, least_dissipation = _OTHER.dissipation, _OTHER.evaluate, _OTHER.least_dissipation
+dissipation, least_dissipation = _OTHER.dissipation, _OTHER.least_dissipation
+
+evaluate_dissipation = _OTHER.evaluate_dissipation
 
 hertz_contact, solve_with_pivots, ROLLING = _OTHER.hertz_contact, _OTHER.solve_with_pivots, _OTHER.ROLLING
 
@@ -146,7 +148,7 @@ def residual(groove: GrooveArrays, balls: BallArrays, x: Array, f: Array, eps: f
     n = f.shape[0]
     none = np.zeros(4)
     for k in range(n):
-        evaluate(shape[k], maps[k], drives[k], none, eps, x[k], balance[k], hessian[k])
+        evaluate_dissipation(shape[k], maps[k], drives[k], none, eps, x[k], balance[k], hessian[k])
         for j in range(4):
             balance[k, j] += hold[k] * (x[k, j] - nominal[j])
             hessian[k, j, j] += hold[k]

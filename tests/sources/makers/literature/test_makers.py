@@ -48,7 +48,7 @@ def test_nsk_clearances_and_rigidities_without_a_free_parameter() -> None:
 
 def test_balls_come_back_from_their_ratings() -> None:
     ring = bearings.bearing_scene(14, 6e-3, 40e-3, np.radians(15.0))
-    both = bearings.rating(ring), bearings.static_rating(ring)
+    both = bearings.dynamic_rating(ring), bearings.static_rating(ring)
     count, ball = bearings.balls_from_ratings(*both, 40e-3, np.radians(15.0))
     assert (count, ball) == pytest.approx((14.0, 6e-3), rel=1e-4)
 
