@@ -15,7 +15,7 @@ from rollbench.compare.studies.survey import scene_text
 
 def main() -> None:
     """Write the record."""
-    found = survey.shipped()
+    found = survey.shipped_survey()
     for row in found["scenes"]:
         name = f"survey-{found['seed']}-{row['number']}.toml"
         scene = scene_file.loads(scene_text(found["seed"], row["number"]), name)
@@ -24,7 +24,7 @@ def main() -> None:
         for point in row.get("points", ()):
             result = run_model(scene, point["model"], Options(discretisation=False))
             point["features"] = {name: round(value, 4) for name, value in features(scene, result).items()}
-    (shipped_store() / SURVEY).write_text(survey.text(found["seed"], found["scenes"]), encoding="utf-8")
+    (shipped_store() / SURVEY).write_text(survey.survey_json(found["seed"], found["scenes"]), encoding="utf-8")
 
 
 if __name__ == "__main__":

@@ -415,9 +415,9 @@ def friction(scene: Described | str | Path, *, mu: Sequence[float] = (), model: 
     >>> round(found.torque, 3), round(found.efficiency_forward, 3)
     (0.838, 0.95)
     """
-    from rollbench.compare.studies.friction.solve import library
+    from rollbench.compare.studies.friction.solve import friction_for_library
 
-    data = library(_described(scene), tuple(mu), model)
+    data = friction_for_library(_described(scene), tuple(mu), model)
     return friction_of(data)
 
 
@@ -457,9 +457,9 @@ def ensemble(
     >>> several.converged, round(several.outputs["largest_load_N"].mean)
     (4, 350)
     """
-    from rollbench.compare.studies.members.members import library
+    from rollbench.compare.studies.members.members import ensemble_for_library
 
-    return ensemble_of(library(_described(scene), model, members, seed, workers, LOG.info))
+    return ensemble_of(ensemble_for_library(_described(scene), model, members, seed, workers, LOG.info))
 
 
 @held_to_one_thread()
@@ -651,12 +651,12 @@ def mesh_study(
     [(1, 0.08), (3, 0.0)]
     """
     from rollbench.compare.studies import roller
-    from rollbench.compare.studies.mesh_study import library
+    from rollbench.compare.studies.mesh_study import mesh_study_for_library
 
     described = _described(scene)
     if isinstance(described, Assembly) and roller.has_rollers(described):
-        return mesh_study_of(*roller.library(described, levels, LOG.info, Path(store)))
-    found = library(solvable(described, described.name), levels, LOG.info, spread=spread, store=Path(store))
+        return mesh_study_of(*roller.roller_study_for_library(described, levels, LOG.info, Path(store)))
+    found = mesh_study_for_library(solvable(described, described.name), levels, LOG.info, spread=spread, store=Path(store))
     return mesh_study_of(*found)
 
 
@@ -712,9 +712,9 @@ def sweep(
     >>> found.converged, round(found.outputs["largest_load_N"].largest)
     (2, 245)
     """
-    from rollbench.compare.studies.sweep.summary import library
+    from rollbench.compare.studies.sweep.summary import sweep_for_library
 
-    data = library(str(scene), vary, samples, method, model, seed, Path(out), outputs, LOG.info)
+    data = sweep_for_library(str(scene), vary, samples, method, model, seed, Path(out), outputs, LOG.info)
     return sweep_of(data, Path(out))
 
 
@@ -763,10 +763,12 @@ def table(
     [301, 381, 438]
     """
     from rollbench.compare.reference.jobs import Engine
-    from rollbench.compare.studies.table import asked_for, solve_table
+    from rollbench.compare.studies.table import check_request, solve_table
     from rollbench.meshes.cache import default_root
 
-    return solve_table(asked_for(str(scene), over, quantities, model, stiffness_at), Engine(cache=default_root()), LOG.info)
+    return solve_table(
+        check_request(str(scene), over, quantities, model, stiffness_at), Engine(cache=default_root()), LOG.info
+    )
 
 
 @held_to_one_thread()

@@ -83,14 +83,14 @@ def run_source(source: str, store: Path | None) -> Answer:
 def run_bench(names: Sequence[str], store: Path | None, *, long: bool) -> Answer:
     """Measure run times; a command that fails carries a note. Raises InputError for a scene without a reference."""
     from rollbench.compare.sections.reference_time import typed_now
-    from rollbench.compare.studies.run_times import TYPED, in_threads, save_times
+    from rollbench.compare.studies.run_times import TYPED, save_times, time_threads
 
     jobs = [*models(names, store if long else None, long=long)]
     if not long:
         kept = typed_now(on_terminal)
         if store is not None:
             save_times(store, kept, TYPED)
-        jobs += [*(command.job for command in kept.typed), *in_threads()]
+        jobs += [*(command.job for command in kept.typed), *time_threads()]
     return Answer([asdict(job) for job in jobs], _tables(jobs))
 
 

@@ -226,12 +226,12 @@ def run_rolling_compare(
 ) -> Answer:
     """Compare low-order models with the 3D model of rolling. levels: all by default."""
     from rollbench.compare.commands.compare_output import rolling_table
-    from rollbench.compare.studies.rolling.study import finite, rolling_comparison
+    from rollbench.compare.studies.rolling.study import rolling_comparison, without_infinity
 
     rows = rolling_comparison(scenes, levels, store, engine, fresh=fresh, bodies=bodies)
     shown = dict.fromkeys(row.scene for row in rows)
     tables = (rolling_table(name, [row for row in rows if row.scene == name]) for name in shown)
-    return Answer({"rows": [finite(row.as_json()) for row in rows]}, tables)
+    return Answer({"rows": [without_infinity(row.as_json()) for row in rows]}, tables)
 
 
 def rolling_scenes(names: Sequence[str], bodies: str, means_nothing: Mapping[str, bool]) -> list[KindScene]:

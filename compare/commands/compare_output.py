@@ -116,11 +116,11 @@ ROLLING_COLUMNS = (
 def rolling_table(name: str, rows: Sequence[RollingRow]) -> Any:
     """Return the table of a scene of rolling balls: low-order model, 3D, what is printed."""
     from rollbench.compare.studies.rolling.rows import UNSTATED
-    from rollbench.compare.studies.rolling.study import finite
+    from rollbench.compare.studies.rolling.study import without_infinity
 
     state = f" ({rows[0].load_state} load state{UNSTATED})" if rows[0].load_state else ""
     title = f"{name}{state}: low-order model against the 3D model of rolling"
-    known = [finite({key: getattr(r, key) for key, *_ in ROLLING_COLUMNS}) for r in rows]
+    known = [without_infinity({key: getattr(r, key) for key, *_ in ROLLING_COLUMNS}) for r in rows]
     cells = (
         [f"{r.quantity} [{r.unit}]", *(cell(x[key], form) for key, _, form in ROLLING_COLUMNS)]
         for r, x in zip(rows, known, strict=True)

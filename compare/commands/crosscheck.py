@@ -26,22 +26,30 @@ def run_crosscheck(
     Raises InputError for a scene without results, for results of another scene of that name, and where CalculiX fails.
     """
     from rollbench.compare.studies.crosscheck import nut
-    from rollbench.compare.studies.crosscheck.results import agreement, contact_rows, load_results, save, shipped
-    from rollbench.compare.studies.crosscheck.study import checked_scene, run_study, scene_key
+    from rollbench.compare.studies.crosscheck.results import (
+        agreement_sentence,
+        contact_rows,
+        load_results,
+        save_results,
+        shipped,
+    )
+    from rollbench.compare.studies.crosscheck.study import run_study, scene_key, studied_scene
 
-    scene, folder = checked_scene(name), data or shipped()
+    scene, folder = studied_scene(name), data or shipped()
     written = []
     if run:
         need_gmsh()
         kept = None if fresh else load_results(folder, scene.name)
         stored_runs = kept.runs if kept is not None and kept.key == scene_key(scene.name) else ()
-        written.append(f"wrote {save(folder, run_study(scene, work, on_terminal, stored_runs))}")
+        written.append(f"wrote {save_results(folder, run_study(scene, work, on_terminal, stored_runs))}")
         if scene.name == nut.SCENE and (fresh or nut.load_nut(folder) is None):
-            written.append(f"wrote {nut.save_nut(folder, nut.check_nut(scene, work, key=scene_key(scene.name)))}")
+            written.append(
+                f"wrote {nut.save_nut(folder, nut.compare_nut_compliance(scene, work, key=scene_key(scene.name)))}"
+            )
     found = stored(folder, scene)
     ours = _ours(scene, store, engine)
     rows = contact_rows(found, ours)
-    agreed = agreement(scene.name, rows)
+    agreed = agreement_sentence(scene.name, rows)
     alone = nut.load_nut(folder)
     sentence = [alone.sentence()] if alone is not None and alone.key == scene_key(scene.name) else []
     answer = {"scene": scene.name, "agreement": agreed, "contacts": [r.cells() for r in rows]}

@@ -148,11 +148,11 @@ def run_export(
     """
     need_gmsh()
     need_packages("scikit-fem")
-    from rollbench.compare.studies.export import BLOCK, BODIES, SOCKETS, part_mesh, parts_of, result_fields
+    from rollbench.compare.studies.export import BLOCK, BODIES, SOCKETS, exported_parts, part_mesh, result_fields
     from rollbench.meshes.exchange.mesh_files import FORMATS, form_of, need, reduced, write_mesh
 
-    if part not in parts_of(scene):
-        raise ArgumentError("part", part, ", ".join(parts_of(scene)), "choose one of these")
+    if part not in exported_parts(scene):
+        raise ArgumentError("part", part, ", ".join(exported_parts(scene)), "choose one of these")
     if form and form not in FORMATS:
         raise ArgumentError("format", form, ", ".join(FORMATS), "leave it out to go by the file's name")
     if out is None:

@@ -83,12 +83,12 @@ def run_friction(
     """
     from rollbench.compare.results.base import with_schema
     from rollbench.compare.running import checked, watched
-    from rollbench.compare.studies.friction.solve import as_json, solve_friction
+    from rollbench.compare.studies.friction.solve import answer_json, solve_friction
 
     with watched(f"{one_line(name)}, friction", checked(time_limit)):
         found = solve_friction(name, choices, lambda line: on_terminal(f"rollbench: {line}"))
     code = 1 if not found.converged or (strict and found.warning) else 0
-    return Answer(with_schema(as_json(found)), as_table(found, balls=balls, details=details), code, folded=True)
+    return Answer(with_schema(answer_json(found)), as_table(found, balls=balls, details=details), code, folded=True)
 
 
 def as_table(answer: FrictionAnswer, *, balls: bool = False, details: bool = False) -> list[RenderableType]:

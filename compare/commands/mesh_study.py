@@ -93,23 +93,37 @@ def run_mesh_study(
     from rollbench.compare.scenes import catalogue
     from rollbench.compare.scenes.scene_file import each_case
     from rollbench.compare.sections.curves import study_figure
-    from rollbench.compare.studies.mesh_study import closing, compute_study, extremes, level_rows, levels_of, table_of
+    from rollbench.compare.studies.mesh_study import (
+        accuracy_sentence,
+        chosen_levels,
+        compute_study,
+        level_rows,
+        table_of_reference,
+        terminal_rows,
+    )
 
     scenes: list[Solvable] = [x for name in names for x in each_case(catalogue.any_scene(name), name)]
-    stores, levels = (store,) if fresh else (store, shipped_store()), levels_of(count)
+    stores, levels = (store,) if fresh else (store, shipped_store()), chosen_levels(count)
     references = compute_study(scenes, levels, stores, engine, on_terminal, spread=spread, source=source, fresh=fresh)
     tables: dict[str, list[dict[str, Any]]] = {scene.name: [] for scene in scenes}
     parts: list[Any] = []
     for one in references:
-        table, stem = table_of(one, stores, levels), store / f"{one.scene.name}-mesh-study"
+        table, stem = table_of_reference(one, stores, levels), store / f"{one.scene.name}-mesh-study"
         rows = table if one.of is None else [{"set": one.of.name, **row} for row in table]
         tables[one.scene.name if one.of is None else one.of.assembly.name] += rows
         write_csv(Path(f"{stem}.csv"), rows)
         figure = study_figure(one.scene.name, table, one.found)
         if figure is not None:
             write_figure(Path(f"{stem}.svg"), figure)
-        parts += [f"mesh study of {one.found.scene}", "", aligned(level_rows(one.found)), "", aligned(extremes(table)), ""]
-        parts += [closing(one.found), *filter(None, [one.found.unsettled])]
+        parts += [
+            f"mesh study of {one.found.scene}",
+            "",
+            aligned(level_rows(one.found)),
+            "",
+            aligned(terminal_rows(table)),
+            "",
+        ]
+        parts += [accuracy_sentence(one.found), *filter(None, [one.found.unsettled])]
         parts.append(f"every contact: {stem}.csv and {no_figure() or '.svg'}")
     return Answer(tables, parts, code_of(one.found for one in references))
 
@@ -152,13 +166,13 @@ def run_roller_study(names: Sequence[str], count: int | None, store: Path, *, fr
     parts: list[Any] = []
     for scene in [x for name in names for x in each_case(catalogue.any_scene(name), name)]:
         assert isinstance(scene, Assembly)
-        for one, runs in roller.study(scene, count, (store, shipped_store()), on_terminal, fresh=fresh):
-            said = roller.answer(one, runs)
+        for one, runs in roller.study_rollers(scene, count, (store, shipped_store()), on_terminal, fresh=fresh):
+            said = roller.study_json(one, runs)
             found.setdefault(scene.name, []).append(said)
             stem = store / f"{scene.name}-{one.sets[0]}-roller".replace(" ", "-")
             write_csv(Path(f"{stem}.csv"), said["quantities"])
             write_csv(Path(f"{stem}-profile.csv"), said["profile"])
             parts += [f"mesh study of {scene.name}: a roller of {', '.join(one.sets)}", "", aligned(said["levels"]), ""]
-            parts += [aligned(roller.shown(said["quantities"])), "", roller.closing(one, runs)]
+            parts += [aligned(roller.terminal_rows(said["quantities"])), "", roller.low_order_sentence(one, runs)]
             parts.append(f"along the roller: {stem}-profile.csv")
     return Answer(found, parts)

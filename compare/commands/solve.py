@@ -372,11 +372,11 @@ def run(
     from rollbench.compare.scenes import catalogue
 
     described = catalogue.any_scene(name)
-    from rollbench.compare.studies.members.members import solved, whole
+    from rollbench.compare.studies.members.members import ensemble_json, solve_ensemble
 
-    each, cases = solved(described, name, model, count, seed, engine, on_terminal, csv_out)
+    each, cases = solve_ensemble(described, name, model, count, seed, engine, on_terminal, csv_out)
     shown = [x for batch in each for x in as_table(batch, balls=balls)] + [f"{csv_out}: one row a member"] * bool(csv_out)
-    data = with_schema(whole(described, each, cases))
+    data = with_schema(ensemble_json(described, each, cases))
     return Answer(data, shown, 0 if all(len(batch.failed) < count for batch in each) else 1)
 
 
@@ -395,10 +395,10 @@ def _statistics(title: str, headings: Mapping[str, str], rows: Mapping[str, dict
 def as_table(members: Members, *, balls: bool = False) -> list[Any]:
     """Return the statistics of samples for the terminal and, if ``balls``, the range of every ball."""
     from rollbench.compare.studies.members.ensemble import KEPT, OF_SET, WHOLE
-    from rollbench.compare.studies.members.members import as_json
+    from rollbench.compare.studies.members.members import members_json
     from rollbench.meshes.axis import Assembly
 
-    data = as_json(members)
+    data = members_json(members)
     several = isinstance(members.scene, Assembly)
     parts: list[Any] = [
         f"{data['scene']}, model {data['model']}, seed {data['seed']}: {data['members']} members, {data['converged']} "

@@ -20,24 +20,24 @@ if TYPE_CHECKING:
 
 def run_stability() -> Answer:
     """Solve the table of extreme scenes; exit code 1 if our solver fails on any case, else 0."""
-    from rollbench.compare.studies.extremes import failures, solve_cases
+    from rollbench.compare.studies.extremes import solve_cases, unexpected_attempts
 
     rows = solve_cases(lambda done, total, case: on_terminal(f"[{done}/{total}] {case}"))
-    bad = failures(rows)
+    bad = unexpected_attempts(rows)
     data = {"failures": len(bad), "rows": [asdict(r) for r in rows]}
     return Answer(data, _parts(rows, bad), 1 if bad else 0)
 
 
 def _parts(rows: Sequence[Attempt], bad: Sequence[Attempt]) -> Iterator[RenderableType]:
-    from rollbench.compare.studies.extremes import FORMULATIONS, tally, wide_rows
+    from rollbench.compare.studies.extremes import FORMULATIONS, count_outcomes, rows_by_case
 
     words = ("case", *FORMULATIONS)
     lines = (
         [*(str(line[f]) for f in words), cell(line["residual"], ".1e"), cell(line["difference"], ".0e")]
-        for line in wide_rows(rows)
+        for line in rows_by_case(rows)
     )
     yield ruled("stability: cases by formulations", (*words, "residual", "difference %"), lines, words)
-    for name, (solved, tried, total) in tally(rows).items():
+    for name, (solved, tried, total) in count_outcomes(rows).items():
         yield f"{name}: {solved} of {tried} tried ({total} cases)"
     for row in bad:
         yield f"FAILED: {row.case}: {row.status}; expected: {row.expected}"
@@ -58,13 +58,13 @@ def run_drawn(count: int, folder: Path, workers: int, keep: Path | None) -> Answ
     if keep is not None:
         need_writable(keep)
     records = survey.run_survey(SEED, count, folder, workers, on_terminal, keep)
-    bad = survey.unanswered(records)
+    bad = survey.unsolved_records(records)
     if keep is not None:
-        from rollbench.compare.studies.survey_models import LOADS, keep_loads
+        from rollbench.compare.studies.survey_models import LOADS, store_loads
 
-        replace_file(keep, survey.text(SEED, records))
-        keep_loads(keep.with_name(LOADS), folder / "runs", count)
-    found = survey.summary(records)
+        replace_file(keep, survey.survey_json(SEED, records))
+        store_loads(keep.with_name(LOADS), folder / "runs", count)
+    found = survey.summary_rows(records)
     parts: list[Any] = [aligned(found)] if found else []
     parts.append(f"{len(records) - len(bad)} of {len(records)} scenes have an answer")
     parts += [f"scene {r['number']}: {r['status']}" for r in bad]

@@ -67,7 +67,7 @@ def run_survey(models: Sequence[str], count: int, max_error: float, out: Path, w
     """
     from rollbench.compare.files import need_writable, write_csv, write_figure
     from rollbench.compare.models.programs import title_of
-    from rollbench.compare.studies.survey_models import figure, run_models
+    from rollbench.compare.studies.survey_models import run_models, survey_figure
 
     stem = re.sub(r"[^\w.]+", "-", f"survey-{'-'.join(map(title_of, models))}")
     table, drawing = out / f"{stem}.csv", out / f"{stem}.svg"
@@ -75,14 +75,18 @@ def run_survey(models: Sequence[str], count: int, max_error: float, out: Path, w
         need_writable(path)
     data = run_models(models, count, workers, max_error, on_terminal)
     write_csv(table, [{"model": title_of(name)} | dict(row) for name, rows in data["models"].items() for row in rows])
-    drawn = write_figure(drawing, figure(data)) if any("verdict" in r for r in data["models"][models[0]]) else "no figure"
+    drawn = (
+        write_figure(drawing, survey_figure(data))
+        if any("verdict" in r for r in data["models"][models[0]])
+        else "no figure"
+    )
     bad = sum(data["without_answer"].values())
     return Answer(data, [*_parts(data, models), f"wrote {table} (every screw) and {drawn}"], 1 if bad else 0)
 
 
 def _parts(data: Mapping[str, Any], models: Sequence[str]) -> Iterator[Any]:
     from rollbench.compare.models.programs import title_of
-    from rollbench.compare.studies.survey_models import WORST, where
+    from rollbench.compare.studies.survey_models import WORST, median_errors_by_kind
 
     missing = "" if data["screws"] == data["of"] else f" of {data['of']}; of the others none is stored"
     for name in models:
@@ -109,7 +113,11 @@ def _parts(data: Mapping[str, Any], models: Sequence[str]) -> Iterator[Any]:
             yield f"no answer for {len(numbers)} of {len(rows)} screws, the first {numbers[0]}: {reason}"
     yield f"{data['screws']} screws with a stored reference{missing}"
     yield aligned(data["summary"], ".2f", "sizes of errors over the screws / %, those of loads of the mean load")
-    yield aligned(where(data["models"]), ".2f", "error of the worst load by kind of screw, medians / % of the mean load")
+    yield aligned(
+        median_errors_by_kind(data["models"]),
+        ".2f",
+        "error of the worst load by kind of screw, medians / % of the mean load",
+    )
 
 
 def run_screw(number: int, out: Path) -> Answer:

@@ -45,8 +45,8 @@ def table(
         written as SVG.
     """
     from rollbench.compare.files import need_writable, write_figure
-    from rollbench.compare.studies.table import asked_for, solve_table
-    from rollbench.compare.studies.table_files import figure, need_format, write_table
+    from rollbench.compare.studies.table import check_request, solve_table
+    from rollbench.compare.studies.table_files import check_format, table_figure, write_table
     from rollbench.compare.text.table import table_parts
 
     texts: list[str] = []
@@ -56,15 +56,15 @@ def table(
         else:
             texts[-1] += f" {text}"  # the unit of a range that nobody quoted
     names = [name.strip() for name in quantities.split(",") if name.strip()]
-    asked = asked_for(scene, texts, names, model, stiffness_at)
+    asked = check_request(scene, texts, names, model, stiffness_at)
     if out is not None:
-        need_format(out)
+        check_format(out)
         need_writable(out)
     found = solve_table(asked, engine(where), on_terminal)
     parts = table_parts(found)
     if out is not None:
         write_table(out, found)
-        drawn = figure(found)
+        drawn = table_figure(found)
         picture = "no figure" if drawn is None else write_figure(out.with_suffix(".svg"), drawn)
         parts.append(f"wrote {out}: {len(found.rows)} rows; {picture}")
     return print_answer(Answer(found.to_dict(), parts, 0 if found.converged else 1, folded=True), as_json)

@@ -35,9 +35,9 @@ from rollbench.compare.scenes.duty_cycle import DutyCycle
 from rollbench.compare.sections.curves import load_panel, loads
 from rollbench.compare.sections.fit import range_figure, range_table
 from rollbench.compare.sections.sheets import sketch_of
-from rollbench.compare.studies.friction.answer import lines_of, loss_rows
-from rollbench.compare.studies.friction.run import Run, solve_run
-from rollbench.compare.studies.friction.whole import MEASURED, Solved, drag_torques, status_of
+from rollbench.compare.studies.friction.answer import loss_rows, result_lines
+from rollbench.compare.studies.friction.run import RunInTime, solve_run
+from rollbench.compare.studies.friction.whole import MEASURED, StaticallySolved, drag_torques, friction_status
 from rollbench.compare.text.solved import case_rows
 from rollbench.lowfi.friction.whole.losses import CAUSES
 from rollbench.lowfi.friction.whole.state import friction_state
@@ -366,15 +366,15 @@ def section(scene: Scene, result: StaticResult, options: Options) -> Section | N
         return None
     motion = scene.motion or ONE_TURN
     bare = run_model(replace(scene, loads=()), DEFAULT, options) if scene.loads else result
-    solved = Solved(scene, DEFAULT, options, scene.friction, motion, bare)
+    solved = StaticallySolved(scene, DEFAULT, options, scene.friction, motion, bare)
     try:
         state = friction_state(scene, result, scene.friction, motion, options.member)
     except ValueError as error:  # balls that overlap by their random sizes
         return Section("friction", "Friction", (Text((f"No friction: {error}.",)),))
     if not state.settled:
-        return Section("friction", "Friction", (Text((f"No friction: {status_of(state)}.",)),))
+        return Section("friction", "Friction", (Text((f"No friction: {friction_status(state)}.",)),))
     (drag,) = drag_torques(scene, [state], [scene.friction], bare, options)
-    lines = lines_of(motion, state, (drag.torque, drag.reason or drag.note))
+    lines = result_lines(motion, state, (drag.torque, drag.reason or drag.note))
     panels, notes = [_over_coefficient(solved, result), _over_play(solved)], [f"{label}: {text}." for label, text in lines]
     try:
         run = solve_run(replace(scene, time=_turn(scene, motion)), scene.friction, motion, DEFAULT, options.member)
@@ -412,7 +412,7 @@ def _turn(scene: Scene, motion: Motion) -> Time:
     return scene.time or Time(duration=abs(angle / motion.speed), steps=STEPS, goal=1.0, output="torque")
 
 
-def _over_turn(run: Run) -> list[Panel]:
+def _over_turn(run: RunInTime) -> list[Panel]:
     """Return the panel of friction torque over angle, total and of the grooves; none if the run did not start."""
     h = run.history
     if not h.begun:
@@ -425,7 +425,7 @@ def _over_turn(run: Run) -> list[Panel]:
     return [Panel("over the turn", "angle / deg", "friction torque / N mm", series, zero=True)]
 
 
-def _over_coefficient(solved: Solved, result: StaticResult) -> Panel:
+def _over_coefficient(solved: StaticallySolved, result: StaticResult) -> Panel:
     """Return the panel of friction torque over the friction coefficient, with the scene's value marked."""
     given = solved.friction
     values = np.geomspace(*MEASURED, 7)
@@ -435,7 +435,7 @@ def _over_coefficient(solved: Solved, result: StaticResult) -> Panel:
     return Panel("over the coefficient", "coefficient of friction", "friction torque / N mm", series, log="x", zero=True)
 
 
-def _over_play(solved: Solved) -> Panel:
+def _over_play(solved: StaticallySolved) -> Panel:
     """Return the panel of friction torque over a change of the ball radius."""
     scene, torques = solved.scene, []
     for play in PLAY:

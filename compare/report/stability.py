@@ -18,10 +18,10 @@ from rollbench.compare.studies.extremes import (
     ENERGY,
     FORMULATIONS,
     campaign_rows,
-    shipped_records,
+    count_outcomes,
+    rows_by_case,
+    shipped_campaigns,
     solve_cases,
-    tally,
-    wide_rows,
 )
 from rollbench.compare.studies.survey import MODELS
 from rollbench.meshes.arrays import Array
@@ -36,12 +36,12 @@ BINS, NEAR = 24, 2.0
 def survey_section(study: Study, step: Callable[[str], None]) -> Section:  # noqa: ARG001 - every section takes the study
     """Return the section on drawn catalogue screws: error histogram, errors near a face, status, each screw."""
     step("stored survey")
-    every = survey.shipped()["scenes"]
+    every = survey.shipped_survey()["scenes"]
     scenes = [r for r in every if r["number"] < KNOWN_SCREWS]
     title = "Screws drawn at random"
     if not scenes:
         return Section("survey", title, (Text(("No survey is stored.",)),))
-    good = len(scenes) - len(survey.unanswered(scenes))
+    good = len(scenes) - len(survey.unsolved_records(scenes))
     versions = Counter(str(r["version"]) for r in scenes)
     by = ", ".join(f"{count} by {version}" for version, count in sorted(versions.items()))
     about = (
@@ -68,7 +68,7 @@ def survey_section(study: Study, step: Callable[[str], None]) -> Section:  # noq
             "stability-survey",
             "Errors of the models on the drawn screws",
             tuple(Quantity(name, name, "", "s" if name in survey.SUMS[:3] else ".2f") for name in survey.SUMS),
-            [row | {"error": WORDS[row["error"].removeprefix("largest_")]} for row in survey.summary(scenes)],
+            [row | {"error": WORDS[row["error"].removeprefix("largest_")]} for row in survey.summary_rows(scenes)],
         ),
         *_unseen(scenes, [r for r in every if r["number"] >= KNOWN_SCREWS]),
         Table(
@@ -89,7 +89,7 @@ def _unseen(first: list[dict[str, Any]], further: list[dict[str, Any]]) -> tuple
     """Return text and table of the refined model's errors on first and on further screws; empty without further."""
     if not further:
         return ()
-    found = {"first screws": survey.accuracy(first), "further screws": survey.accuracy(further)}
+    found = {"first screws": survey.model_accuracy(first), "further screws": survey.model_accuracy(further)}
     aims = f"within {survey.WORST_AIM:g} % at the worst contact and {survey.RMS_AIM:g} % RMS"
     about = (
         "The further screws are drawn by the same seed and were judged once, after the refined model's last change. Their "
@@ -150,7 +150,7 @@ def make_section(study: Study, step: Callable[[str], None]) -> Section:  # noqa:
             step(f"{done} of {total} cases ({case})")
 
     rows = solve_cases(progress)
-    counts = tally(rows)
+    counts = count_outcomes(rows)
     summary: list[Row] = [
         {"formulation": name, "solved": solved, "tried": tried, "cases": total}
         for name, (solved, tried, total) in counts.items()
@@ -179,7 +179,7 @@ def make_section(study: Study, step: Callable[[str], None]) -> Section:  # noqa:
                 )
             ),
             Table.of("stability-summary", "Cases solved", summary),
-            Table("stability-cases", "Every stiff or extreme scene", columns, wide_rows(rows)),
+            Table("stability-cases", "Every stiff or extreme scene", columns, rows_by_case(rows)),
             *table_section_items(),
             Text(
                 (
@@ -189,7 +189,7 @@ def make_section(study: Study, step: Callable[[str], None]) -> Section:  # noqa:
                     "sets are judged node by node: beam, springs, Hertz' law, every ball.",
                 )
             ),
-            Table.of("stability-campaign", "The campaigns", campaign_rows(shipped_records())),
+            Table.of("stability-campaign", "The campaigns", campaign_rows(shipped_campaigns())),
         ),
         conclusion=f"The energy solver solves {solved} of {total} stiff and extreme scenes from a cold start; the source's "
         f"iteration {max(counts[name][0] for name in FORMULATIONS[1:])} at best.",

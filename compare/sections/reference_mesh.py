@@ -19,7 +19,7 @@ from rollbench.compare.reference.variants import NOT_VARIED, VARIANTS
 from rollbench.compare.sections.curves import study_figure
 from rollbench.compare.sections.reference import case_studies, modelling
 from rollbench.compare.sections.u_val import MANY, Held, coverage, share_of
-from rollbench.compare.studies.mesh_study import closing, studied, study_table
+from rollbench.compare.studies.mesh_study import accuracy_sentence, reference_from_stored_runs, study_table
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.reports.content import Cell, Figure, Quantity, Row, Section, Table, Text
 
@@ -203,7 +203,7 @@ def study_items(study: Study, found: References) -> list[Table | Figure]:
     """Return tables and figures of the mesh study of every scene with at least two levels."""
     out: list[Table | Figure] = []
     for name in found:
-        ref = studied(study.scene(name), study.stores)
+        ref = reference_from_stored_runs(study.scene(name), study.stores)
         if ref is None or len(ref.runs) < 2:
             continue
         table = study_table(study.scene(name), study.stores)
@@ -221,7 +221,7 @@ def study_items(study: Study, found: References) -> list[Table | Figure]:
         if any(row.get("modelling_spread") is not None for row in rows):
             columns.append(Quantity("modelling_spread", "modelling uncertainty", "", "g2"))
             columns.append(Quantity("scene_choices", "the scene's own choices, largest", "", "g2"))
-        out.append(Table(f"mesh-study-{name}", f"{name}: mesh study", columns, rows, closing(ref)))
+        out.append(Table(f"mesh-study-{name}", f"{name}: mesh study", columns, rows, accuracy_sentence(ref)))
         figure = study_figure(name, table, ref)
         if figure is not None:
             out.append(figure)

@@ -24,17 +24,17 @@ from rollbench.compare.studies.run_times import (
     COMMANDS,
     NEW,
     TYPED,
-    ColdLevel,
-    Costs,
+    ColdLevelTime,
     Kept,
     RunTime,
+    SetUpCosts,
     load_costs,
     load_times,
-    measure,
     measure_level,
+    measure_model,
     save_times,
+    time_command,
     today,
-    typed,
 )
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.meshes.arrays import Array
@@ -160,7 +160,7 @@ def measured_now(study: Study, names: Sequence[str], step: Step, *, levels: bool
     for name, found in study.references(names).items():
         for model, bodies in models_of(name, found, study):
             step(f"{name}, {model.label}: cold and warm")
-            cold = measure(name, model.name, condensed=bodies, repeats=1)
+            cold = measure_model(name, model.name, condensed=bodies, repeats=1)
             options = Options(discretisation=False, engine="compiled", condensed=bodies)
             warm = warm_seconds(model, study.scene(name), options)
             times[name, model.name] = RunTime(cold.process, warm, cold.memory)
@@ -169,7 +169,7 @@ def measured_now(study: Study, names: Sequence[str], step: Step, *, levels: bool
             cold_levels.append(measure_level(name, run.level))
     for name, engine in product(SAMPLE, ("interpreted", "compiled")) if levels else ():
         step(f"{FIRST}, {name} {engine}: first process")
-        first[name, engine] = measure(FIRST, name, engine=engine)
+        first[name, engine] = measure_model(FIRST, name, engine=engine)
     return Kept(measuring_conditions(), today(), times, first, cold_levels)
 
 
@@ -178,7 +178,7 @@ def typed_now(step: Step) -> Kept:
     commands = []
     for command in COMMANDS:
         step(f"{command}, from an empty home")
-        commands.append(typed(command))
+        commands.append(time_command(command))
     return Kept(measuring_conditions(), today(), {}, {}, typed=commands)
 
 
@@ -362,7 +362,7 @@ def level_table(kept: Kept) -> Table:
     return Table.of("reference-levels-cold", "Levels of the 3D reference, cold", rows, note)
 
 
-def cost_tables(costs: Costs) -> list[Table]:
+def cost_tables(costs: SetUpCosts) -> list[Table]:
     """Return tables of the processor time of set-ups by stage, and of savings and changes by cheaper variants."""
     measured = f"Measured with {Measured(costs.version, machine=costs.machine)}, {costs.date}, by tests/set_up_costs.py."
     rows: list[Row] = [
@@ -402,7 +402,7 @@ def cost_tables(costs: Costs) -> list[Table]:
     ]
 
 
-def _dearest(level: ColdLevel) -> str:
+def _dearest(level: ColdLevelTime) -> str:
     """Return the stages that take most of a set-up's time, in words."""
     if level.stages is None:
         return "not measured"

@@ -11,7 +11,7 @@ from rollbench.compare import files
 from rollbench.compare.models.study import Study
 from rollbench.compare.studies.sweep.keys import Vary, read_vary
 from rollbench.compare.studies.sweep.sample import MAIN
-from rollbench.compare.studies.sweep.summary import of_summary
+from rollbench.compare.studies.sweep.summary import summary_figures
 from rollbench.reports.content import Cell, Quantity, Section, Table, Text
 
 #: The shipped summary: the ``summary.json`` of the command that it names.
@@ -111,7 +111,7 @@ def make_section(study: Study, step: Callable[[str], None]) -> Section:
         Quantity("total_band", "interval of the total", "", "s"),
     )
     table = Table("tolerances", "Effect of each tolerance on the largest contact load", columns, rows)
-    figures = of_summary("tolerances", keys, found, short)
+    figures = summary_figures("tolerances", keys, found, short)
     return Section(
         "tolerances", "Tolerances of case 3: which matters most", (Text(text), table, *figures), conclusion=conclusion
     )

@@ -18,12 +18,12 @@ from rollbench.compare.studies.crosscheck.results import (
     COLUMNS,
     CrossData,
     Extrapolation,
-    agreement,
+    agreement_sentence,
     contact_rows,
     extrapolate,
     load_results,
     mesh_columns,
-    mesh_of,
+    mesh_identity,
     shipped,
 )
 from rollbench.compare.studies.crosscheck.study import STUDIES, scene_key
@@ -278,10 +278,10 @@ NUT = (
 def run_table(data: CrossData) -> Table:
     """Return the table of CalculiX runs: choices, meshes, effort, effects of weak springs and last correction."""
     rows: list[Row] = []
-    base = {(mesh_of(r), r.stiffness): r for r in data.runs if not r.nlgeom}
+    base = {(mesh_identity(r), r.stiffness): r for r in data.runs if not r.nlgeom}
     for run in data.runs:
         mean = mean_load(run.load)
-        twin = base.get((mesh_of(run), run.stiffness))
+        twin = base.get((mesh_identity(run), run.stiffness))
         loose = float(error_percent(run.unbalanced, 0.0, mean))
         change = load_error(run.load, twin.load).max_percent if run.nlgeom and twin else None
         rows.append(
@@ -318,8 +318,8 @@ def contact_tables(data: CrossData, ours: Reference, limit: Extrapolation) -> li
     ends, each = ([{c.key: r.cells()[c.key] for c in shown} for r in rows] for shown in (COLUMNS, headings))
     fixed = f" Not varied: {', '.join(limit.fixed)}." if limit.fixed else ""
     note = (
-        f"{agreement(data.scene, rows)} Order {limit.order:.2f}, length {limit.length:.2f} minor semi-axes, RMS misfit "
-        f"{limit.misfit:.2f} N; in CalculiX's finest run elements add up to {abs(limit.by_elements).max():.2f} N, the "
+        f"{agreement_sentence(data.scene, rows)} Order {limit.order:.2f}, length {limit.length:.2f} minor semi-axes, "
+        f"RMS misfit {limit.misfit:.2f} N;  in CalculiX's finest run elements add up to {abs(limit.by_elements).max():.2f} N, the "
         f"contact law up to {abs(limit.by_stiffness).max():.2f} N.{fixed}"
     )
     meshes = "CalculiX's columns are runs whose contact stiffness is as equal as possible."

@@ -19,7 +19,7 @@ from rollbench.compare.errors import ArgumentError
 from rollbench.compare.files import replace_file
 from rollbench.compare.reference.tasks import Solvable, needed_sides, settings_of
 from rollbench.compare.running import need_gmsh
-from rollbench.compare.studies.crosscheck.deck import DeckOptions, build_deck, refuse
+from rollbench.compare.studies.crosscheck.deck import DeckOptions, build_deck, raise_first_fault
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.exchange.deck import UNITS, deck_text
 from rollbench.meshes.exchange.mesh_files import keep_boundaries
@@ -42,7 +42,7 @@ BODIES, SOCKETS = ("screw", "nut", "ball"), "-with-sockets"
 AWAY = 0.4
 
 
-def parts_of(scene: Scene) -> tuple[str, ...]:
+def exported_parts(scene: Scene) -> tuple[str, ...]:
     """Return the names of the parts that can be exported.
 
     Parameters
@@ -85,7 +85,7 @@ def part_mesh(scene: Scene, part: str, level: int, cache: Path | None = None) ->
     scene
         Scene with one set.
     part
-        Name by `parts_of`.
+        Name by `exported_parts`.
     level
         Mesh level.
     cache
@@ -108,7 +108,7 @@ def part_mesh(scene: Scene, part: str, level: int, cache: Path | None = None) ->
         influence = Influence(SOURCE_FINE, (SOURCE_RADIUS,) * 3, 0.2, SOURCE_COARSE)
         return keep_boundaries(tetrahedra(1, influence, SOURCE_COARSE).mesh, "contact")
     if part in BODIES:
-        return _whole(scene, part, level)
+        return _whole_body_mesh(scene, part, level)
     from rollbench.hifi.bodies.coarse import of_order
     from rollbench.hifi.meshing.part_meshes import ball_place, body_kind, mesh_parts, patch_mesh
     from rollbench.meshes.cache import Cache
@@ -141,7 +141,7 @@ def result_fields(scene: Scene, part: str, level: int, ball: int, cache: Path | 
     scene
         Scene with one set.
     part
-        Name by `parts_of`.
+        Name by `exported_parts`.
     level
         Mesh level.
     ball
@@ -195,7 +195,7 @@ def result_fields(scene: Scene, part: str, level: int, ball: int, cache: Path | 
     return {"displacement": u, "von_mises": fields.von_mises(stress), **six}
 
 
-def _whole(scene: Scene, part: str, level: int) -> Mesh:
+def _whole_body_mesh(scene: Scene, part: str, level: int) -> Mesh:
     """Mesh a whole screw (its 3D stretch), nut or ball, finest at the expected contacts."""
     from rollbench.hifi.bodies.coarse import of_order
     from rollbench.hifi.meshing.part_meshes import body_kind, socket_size, sockets_of
@@ -335,7 +335,7 @@ def cut_scene(scene: Scene, first: int, last: int) -> Scene:
         (scene.errors.random, "errors", "random errors", "errors that are given"),
         (any(v for s in scene.supports for _, v in s.fixed), "supports", "a prescribed displacement", "supports at zero"),
     )
-    refuse(scene.name, [(*fault, "write the small scene yourself and leave `balls` out") for fault in faults])
+    raise_first_fault(scene.name, [(*fault, "write the small scene yourself and leave `balls` out") for fault in faults])
     kept = slice(first - 1, last)
     z, azimuth = layout.z[kept], layout.azimuth[kept]
     r, middle = scene.balls.radius, float(0.5 * (z.min() + z.max()))

@@ -30,7 +30,7 @@ TWO_BALLS = UNHELD.format("rigid motion in uy, uz, rx, ry at the nut's centre")
 
 
 @dataclass(frozen=True)
-class Case:
+class StabilityCase:
     """Hard scene, with its group in the table and the status that a solver should report."""
 
     #: Name of the case.
@@ -46,18 +46,18 @@ class Case:
 # --- the scenes
 
 
-def _load(base: Scene, force: tuple[float, float, float], moment: float = 0.0, at: float = 0.0) -> Scene:
+def _with_load(base: Scene, force: tuple[float, float, float], moment: float = 0.0, at: float = 0.0) -> Scene:
     """Return a copy with one load as its only one: force [N] and moment [N m] about x, at a station [m]."""
     return replace(base, loads=(Load(at, force, (moment, 0.0, 0.0)),))
 
 
-def _balls(base: Scene, oversize: float, half_width: float = 0.0, seed: int = 0) -> Scene:
+def _with_ball_errors(base: Scene, oversize: float, half_width: float = 0.0, seed: int = 0) -> Scene:
     """Return a copy with ball errors only: an oversize and a uniform scatter of +-``half_width`` [m]."""
     drawn = BallErrors(oversize=oversize, sigma=half_width / math.sqrt(3.0), distribution="uniform")
     return replace(base, errors=Errors(balls=drawn, seed=seed))
 
 
-def _materials(base: Scene, screw: float, nut: float, balls: float) -> Scene:
+def _with_moduli(base: Scene, screw: float, nut: float, balls: float) -> Scene:
     """Return a copy with the Young's moduli of screw, nut and balls times a factor each."""
 
     def scaled(m: Material, factor: float) -> Material:
@@ -71,7 +71,7 @@ def _materials(base: Scene, screw: float, nut: float, balls: float) -> Scene:
     )
 
 
-def shaft_scaled(base: Scene, factor: float) -> Scene:
+def with_shaft_stiffness(base: Scene, factor: float) -> Scene:
     """Return a copy with the beam's stiffness scaled and every Hertz constant unchanged.
 
     Stiffer: the screw's modulus times ``factor``, the balls softened by ``2 - 1/factor`` so that ball and screw keep
@@ -81,12 +81,12 @@ def shaft_scaled(base: Scene, factor: float) -> Scene:
     scene file does not allow.
     """
     if factor >= 1.0:
-        return _materials(base, factor, factor, 1.0 / (2.0 - 1.0 / factor))
+        return _with_moduli(base, factor, factor, 1.0 / (2.0 - 1.0 / factor))
     outer = base.screw.outer_diameter * math.sqrt(volume_ratio(base))
     return replace(base, screw=replace(base.screw, bore=outer * math.sqrt(1.0 - factor)))
 
 
-def conforming(base: Scene, ratio: float) -> Scene:
+def with_conformity(base: Scene, ratio: float) -> Scene:
     """Return a copy with groove radii of ``ratio`` times the ball radius."""
     radius = ratio * base.balls.radius
     return replace(base, screw=replace(base.screw, groove_radius=radius), nut=replace(base.nut, groove_radius=radius))
@@ -101,107 +101,111 @@ def with_lead(base: Scene, lead: float) -> Scene:
     if lead > 6e-3:
         return long
     ratio = base.screw.groove_radius / base.balls.radius
-    return conforming(replace(long, balls=replace(long.balls, radius=1.5e-3)), ratio)
+    return with_conformity(replace(long, balls=replace(long.balls, radius=1.5e-3)), ratio)
 
 
-def _free(base: Scene) -> Scene:
+def _with_axial_support_only(base: Scene) -> Scene:
     """Return a copy supported only along and about z, so that the balls carry all lateral loads and moments."""
     return replace(base, supports=(Support(0.0, (("uz", 0.0), ("rz", 0.0))),))
 
 
-def _offset(base: Scene, offset: float, oversize: float) -> Scene:
+def _with_offset_end(base: Scene, offset: float, oversize: float) -> Scene:
     """Return a copy with an oversize [m] and a further support that displaces the screw's right end along x [m]."""
     moved = Support(base.screw.length, (("ux", offset), ("uy", 0.0)))
-    return replace(_balls(base, oversize), supports=(*base.supports, moved))
+    return replace(_with_ball_errors(base, oversize), supports=(*base.supports, moved))
 
 
-def _load_cases(base: Scene) -> Iterator[Case]:
+def _load_cases(base: Scene) -> Iterator[StabilityCase]:
     """Yield cases of axial and lateral loads, moments, and an offset end of the screw."""
     for k in range(-2, 7):
-        yield Case(f"axial {10.0**k:g} N", "axial load", _load(base, (0.0, 0.0, 10.0**k)))
-    yield Case("axial -5000 N", "axial load", _load(base, (0.0, 0.0, -5000.0)))
+        yield StabilityCase(f"axial {10.0**k:g} N", "axial load", _with_load(base, (0.0, 0.0, 10.0**k)))
+    yield StabilityCase("axial -5000 N", "axial load", _with_load(base, (0.0, 0.0, -5000.0)))
     for force in (1.0, 100.0, 5000.0):
-        yield Case(f"lateral {force:g} N", "lateral load", _load(_free(base), (force, 0.0, 0.0)))
+        yield StabilityCase(
+            f"lateral {force:g} N", "lateral load", _with_load(_with_axial_support_only(base), (force, 0.0, 0.0))
+        )
     for moment in (0.5, 50.0):
-        scene = _load(_free(base), (0.0, 0.0, 0.0), moment)
-        yield Case(f"moment {moment:g} N m", "moment only", scene)
-    clear = _load(_balls(base, -5e-6), (0.0, 0.0, 0.0), 0.01, at=0.3)
-    yield Case("moment 0.01 N m, clearance, clamped", "moment only", clear)
-    alone = _offset(with_balls(base, 1), -3e-3, -5e-6)
-    yield Case("offset -3 mm, away from one loose ball", "offset", replace(alone, loads=()))
+        scene = _with_load(_with_axial_support_only(base), (0.0, 0.0, 0.0), moment)
+        yield StabilityCase(f"moment {moment:g} N m", "moment only", scene)
+    clear = _with_load(_with_ball_errors(base, -5e-6), (0.0, 0.0, 0.0), 0.01, at=0.3)
+    yield StabilityCase("moment 0.01 N m, clearance, clamped", "moment only", clear)
+    alone = _with_offset_end(with_balls(base, 1), -3e-3, -5e-6)
+    yield StabilityCase("offset -3 mm, away from one loose ball", "offset", replace(alone, loads=()))
     for oversize in (0.0, 7e-6):
         for force in (0.0, 5000.0):
             name = f"offset 3 mm, {force:g} N, {'preloaded' if oversize else 'no preload'}"
-            yield Case(name, "offset", _load(_offset(base, 3e-3, oversize), (0.0, 0.0, force)))
+            yield StabilityCase(name, "offset", _with_load(_with_offset_end(base, 3e-3, oversize), (0.0, 0.0, force)))
 
 
-def _fit_cases(base: Scene) -> Iterator[Case]:
+def _fit_cases(base: Scene) -> Iterator[StabilityCase]:
     """Yield cases of clearance, preload and random ball sizes."""
     for gap in (5e-6, 50e-6):
         for force in (0.01, 1.0, 5000.0):
-            scene = _load(_balls(base, -gap), (0.0, 0.0, force))
-            yield Case(f"clearance {gap * 1e6:g} um, {force:g} N", "clearance", scene)
+            scene = _with_load(_with_ball_errors(base, -gap), (0.0, 0.0, force))
+            yield StabilityCase(f"clearance {gap * 1e6:g} um, {force:g} N", "clearance", scene)
     for tight in (0.0, 1e-6, 7e-6, 20e-6):
         for force in (0.0, 5000.0):
-            scene = _load(_balls(base, tight), (0.0, 0.0, force))
-            yield Case(f"preload {tight * 1e6:g} um, {force:g} N", "preload", scene)
+            scene = _with_load(_with_ball_errors(base, tight), (0.0, 0.0, force))
+            yield StabilityCase(f"preload {tight * 1e6:g} um, {force:g} N", "preload", scene)
     for half in (5e-6, 20e-6):
         for tight in (0.0, 7e-6):
             for seed in (1, 2, 3):
                 name = f"random +-{half * 1e6:g} um, preload {tight * 1e6:g} um, seed {seed}"
-                yield Case(name, "random balls", _balls(base, tight, half, seed))
+                yield StabilityCase(name, "random balls", _with_ball_errors(base, tight, half, seed))
 
 
-def _stiffness_cases(base: Scene) -> Iterator[Case]:
+def _stiffness_cases(base: Scene) -> Iterator[StabilityCase]:
     """Yield cases of a softer or stiffer shaft, and of other moduli."""
     factors = [10.0**k for k in (-3, -2, -1, 1, 2, 3)]
     for f in factors:
-        yield Case(f"shaft x {f:g}, contacts unchanged", "shaft stiffness", shaft_scaled(base, f))
+        yield StabilityCase(f"shaft x {f:g}, contacts unchanged", "shaft stiffness", with_shaft_stiffness(base, f))
     for f in (1e-3, 1e3):
         name = f"screw modulus x {f:g}, its contacts with it"
-        yield Case(name, "shaft stiffness", _materials(base, f, 1.0, 1.0))
+        yield StabilityCase(name, "shaft stiffness", _with_moduli(base, f, 1.0, 1.0))
     for f in factors:
-        yield Case(f"all moduli x {f:g}", "moduli", _materials(base, f, f, f))
+        yield StabilityCase(f"all moduli x {f:g}", "moduli", _with_moduli(base, f, f, f))
 
 
-def _geometry_cases(base: Scene) -> Iterator[Case]:
+def _geometry_cases(base: Scene) -> Iterator[StabilityCase]:
     """Yield cases of other conformities, ball counts, leads and contact angles."""
     for ratio in (1.01, 1.001, 1.0001, 1.00001):
-        close = conforming(base, ratio)
-        yield Case(f"r_G/r_B {ratio:g}, axial", "conformity", close)
-        yield Case(f"r_G/r_B {ratio:g}, lateral", "conformity", _load(_free(close), (1000.0, 0.0, 0.0)))
+        close = with_conformity(base, ratio)
+        yield StabilityCase(f"r_G/r_B {ratio:g}, axial", "conformity", close)
+        yield StabilityCase(
+            f"r_G/r_B {ratio:g}, lateral", "conformity", _with_load(_with_axial_support_only(close), (1000.0, 0.0, 0.0))
+        )
     for count in (3, 10, 32, 100, 300, 1000):
-        yield Case(f"{count} balls", "ball count", with_balls(base, count))
+        yield StabilityCase(f"{count} balls", "ball count", with_balls(base, count))
     for lead in (0.0, 5e-3, 7e-3, 20e-3, 40e-3):
-        yield Case(f"lead {lead * 1e3:g} mm", "lead", with_lead(base, lead))
+        yield StabilityCase(f"lead {lead * 1e3:g} mm", "lead", with_lead(base, lead))
     for angle in (5, 15, 30, 45, 60, 75, 85):
         turned = replace(base, track=replace(base.track, contact_angle=math.radians(angle)))
-        yield Case(f"contact angle {angle} deg", "contact angle", turned)
+        yield StabilityCase(f"contact angle {angle} deg", "contact angle", turned)
         if angle in (5, 85):
             held = replace(turned, supports=(Support(0.0, (("rz", 0.0),)),))
-            loaded = _load(held, (1000.0, 0.0, 100.0))
-            yield Case(f"contact angle {angle} deg, lateral", "contact angle", loaded)
+            loaded = _with_load(held, (1000.0, 0.0, 100.0))
+            yield StabilityCase(f"contact angle {angle} deg, lateral", "contact angle", loaded)
 
 
-def _mechanism_cases(base: Scene) -> Iterator[Case]:
+def _mechanism_cases(base: Scene) -> Iterator[StabilityCase]:
     """Yield cases of one or two balls and of missing supports, with the mechanism expected where there is one."""
     one = replace(base, balls=replace(base.balls, azimuths=(0.0,)))
     for force in (0.01, 5000.0):
-        yield Case(f"one ball, {force:g} N", "one ball", _load(one, (0.0, 0.0, force)))
-    pushed = replace(_free(_balls(one, 1e-6)), loads=())
-    yield Case("one ball, squeezed, free to move off", "one ball", pushed)
+        yield StabilityCase(f"one ball, {force:g} N", "one ball", _with_load(one, (0.0, 0.0, force)))
+    pushed = replace(_with_axial_support_only(_with_ball_errors(one, 1e-6)), loads=())
+    yield StabilityCase("one ball, squeezed, free to move off", "one ball", pushed)
     ring = with_lead(base, 0.0)
     rz = (Support(0.0, (("rz", 0.0),)),)
-    yield Case("one support: rotation", "support", replace(base, supports=rz))
-    yield Case("no support, no load", "support", replace(base, supports=(), loads=()))
-    yield Case("bearing, no support", "support", replace(ring, supports=()))
-    yield Case("no support", "support", replace(base, supports=()), HELIX)
+    yield StabilityCase("one support: rotation", "support", replace(base, supports=rz))
+    yield StabilityCase("no support, no load", "support", replace(base, supports=(), loads=()))
+    yield StabilityCase("bearing, no support", "support", replace(ring, supports=()))
+    yield StabilityCase("no support", "support", replace(base, supports=()), HELIX)
     held = (Support(0.0, (("ux", 0.0),)),)
-    yield Case("one support: lateral", "support", replace(base, supports=held), HELIX)
+    yield StabilityCase("one support: lateral", "support", replace(base, supports=held), HELIX)
     twist = (Load(0.0, (0.0, 0.0, 0.0), (0.0, 0.0, 10.0)),)
-    yield Case("bearing under torque", "support", replace(ring, supports=(), loads=twist), ROTATION)
+    yield StabilityCase("bearing under torque", "support", replace(ring, supports=(), loads=twist), ROTATION)
     two = replace(base, supports=rz, balls=replace(base.balls, azimuths=(0.0, 0.5)))
-    yield Case("two balls, one support", "support", two, TWO_BALLS)
+    yield StabilityCase("two balls, one support", "support", two, TWO_BALLS)
 
 
 # --- parts of other materials and sizes, and several sets on one shaft
@@ -219,27 +223,31 @@ PULLED = (
 )
 
 
-def _part_cases(base: Scene) -> Iterator[Case]:
+def _part_cases(base: Scene) -> Iterator[StabilityCase]:
     """Yield cases of other materials, one large ball, four balls and a long shaft."""
     nut = replace(base, nut=replace(base.nut, material=POLYMER))
     balls = replace(base, balls=replace(base.balls, material=CERAMIC))
     for name, scene in (("polymer nut", nut), ("ceramic balls", balls)):
-        yield Case(name, "material", scene)
-        yield Case(f"{name}, no load", "material", replace(scene, loads=()))
-        yield Case(f"{name}, lateral", "material", _load(_free(scene), (1000.0, 0.0, 0.0)))
+        yield StabilityCase(name, "material", scene)
+        yield StabilityCase(f"{name}, no load", "material", replace(scene, loads=()))
+        yield StabilityCase(f"{name}, lateral", "material", _with_load(_with_axial_support_only(scene), (1000.0, 0.0, 0.0)))
     for excess in (10e-6, 50e-6):
         large = replace(base, errors=Errors(balls=BallErrors(listed=((7, excess),))))
         for force in (0.0, 0.01, 5000.0):
             name = f"one ball {excess * 1e6:g} um too large, {force:g} N"
-            yield Case(name, "one large ball", _load(large, (0.0, 0.0, force)))
+            yield StabilityCase(name, "one large ball", _with_load(large, (0.0, 0.0, force)))
     four = with_balls(base, 4)
-    yield Case("4 balls, 0.01 N", "four balls", _load(four, (0.0, 0.0, 0.01)))
-    yield Case("4 balls, 100 kN", "four balls", _load(four, (0.0, 0.0, 1e5)))
-    yield Case("4 balls, lateral", "four balls", _load(_free(four), (1000.0, 0.0, 0.0)))
+    yield StabilityCase("4 balls, 0.01 N", "four balls", _with_load(four, (0.0, 0.0, 0.01)))
+    yield StabilityCase("4 balls, 100 kN", "four balls", _with_load(four, (0.0, 0.0, 1e5)))
+    yield StabilityCase("4 balls, lateral", "four balls", _with_load(_with_axial_support_only(four), (1000.0, 0.0, 0.0)))
     long = replace(base, screw=replace(base.screw, length=LONG), nut=replace(base.nut, position=0.5 * LONG))
-    yield Case("6 m shaft", "long shaft", long)
-    yield Case("6 m shaft, lateral", "long shaft", _load(_free(long), (1000.0, 0.0, 0.0)))
-    yield Case("6 m shaft, moment at its end", "long shaft", _load(_free(long), (0.0, 0.0, 0.0), 50.0, at=LONG))
+    yield StabilityCase("6 m shaft", "long shaft", long)
+    yield StabilityCase("6 m shaft, lateral", "long shaft", _with_load(_with_axial_support_only(long), (1000.0, 0.0, 0.0)))
+    yield StabilityCase(
+        "6 m shaft, moment at its end",
+        "long shaft",
+        _with_load(_with_axial_support_only(long), (0.0, 0.0, 0.0), 50.0, at=LONG),
+    )
 
 
 def shipped_axis(name: str) -> Assembly:
@@ -250,20 +258,22 @@ def shipped_axis(name: str) -> Assembly:
     return found
 
 
-def both_kinds() -> Assembly:
+def axis_of_balls_and_rollers() -> Assembly:
     """Return the shipped axis with Smith's tapered rows as right bearing, preloaded by offsets."""
-    axis, row = _fixed(), shipped_axis("smith-axis-taper").sets[0].parts
+    axis, row = _axis_preloaded_by_offsets(), shipped_axis("smith-axis-taper").sets[0].parts
     right = tuple(replace(s, kind="tapered roller bearing", parts=row) for s in axis.sets[3:])
     return replace(axis, sets=(*axis.sets[:3], *right))
 
 
-def _fixed() -> Assembly:
+def _axis_preloaded_by_offsets() -> Assembly:
     """Return the shipped axis with bearings preloaded by offsets, so that all formulations solve identical equations."""
     towards = {"+z": -OFFSET, "-z": OFFSET, "both": 0.0}
-    return _each_set(shipped_axis("axis-fixed-fixed"), lambda s: replace(s, preload=0.0, offset=towards.get(s.thrust, 0.0)))
+    return _change_each_row(
+        shipped_axis("axis-fixed-fixed"), lambda s: replace(s, preload=0.0, offset=towards.get(s.thrust, 0.0))
+    )
 
 
-def _pushed(axis: Assembly, along: float, across: float = 0.0, moment: float = 0.0) -> Assembly:
+def _with_axis_loads(axis: Assembly, along: float, across: float = 0.0, moment: float = 0.0) -> Assembly:
     """Return an axis with other loads [N, N m]: axial on the carriage (else shaft), others on the shaft."""
     at = axis.screw.length / 3.0
     carriage = tuple(h for h in axis.housings if h.name == "carriage")
@@ -272,35 +282,37 @@ def _pushed(axis: Assembly, along: float, across: float = 0.0, moment: float = 0
     return replace(axis, housings=moved, loads=(side,))
 
 
-def _each_set(axis: Assembly, change: Callable[[RollingSet], RollingSet]) -> Assembly:
+def _change_each_row(axis: Assembly, change: Callable[[RollingSet], RollingSet]) -> Assembly:
     """Return an axis with each rolling set replaced by ``change(set)``."""
     return replace(axis, sets=tuple(change(s) for s in axis.sets))
 
 
-def _balls_of(axis: Assembly, change: Callable[[Scene], Scene]) -> Assembly:
+def _change_ball_rows(axis: Assembly, change: Callable[[Scene], Scene]) -> Assembly:
     """Return an axis with ``change`` applied to the parts of its sets of balls."""
-    return _each_set(axis, lambda s: replace(s, parts=change(s.parts)) if isinstance(s.parts, Scene) else s)
+    return _change_each_row(axis, lambda s: replace(s, parts=change(s.parts)) if isinstance(s.parts, Scene) else s)
 
 
-def _rows_of(axis: Assembly, **changes: Any) -> Assembly:
+def _change_roller_rows(axis: Assembly, **changes: Any) -> Assembly:
     """Return an axis with the fields ``changes`` of every row of rollers replaced."""
-    return _each_set(axis, lambda s: replace(s, parts=replace(s.parts, **changes)) if isinstance(s.parts, RollerRow) else s)
+    return _change_each_row(
+        axis, lambda s: replace(s, parts=replace(s.parts, **changes)) if isinstance(s.parts, RollerRow) else s
+    )
 
 
-def _unloaded(axis: Assembly) -> Assembly:
+def _without_preload(axis: Assembly) -> Assembly:
     """Return an axis without preload, offsets and oversize."""
-    bare = _each_set(axis, lambda s: replace(s, preload=0.0, offset=0.0))
-    return _balls_of(bare, lambda p: replace(p, errors=Errors()))
+    bare = _change_each_row(axis, lambda s: replace(s, preload=0.0, offset=0.0))
+    return _change_ball_rows(bare, lambda p: replace(p, errors=Errors()))
 
 
-def _ball_count(scene: Scene, count: int) -> Scene:
+def _with_ball_count(scene: Scene, count: int) -> Scene:
     """Return a nut with its first ``count`` balls, or a bearing with ``count`` evenly spaced balls."""
     ring = tuple(2.0 * math.pi * i / count for i in range(count))
     azimuths = ring if scene.track.lead == 0.0 else scene.balls.azimuths[:count]
     return replace(scene, balls=replace(scene.balls, azimuths=azimuths))
 
 
-def _longer(axis: Assembly, length: float) -> Assembly:
+def _lengthen_axis(axis: Assembly, length: float) -> Assembly:
     """Return the axis with a longer shaft: its right end moves out, and its carriage to the middle."""
     more = length - axis.screw.length
 
@@ -315,7 +327,7 @@ def _longer(axis: Assembly, length: float) -> Assembly:
         return replace(s, position=at)
 
     return replace(
-        _each_set(axis, placed),
+        _change_each_row(axis, placed),
         screw=replace(axis.screw, length=length),
         housings=tuple(replace(h, at=moved(h.at)) for h in axis.housings),
         segments=tuple(replace(x, start=moved(x.start), end=moved(x.end)) for x in axis.segments),
@@ -325,15 +337,15 @@ def _longer(axis: Assembly, length: float) -> Assembly:
 def _axis_load_cases(axis: Assembly) -> Iterator[tuple[str, Assembly]]:
     """Yield names and axes with other loads, without preload, and warmed or cooled."""
     for force in (0.0, 0.01, 3000.0, -3000.0, 1e6):
-        yield f"axial {force:g} N", _pushed(axis, force)
+        yield f"axial {force:g} N", _with_axis_loads(axis, force)
     for force in (1.0, 1e3, 1e5):
-        yield f"across {force:g} N", _pushed(axis, 0.0, force)
-    yield "along 30 kN and across 10 kN", _pushed(axis, 3e4, 1e4)
-    yield "moment 500 N m", _pushed(axis, 0.0, 0.0, 500.0)
-    loose = _unloaded(axis)
-    yield "no preload, no load", _pushed(loose, 0.0)
-    yield "no preload, axial 3000 N", _pushed(loose, 3000.0)
-    yield "no preload, across 1000 N", _pushed(loose, 0.0, 1e3)
+        yield f"across {force:g} N", _with_axis_loads(axis, 0.0, force)
+    yield "along 30 kN and across 10 kN", _with_axis_loads(axis, 3e4, 1e4)
+    yield "moment 500 N m", _with_axis_loads(axis, 0.0, 0.0, 500.0)
+    loose = _without_preload(axis)
+    yield "no preload, no load", _with_axis_loads(loose, 0.0)
+    yield "no preload, axial 3000 N", _with_axis_loads(loose, 3000.0)
+    yield "no preload, across 1000 N", _with_axis_loads(loose, 0.0, 1e3)
     for warming in WARMING:
         yield f"{warming:+g} K", replace(axis, thermal_strain=warming * EXPANSION)
 
@@ -344,52 +356,57 @@ def _axis_part_cases(axis: Assembly) -> Iterator[tuple[str, Assembly]]:
     def nut_of(p: Scene) -> bool:
         return p.track.lead > 0.0
 
-    yield "polymer nut", _balls_of(axis, lambda p: replace(p, nut=replace(p.nut, material=POLYMER)) if nut_of(p) else p)
-    yield "ceramic balls", _balls_of(axis, lambda p: replace(p, balls=replace(p.balls, material=CERAMIC)))
-    yield "conformity 0.505", _balls_of(axis, lambda p: conforming(p, 1.01))
+    yield (
+        "polymer nut",
+        _change_ball_rows(axis, lambda p: replace(p, nut=replace(p.nut, material=POLYMER)) if nut_of(p) else p),
+    )
+    yield "ceramic balls", _change_ball_rows(axis, lambda p: replace(p, balls=replace(p.balls, material=CERAMIC)))
+    yield "conformity 0.505", _change_ball_rows(axis, lambda p: with_conformity(p, 1.01))
     one = Errors(balls=BallErrors(listed=((7, 20e-6),)))
-    yield "one ball 20 um too large in each set", _balls_of(axis, lambda p: replace(p, errors=one))
-    four = _balls_of(axis, lambda p: _ball_count(p, 4))
+    yield "one ball 20 um too large in each set", _change_ball_rows(axis, lambda p: replace(p, errors=one))
+    four = _change_ball_rows(axis, lambda p: _with_ball_count(p, 4))
     yield "4 balls in each set", four
-    yield "4 balls in each set, across 1000 N", _pushed(four, 3000.0, 1e3)
-    long = _longer(axis, LONG)
+    yield "4 balls in each set, across 1000 N", _with_axis_loads(four, 3000.0, 1e3)
+    long = _lengthen_axis(axis, LONG)
     yield "6 m shaft", long
-    yield "6 m shaft, across 1000 N", _pushed(long, 3000.0, 1e3)
+    yield "6 m shaft, across 1000 N", _with_axis_loads(long, 3000.0, 1e3)
     yield "6 m shaft, -300 K", replace(long, thermal_strain=-300.0 * EXPANSION)
 
 
 def _roller_cases(axis: Assembly) -> Iterator[tuple[str, Assembly]]:
     """Yield names and axes with other slices, crown, count, angles and material of the rollers."""
-    crossed = _pushed(axis, 2000.0, 2000.0)
-    yield "1 slice, across", _rows_of(crossed, slices=1)
-    yield "101 slices, across", _rows_of(crossed, slices=101)
-    yield "crown of 0.1 m, across", _rows_of(crossed, crown=0.1)
-    yield "3 rollers, across", _rows_of(crossed, count=3)
-    yield "100 rollers", _rows_of(crossed, count=100)
-    yield "cup angle 5 deg", _rows_of(crossed, cup_angle=math.radians(5.0), roller_angle=math.radians(0.7))
-    yield "ceramic rings and rollers", _rows_of(crossed, material=CERAMIC)
+    crossed = _with_axis_loads(axis, 2000.0, 2000.0)
+    yield "1 slice, across", _change_roller_rows(crossed, slices=1)
+    yield "101 slices, across", _change_roller_rows(crossed, slices=101)
+    yield "crown of 0.1 m, across", _change_roller_rows(crossed, crown=0.1)
+    yield "3 rollers, across", _change_roller_rows(crossed, count=3)
+    yield "100 rollers", _change_roller_rows(crossed, count=100)
+    yield "cup angle 5 deg", _change_roller_rows(crossed, cup_angle=math.radians(5.0), roller_angle=math.radians(0.7))
+    yield "ceramic rings and rollers", _change_roller_rows(crossed, material=CERAMIC)
 
 
-def _axis_cases() -> Iterator[Case]:
+def _axis_cases() -> Iterator[StabilityCase]:
     """Yield cases of nuts, ball bearings and tapered roller bearings on one shaft."""
-    mixed, rollers, balls = both_kinds(), shipped_axis("smith-axis-taper"), _fixed()
+    mixed, rollers, balls = axis_of_balls_and_rollers(), shipped_axis("smith-axis-taper"), _axis_preloaded_by_offsets()
     for kind, axis, groups in (
         ("balls and rollers", mixed, (_axis_load_cases, _axis_part_cases, _roller_cases)),
         ("rollers", rollers, (_axis_load_cases, _roller_cases)),
     ):
         for group in groups:
             for name, scene in group(axis):
-                yield Case(f"axis of {kind}: {name}", f"axis of {kind}", scene)
+                yield StabilityCase(f"axis of {kind}: {name}", f"axis of {kind}", scene)
     for warming in WARMING:
         heated = replace(balls, thermal_strain=warming * EXPANSION)
-        yield Case(f"axis of balls: {warming:+g} K", "axis of balls", heated)
+        yield StabilityCase(f"axis of balls: {warming:+g} K", "axis of balls", heated)
     alone = replace(rollers, sets=rollers.sets[:1], housings=())
     for force in (1000.0, -1000.0):
         held = PULLED if force > 0.0 else CONVERGED
-        yield Case(f"one row of rollers: axial {force:g} N", "axis of rollers", _pushed(alone, force), held)
+        yield StabilityCase(
+            f"one row of rollers: axial {force:g} N", "axis of rollers", _with_axis_loads(alone, force), held
+        )
 
 
-def cases() -> list[Case]:
+def extreme_cases() -> list[StabilityCase]:
     """Return all hard scenes in a fixed order: a screw, variants of ``lin-case1``, then shipped axes."""
     base = catalogue.scene("lin-case1")
     groups = (_load_cases, _fit_cases, _stiffness_cases, _geometry_cases, _mechanism_cases, _part_cases)

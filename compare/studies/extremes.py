@@ -25,7 +25,7 @@ import numpy as np
 from rollbench.compare.measure import error_percent
 from rollbench.compare.models.registry import MODELS
 from rollbench.compare.scenes.catalogue import scene as shipped
-from rollbench.compare.studies.extreme_cases import CONVERGED, Case, cases
+from rollbench.compare.studies.extreme_cases import CONVERGED, StabilityCase, extreme_cases
 from rollbench.lowfi.as_source import Start, solve_source
 from rollbench.lowfi.compliance.parts import LADDER
 from rollbench.lowfi.rollers import middles, tapered
@@ -114,7 +114,7 @@ class Attempt:
 # --- solving
 
 
-def attempt(case: Case, formulation: str) -> Attempt:
+def attempt(case: StabilityCase, formulation: str) -> Attempt:
     """Solve one case by one formulation; a failure of a solver is a row, never an exception.
 
     The energy solver uses the scene's partition (a node at every contact). The source's formulation uses its partition of
@@ -134,8 +134,12 @@ def attempt(case: Case, formulation: str) -> Attempt:
         The row.
     """
     if formulation == ENERGY:
-        return _ours(case)
-    return _elastic(case, formulation) if formulation in BACKENDS else _source(case, formulation)
+        return _attempt_by_energy_solver(case)
+    return (
+        _attempt_by_force_formulation(case, formulation)
+        if formulation in BACKENDS
+        else _attempt_by_source_newton(case, formulation)
+    )
 
 
 @cache
@@ -144,7 +148,7 @@ def _load_kernels() -> None:
     solve_static(shipped("lin-case1"), engine="compiled")
 
 
-def _energy(scene: Scene | Assembly) -> StaticResult | AxisResult:
+def _solve_by_energy(scene: Scene | Assembly) -> StaticResult | AxisResult:
     """Solve a scene by the energy solver, with compiled kernels."""
     _load_kernels()
     if isinstance(scene, Assembly):
@@ -152,14 +156,16 @@ def _energy(scene: Scene | Assembly) -> StaticResult | AxisResult:
     return solve_static(scene, engine="compiled")
 
 
-def _ours(case: Case, result: StaticResult | AxisResult | None = None) -> Attempt:
+def _attempt_by_energy_solver(case: StabilityCase, result: StaticResult | AxisResult | None = None) -> Attempt:
     """Return the row of a case by the energy solver; ``result``: its result if known."""
     begin = perf_counter()
-    row = _row_of(case, ENERGY, result or _energy(case.scene), begin)
+    row = _attempt_of_result(case, ENERGY, result or _solve_by_energy(case.scene), begin)
     return replace(row, difference_percent=0.0 if row.converged else None)
 
 
-def _elastic(case: Case, formulation: str, ours: StaticResult | AxisResult | None = None) -> Attempt:
+def _attempt_by_force_formulation(
+    case: StabilityCase, formulation: str, ours: StaticResult | AxisResult | None = None
+) -> Attempt:
     """Solve a case by the force formulation.
 
     Not attempted if its dimensions leave no body (no land, no wall), or above `ELASTIC_LIMIT` balls, which would take
@@ -175,47 +181,47 @@ def _elastic(case: Case, formulation: str, ours: StaticResult | AxisResult | Non
         result = solve(case.scene, backend=LADDER[backend], engine="compiled")
     except ValueError as error:
         status, spent = f"not attempted: {error}", perf_counter() - begin
-        return _attempt(case, formulation, status, seconds=spent, reason=status)
-    row = _row_of(case, formulation, result, begin)
+        return _make_attempt(case, formulation, status, seconds=spent, reason=status)
+    row = _attempt_of_result(case, formulation, result, begin)
     if formulation != FORCES or not row.converged:
         return row
-    ours = ours or _energy(case.scene)
-    apart = _difference(_loads(result), _loads(ours)) if ours.converged else None
-    return replace(row, difference_percent=apart, reason=row.reason + _apart(apart))
+    ours = ours or _solve_by_energy(case.scene)
+    apart = _largest_load_difference(_all_loads(result), _all_loads(ours)) if ours.converged else None
+    return replace(row, difference_percent=apart, reason=row.reason + _difference_clause(apart))
 
 
-def _loads(result: StaticResult | AxisResult) -> Array:
+def _all_loads(result: StaticResult | AxisResult) -> Array:
     """Return the loads of all contacts and rollers [N]."""
     return np.concatenate([s.loads.ravel() for s in result.sets]) if isinstance(result, AxisResult) else result.load
 
 
-def _row_of(case: Case, formulation: str, result: StaticResult | AxisResult, begin: float) -> Attempt:
+def _attempt_of_result(case: StabilityCase, formulation: str, result: StaticResult | AxisResult, begin: float) -> Attempt:
     """Return the row of a solver's result, with the time since ``begin`` and no difference from the energy solver."""
-    status, s = _fault(result) or result.status, result.solver
-    return _attempt(
+    status, s = _false_convergence_reason(result) or result.status, result.solver
+    return _make_attempt(
         case,
         formulation,
         status,
         iterations=s.iterations,
-        residual=_finite(s.residual),
+        residual=_finite_or_none(s.residual),
         round_off_bound=s.round_off_bound,
         seconds=perf_counter() - begin,
         unknowns=s.unknowns,
-        reason="; ".join((_short(status), *result.warnings)),
+        reason="; ".join((_short_status(status), *result.warnings)),
     )
 
 
-def _attempt(case: Case, formulation: str, status: str, **found: Any) -> Attempt:
+def _make_attempt(case: StabilityCase, formulation: str, status: str, **found: Any) -> Attempt:
     """Return the row of a case and formulation, with fields of the solution."""
     return Attempt(case.name, case.group, formulation, status, case.expected, status == CONVERGED, **found)
 
 
-def _fault(result: StaticResult | AxisResult) -> str:
+def _false_convergence_reason(result: StaticResult | AxisResult) -> str:
     """Return why a result that claims convergence is wrong; empty if it is right or claims none."""
     if not result.converged:
         return ""
     s, balance = result.solver, result.equilibrium
-    if not (np.all(np.isfinite(_loads(result))) and np.all(np.isfinite(result.centreline))):
+    if not (np.all(np.isfinite(_all_loads(result))) and np.all(np.isfinite(result.centreline))):
         return "claims convergence, but loads or motions are not finite"
     if not s.residual <= max(ACCEPTED, s.round_off_bound):
         return f"claims convergence, but the residual is {s.residual:.1e}"
@@ -225,12 +231,12 @@ def _fault(result: StaticResult | AxisResult) -> str:
         if any(not h.residual <= BALANCE for h in result.housings):
             return "claims convergence, but forces and moments on a housing do not balance"
         for row in result.sets if result.model == "lin" else ():
-            if slice_fault(row, result) > SLICES:
+            if slice_load_error(row, result) > SLICES:
                 return f"claims convergence, but slices of {row.of.name} have not the loads of their approach"
     return ""
 
 
-def slice_fault(row: SetResult, result: AxisResult) -> float:
+def slice_load_error(row: SetResult, result: AxisResult) -> float:
     """Return the largest difference of a roller slice's line load from its law, over the largest line load.
 
     The round-off of the motions of cone and cup is deducted; zero for balls and without load.
@@ -255,11 +261,11 @@ def slice_fault(row: SetResult, result: AxisResult) -> float:
     return float(np.abs(expected - lines).max() / (lines.max() + noise / SLICES))
 
 
-def _on_source_partition(scene: Scene) -> Scene:
+def _with_source_partition(scene: Scene) -> Scene:
     return replace(scene, ingredients=replace(scene.ingredients, partition="source"))
 
 
-def dense_unknowns(scene: Scene) -> int:
+def source_unknowns(scene: Scene) -> int:
     """Return the number of unknowns of the source's formulation.
 
     Two per ball centre, four contact angles per ball, and the free nodal motions.
@@ -269,13 +275,13 @@ def dense_unknowns(scene: Scene) -> int:
     return 6 * layout.z.size + problem.unknowns
 
 
-def _source(case: Case, formulation: str, ours: StaticResult | None = None) -> Attempt:
+def _attempt_by_source_newton(case: StabilityCase, formulation: str, ours: StaticResult | None = None) -> Attempt:
     """Solve a case by the source's Newton; ``ours``: result of the energy solver on the source's partition."""
     if isinstance(case.scene, Assembly):
         status = "not attempted: the source has one set"
-        return _attempt(case, formulation, status, reason=status)
-    scene = _on_source_partition(case.scene)
-    unknowns = dense_unknowns(scene)
+        return _make_attempt(case, formulation, status, reason=status)
+    scene = _with_source_partition(case.scene)
+    unknowns = source_unknowns(scene)
     iterations, residual, seconds, difference = 0, math.nan, 0.0, None
     if unknowns > DENSE_LIMIT:
         status = f"not attempted: dense Jacobian of {unknowns} unknowns"
@@ -286,21 +292,21 @@ def _source(case: Case, formulation: str, ours: StaticResult | None = None) -> A
         status, iterations, residual, seconds = found.status, found.iterations, found.residual, found.seconds
         if found.converged:
             ours = ours if ours is not None else solve_static(scene, engine="compiled")
-            difference = _difference(found.load, ours.load) if ours.converged else None
-    return _attempt(
+            difference = _largest_load_difference(found.load, ours.load) if ours.converged else None
+    return _make_attempt(
         case,
         formulation,
         status,
         iterations=iterations,
-        residual=_finite(residual),
+        residual=_finite_or_none(residual),
         seconds=seconds,
         unknowns=unknowns,
         difference_percent=difference,
-        reason=_short(status) + _apart(difference),
+        reason=_short_status(status) + _difference_clause(difference),
     )
 
 
-def _apart(difference: float | None) -> str:
+def _difference_clause(difference: float | None) -> str:
     """Return a clause on loads that differ from the energy solver's [%]; empty if they are the same."""
     if difference is None or difference <= SAME:
         return ""
@@ -308,32 +314,32 @@ def _apart(difference: float | None) -> str:
     return f"; loads differ from the energy solver's by {difference:.3g} %: {root}"
 
 
-def _finite(value: float) -> float | None:
+def _finite_or_none(value: float) -> float | None:
     """Return the value, or None if it is not finite."""
     return float(value) if math.isfinite(value) else None
 
 
-def _difference(load: Array, ours: Array) -> float:
+def _largest_load_difference(load: Array, ours: Array) -> float:
     """Return the largest difference of a load from the energy solver's, in per cent of the largest load."""
     top = float(ours.max(initial=0.0))
     change = float(np.abs(load - ours).max())
     return float(np.abs(error_percent(change, 0.0, top))) if top > 0.0 else 0.0
 
 
-def _short(status: str) -> str:
+def _short_status(status: str) -> str:
     """Return the first clause of a status; the first two if it begins with "not held"."""
     parts = status.split(": ")
     return ": ".join(parts[:2]) if parts[0] == "not held" else status.split(" (")[0]
 
 
-def _rows_of(case: Case) -> list[Attempt]:
+def _attempt_all_formulations(case: StabilityCase) -> list[Attempt]:
     """Solve a case by every formulation and return the rows."""
-    found, ours = _energy(case.scene), None
+    found, ours = _solve_by_energy(case.scene), None
     if isinstance(case.scene, Scene):
-        scene = _on_source_partition(case.scene)
-        ours = solve_static(scene, engine="compiled") if dense_unknowns(scene) <= DENSE_LIMIT else None
-    rows = [_ours(case, found)] + [_elastic(case, f, found) for f in BACKENDS]
-    return rows + [_source(case, f, ours) for f in SOURCE]
+        scene = _with_source_partition(case.scene)
+        ours = solve_static(scene, engine="compiled") if source_unknowns(scene) <= DENSE_LIMIT else None
+    rows = [_attempt_by_energy_solver(case, found)] + [_attempt_by_force_formulation(case, f, found) for f in BACKENDS]
+    return rows + [_attempt_by_source_newton(case, f, ours) for f in SOURCE]
 
 
 def solve_cases(progress: Callable[[int, int, str], None] = lambda *_: None, *, n_jobs: int = 2) -> list[Attempt]:
@@ -353,16 +359,16 @@ def solve_cases(progress: Callable[[int, int, str], None] = lambda *_: None, *, 
     """
     from joblib import Parallel, delayed
 
-    every, rows = cases(), list[Attempt]()
+    every, rows = extreme_cases(), list[Attempt]()
     with local():
         workers = Parallel(n_jobs=n_jobs, return_as="generator")
-    for i, found in enumerate(workers(delayed(_rows_of)(c) for c in every)):
+    for i, found in enumerate(workers(delayed(_attempt_all_formulations)(c) for c in every)):
         rows += found
         progress(i + 1, len(every), every[i].name)
     return rows
 
 
-def failures(rows: Sequence[Attempt]) -> list[Attempt]:
+def unexpected_attempts(rows: Sequence[Attempt]) -> list[Attempt]:
     """Return the rows with an unexpected status, and those of `FORCES` whose loads differ from the energy solver's.
 
     Expected is convergence, or the mechanism by name.
@@ -374,12 +380,12 @@ def failures(rows: Sequence[Attempt]) -> list[Attempt]:
 # --- the table
 
 
-def wide_rows(rows: Sequence[Attempt]) -> list[dict[str, Cell]]:
+def rows_by_case(rows: Sequence[Attempt]) -> list[dict[str, Cell]]:
     """Return one row for each case, with the status by each formulation."""
     by_case: dict[str, dict[str, Cell]] = {}
     for row in rows:
         line = by_case.setdefault(row.case, {"case": row.case, "group": row.group})
-        line[row.formulation] = short(row)
+        line[row.formulation] = status_cell(row)
         if row.formulation == ENERGY:
             line |= {key: getattr(row, key) for key in ("iterations", "residual", "seconds", "unknowns")}
             line["bound"] = row.round_off_bound
@@ -388,7 +394,7 @@ def wide_rows(rows: Sequence[Attempt]) -> list[dict[str, Cell]]:
     return list(by_case.values())
 
 
-def short(row: Attempt) -> str:
+def status_cell(row: Attempt) -> str:
     """Return the status for a table, with iterations and residual if it converged."""
     if row.status == CONVERGED:
         apart = row.difference_percent
@@ -397,7 +403,7 @@ def short(row: Attempt) -> str:
     return row.status.split(" (")[0]
 
 
-def tally(rows: Sequence[Attempt]) -> dict[str, tuple[int, int, int]]:
+def count_outcomes(rows: Sequence[Attempt]) -> dict[str, tuple[int, int, int]]:
     """Count, by formulation, the cases solved (or whose mechanism was named), the cases tried, and all cases."""
     out = {}
     for formulation in FORMULATIONS:
@@ -431,7 +437,7 @@ def read_campaigns(path: Path) -> list[Record]:
     return records if good else []
 
 
-def shipped_records() -> list[Record]:
+def shipped_campaigns() -> list[Record]:
     """Return the shipped records."""
     return read_campaigns(Path(__file__).with_name("campaign.json"))
 

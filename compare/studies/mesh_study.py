@@ -36,37 +36,39 @@ CLEARLY = 0.8
 SCATTERS = "no order: contact loads scatter from mesh to mesh"
 
 
-def _extreme(side: int, sign: float, run: Run) -> float:
+def _extreme_load(side: int, sign: float, run: Run) -> float:
     return float(sign * (sign * run.load[:, side]).max())
 
 
-def _single(ball: int, side: int, run: Run) -> float:
+def _ball_load(ball: int, side: int, run: Run) -> float:
     return float(run.load[ball, side])
 
 
-def _line(station: int, axis: int, run: Run) -> float:
+def _centreline_displacement(station: int, axis: int, run: Run) -> float:
     """Return the displacement at one of the stations that all levels share [um]."""
     return float(1e6 * run.centreline[station, 1 + axis])
 
 
-def quantities(run: Run) -> list[tuple[str, str, Take]]:
+def study_quantities(run: Run) -> list[tuple[str, str, Take]]:
     """Return the quantities of a mesh study: name, unit, function that takes it from a run."""
     out: list[tuple[str, str, Take]] = []
     for s, side in enumerate(SIDES):
         if (run.load[:, s] > 0.0).any():
             out += [
-                (f"largest load, {side}", "N", partial(_extreme, s, 1.0)),
-                (f"smallest load, {side}", "N", partial(_extreme, s, -1.0)),
+                (f"largest load, {side}", "N", partial(_extreme_load, s, 1.0)),
+                (f"smallest load, {side}", "N", partial(_extreme_load, s, -1.0)),
             ]
-            out += [(f"load of ball {i + 1}, {side}", "N", partial(_single, i, s)) for i in range(len(run.load))]
+            out += [(f"load of ball {i + 1}, {side}", "N", partial(_ball_load, i, s)) for i in range(len(run.load))]
     for k in sorted({0, len(run.centreline) // 2}):
         for axis, name in enumerate("xyz"):
             z = 1e3 * run.centreline[k, 0]
-            out.append((f"centreline u{name} at {z:.4g} mm", "um", partial(_line, k, axis)))
+            out.append((f"centreline u{name} at {z:.4g} mm", "um", partial(_centreline_displacement, k, axis)))
     return out
 
 
-def studied(scene: Scene, stores: Sequence[Path] | None, levels: Sequence[int] = tuple(LEVELS)) -> Reference | None:
+def reference_from_stored_runs(
+    scene: Scene, stores: Sequence[Path] | None, levels: Sequence[int] = tuple(LEVELS)
+) -> Reference | None:
     """Return the reference of all stored runs on some levels; None without any.
 
     Parameters
@@ -93,8 +95,9 @@ def level_rows(reference: Reference) -> list[dict[str, Any]]:
     Returns
     -------
     list of dict
-        Relative cell size, unknowns of the equivalent single mesh, seconds without cached parts and the conditions of their
-        measurement, largest difference of a contact load from the finest level, and `enough` [% of the mean load].
+        Cell size over that of the finest level, unknowns of the equivalent single mesh, seconds without cached parts and
+        the conditions of their measurement, largest difference of a contact load from the finest level, and
+        `load_uncertainty_percent` [% of the mean load].
     """
     return [
         {
@@ -104,13 +107,13 @@ def level_rows(reference: Reference) -> list[dict[str, Any]]:
             "seconds": run.setup_seconds + run.solve_seconds,
             "measured_with": str(run.measured),
             "difference_percent": load_error(run.load, reference.load, reference.contacts).max_percent,
-            "enough_for_percent": enough(reference, k),
+            "enough_for_percent": load_uncertainty_percent(reference, k),
         }
         for k, (run, size) in enumerate(zip(reference.runs, reference.sizes, strict=True))
     ]
 
 
-def enough(reference: Reference, k: int) -> float:
+def load_uncertainty_percent(reference: Reference, k: int) -> float:
     """Return the uncertainty of the contact loads by run ``k`` and the coarser runs [% of the mean load].
 
     RMS over the contacts; that of the first run alone is from experience with other scenes.
@@ -119,7 +122,7 @@ def enough(reference: Reference, k: int) -> float:
     return parts(loads, read_experience(shipped_store())).bar
 
 
-def closing(reference: Reference) -> str:
+def accuracy_sentence(reference: Reference) -> str:
     """Return a sentence on the accuracy of each level, and on levels that are not worth their time.
 
     Percentages are rounded up. Times are given if all are of one measuring run.
@@ -131,7 +134,7 @@ def closing(reference: Reference) -> str:
         if steps and good > CLEARLY * steps[-1][1]:
             idle.append(row["level"])
             continue
-        text = f"level {row['level']}{' with those before it' if steps else ''} for {_up(good)} %"
+        text = f"level {row['level']}{' with those before it' if steps else ''} for {_rounded_up(good)} %"
         steps.append((f"{text}{'' if steps else ' of the mean contact load, by experience with other scenes'}{time}", good))
     (first, _), *others = steps
     rest = "".join(f", {text}" for text, _ in others)
@@ -141,7 +144,7 @@ def closing(reference: Reference) -> str:
     return f"Enough: {first}{rest}.{tail}{older}"
 
 
-def _up(percent: float) -> str:
+def _rounded_up(percent: float) -> str:
     """Return a percentage rounded up to two digits.
 
     Examples
@@ -175,7 +178,7 @@ def study_table(scene: Scene, stores: Sequence[Path] | None, levels: Sequence[in
         it has an order or none; modelling uncertainty (root of squares over the varied choices) and the effect of choices
         that belong to the scene.
     """
-    reference = studied(scene, stores, levels)
+    reference = reference_from_stored_runs(scene, stores, levels)
     if reference is None:
         return []
     coarsest = min(LEVELS)
@@ -199,8 +202,8 @@ def quantity_table(reference: Reference, base: Run | None, changed: Mapping[str,
         Run of each variant.
     """
     runs, table = reference.runs, []
-    shown = [(name, unit, take) for name, unit, take in quantities(runs[-1]) if any(take(r) for r in runs)]
-    lines = [take for _, _, take in shown if take.func is _line]
+    shown = [(name, unit, take) for name, unit, take in study_quantities(runs[-1]) if any(take(r) for r in runs)]
+    lines = [take for _, _, take in shown if take.func is _centreline_displacement]
     of_two: dict[Take, float] = {}
     if len(runs) == 2 and lines:  # each alone may agree by chance
         of_two = dict(zip(lines, pool([[take(r) for take in lines] for r in runs], reference.sizes).tolist(), strict=True))
@@ -209,14 +212,14 @@ def quantity_table(reference: Reference, base: Run | None, changed: Mapping[str,
         row: dict[str, Any] = {"quantity": name, "unit": unit}
         row |= {f"level {r.level}": v for r, v in zip(runs, values, strict=True)}
         if len(runs) >= 2:
-            contact = _contact(take, runs[-1])
+            contact = _contact_of_quantity(take, runs[-1])
             observed = observe(values, reference.sizes) if contact is None else None
             bar = of_two.get(take, observed.uncertainty) if observed else float(reference.uncertainty[contact])
             row |= {
                 "order": observed and observed.order,
                 "extrapolated": observed and observed.extrapolated,
                 "uncertainty": bar,
-                "uncertainty_percent": _percent(bar, values[-1]),
+                "uncertainty_percent": _percent_of(bar, values[-1]),
                 "kind": observed.text if observed else SCATTERS,
             }
         if base is not None and changed:
@@ -227,20 +230,20 @@ def quantity_table(reference: Reference, base: Run | None, changed: Mapping[str,
     return table
 
 
-def _contact(take: Take, finest: Run) -> tuple[int, int] | None:
+def _contact_of_quantity(take: Take, finest: Run) -> tuple[int, int] | None:
     """Return ball and flank of the contact whose load the quantity gives on the finest level.
 
     None if it is not a contact load.
     """
-    if take.func is _single:
+    if take.func is _ball_load:
         return take.args[0], take.args[1]
-    if take.func is not _extreme:
+    if take.func is not _extreme_load:
         return None
     side, sign = take.args
     return int((sign * finest.load[:, side]).argmax()), side
 
 
-def _percent(value: float | None, of: float) -> float | None:
+def _percent_of(value: float | None, of: float) -> float | None:
     """Return ``value`` in per cent of ``of``; None without a value, or if only ``of`` is zero."""
     if value is None or (of == 0.0 and value != 0.0):
         return None
@@ -257,7 +260,7 @@ def _root_of_squares(moves: Mapping[str, float]) -> float | None:
     return float(np.linalg.norm(list(by_choice.values()))) if by_choice else None
 
 
-def levels_of(count: int | None) -> tuple[int, ...]:
+def chosen_levels(count: int | None) -> tuple[int, ...]:
     """Return the levels of a mesh study: `ADVISED`, or 1 to ``count``; InputError if ``count`` is out of range."""
     if count is None:
         return ADVISED
@@ -266,7 +269,7 @@ def levels_of(count: int | None) -> tuple[int, ...]:
     return tuple(range(1, count + 1))
 
 
-def table_of(one: Referenced, stores: Sequence[Path], levels: Sequence[int]) -> list[dict[str, Any]]:
+def table_of_reference(one: Referenced, stores: Sequence[Path], levels: Sequence[int]) -> list[dict[str, Any]]:
     """Return the table of a mesh study; of one of several sets without the effect of modelling choices."""
     return study_table(one.scene, stores, levels) if one.of is None else quantity_table(one.found, None, {})
 
@@ -324,7 +327,7 @@ def compute_study(
         """Say what the coarsest level found while finer ones are computed."""
         for scene in task.scenes if task.level == min(LEVELS) and not task.variant else ():
             for one in referenced(scene, stores[:1], (task.level,)):
-                table = extremes(table_of(one, stores[:1], (task.level,)))
+                table = terminal_rows(table_of_reference(one, stores[:1], (task.level,)))
                 values = (f"{row['quantity']} {row[f'level {task.level}']:.4g} {row['unit']}" for row in table)
                 step(f"{one.found.scene}, by level {task.level} alone: {'; '.join(values)}")
 
@@ -338,7 +341,7 @@ def compute_study(
     return references
 
 
-def extremes(table: Sequence[dict[str, Any]]) -> list[dict[str, Any]]:
+def terminal_rows(table: Sequence[dict[str, Any]]) -> list[dict[str, Any]]:
     """Return the table for the terminal: without rows of single balls and uncertainty in per cent."""
     return [
         {k: v for k, v in row.items() if k not in ("uncertainty_percent", "kind")}
@@ -347,7 +350,7 @@ def extremes(table: Sequence[dict[str, Any]]) -> list[dict[str, Any]]:
     ]
 
 
-def library(
+def mesh_study_for_library(
     target: Solvable, levels: int | None, step: Callable[[str], None], *, spread: bool, store: Path
 ) -> tuple[dict[str, Any], str, tuple[str, ...]]:
     """Run a mesh study for `rollbench.mesh_study`.
@@ -376,13 +379,14 @@ def library(
     """
     from rollbench.meshes.cache import default_root
 
-    stores, wanted = (store, shipped_store()), levels_of(levels)
+    stores, wanted = (store, shipped_store()), chosen_levels(levels)
     references = compute_study([target], wanted, stores, Engine(cache=default_root()), step, spread=spread)
     results = [
-        {"scene": target.name, "levels": level_rows(x.found), "quantities": table_of(x, stores, wanted)} | named(x)
+        {"scene": target.name, "levels": level_rows(x.found), "quantities": table_of_reference(x, stores, wanted)}
+        | named(x)
         for x in references
     ]
-    lines = tuple(closing(one.found) for one in references)
+    lines = tuple(accuracy_sentence(one.found) for one in references)
     if isinstance(target, Scene):
         return results[0], "levels", lines
     return {"scene": target.name, "sets": results}, "sets", lines

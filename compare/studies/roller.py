@@ -78,7 +78,7 @@ class RollerRun:
 
 
 @dataclass(frozen=True)
-class Roller:
+class LoadedRoller:
     """A kind of roller of a scene, and its load."""
 
     #: Its row, without what does not matter to a roller between its races.
@@ -95,12 +95,12 @@ def has_rollers(scene: Described) -> bool:
     return isinstance(one, Assembly) and any(isinstance(s.parts, RollerRow) for s in one.sets)
 
 
-def rollers_of(assembly: Assembly) -> list[Roller]:
+def loaded_rollers(assembly: Assembly) -> list[LoadedRoller]:
     """Return the kinds of rollers of a scene with their largest loads; empty without rollers.
 
     Raises Refusal where the scene has no equilibrium, or loads no roller.
     """
-    rows = {s.name: _plain(s.parts) for s in assembly.sets if isinstance(s.parts, RollerRow)}
+    rows = {s.name: _without_irrelevant_fields(s.parts) for s in assembly.sets if isinstance(s.parts, RollerRow)}
     if not rows:
         return []
     result = run_model(assembly)
@@ -113,32 +113,32 @@ def rollers_of(assembly: Assembly) -> list[Roller]:
         load = float(f"{max(loads[name] for name in names):.4g}")
         if load <= 0.0:
             raise Refusal(assembly.name, ", ".join(names), "carries no load", "give the scene a load")
-        out.append(Roller(row, names, load))
+        out.append(LoadedRoller(row, names, load))
     return out
 
 
-def _plain(row: RollerRow) -> RollerRow:
+def _without_irrelevant_fields(row: RollerRow) -> RollerRow:
     """Return the row without the fields that do not affect the 3D roller, such as phase and rib."""
     return replace(row, phase=0.0, end_radius=None, rib_height=None, rib_friction=None, torque_factor=None)
 
 
-def file_of(roller: Roller, level: int) -> str:
+def run_file_name(roller: LoadedRoller, level: int) -> str:
     """Return the name of the file of a run in a store."""
     key = digest("roller", SCHEMA, replace(roller.row, slices=1), roller.load, SHARES)[:16]
     return f"roller-level{level}-{key}.json"
 
 
-def stored(roller: Roller, level: int, stores: Sequence[Path]) -> RollerRun | None:
+def stored_run(roller: LoadedRoller, level: int, stores: Sequence[Path]) -> RollerRun | None:
     """Return the stored run of a roller on a mesh level, from the first store that has it; None without one."""
     for store in stores:
         try:
-            return RollerRun(**unsealed(store / file_of(roller, level)))
+            return RollerRun(**unsealed(store / run_file_name(roller, level)))
         except (OSError, ValueError, TypeError):
             continue
     return None
 
 
-def run_of(roller: Roller, level: int, stores: Sequence[Path], *, fresh: bool = False) -> RollerRun:
+def load_or_compute_run(roller: LoadedRoller, level: int, stores: Sequence[Path], *, fresh: bool = False) -> RollerRun:
     """Return the run of a roller on a mesh level: a stored one, else a new one, saved in the first store.
 
     Raises
@@ -146,7 +146,7 @@ def run_of(roller: Roller, level: int, stores: Sequence[Path], *, fresh: bool = 
     Refusal
         A straight roller with sharp ends, or a contact that leaves what the model describes.
     """
-    if not fresh and (known := stored(roller, level, stores)) is not None:
+    if not fresh and (known := stored_run(roller, level, stores)) is not None:
         return known
     from rollbench.hifi.contact import roller as hifi
 
@@ -180,12 +180,12 @@ def run_of(roller: Roller, level: int, stores: Sequence[Path], *, fresh: bool = 
         machine=now.machine,
         date=datetime.now(UTC).date().isoformat(),
     )
-    replace_file(stores[0] / file_of(roller, level), sealed(asdict(run)))
+    replace_file(stores[0] / run_file_name(roller, level), sealed(asdict(run)))
     return run
 
 
 @dataclass(frozen=True)
-class LowOrder:
+class LowOrderStiffness:
     """Approach and stiffness of a roller under a load by low-order laws; SI."""
 
     #: Approach and stiffness of the slices' law, which every solve uses.
@@ -196,15 +196,15 @@ class LowOrder:
     norm_stiffness: float
 
 
-def low_order(row: RollerRow, load: float) -> LowOrder:
+def low_order_stiffness(row: RollerRow, load: float) -> LowOrderStiffness:
     """Return approach and stiffness by low-order laws of a roller that its races press with a load [N]."""
     roller = sliced(tapered(row), row.slices, circular_crown(row.crown))
     approach = approach_of(roller, load)
     norm = 1e-3 * (load / (NORM * (1e3 * row.length) ** (8.0 / 9.0))) ** 0.9
-    return LowOrder(approach, slice_state(roller, approach).stiffness, norm, load / (0.9 * norm))
+    return LowOrderStiffness(approach, slice_state(roller, approach).stiffness, norm, load / (0.9 * norm))
 
 
-def line_contact(row: RollerRow, line_loads: Sequence[float]) -> list[float]:
+def line_contact_pressures(row: RollerRow, line_loads: Sequence[float]) -> list[float]:
     """Return Hertz's largest pressure [Pa] in mid-roller at outer and inner contact, from loads per length [N/m]."""
     bearing = tapered(row)
     roller, cone, cup = (float(r) for r in bearing.radii())
@@ -213,17 +213,17 @@ def line_contact(row: RollerRow, line_loads: Sequence[float]) -> list[float]:
     return [float(pressure(q, half_width(q, k, modulus))) for q, k in zip(line_loads, curved, strict=True)]
 
 
-def _of_load(name: str, k: int, run: RollerRun) -> float:
+def _value_at_load(name: str, k: int, run: RollerRun) -> float:
     """Return a field's value at load number ``k`` of a run."""
     return float(getattr(run, name)[k])
 
 
-def _of_race(name: str, race: int, run: RollerRun) -> float:
+def _value_at_race(name: str, race: int, run: RollerRun) -> float:
     """Return a field's value at one race under the first load of a run."""
     return float(getattr(run, name)[0][race])
 
 
-def quantity_rows(roller: Roller, runs: Sequence[RollerRun]) -> list[dict[str, Any]]:
+def quantity_rows(roller: LoadedRoller, runs: Sequence[RollerRun]) -> list[dict[str, Any]]:
     """Return a row for each quantity: its value on every level, uncertainty, low-order values and their errors [%].
 
     Parameters
@@ -237,7 +237,7 @@ def quantity_rows(roller: Roller, runs: Sequence[RollerRun]) -> list[dict[str, A
 
     def add(name: str, unit: str, scale: float, take: Callable[[RollerRun], float], **low: float) -> None:
         values = [scale * take(run) for run in runs]
-        found = convergence(values, runs)
+        found = run_convergence(values, runs)
         row: dict[str, Any] = {"quantity": name, "unit": unit}
         row |= {f"level {run.level}": value for run, value in zip(runs, values, strict=True)}
         row |= {"order": found.order, "extrapolated": found.extrapolated, "uncertainty": found.uncertainty}
@@ -248,32 +248,39 @@ def quantity_rows(roller: Roller, runs: Sequence[RollerRun]) -> list[dict[str, A
         rows.append(row)
 
     for k, load in enumerate(runs[-1].load):
-        low = low_order(roller.row, load)
+        low = low_order_stiffness(roller.row, load)
         at = f"under {load:.4g} N"
-        add(f"approach {at}", "um", 1e6, partial(_of_load, "approach", k), low_order=low.approach, norm=low.norm_approach)
+        add(
+            f"approach {at}",
+            "um",
+            1e6,
+            partial(_value_at_load, "approach", k),
+            low_order=low.approach,
+            norm=low.norm_approach,
+        )
         both = {"low_order": low.stiffness, "norm": low.norm_stiffness}
-        add(f"stiffness {at}", "N/um", 1e-6, partial(_of_load, "stiffness", k), **both)
-    hertz = line_contact(roller.row, runs[-1].middle_line_load[0])
+        add(f"stiffness {at}", "N/um", 1e-6, partial(_value_at_load, "stiffness", k), **both)
+    hertz = line_contact_pressures(roller.row, runs[-1].middle_line_load[0])
     for i, race in enumerate(RACES):
-        add(f"middle line load, {race}", "N/mm", 1e-3, partial(_of_race, "middle_line_load", i))
-        add(f"middle pressure, {race}", "MPa", 1e-6, partial(_of_load, "middle_pressure", i), line_contact=hertz[i])
-        add(f"largest pressure, {race}", "MPa", 1e-6, partial(_of_load, "largest_pressure", i))
+        add(f"middle line load, {race}", "N/mm", 1e-3, partial(_value_at_race, "middle_line_load", i))
+        add(f"middle pressure, {race}", "MPa", 1e-6, partial(_value_at_load, "middle_pressure", i), line_contact=hertz[i])
+        add(f"largest pressure, {race}", "MPa", 1e-6, partial(_value_at_load, "largest_pressure", i))
     return rows
 
 
-def shown(rows: Sequence[dict[str, Any]]) -> list[dict[str, Any]]:
+def terminal_rows(rows: Sequence[dict[str, Any]]) -> list[dict[str, Any]]:
     """Return `quantity_rows` for the terminal, without the columns ``HIDDEN``."""
     return [{k: v for k, v in row.items() if k not in HIDDEN} for row in rows]
 
 
-def convergence(values: Sequence[float], runs: Sequence[RollerRun]) -> Convergence:
+def run_convergence(values: Sequence[float], runs: Sequence[RollerRun]) -> Convergence:
     """Return the convergence of a quantity over runs on finer and finer meshes."""
     return observe(values, [1.0 / run.across for run in runs])
 
 
-def enough(runs: Sequence[RollerRun]) -> float | None:
+def approach_uncertainty_percent(runs: Sequence[RollerRun]) -> float | None:
     """Return the grid uncertainty of the finest run's approach [%]; None with a single run."""
-    bar = convergence([run.approach[0] for run in runs], runs).uncertainty
+    bar = run_convergence([run.approach[0] for run in runs], runs).uncertainty
     return None if bar is None else float(error_percent(bar, 0.0, runs[-1].approach[0]))
 
 
@@ -288,16 +295,16 @@ def level_rows(runs: Sequence[RollerRun]) -> list[dict[str, Any]]:
             "seconds": run.seconds,
             "cpu_seconds": run.cpu_seconds,
             "difference_percent": float(error_percent(run.approach[0], runs[-1].approach[0])),
-            "enough_for_percent": enough(runs[: k + 1]),
+            "enough_for_percent": approach_uncertainty_percent(runs[: k + 1]),
             "imbalance_percent": 100.0 * run.imbalance,
         }
         for k, run in enumerate(runs)
     ]
 
 
-def study(
+def study_rollers(
     assembly: Assembly, count: int | None, stores: Sequence[Path], step: Callable[[str], None], *, fresh: bool = False
-) -> list[tuple[Roller, list[RollerRun]]]:
+) -> list[tuple[LoadedRoller, list[RollerRun]]]:
     """Return runs of every kind of roller of a scene on levels 1 to ``count``, all unless given.
 
     Raises
@@ -309,21 +316,21 @@ def study(
     if not 1 <= count <= len(LEVELS):
         raise ArgumentError("levels", str(count), f"1 to {len(LEVELS)} of rollers", "three levels give an order")
     out = []
-    for roller in rollers_of(assembly):
+    for roller in loaded_rollers(assembly):
         runs = []
         for level in LEVELS[:count]:
             step(f"{assembly.name}: a roller of {', '.join(roller.sets)} on level {level}")
-            runs.append(run_of(roller, level, stores, fresh=fresh))
+            runs.append(load_or_compute_run(roller, level, stores, fresh=fresh))
         out.append((roller, runs))
     return out
 
 
-def closing(roller: Roller, runs: Sequence[RollerRun]) -> str:
+def low_order_sentence(roller: LoadedRoller, runs: Sequence[RollerRun]) -> str:
     """Return what the study says of the low-order law."""
-    low, best = low_order(roller.row, roller.load), runs[-1]
+    low, best = low_order_stiffness(roller.row, roller.load), runs[-1]
     off = float(error_percent(low.stiffness, best.stiffness[0]))
     norm = float(error_percent(low.norm_stiffness, best.stiffness[0]))
-    hertz = line_contact(roller.row, best.middle_line_load[0])
+    hertz = line_contact_pressures(roller.row, best.middle_line_load[0])
     middle = max(abs(float(error_percent(p, h))) for p, h in zip(best.middle_pressure, hertz, strict=True))
     return (
         f"Stiffness of a roller under {roller.load:.4g} N against 3D: slices {off:+.1f} %, spring of ISO/TS 16281 "
@@ -332,7 +339,7 @@ def closing(roller: Roller, runs: Sequence[RollerRun]) -> str:
     )
 
 
-def answer(roller: Roller, runs: Sequence[RollerRun]) -> dict[str, Any]:
+def study_json(roller: LoadedRoller, runs: Sequence[RollerRun]) -> dict[str, Any]:
     """Return the JSON of a roller's study."""
     best = runs[-1]
     profile = [
@@ -349,10 +356,10 @@ def answer(roller: Roller, runs: Sequence[RollerRun]) -> dict[str, Any]:
     }
 
 
-def library(
+def roller_study_for_library(
     assembly: Assembly, levels: int | None, step: Callable[[str], None], store: Path
 ) -> tuple[dict[str, Any], str, tuple[str, ...]]:
     """Return JSON, the key of the table to show, and closing lines for `rollbench.mesh_study`."""
-    found = study(assembly, levels, (store, shipped_store()), step)
-    sets = [{"scene": assembly.name} | answer(one, runs) for one, runs in found]
-    return {"scene": assembly.name, "sets": sets}, "sets", tuple(closing(one, runs) for one, runs in found)
+    found = study_rollers(assembly, levels, (store, shipped_store()), step)
+    sets = [{"scene": assembly.name} | study_json(one, runs) for one, runs in found]
+    return {"scene": assembly.name, "sets": sets}, "sets", tuple(low_order_sentence(one, runs) for one, runs in found)

@@ -54,7 +54,7 @@ class Job:
     note: str = ""
 
 
-def timed(work: Callable[[], object], repeats: int, reset: Callable[[], object] | None = None) -> float:
+def median_seconds(work: Callable[[], object], repeats: int, reset: Callable[[], object] | None = None) -> float:
     """Return the median wall clock of ``work`` [s], after one run that is not counted.
 
     ``reset`` runs before each, untimed.
@@ -76,13 +76,13 @@ def timed(work: Callable[[], object], repeats: int, reset: Callable[[], object] 
     return median(seconds[1:])
 
 
-def as_a_users(extra: dict[str, str] | None = None) -> dict[str, str]:
+def user_environment(extra: dict[str, str] | None = None) -> dict[str, str]:
     """Return the environment for a timed process: no variables that set thread counts, ``extra`` added."""
     return {name: value for name, value in os.environ.items() if name not in VARIABLES} | (extra or {})
 
 
 @dataclass(frozen=True)
-class Launched:
+class FinishedProcess:
     """Finished process: times, exit code and output."""
 
     #: Wall clock to its end [s].
@@ -97,12 +97,12 @@ class Launched:
     output: str
 
 
-def launch(arguments: list[str], extra: dict[str, str] | None = None, folder: str | None = None) -> Launched:
+def launch_process(arguments: list[str], extra: dict[str, str] | None = None, folder: str | None = None) -> FinishedProcess:
     """Run a Python process as a user would on a terminal; it is killed after `PATIENCE` seconds.
 
     It imports nothing from its working folder.
     """
-    environment = as_a_users({"PYTHONUNBUFFERED": "1"} | (extra or {}))
+    environment = user_environment({"PYTHONUNBUFFERED": "1"} | (extra or {}))
     before, begin = os.times(), perf_counter()
     process = subprocess.Popen(
         [sys.executable, "-P", *arguments],
@@ -121,10 +121,10 @@ def launch(arguments: list[str], extra: dict[str, str] | None = None, folder: st
         written = line + process.stdout.read()
     patience.cancel()
     seconds = perf_counter() - begin
-    return Launched(seconds, first, _cpu(before, os.times()), process.returncode, written)
+    return FinishedProcess(seconds, first, _child_cpu_seconds(before, os.times()), process.returncode, written)
 
 
-def _cpu(before: os.times_result, after: os.times_result) -> float:
+def _child_cpu_seconds(before: os.times_result, after: os.times_result) -> float:
     """Return the CPU time of child processes that ended between two calls of ``os.times`` [s]."""
     return sum(y - x for x, y in zip(before[2:4], after[2:4], strict=True))
 
@@ -205,7 +205,7 @@ print(json.dumps({{"done": time(), "stages": run.stages, **own}}))
 
 
 @dataclass(frozen=True)
-class ColdLevel:
+class ColdLevelTime:
     """Time of a level of the 3D reference, from the start of the interpreter to its loads; None: not measured."""
 
     #: Mesh level.
@@ -229,7 +229,7 @@ class ColdLevel:
 
 
 @dataclass(frozen=True)
-class Cold:
+class ColdModelTime:
     """Time of a model on a scene in a new process."""
 
     #: Seconds of interpreter, imports and first solution.
@@ -246,9 +246,9 @@ class Cold:
     status: str
 
 
-def measure(
+def measure_model(
     scene: str, model: str, *, engine: str = "interpreted", condensed: Path | None = None, repeats: int = REPEATS
-) -> Cold:
+) -> ColdModelTime:
     """Measure a model on a shipped scene in a new process with empty caches; RuntimeError if the process fails."""
     ask = {
         "scene": scene,
@@ -257,30 +257,32 @@ def measure(
         "repeats": repeats,
         "condensed": str(condensed.resolve()) if condensed else "",
     }
-    begin, printed = _alone(CHILD, ask, f"{model} on {scene}")
-    return Cold(printed["done"] - begin, printed["first"], printed["warm"], printed["memory"], engine, printed["status"])
+    begin, printed = _run_with_empty_caches(CHILD, ask, f"{model} on {scene}")
+    return ColdModelTime(
+        printed["done"] - begin, printed["first"], printed["warm"], printed["memory"], engine, printed["status"]
+    )
 
 
 def measure_call(imports: str, call: str, what: str, repeats: int = REPEATS) -> RunTime:
     """Measure a call and its repetitions in a new process with empty caches; RuntimeError if the process fails."""
-    begin, printed = _alone(CALL_CHILD, {"imports": imports, "call": call, "repeats": repeats}, what)
+    begin, printed = _run_with_empty_caches(CALL_CHILD, {"imports": imports, "call": call, "repeats": repeats}, what)
     return RunTime(printed["done"] - begin, printed["warm"], printed["memory"])
 
 
-def measure_level(scene: str, level: int) -> ColdLevel:
+def measure_level(scene: str, level: int) -> ColdLevelTime:
     """Measure a level of the 3D reference in a new process with empty caches, on all cores.
 
     RuntimeError if the process fails.
     """
     before = os.times()
-    begin, printed = _alone(LEVEL_CHILD, {"scene": scene, "level": level}, f"level {level} of {scene}")
+    begin, printed = _run_with_empty_caches(LEVEL_CHILD, {"scene": scene, "level": level}, f"level {level} of {scene}")
     after = os.times()
-    cpu = _cpu(before, after)
+    cpu = _child_cpu_seconds(before, after)
     known = {name: printed[name] for name in ("contacts", "load_case", "stages")}
-    return ColdLevel(level, printed["done"] - begin, cpu, printed["memory"], printed["status"], scene, **known)
+    return ColdLevelTime(level, printed["done"] - begin, cpu, printed["memory"], printed["status"], scene, **known)
 
 
-def _alone(child: str, ask: dict[str, Any], what: str) -> tuple[float, dict[str, Any]]:
+def _run_with_empty_caches(child: str, ask: dict[str, Any], what: str) -> tuple[float, dict[str, Any]]:
     """Run a program in a new process with empty caches; return its start time [s] and its JSON output."""
     with tempfile.TemporaryDirectory() as folder:
         caches = {name: str(Path(folder) / name.lower()) for name in ("ROLLBENCH_CACHE", "NUMBA_CACHE_DIR")}
@@ -294,7 +296,7 @@ def _alone(child: str, ask: dict[str, Any], what: str) -> tuple[float, dict[str,
             text=True,
             check=False,
             timeout=PATIENCE,
-            env=as_a_users(caches),
+            env=user_environment(caches),
         )
     if process.returncode != 0:
         last = process.stderr.strip().splitlines()[-1:] or ["no message"]
@@ -331,11 +333,11 @@ class Kept:
     #: Times by scene and model.
     times: Mapping[tuple[str, str], RunTime]
     #: Times of a first process by model and kind of kernels.
-    first: Mapping[tuple[str, str], Cold]
+    first: Mapping[tuple[str, str], ColdModelTime]
     #: Cold times of levels of the 3D reference.
-    levels: Sequence[ColdLevel] = ()
+    levels: Sequence[ColdLevelTime] = ()
     #: Times of commands.
-    typed: Sequence[Typed] = ()
+    typed: Sequence[CommandTime] = ()
 
     def __str__(self) -> str:
         """Return the conditions of the measurement in words."""
@@ -348,7 +350,7 @@ class Kept:
 
 
 @dataclass(frozen=True)
-class SetUp:
+class SetUpCost:
     """Processor time of a cold set-up in one process with one thread."""
 
     #: Name of the scene.
@@ -367,7 +369,7 @@ class SetUp:
 
 
 @dataclass(frozen=True)
-class Way:
+class SetUpVariant:
     """Cheaper variant of a set-up on level 1: time saved and change of the loads."""
 
     #: Name of the scene.
@@ -381,13 +383,13 @@ class Way:
 
 
 @dataclass(frozen=True)
-class Costs:
+class SetUpCosts:
     """Costs of set-ups, with machine, date and version of the measurement."""
 
     machine: str
     date: str
-    jobs: Sequence[SetUp]
-    ways: Sequence[Way]
+    jobs: Sequence[SetUpCost]
+    ways: Sequence[SetUpVariant]
     version: str = ""
 
 
@@ -396,7 +398,7 @@ def today() -> str:
     return datetime.datetime.now(datetime.UTC).strftime("%Y-%m-%d")
 
 
-def first_kept(stores: Sequence[Path], file: str, made: Callable[[Any], T]) -> T | None:
+def load_first_valid(stores: Sequence[Path], file: str, made: Callable[[Any], T]) -> T | None:
     """Return ``made`` of the JSON file in the first store where it is valid; None without a valid file."""
     for store in stores:
         with suppress(OSError, ValueError, KeyError, TypeError):
@@ -404,12 +406,12 @@ def first_kept(stores: Sequence[Path], file: str, made: Callable[[Any], T]) -> T
     return None
 
 
-def save_rows(store: Path, file: str, records: Sequence[Any]) -> None:
+def save_records(store: Path, file: str, records: Sequence[Any]) -> None:
     """Write records to a JSON file in a store, one per line; InputError if it cannot be written."""
-    replace_file(store / file, f"[{_lines([asdict(one) for one in records])}]\n")
+    replace_file(store / file, f"[{_json_lines([asdict(one) for one in records])}]\n")
 
 
-def _lines(rows: Sequence[Any]) -> str:
+def _json_lines(rows: Sequence[Any]) -> str:
     """Return JSON of rows, a row per line."""
     return ",\n ".join(json.dumps(row) for row in rows)
 
@@ -418,13 +420,13 @@ def _lines(rows: Sequence[Any]) -> str:
 TYPED = "typed"
 
 
-def file_of(source: str) -> str:
+def times_file_name(source: str) -> str:
     """Return the file name of run times: of a case's page, commands (`TYPED`), or (empty) all compared scenes."""
     return f"run_times_{source}.json" if source else RUN_TIMES
 
 
 def save_times(store: Path, kept: Kept, source: str = "") -> None:
-    """Write run times to a store; ``source`` as in `file_of`. InputError if the file cannot be written."""
+    """Write run times to a store; ``source`` as in `times_file_name`. InputError if the file cannot be written."""
     lists = {
         "times": [{"scene": scene, "model": model, **asdict(t)} for (scene, model), t in sorted(kept.times.items())],
         "first": [{"model": model, **asdict(c)} for (model, _), c in sorted(kept.first.items())],
@@ -432,38 +434,38 @@ def save_times(store: Path, kept: Kept, source: str = "") -> None:
         "typed": [asdict(c) for c in kept.typed],
     }
     head = ", ".join(f'"{k}": {json.dumps(v)}' for k, v in {**asdict(kept.measured), "date": kept.date}.items())
-    body = ", ".join(f'"{name}": [\n {_lines(rows)}]' for name, rows in lists.items())
-    replace_file(store / file_of(source), f"{{{head}, {body}}}\n")
+    body = ", ".join(f'"{name}": [\n {_json_lines(rows)}]' for name, rows in lists.items())
+    replace_file(store / times_file_name(source), f"{{{head}, {body}}}\n")
 
 
-def times_of(study: Study, source: str) -> Kept | None:
+def times_of_page(study: Study, source: str) -> Kept | None:
     """Return the times of a case's page from one measuring run, else those of all compared scenes; None without any."""
     stores = (*(study.stores or ()), shipped_store())
     return load_times(stores, source) or load_times(stores)
 
 
 def load_times(stores: Sequence[Path], source: str = "") -> Kept | None:
-    """Return the run times from the first store with a valid file, else None; ``source`` as in `file_of`."""
+    """Return the run times from the first store with a valid file, else None; ``source`` as in `times_file_name`."""
 
     def made(data: dict[str, Any]) -> Kept:
         times = {(r["scene"], r["model"]): RunTime(r["cold"], r["warm"], r["memory"]) for r in data["times"]}
-        first = {(r.pop("model"), r["engine"]): Cold(**r) for r in data["first"]}
-        levels = tuple(ColdLevel(**r) for r in data.get("levels", []))
+        first = {(r.pop("model"), r["engine"]): ColdModelTime(**r) for r in data["first"]}
+        levels = tuple(ColdLevelTime(**r) for r in data.get("levels", []))
         measured = Measured(data.get("version", ""), data.get("sources", ""), data["machine"])
-        commands = tuple(Typed(**r) for r in data.get("typed", []))
+        commands = tuple(CommandTime(**r) for r in data.get("typed", []))
         return Kept(measured, data["date"], times, first, levels, commands)
 
-    return first_kept(stores, file_of(source), made)
+    return load_first_valid(stores, times_file_name(source), made)
 
 
-def load_costs(stores: Sequence[Path]) -> Costs | None:
+def load_costs(stores: Sequence[Path]) -> SetUpCosts | None:
     """Return the set-up costs from the first store with a valid file; None without one."""
 
-    def made(data: dict[str, Any]) -> Costs:
-        jobs, ways = [SetUp(**row) for row in data["jobs"]], [Way(**row) for row in data["ways"]]
-        return Costs(data["machine"], data["date"], jobs, ways, data.get("version", ""))
+    def made(data: dict[str, Any]) -> SetUpCosts:
+        jobs, ways = [SetUpCost(**row) for row in data["jobs"]], [SetUpVariant(**row) for row in data["ways"]]
+        return SetUpCosts(data["machine"], data["date"], jobs, ways, data.get("version", ""))
 
-    return first_kept(stores, SET_UP_COSTS, made)
+    return load_first_valid(stores, SET_UP_COSTS, made)
 
 
 #: A new catalogue screw.
@@ -491,7 +493,7 @@ MEMBERS, THREADS = 1000, (1, 2)
 
 
 @dataclass(frozen=True)
-class Typed:
+class CommandTime:
     """Time of a command typed in an empty home directory; None: not measured."""
 
     #: The command.
@@ -525,35 +527,35 @@ class Typed:
         return Job(f"{self.command}, from an empty home", self.seconds, note=note)
 
 
-def typed(command: str) -> Typed:
+def time_command(command: str) -> CommandTime:
     """Measure a command in an empty home, again, and next to a busy process; only a note if it fails."""
-    found = _in_empty_home(command, 2)
+    found = _run_in_empty_home(command, 2)
     busy = subprocess.Popen([sys.executable, "-c", BUSY])
     try:
-        found += _in_empty_home(command, 1)
+        found += _run_in_empty_home(command, 1)
     finally:
         busy.kill()
         busy.wait()
     for one in found:
         if one.code != 0:
             last = one.output.strip().splitlines()[-1:] or ["no message"]
-            return Typed(command, note=f"not measured: {last[0][:120]}")
+            return CommandTime(command, note=f"not measured: {last[0][:120]}")
     alone, again, beside = found
     spent = again.seconds, again.cpu, beside.seconds, beside.cpu
-    return Typed(command, alone.seconds, alone.first_line, alone.cpu, *spent)
+    return CommandTime(command, alone.seconds, alone.first_line, alone.cpu, *spent)
 
 
-def _in_empty_home(command: str, times: int) -> list[Launched]:
+def _run_in_empty_home(command: str, times: int) -> list[FinishedProcess]:
     """Run a command several times in one new home directory, with ``my.toml`` if the command names it."""
     with tempfile.TemporaryDirectory() as home:
         places = {"XDG_CACHE_HOME": "cache", "ROLLBENCH_CACHE": "cache/rollbench", "NUMBA_CACHE_DIR": "cache/numba"}
         own = {name: str(Path(home) / place) for name, place in places.items()} | {"HOME": home}
         if "my.toml" in command:
-            launch(["-m", "rollbench", *NEW.split()], own, home)
-        return [launch(["-m", "rollbench", *command.split()], own, home) for _ in range(times)]
+            launch_process(["-m", "rollbench", *NEW.split()], own, home)
+        return [launch_process(["-m", "rollbench", *command.split()], own, home) for _ in range(times)]
 
 
-def in_threads(count: int = MEMBERS, repeats: int = 3) -> Iterator[Job]:
+def time_threads(count: int = MEMBERS, repeats: int = 3) -> Iterator[Job]:
     """Measure an ensemble of ``lin-random`` by the model lin in one and in two threads."""
     parts = scene("lin-random")
     alone = 0.0
@@ -562,7 +564,7 @@ def in_threads(count: int = MEMBERS, repeats: int = 3) -> Iterator[Job]:
         def work(threads: int = threads) -> object:
             return run_ensemble(parts, count, threads=threads)
 
-        seconds = timed(work, repeats)
+        seconds = median_seconds(work, repeats)
         alone = alone or seconds
         name = f"{count} members of lin-random, threads: {threads}"
         yield Job(name, seconds, alone / seconds, note="model lin, compiled; ratio: one thread's time over this")

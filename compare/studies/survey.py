@@ -82,7 +82,7 @@ def scene_text(seed: int, number: int) -> str:
     starts = 2 if lead > 0.3 * outer and kind != "lead offset" and rng.random() < 0.45 else 1
     sizes = values_like(f"{outer}x{lead / starts:g}")
     ball, pitch, wall = sizes["ball"], sizes["pitch"], sizes["outside"]
-    balls, count = _balls(rng, starts, ball, touching_angle(pitch / 2.0, lead, ball), halved=kind == "lead offset")
+    balls, count = _draw_balls(rng, starts, ball, touching_angle(pitch / 2.0, lead, ball), halved=kind == "lead offset")
     force = LOAD * ball**2 * count * np.sin(pi / 4.0)
     length = round(outer * rng.uniform(12.0, 30.0))
     track = {
@@ -92,7 +92,7 @@ def scene_text(seed: int, number: int) -> str:
         "hand": str(rng.choice(["right", "right", "left"])),
         "starts": starts,
     }
-    screw = {"length": f"{length} mm", "outer_diameter": f"{outer} mm", "conformity": _conformity(rng)}
+    screw = {"length": f"{length} mm", "outer_diameter": f"{outer} mm", "conformity": _draw_conformity(rng)}
     position = length * rng.uniform(0.3, 0.7)
     outside = float(f"{wall * rng.uniform(0.95, 1.2):.3g}")
     scene: dict[str, Any] = {
@@ -104,28 +104,28 @@ def scene_text(seed: int, number: int) -> str:
             "position": f"{position:.4g} mm",
             "length": f"{length * 0.58:.4g} mm",
             "outer_diameter": f"{outside:g} mm",
-            "conformity": _conformity(rng),
+            "conformity": _draw_conformity(rng),
         },
         "balls": balls,
-        "errors": _errors(rng),
+        "errors": _draw_errors(rng),
         "solid": {"nut_held": str(rng.choice(HELD))},
-        "supports": _supports(rng, length),
+        "supports": _draw_supports(rng, length),
     }
     if rng.random() < 0.25:
         scene["screw"]["bore"] = f"{floor(0.4 * outer)} mm"
     if kind != "none":
-        scene["preload"] = _preload(rng, kind, ball, force)
-    scene["loads"] = _loads(rng, force, pitch / 2.0, scene["nut"]["position"])
-    nut_length = _nut_length(scene, rng)
+        scene["preload"] = _draw_preload(rng, kind, ball, force)
+    scene["loads"] = _draw_loads(rng, force, pitch / 2.0, scene["nut"]["position"])
+    nut_length = _draw_nut_length(scene, rng)
     scene["nut"]["length"] = f"{nut_length:.3f} mm"
     if number >= TUBES:
         del scene["solid"]
         scene["title"] += ", flange"
-        scene["nut"] |= _flange(rng, nut_length, outside)
-    return _toml(scene)
+        scene["nut"] |= _draw_flange(rng, nut_length, outside)
+    return _toml_text(scene)
 
 
-def _flange(rng: np.random.Generator, length: float, wall: float) -> dict[str, dict[str, str]]:
+def _draw_flange(rng: np.random.Generator, length: float, wall: float) -> dict[str, dict[str, str]]:
     """Return a flange for a nut of a length and an outer diameter [mm], with the annulus of its face that is fixed."""
     wide, thick = wall * rng.uniform(1.3, 1.8), min(wall * rng.uniform(0.15, 0.3), 0.4 * length)
     room, fit = wide - wall, rng.uniform(0.05, 0.5) * (length - thick)
@@ -142,15 +142,15 @@ def _flange(rng: np.random.Generator, length: float, wall: float) -> dict[str, d
     }
 
 
-def _log(rng: np.random.Generator, low: float, high: float) -> float:
+def _draw_log_uniform(rng: np.random.Generator, low: float, high: float) -> float:
     return float(np.exp(rng.uniform(np.log(low), np.log(high))))
 
 
-def _conformity(rng: np.random.Generator) -> float:
+def _draw_conformity(rng: np.random.Generator) -> float:
     return round(float(rng.uniform(0.515, 0.54)), 3)
 
 
-def _balls(
+def _draw_balls(
     rng: np.random.Generator, starts: int, ball: float, touching: float, *, halved: bool
 ) -> tuple[dict[str, Any], int]:
     """Return the keys of the balls and their number; ``halved``: in an even number of circuits, none in the middle."""
@@ -165,17 +165,17 @@ def _balls(
     return keys | ({"circuit_gap": 0.5} if circuits > 1 else {}), count(circuits, turns)
 
 
-def _preload(rng: np.random.Generator, kind: str, ball: float, force: float) -> dict[str, str]:
+def _draw_preload(rng: np.random.Generator, kind: str, ball: float, force: float) -> dict[str, str]:
     """Return the keys of a preload or clearance for balls of a diameter [mm] and a typical axial load [N]."""
-    size = 1e3 * OVERSIZE * ball * _log(rng, 0.3, 2.5)
+    size = 1e3 * OVERSIZE * ball * _draw_log_uniform(rng, 0.3, 2.5)
     if kind == "force":
-        return {"force": f"{force * _log(rng, 0.1, 0.6):.3g} N"}
+        return {"force": f"{force * _draw_log_uniform(rng, 0.1, 0.6):.3g} N"}
     if kind == "lead offset":
         return {"lead_offset": f"{2.0 * size * rng.choice([-1.0, 1.0]):.3g} um"}
     return {"oversize": f"{size if kind == 'oversize' else -size:.3g} um"}
 
 
-def _errors(rng: np.random.Generator) -> dict[str, Any]:
+def _draw_errors(rng: np.random.Generator) -> dict[str, Any]:
     """Return random errors of a tolerance class, or none."""
     chosen = int(rng.integers(len(CLASSES) + 1))
     if chosen == len(CLASSES):
@@ -185,12 +185,12 @@ def _errors(rng: np.random.Generator) -> dict[str, Any]:
     return {"seed": int(rng.integers(2**31)), "balls": {"sigma": radius}} | dict.fromkeys(("SL", "SR", "NL", "NR"), flank)
 
 
-def _supports(rng: np.random.Generator, length: int) -> list[dict[str, Any]]:
+def _draw_supports(rng: np.random.Generator, length: int) -> list[dict[str, Any]]:
     """Return a fixed bearing on the left; on the right a floating or clamped one, offset or tilted or not, or none."""
     left = {"at": "0 mm", "fix": ["ux", "uy", "rx", "ry", "rz"]}
     right = str(rng.choice(["floating", "floating", "clamped", "none"]))
     offset, tilt = rng.random() < 0.35, rng.random() < 0.25
-    moved, turned = _log(rng, 10.0, 200.0), _log(rng, 0.03, 0.3)
+    moved, turned = _draw_log_uniform(rng, 10.0, 200.0), _draw_log_uniform(rng, 0.03, 0.3)
     if right == "none":
         return [left]
     held, given = ["uy"], {}
@@ -207,9 +207,9 @@ def _supports(rng: np.random.Generator, length: int) -> list[dict[str, Any]]:
     return [left, {"at": f"{length} mm", "fix": held} | ({"displace": given} if given else {})]
 
 
-def _loads(rng: np.random.Generator, force: float, radius: float, at: str) -> list[dict[str, Any]]:
+def _draw_loads(rng: np.random.Generator, force: float, radius: float, at: str) -> list[dict[str, Any]]:
     """Return an axial load at the left end, around a typical one [N]; at the nut a moment, a radial force or none."""
-    axial = force * _log(rng, 0.15, 1.6) * rng.choice([-1.0, 1.0])
+    axial = force * _draw_log_uniform(rng, 0.15, 1.6) * rng.choice([-1.0, 1.0])
     moment = force * radius * 1e-3 * rng.uniform(0.05, 0.5) * (rng.random() < 0.3)
     radial, turn = force * rng.uniform(0.02, 0.2) * (rng.random() < 0.3), rng.uniform(0.0, 2.0 * pi)
     out: list[dict[str, Any]] = [{"at": "0 mm", "force": ["0 N", "0 N", f"{axial:.4g} N"]}]
@@ -220,27 +220,27 @@ def _loads(rng: np.random.Generator, force: float, radius: float, at: str) -> li
     return out
 
 
-def _nut_length(scene: Mapping[str, Any], rng: np.random.Generator) -> float:
+def _draw_nut_length(scene: Mapping[str, Any], rng: np.random.Generator) -> float:
     """Return the length [mm] of a nut that ends 1 to 6 ball radii beyond its last balls, in whole micrometres."""
-    read = scene_file.loads(_toml({k: v for k, v in scene.items() if k != "preload"}), "survey.toml")
+    read = scene_file.loads(_toml_text({k: v for k, v in scene.items() if k != "preload"}), "survey.toml")
     reach = float(np.abs(ball_layout(read).z - read.nut.position).max())
-    return round(1e3 * 2.0 * (reach + read.balls.radius * _log(rng, 1.0, 6.0)) + 5e-4, 3)
+    return round(1e3 * 2.0 * (reach + read.balls.radius * _draw_log_uniform(rng, 1.0, 6.0)) + 5e-4, 3)
 
 
-def _toml(scene: Mapping[str, Any]) -> str:
+def _toml_text(scene: Mapping[str, Any]) -> str:
     """Return keys of a scene as TOML: plain values and lists, then tables and lists of tables."""
-    plain = {k: v for k, v in scene.items() if not isinstance(v, Mapping) and not _tables(v)}
+    plain = {k: v for k, v in scene.items() if not isinstance(v, Mapping) and not _is_list_of_tables(v)}
     lines = [f"{k} = {show(v)}" for k, v in plain.items()]
     for name, value in scene.items():
         if isinstance(value, Mapping):
             lines += ["", f"[{name}]", *(f"{k} = {show(v)}" for k, v in value.items())]
-        elif _tables(value):
+        elif _is_list_of_tables(value):
             for row in value:
                 lines += ["", f"[[{name}]]", *(f"{k} = {show(v)}" for k, v in row.items())]
     return "\n".join(lines) + "\n"
 
 
-def _tables(value: Any) -> bool:
+def _is_list_of_tables(value: Any) -> bool:
     return isinstance(value, list) and bool(value) and isinstance(value[0], Mapping)
 
 
@@ -256,7 +256,7 @@ RAISED = 1.05
 Record = dict[str, Any]
 
 
-def surveyed(seed: int, number: int, runs: Path | None = None) -> Record:
+def survey_screw(seed: int, number: int, runs: Path | None = None) -> Record:
     """Draw a scene, solve it and compare; any failure is part of the record, never an exception.
 
     Parameters
@@ -278,15 +278,15 @@ def surveyed(seed: int, number: int, runs: Path | None = None) -> Record:
     record: Record = {"number": number, "version": __version__}
     try:
         scene = scene_file.loads(text, f"{name}.toml")
-        record |= described(scene)
-        raised = replace(scene, name=f"{name}-raised", loads=tuple(_raised(x) for x in scene.loads))
-        found = [run for one in (scene, raised) if (run := kept(runs, one)) is not None]
+        record |= scene_features(scene)
+        raised = replace(scene, name=f"{name}-raised", loads=tuple(_raised_load(x) for x in scene.loads))
+        found = [run for one in (scene, raised) if (run := stored_run(runs, one)) is not None]
         if len(found) < 2:
             task = Task((scene, raised), LEVEL, cut_cells=CUT_CELLS)
             found = compute(task)
             if runs is not None:
                 keep(runs, task, found, None)
-        record |= compared(scene, raised, found)
+        record |= compare_models(scene, raised, found)
     except InputError as error:
         record["status"] = one_line(str(error), 400)
     except Exception as error:  # a traceback is what the survey looks for
@@ -294,18 +294,18 @@ def surveyed(seed: int, number: int, runs: Path | None = None) -> Record:
     return record | {"seconds": round(process_time() - begin, 1)}
 
 
-def kept(runs: Path | None, scene: Scene) -> Run | None:
+def stored_run(runs: Path | None, scene: Scene) -> Run | None:
     """Return the stored run of a scene in a folder; None without one."""
     paths = [] if runs is None else sorted(runs.glob(f"{scene.name}-level{LEVEL}-*.json"))
     return next((run for path in paths if (run := read_run(path, scene, LEVEL, "")) is not None), None)
 
 
-def _raised(load: Any) -> Any:
+def _raised_load(load: Any) -> Any:
     force, moment = (tuple(RAISED * x for x in values) for values in (load.force, load.moment))
     return replace(load, force=force, moment=moment)
 
 
-def described(scene: Scene) -> Record:
+def scene_features(scene: Scene) -> Record:
     """Return the features of a scene that determine a model's error and need no solution."""
     z, half, r = ball_layout(scene).z - scene.nut.position, scene.nut.length / 2.0, scene.balls.radius
     given: dict[str, float] = {}
@@ -335,7 +335,7 @@ def described(scene: Scene) -> Record:
     }
 
 
-def compared(scene: Scene, raised: Scene, runs: Sequence[Run]) -> Record:
+def compare_models(scene: Scene, raised: Scene, runs: Sequence[Run]) -> Record:
     """Return the status of the runs of a scene and of it under raised loads, its loads, and the models' errors."""
     run, raised_run = runs
     state = {
@@ -368,19 +368,19 @@ def compared(scene: Scene, raised: Scene, runs: Sequence[Run]) -> Record:
         "spread": round(float(run.load[run.load > 0.0].std()) / mean, 4),
         "preload_over_load": round(float(second / first), 4),
         "displacement_um": round(1e6 * places[0].moved, 5),
-        "rigidity_N_per_um": _rounded(rigidity(places), 1e-6),
-        "models": {name: _model(scene, answers[name][0], run, p) | seconds[name] for name, p in points.items()},
+        "rigidity_N_per_um": _rounded_or_none(rigidity(places), 1e-6),
+        "models": {name: _model_record(scene, answers[name][0], run, p) | seconds[name] for name, p in points.items()},
         "places": {d.name: round(d.value(scene), 4) for d in DESCRIPTORS},
         "points": [asdict(p) for p in points.values()],
     }
     return state
 
 
-def _rounded(value: float | None, factor: float = 1.0) -> float | None:
+def _rounded_or_none(value: float | None, factor: float = 1.0) -> float | None:
     return None if value is None else round(factor * value, 5)
 
 
-def _model(scene: Scene, result: StaticResult, run: Run, point: Point) -> Record:
+def _model_record(scene: Scene, result: StaticResult, run: Run, point: Point) -> Record:
     """Return a model's errors [%] on a drawn screw, and the errors expected from the other compared scenes."""
     error = load_error(result.load, run.load, nominal_contacts(scene))
     expected = estimate(scene, result, [p for p in shipped_points() if p.scene != point.scene])
@@ -389,7 +389,7 @@ def _model(scene: Scene, result: StaticResult, run: Run, point: Point) -> Record
         "largest_percent": point.percent,
         "at": f"{error.ball} {error.side}",
         **{name: getattr(point, name) for name in ("gate_percent", *QUANTITIES[1:])},
-        **{name.replace("percent", "expected_percent"): _rounded(getattr(expected, name)) for name in QUANTITIES},
+        **{name.replace("percent", "expected_percent"): _rounded_or_none(getattr(expected, name)) for name in QUANTITIES},
         "not_covered": "" if expected.percent is not None else one_line(expected.words[-1], 200),
     }
 
@@ -402,13 +402,13 @@ SUMS = ("model", "error", "scenes", "median", "p95", "largest")
 ERRORS = ("largest_percent", "gate_percent", "rms_percent", "displacement_percent", "rigidity_percent", "pressure_percent")
 
 
-def _solved(folder: Path, token: str, seed: int, number: int) -> Record | None:
+def _solve_and_append(folder: Path, token: str, seed: int, number: int) -> Record | None:
     """Solve a drawn screw and append its record; None, without solving, if the folder belongs to a later run."""
-    if not sample.current(folder, token):
+    if not sample.is_current_run(folder, token):
         return None
-    with sample.working(folder):
-        record = surveyed(seed, number, folder / "runs")
-        sample.Writer(folder, token).append([record])
+    with sample.hold_lock(folder):
+        record = survey_screw(seed, number, folder / "runs")
+        sample.RecordWriter(folder, token).append([record])
     return record
 
 
@@ -443,13 +443,13 @@ def run_survey(
         If the folder belongs to another survey, or another process works in it.
     """
     sample.open_folder(folder, {"survey": seed, "level": LEVEL, "version": __version__})
-    with sample.taken_over(folder) as token:
-        before = [*_answers(kept, seed), *sample.stored_records(folder)]
-        known = {record["number"]: record for record in before if not unanswered([record])}
+    with sample.take_folder(folder) as token:
+        before = [*_stored_answers(kept, seed), *sample.stored_records(folder)]
+        known = {record["number"]: record for record in before if not unsolved_records([record])}
         left = [number for number in range(count) if number not in known]
         if len(left) < count:
             step(f"{count - len(left)} scenes of {count} are known")
-        jobs = [(_solved, (folder, token, seed, number)) for number in left]
+        jobs = [(_solve_and_append, (folder, token, seed, number)) for number in left]
         for job, record in parallel.as_done(jobs, "joblib", None, workers):
             if record is not None:
                 known[left[job]] = record
@@ -457,7 +457,7 @@ def run_survey(
     return [known[number] for number in range(count) if number in known]
 
 
-def _answers(path: Path | None, seed: int) -> list[Record]:
+def _stored_answers(path: Path | None, seed: int) -> list[Record]:
     """Return the stored records of this seed, level and version of rollbench; empty without any."""
     if path is None or not path.exists():
         return []
@@ -466,12 +466,12 @@ def _answers(path: Path | None, seed: int) -> list[Record]:
     return [record for record in found["scenes"] if same and record["version"] == __version__]
 
 
-def unanswered(records: Sequence[Record]) -> list[Record]:
+def unsolved_records(records: Sequence[Record]) -> list[Record]:
     """Return the records without loads, or whose loads did not converge."""
     return [r for r in records if r["status"] != ANSWERED or r.get("raised_status", ANSWERED) != ANSWERED]
 
 
-def text(seed: int, records: Sequence[Record]) -> str:
+def survey_json(seed: int, records: Sequence[Record]) -> str:
     """Return the survey's JSON text, one scene per line, with the numbers of scenes requested and solved."""
     asked = 1 + max((r["number"] for r in records), default=-1)
     head = {"command": f"rollbench stability --survey {asked}", "seed": seed, "level": LEVEL, "solved": len(records)}
@@ -479,7 +479,7 @@ def text(seed: int, records: Sequence[Record]) -> str:
     return json.dumps(head)[:-1] + f', "scenes": [\n{rows}\n]}}\n'
 
 
-def shipped() -> dict[str, Any]:
+def shipped_survey() -> dict[str, Any]:
     """Return the shipped record of the survey; one without scenes if the file is missing."""
     path = shipped_store() / SURVEY
     found: dict[str, Any] = json.loads(path.read_text(encoding="utf-8")) if path.exists() else {"scenes": []}
@@ -490,7 +490,7 @@ def shipped() -> dict[str, Any]:
 WORST_AIM, RMS_AIM = 1.5, 0.5
 
 
-class Accuracy(NamedTuple):
+class ModelAccuracy(NamedTuple):
     """Accuracy of a model on drawn screws."""
 
     #: Number of screws.
@@ -503,16 +503,16 @@ class Accuracy(NamedTuple):
     as_expected: int
 
 
-def accuracy(records: Sequence[Record], model: str = "refined") -> Accuracy:
+def model_accuracy(records: Sequence[Record], model: str = "refined") -> ModelAccuracy:
     """Return a model's accuracy on the drawn screws with recorded errors."""
     errors = [r["models"][model] for r in records if model in r.get("models", {})]
     worst = [abs(e["largest_percent"]) for e in errors]
     within = sum(w <= WORST_AIM and e["rms_percent"] <= RMS_AIM for w, e in zip(worst, errors, strict=True))
     held = sum(w <= (e["expected_percent"] or 0.0) for w, e in zip(worst, errors, strict=True))
-    return Accuracy(len(errors), within, max(worst, default=0.0), held)
+    return ModelAccuracy(len(errors), within, max(worst, default=0.0), held)
 
 
-def summary(records: Sequence[Record]) -> list[dict[str, Any]]:
+def summary_rows(records: Sequence[Record]) -> list[dict[str, Any]]:
     """Return rows of the report's table: model, error, and its median, 95th percentile and maximum over the scenes."""
     rows = []
     for model in MODELS:

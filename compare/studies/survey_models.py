@@ -1,6 +1,6 @@
 """Errors of models, users' included, on the drawn screws of the survey, by stored loads of the 3D reference.
 
-The loads of the survey's runs are stored next to its record (`keep_loads`), each with a digest of its screw: if it differs
+The loads of the survey's runs are stored next to its record (`store_loads`), each with a digest of its screw: if it differs
 from the screw that is drawn now, nothing is judged.
 """
 
@@ -50,38 +50,38 @@ WORST = 5
 Row = dict[str, Any]
 
 
-def drawn(number: int) -> Scene:
+def drawn_screw(number: int) -> Scene:
     """Return screw ``number`` of the survey."""
-    return scene_file.loads(survey.scene_text(survey.SEED, number), f"{name_of(number)}.toml")
+    return scene_file.loads(survey.scene_text(survey.SEED, number), f"{screw_name(number)}.toml")
 
 
-def name_of(number: int) -> str:
+def screw_name(number: int) -> str:
     """Return the name of a drawn screw, and of its files."""
     return f"survey-{survey.SEED}-{number}"
 
 
-def keep_loads(path: Path, runs: Path, count: int) -> int:
+def store_loads(path: Path, runs: Path, count: int) -> int:
     """Write the loads of the first ``count`` screws to a file, from runs in a folder and from the file's contents.
 
     Returns the number of screws in the file. InputError if it cannot be written.
     """
-    before = _read(path)
+    before = _read_loads(path)
     for number in range(count):
-        run = survey.kept(runs, scene := drawn(number))
+        run = survey.stored_run(runs, scene := drawn_screw(number))
         if run is not None:
             load = [[float(f"{x:.6g}") for x in row] for row in run.load]
-            before[number] = {"number": number, "of": _digest(scene), "moving": run.moving, "load": load}
+            before[number] = {"number": number, "of": _scene_digest(scene), "moving": run.moving, "load": load}
     rows = ",\n".join(json.dumps(before[number], separators=(",", ":")) for number in sorted(before))
     head = json.dumps({"seed": survey.SEED, "level": survey.LEVEL})
     replace_file(path, f'{head[:-1]}, "screws": [\n{rows}\n]}}\n')
     return len(before)
 
 
-def _digest(scene: Scene) -> str:
+def _scene_digest(scene: Scene) -> str:
     return digest(SCHEMA, replace(scene, **UNSAID))[:16]
 
 
-def _read(path: Path) -> dict[int, Row]:
+def _read_loads(path: Path) -> dict[int, Row]:
     """Return the rows of a file of loads; empty if it is missing or of another seed or level."""
     if not path.exists():
         return {}
@@ -91,25 +91,25 @@ def _read(path: Path) -> dict[int, Row]:
 
 
 @cache
-def stored() -> dict[int, Row]:
+def stored_loads() -> dict[int, Row]:
     """Return the shipped loads, by the number of the screw."""
-    return _read(place(f"references/{LOADS}"))
+    return _read_loads(place(f"references/{LOADS}"))
 
 
-def reference(scene: Scene, number: int) -> Reference | None:
+def stored_reference(scene: Scene, number: int) -> Reference | None:
     """Return the reference of a drawn screw from its stored loads, with the uncertainty of its level from experience.
 
     None if none are stored for this screw.
     """
-    row = stored().get(number)
-    if row is None or row["of"] != _digest(scene):
+    row = stored_loads().get(number)
+    if row is None or row["of"] != _scene_digest(scene):
         return None
     load = np.array(row["load"])
     run = replace(as_run(scene, load, np.full(load.shape, np.nan)), level=survey.LEVEL, moving=row["moving"])
     return reference_of(scene.name, scene, (run,), contacts=nominal_contacts(scene))
 
 
-def judged(model: str, number: int, limit: float = LIMIT, engine: str = "interpreted") -> Row:
+def judge_model(model: str, number: int, limit: float = LIMIT, engine: str = "interpreted") -> Row:
     """Solve a screw with a model and judge it.
 
     Parameters
@@ -128,9 +128,9 @@ def judged(model: str, number: int, limit: float = LIMIT, engine: str = "interpr
     dict
         Errors in per cent and the verdict, or the reason why there is none, with the exception if one was raised.
     """
-    scene = drawn(number)
+    scene = drawn_screw(number)
     row: Row = {"screw": number, "title": scene.title.partition(": ")[2], "balls": scene.ball_count, "status": ""}
-    found = reference(scene, number)
+    found = stored_reference(scene, number)
     if found is None:
         return row | {"status": "no stored reference"}
     known = known_model(model)
@@ -194,9 +194,9 @@ def run_models(
         raise ArgumentError("max_error", f"{limit:g}", "above 0 %", "7 is the gate's")
     for name in models:
         known_model(name, without=("condensed",))
-    numbers = [number for number in range(count) if number in stored()]
-    rows = {name: _each(name, numbers, workers, limit, step) for name in models}
-    ours = [r for r in survey.shipped()["scenes"] if r["number"] in numbers]
+    numbers = [number for number in range(count) if number in stored_loads()]
+    rows = {name: _judge_screws(name, numbers, workers, limit, step) for name in models}
+    ours = [r for r in survey.shipped_survey()["scenes"] if r["number"] in numbers]
     record: dict[str, list[Row]] = {
         name: [
             {"screw": r["number"], "title": r["title"].partition(": ")[2], "status": r["status"]} | r["models"][name]
@@ -214,7 +214,7 @@ def run_models(
             "screws": len(numbers),
             "of": count,
             "max_error_percent": limit,
-            "summary": [line for name, of in everything.items() for line in summary(name, of)],
+            "summary": [line for name, of in everything.items() for line in summary_rows(name, of)],
             "verdicts": {name: dict(Counter(r["verdict"] for r in of if "verdict" in r)) for name, of in rows.items()},
             "without_answer": {name: sum(r["status"] != survey.ANSWERED for r in of) for name, of in rows.items()},
             "models": everything,
@@ -222,15 +222,17 @@ def run_models(
     )
 
 
-def _each(model: str, numbers: Sequence[int], workers: int | None, limit: float, step: Callable[[str], None]) -> list[Row]:
+def _judge_screws(
+    model: str, numbers: Sequence[int], workers: int | None, limit: float, step: Callable[[str], None]
+) -> list[Row]:
     """Return a model's rows in the order of ``numbers``; raise its error if it fails on all of the first screws."""
     engine = "compiled" if len(numbers) >= COMPILE_FROM else "interpreted"
-    first = [judged(model, number, limit, engine) for number in numbers[:FIRST]]
+    first = [judge_model(model, number, limit, engine) for number in numbers[:FIRST]]
     errors = [row["error"] for row in first if "error" in row]
     if first and len(errors) == len(first):
         raise errors[0]
     rows, begin, pulse = {row["screw"]: row for row in first}, perf_counter(), 0
-    jobs: list[parallel.Job] = [(judged, (model, number, limit, engine)) for number in numbers[FIRST:]]
+    jobs: list[parallel.Job] = [(judge_model, (model, number, limit, engine)) for number in numbers[FIRST:]]
     for _, row in parallel.as_done(jobs, "joblib", None, workers):
         rows[row["screw"]] = row
         if len(rows) == len(numbers) or perf_counter() - begin > 10.0 * (pulse + 1):
@@ -239,7 +241,7 @@ def _each(model: str, numbers: Sequence[int], workers: int | None, limit: float,
     return [{k: v for k, v in rows[number].items() if k != "error"} for number in numbers]
 
 
-def summary(model: str, rows: Sequence[Row]) -> list[Row]:
+def summary_rows(model: str, rows: Sequence[Row]) -> list[Row]:
     """Return a row for each error of a model: median, 95th percentile and maximum over the solved screws."""
     out = []
     for error, words in ERRORS.items():
@@ -262,9 +264,9 @@ WHERE: dict[str, Callable[[Mapping[str, Any]], bool]] = {
 }
 
 
-def where(models: Mapping[str, Sequence[Row]]) -> list[Row]:
+def median_errors_by_kind(models: Mapping[str, Sequence[Row]]) -> list[Row]:
     """Return a row for each kind of screw: every model's median of the largest load error [% of the mean load]."""
-    known = {r["number"]: r for r in survey.shipped()["scenes"]}
+    known = {r["number"]: r for r in survey.shipped_survey()["scenes"]}
     out = []
     for words, fits in WHERE.items():
         chosen = {number for number, r in known.items() if "moment_Nm" in r and fits(r)}
@@ -278,7 +280,7 @@ def where(models: Mapping[str, Sequence[Row]]) -> list[Row]:
     return out
 
 
-def figure(data: Mapping[str, Any]) -> Figure:
+def survey_figure(data: Mapping[str, Any]) -> Figure:
     """Draw the share of screws within an error, and every screw in the order of the first model's error."""
     models = {title_of(name): [r for r in rows if r["status"] == survey.ANSWERED] for name, rows in data["models"].items()}
     lines, points = [], []
@@ -315,9 +317,9 @@ def write_screw(number: int, folder: Path) -> tuple[Path, Path]:
     InputError for a screw without stored reference, and if a file cannot be written.
     """
     allowed = f"0 to {survey.SCENES - 1}, with a stored reference"
-    if not 0 <= number < survey.SCENES or (found := reference(scene := drawn(number), number)) is None:
+    if not 0 <= number < survey.SCENES or (found := stored_reference(scene := drawn_screw(number), number)) is None:
         raise ArgumentError("screw", str(number), allowed, "choose another one")
-    text, loads = folder / f"{name_of(number)}.toml", folder / f"{name_of(number)}-reference.csv"
+    text, loads = folder / f"{screw_name(number)}.toml", folder / f"{screw_name(number)}-reference.csv"
     layout = ball_layout(scene)
     rows = loads_csv(found.load, layout.azimuth, layout.z)
     bars = [f"{x:.6g}" for x in found.uncertainty.ravel()]

@@ -23,7 +23,7 @@ from rollbench.compare.reference.jobs import Engine, first_here
 from rollbench.compare.results.table import CONVERGED, Over, Table, TableRow, table_of
 from rollbench.compare.scenes import catalogue, scene_file, scene_tables
 from rollbench.compare.studies.sweep import sample
-from rollbench.compare.studies.sweep.keys import Vary, changed, displaced, read_over
+from rollbench.compare.studies.sweep.keys import Vary, read_over, replaced_keys, with_varied_keys
 from rollbench.lowfi.compliance.parts import LADDER
 from rollbench.lowfi.rating.contacts import worst_roller
 from rollbench.lowfi.statics.result import AxisResult, StaticResult
@@ -52,7 +52,7 @@ LOAD = "load"
 
 
 @dataclass(frozen=True)
-class Asked:
+class TableRequest:
     """Request for a table."""
 
     #: Text of the scene file.
@@ -75,9 +75,9 @@ class Asked:
     stiffness_of: str
 
 
-def asked_for(
+def check_request(
     scene: str, over: Sequence[str], quantities: Sequence[str], model: str = "", stiffness_at: str | float | None = None
-) -> Asked:
+) -> TableRequest:
     """Check a request for a table, before anything is solved.
 
     Parameters
@@ -113,15 +113,22 @@ def asked_for(
     _check_model(described, model, quantities)
     raw = scene_file.read_toml(text, origin)
     typed = read_over(over)
-    keys = tuple(replace(x, key=axial_key(raw, origin)) if x.key == LOAD else x for x in typed)
+    keys = tuple(replace(x, key=axial_load_key(raw, origin)) if x.key == LOAD else x for x in typed)
     for vary in keys:
         for value in vary.choices:
-            scene_tables.keys_of(changed(raw, [vary], [value]), origin)
+            scene_tables.keys_of(with_varied_keys(raw, [vary], [value]), origin)
     if math.prod(len(x.choices) for x in keys) > MOST:
         raise ArgumentError("over", f"more than {MOST} places", f"up to {MOST}", "take fewer values")
-    columns = tuple(_over(x) for x in typed)
-    return Asked(
-        text, origin, described.name, keys, columns, model, tuple(quantities) or USUAL, *_station(stiffness_at, described)
+    columns = tuple(_table_column(x) for x in typed)
+    return TableRequest(
+        text,
+        origin,
+        described.name,
+        keys,
+        columns,
+        model,
+        tuple(quantities) or USUAL,
+        *_stiffness_place(stiffness_at, described),
     )
 
 
@@ -137,7 +144,7 @@ def _check_model(scene: Scene | Assembly, model: str, quantities: Sequence[str])
         raise ArgumentError("model", model, allowed, advice)
 
 
-def _station(given: str | float | None, scene: Scene | Assembly) -> tuple[float | str | None, str]:
+def _stiffness_place(given: str | float | None, scene: Scene | Assembly) -> tuple[float | str | None, str]:
     """Return the station [m] or set whose stiffness is asked for, and a text on the body that it belongs to."""
     names = [x.name for x in scene.sets] if isinstance(scene, Assembly) else []
     if given in names:
@@ -157,24 +164,24 @@ def _station(given: str | float | None, scene: Scene | Assembly) -> tuple[float 
     return station, of
 
 
-def axial_key(raw: dict[str, Any], origin: str) -> str:
+def axial_load_key(raw: dict[str, Any], origin: str) -> str:
     """Return the key of the axial component of a scene's only axial load; ArgumentError if there are several or none."""
     named = ((f"{table}[{k}]", row) for table in ("loads", "housings") for k, row in enumerate(raw.get(table, ())))
     forces = {f"{name}.force[2]": row["force"] for name, row in named if isinstance(row.get("force"), list)}
-    axial = [key for key, force in forces.items() if len(force) == 3 and _number(force[2])] or list(forces)
+    axial = [key for key, force in forces.items() if len(force) == 3 and _number_without_unit(force[2])] or list(forces)
     if len(axial) != 1:
         advice = 'name the key, such as "loads[0].force[2]"'
         raise ArgumentError("over", LOAD, f"a scene with one axial load, this has {len(axial)}", advice, origin)
     return axial[0]
 
 
-def _number(text: Any) -> float:
+def _number_without_unit(text: Any) -> float:
     """Return the number in a text such as "5 kN", without its unit; zero for another text."""
     found = number_and_unit(str(text))
     return 0.0 if found is None else float(found[0])
 
 
-def _over(vary: Vary) -> Over:
+def _table_column(vary: Vary) -> Over:
     """Return the table column of a varied key: numbers if all its values share one unit, else the values as given."""
     split = [number_and_unit(str(x)) if not isinstance(x, bool) else None for x in vary.choices]
     spelt = {x[1] for x in split if x is not None}
@@ -184,19 +191,19 @@ def _over(vary: Vary) -> Over:
     return Over(vary.key, f"{vary.key}_{unit}" if unit else vary.key, tuple(float(x[0]) for x in split if x is not None))
 
 
-def row_at(asked: Asked, values: Sequence[Any], engine: str) -> TableRow:
+def solve_row(asked: TableRequest, values: Sequence[Any], engine: str) -> TableRow:
     """Solve one combination of the keys' values; a refusal by scene or model becomes the status of the row."""
     try:
-        raw = changed(scene_file.read_toml(asked.text, asked.origin), asked.keys, values)
+        raw = with_varied_keys(scene_file.read_toml(asked.text, asked.origin), asked.keys, values)
         scene = scene_file.solvable(scene_tables.read_tables(raw, asked.origin), asked.origin)
         if isinstance(scene, Assembly) and isinstance(asked.station, float):
             scene = replace(scene, stiffness_at=asked.station)
-        return _solved(scene, asked, engine)
+        return _row_of_scene(scene, asked, engine)
     except InputError as error:
         return TableRow(f"refused: {error}")
 
 
-def _solved(scene: Scene | Assembly, asked: Asked, engine: str) -> TableRow:
+def _row_of_scene(scene: Scene | Assembly, asked: TableRequest, engine: str) -> TableRow:
     """Solve a scene and return its row with the requested quantities."""
     names = {name for quantity in asked.quantities for name in QUANTITIES[quantity][1]}
     result, found = sample.solve_case(scene, asked.model, engine, names)
@@ -206,7 +213,7 @@ def _solved(scene: Scene | Assembly, asked: Asked, engine: str) -> TableRow:
     errors: dict[str, Any] = {"error_words": "no scene of several sets was compared with the 3D reference"}
     tangent: Tangent | None = None
     if isinstance(scene, Scene) and isinstance(result, StaticResult):
-        errors = _expected(scene, result)
+        errors = _expected_errors(scene, result)
         if "stiffness" in asked.quantities:
             station = asked.station if isinstance(asked.station, float) else scene.nut.position
             tangent = tangent_of(scene, station, asked.model, Options())
@@ -220,7 +227,7 @@ def _solved(scene: Scene | Assembly, asked: Asked, engine: str) -> TableRow:
     elif tangent is not None:
         matrix = tangent.matrix
         rigidity = tangent.rigidity("uz") if math.isfinite(matrix[2, 2]) else None
-    pressure = max(_pressures(scene, result), default=None) if "pressure" in asked.quantities else None
+    pressure = max(_contact_pressures(scene, result), default=None) if "pressure" in asked.quantities else None
     moved = found.get("displacement_um")
     life = found.get("life_million_revolutions")
     return TableRow(
@@ -236,7 +243,7 @@ def _solved(scene: Scene | Assembly, asked: Asked, engine: str) -> TableRow:
     )
 
 
-def _pressures(scene: Scene | Assembly, result: StaticResult | AxisResult) -> Iterator[float]:
+def _contact_pressures(scene: Scene | Assembly, result: StaticResult | AxisResult) -> Iterator[float]:
     """Yield the largest pressure of each loaded set [Pa]."""
     if isinstance(result, StaticResult):
         sets: list[Any] = [(scene, result, None)]
@@ -251,7 +258,7 @@ def _pressures(scene: Scene | Assembly, result: StaticResult | AxisResult) -> It
             yield worst.pressure
 
 
-def _expected(scene: Scene, result: StaticResult) -> dict[str, Any]:
+def _expected_errors(scene: Scene, result: StaticResult) -> dict[str, Any]:
     """Return the expected errors of a scene's result, by the fields of the row."""
     form = estimate(scene, result)
     return {
@@ -264,7 +271,7 @@ def _expected(scene: Scene, result: StaticResult) -> dict[str, Any]:
     }
 
 
-def solve_table(asked: Asked, engine: Engine, step: Callable[[str], None]) -> Table:
+def solve_table(asked: TableRequest, engine: Engine, step: Callable[[str], None]) -> Table:
     """Solve all rows of a table, in parallel if ``engine`` does so.
 
     Parameters
@@ -287,18 +294,18 @@ def solve_table(asked: Asked, engine: Engine, step: Callable[[str], None]) -> Ta
         If workers of a cluster are lost.
     """
     raw = scene_file.read_toml(asked.text, asked.origin)
-    for path, other in displaced(raw, asked.keys):
+    for path, other in replaced_keys(raw, asked.keys):
         step(f"{path} takes the place of the scene's {other}")
     places = list(product(*(vary.choices for vary in asked.keys)))
     kernels = "compiled" if len(places) >= COMPILE_FROM else "auto"
     rows: dict[int, TableRow] = {}
-    for number, row in first_here([(row_at, (asked, place, kernels)) for place in places], engine, "places", step):
+    for number, row in first_here([(solve_row, (asked, place, kernels)) for place in places], engine, "places", step):
         rows[number] = row
         step(f"[{len(rows)}/{len(places)}] {', '.join(map(str, places[number])) or 'as it stands'}: {row.status}")
-    return table_of(_json(asked, [rows[k] for k in range(len(places))]))
+    return table_of(_table_json(asked, [rows[k] for k in range(len(places))]))
 
 
-def _json(asked: Asked, rows: Sequence[TableRow]) -> dict[str, Any]:
+def _table_json(asked: TableRequest, rows: Sequence[TableRow]) -> dict[str, Any]:
     """Return the JSON of ``rollbench table``; quantities that were not requested have no key."""
     names = {name for quantity in asked.quantities for name in QUANTITIES[quantity][1]}
     without = {name for _, of in QUANTITIES.values() for name in of} - names

@@ -37,7 +37,7 @@ ROSS_DROPS = (
 )
 
 
-def need_format(path: Path) -> None:
+def check_format(path: Path) -> None:
     """Raise InputError for an unknown file format, or one whose package is missing."""
     if path.suffix not in FORMATS:
         raise ArgumentError("out", str(path), f"a name ending in {', '.join(FORMATS)}", "choose one of these")
@@ -62,10 +62,10 @@ def write_table(path: Path, table: Table) -> None:
             pyarrow.parquet.write_table(pyarrow.table(columns), path)
     else:
         with written(path):
-            _dataset(table, columns).to_netcdf(path, engine="scipy")
+            _netcdf_dataset(table, columns).to_netcdf(path, engine="scipy")
 
 
-def _dataset(table: Table, columns: dict[str, list[Any]]) -> Any:
+def _netcdf_dataset(table: Table, columns: dict[str, list[Any]]) -> Any:
     """Return the table as an xarray Dataset: one dimension per varied key, two more for the stiffness."""
     import xarray
 
@@ -83,7 +83,7 @@ def _dataset(table: Table, columns: dict[str, list[Any]]) -> Any:
     return xarray.Dataset(data, coords, {"scene": table.scene, "model": table.model})
 
 
-def figure(table: Table) -> Figure | None:
+def table_figure(table: Table) -> Figure | None:
     """Draw each quantity over the numeric key with most values; one curve per combination of the other keys' values.
 
     Error bars are the errors to expect, if they are of that quantity. None without such a key.
@@ -107,7 +107,9 @@ def figure(table: Table) -> Figure | None:
         for label, at in curves.items():
             known = [k for k in at if y[k] is not None]
             if known:
-                series.append(Series(label, [x[k] for k in known], [y[k] for k in known], bars=_bars(table, name, known)))
+                series.append(
+                    Series(label, [x[k] for k in known], [y[k] for k in known], bars=_error_bars(table, name, known))
+                )
         same = len(series) > 1 and len({tuple(s.y) for s in series}) == 1
         ylabel = f"{one.label} / {one.unit}" + ("\nthe same on all curves" if same else "")
         low, high = (of(v for v in y if v is not None) for of in (min, max))
@@ -117,7 +119,7 @@ def figure(table: Table) -> Figure | None:
     return Figure(f"{table.scene}-table", f"{table.scene}: over its keys", tuple(panels), caption)
 
 
-def _bars(table: Table, name: str, at: Sequence[int]) -> tuple[list[float], list[float]] | None:
+def _error_bars(table: Table, name: str, at: Sequence[int]) -> tuple[list[float], list[float]] | None:
     """Return lower and upper ends of a quantity's error bars in the rows ``at``; None without known errors."""
     errors = [getattr(table.rows[k], ERROR_OF[name]) for k in at]
     if ERROR_OF[name] == "load_error" or None in errors:
@@ -156,9 +158,9 @@ def ross_text(table: Table) -> str:
         f"It is that of: {table.stiffness_of}.",
         *textwrap.wrap(ROSS_DROPS, 100),
         "Damping is not known here: give cxx and others to `bearing`.",
-        *(f"left out: {line}" for line in _left_out(table)),
+        *(f"left out: {line}" for line in _rows_without_answer(table)),
     ]
-    return f'''{_comments(head)}
+    return f'''{_comment_lines(head)}
 
 import ross
 
@@ -173,12 +175,12 @@ def bearing(n, place, cxx=0.0, **others):
 '''
 
 
-def _left_out(table: Table) -> list[str]:
+def _rows_without_answer(table: Table) -> list[str]:
     """Return a line for each reason why rows have no answer, with their places."""
     return [f"{'; '.join(places)}: {reason}" for reason, places in table.failures.items()]
 
 
-def _comments(lines: Iterable[str]) -> str:
+def _comment_lines(lines: Iterable[str]) -> str:
     """Return lines as comments of Python or Modelica's table file."""
     return "\n".join(f"# {one_line(line, 10_000)}" for line in lines)
 
@@ -196,7 +198,7 @@ def modelica_text(table: Table) -> tuple[str, list[str]]:
         raise InputError(table.scene, places[0], reason, "an answer at each place", advice)
     grid = [np.array(x, dtype=float) for x in axes]
     rows = {name: [column[k] for k in kept] for name, column in table.columns().items()}
-    left = _left_out(table)
+    left = _rows_without_answer(table)
     columns: dict[str, Array] = {}
     for name, column in rows.items():
         if name in table.places[0] or any(isinstance(x, str) for x in column):
@@ -215,15 +217,15 @@ def modelica_text(table: Table) -> tuple[str, list[str]]:
     if len(grid) == 1:
         head += [f"column {k}: {name}" for k, name in enumerate((table.over[0].column, *columns), 1)]
         whole = np.column_stack([grid[0][kept], *columns.values()])
-        blocks = [_block("table", whole[np.argsort(whole[:, 0])])]
+        blocks = [_modelica_block("table", whole[np.argsort(whole[:, 0])])]
     else:
         order, shape, blocks = [np.argsort(x) for x in grid], [len(x) for x in grid], []
         for name, values in columns.items():
             inner = np.column_stack([grid[0][order[0]], values.reshape(shape)[np.ix_(*order)]])
-            blocks.append(_block(name, np.vstack([[0.0, *grid[1][order[1]]], inner])))
-    return f"#1\n{_comments(head)}\n{''.join(blocks)}", left
+            blocks.append(_modelica_block(name, np.vstack([[0.0, *grid[1][order[1]]], inner])))
+    return f"#1\n{_comment_lines(head)}\n{''.join(blocks)}", left
 
 
-def _block(name: str, values: Array) -> str:
+def _modelica_block(name: str, values: Array) -> str:
     rows: Sequence[str] = ["  ".join(f"{x:.9e}" for x in row) for row in values]
     return f"double {name}({values.shape[0]},{values.shape[1]})\n" + "\n".join(rows) + "\n"

@@ -35,10 +35,10 @@ from rollbench.meshes.parts import Errors, Material, Scene
 #: Direction of an axial force on the inner ring that a row takes, by the thrust that it carries.
 TAKES = {"+z": "positive", "-z": "negative", "both": "both_directions", "deep groove": "both_directions"}
 
-Case = dict[int, dict[str, Value]]
+CaseAttributes = dict[int, dict[str, Value]]
 
 
-class Writer:
+class RexsWriter:
     """The model that is written, and ids of what is referred to."""
 
     def __init__(self, shaft: Assembly) -> None:
@@ -48,13 +48,13 @@ class Writer:
         self.unit = self.model.add("gear_unit", shaft.title)
         self.casing = self.model.add("gear_casing", "casing")
         turns = shaft.motion is not None and shaft.motion.turns == "screw"
-        speed = _rpm(shaft.motion.speed) if shaft.motion is not None and turns else None
-        self.shaft = self.model.add("shaft", shaft.name, **_place(0.0, self.unit), rotational_speed=speed)
+        speed = _to_rpm(shaft.motion.speed) if shaft.motion is not None and turns else None
+        self.shaft = self.model.add("shaft", shaft.name, **_position_attributes(0.0, self.unit), rotational_speed=speed)
         for part in (self.casing, self.shaft):
             self.model.relate("assembly", assembly=self.unit, part=part)
         self.steel(self.shaft, shaft.screw.material)
         #: Housings that let an outer ring slide.
-        self.seats = {h.name for h in shaft.housings if _is_seat(h)}
+        self.seats = {h.name for h in shaft.housings if _is_sliding_housing(h)}
         #: Of each row the ids of its bearing and of its rolling elements' contacts.
         self.rows: list[tuple[int, list[list[int]]]] = []
 
@@ -72,17 +72,17 @@ class Writer:
         return k
 
 
-def _is_seat(housing: Housing) -> bool:
+def _is_sliding_housing(housing: Housing) -> bool:
     """Return whether a housing is fixed except along the shaft, and carries no load."""
     held = housing.fixed == tuple((name, 0.0) for name in SEAT)
     return held and housing.stiffness is None and not any((*housing.force, *housing.moment))
 
 
-def _rpm(speed: float) -> float:
+def _to_rpm(speed: float) -> float:
     return speed * 30.0 / pi
 
 
-def _place(u: float, unit: int) -> dict[str, Value]:
+def _position_attributes(u: float, unit: int) -> dict[str, Value]:
     """Return the attributes of a position on the shaft [m], in the coordinates of the gear unit."""
     vectors: dict[str, Value] = {"support_vector": (1e3 * u, 0.0, 0.0), "u_axis_vector": (1.0, 0.0, 0.0)}
     return vectors | {"w_axis_vector": (0.0, 0.0, 1.0), "reference_component_for_position": unit}
@@ -110,32 +110,34 @@ def rexs_text(described: Assembly | DutyCycle, solved: Sequence[SolvedAxis]) -> 
     """
     shaft = described.parts if isinstance(described, DutyCycle) else described
     assert isinstance(shaft, Assembly)
-    writer = Writer(shaft)
-    _sections(writer, shaft)
+    writer = RexsWriter(shaft)
+    _write_sections(writer, shaft)
     for row in shaft.sets:
         if not (isinstance(row.parts, Scene) and row.parts.track.lead):
             writer.rows.append(
-                _rollers(writer, row, row.parts) if isinstance(row.parts, RollerRow) else _balls(writer, row, row.parts)
+                _write_roller_bearing(writer, row, row.parts)
+                if isinstance(row.parts, RollerRow)
+                else _write_ball_bearing(writer, row, row.parts)
             )
     if shaft.lubricant is not None:
         for bearing, _ in writer.rows:
             writer.model.components[bearing].attributes["operating_viscosity"] = 1e6 * shaft.lubricant.viscosity
-    _supports(writer, shaft)
-    loads = _loads(writer, shaft, solved)
+    _write_supports(writer, shaft)
+    loads = _write_loads(writer, shaft, solved)
     for k, (one, acting) in enumerate(zip(solved, loads, strict=True)):
-        case: Case = {}
+        case: CaseAttributes = {}
         if isinstance(described, DutyCycle):
             of, times = described.cases[k], [x.time for x in described.cases]
             part = of.share if of.time is None else of.time / sum(t or 0.0 for t in times)
             case[writer.unit] = {"operating_time_fraction": 100.0 * part}
             case |= acting
-        case |= _results(writer, one, None if not isinstance(described, DutyCycle) else described.cases[k].speed)
+        case |= _result_attributes(writer, one, None if not isinstance(described, DutyCycle) else described.cases[k].speed)
         writer.model.cases.append(case)
-    _left_out(writer, shaft)
+    _note_left_out(writer, shaft)
     return text_of(writer.model, __version__, datetime.now(UTC).isoformat(timespec="seconds")), writer.notes
 
 
-def _sections(writer: Writer, shaft: Assembly) -> None:
+def _write_sections(writer: RexsWriter, shaft: Assembly) -> None:
     """Add the plain sections of the shaft; the thread and gaps between them get the outer diameter of the screw."""
     screw = shaft.screw
     plain = sorted((p.start, p.end, p.diameter, p.bore) for p in shaft.segments)
@@ -158,7 +160,7 @@ def _sections(writer: Writer, shaft: Assembly) -> None:
         writer.notes.append("the thread is written as a cylinder of its outer diameter")
 
 
-def _bearing(writer: Writer, row: RollingSet, kind: str, **attributes: Value | None) -> int:
+def _write_bearing(writer: RexsWriter, row: RollingSet, kind: str, **attributes: Value | None) -> int:
     """Add a bearing of one row between the shaft and the casing, and return its id."""
     at, shift = 1e3 * row.position, 1e6 * row.offset * (-1.0 if row.thrust == "+z" else 1.0)
     common: dict[str, Value | None] = {
@@ -171,14 +173,14 @@ def _bearing(writer: Writer, row: RollingSet, kind: str, **attributes: Value | N
         "preload_distance": shift or None,
         "preload_force": row.preload or None,
     }
-    where = _place(row.position, writer.unit)
+    where = _position_attributes(row.position, writer.unit)
     bearing = writer.model.add("rolling_bearing_with_detailed_geometry", row.name, **common, **attributes, **where)
     writer.model.relate("side", assembly=bearing, inner_part=writer.shaft, outer_part=writer.casing)
     return bearing
 
 
-def _elements(
-    writer: Writer, row: int, azimuths: Iterable[float], kinds: Sequence[str], material: Material, **size: Value | None
+def _write_elements(
+    writer: RexsWriter, row: int, azimuths: Iterable[float], kinds: Sequence[str], material: Material, **size: Value | None
 ) -> list[list[int]]:
     """Add the rolling elements of a row with their contacts, and return the ids of the contacts of each element."""
     found = []
@@ -191,7 +193,7 @@ def _elements(
     return found
 
 
-def _balls(writer: Writer, row: RollingSet, parts: Scene) -> tuple[int, list[list[int]]]:
+def _write_ball_bearing(writer: RexsWriter, row: RollingSet, parts: Scene) -> tuple[int, list[list[int]]]:
     """Add a ball bearing, and return its id and those of the contacts of each ball."""
     nut, pitch, found = parts.nut, 2e3 * parts.track.pitch_radius, clearance_of(parts)
     thrust = "axial_" if is_thrust(parts) else ""
@@ -199,7 +201,7 @@ def _balls(writer: Writer, row: RollingSet, parts: Scene) -> tuple[int, list[lis
     size: dict[str, Value | None] = {"width": 1e3 * nut.length, "outer_diameter": 1e3 * nut.outer_diameter}
     if row.thrust == "deep groove" and found is not None:
         size["operating_radial_bearing_clearance"] = 1e6 * found.radial
-    bearing = _bearing(writer, row, kind.get(row.thrust, f"{thrust}angular_contact_ball_bearing"), **size)
+    bearing = _write_bearing(writer, row, kind.get(row.thrust, f"{thrust}angular_contact_ball_bearing"), **size)
     for ring, outer, material in (
         ("inner_ring", parts.screw.outer_diameter, parts.screw.material),
         ("outer_ring", nut.outer_diameter, nut.material),
@@ -218,13 +220,13 @@ def _balls(writer: Writer, row: RollingSet, parts: Scene) -> tuple[int, list[lis
     sides = ("left_", "right_") if row.thrust == "both" else ("",)
     kinds = [f"{side}{race}_raceway_contact" for race in ("inner", "outer") for side in sides]
     diameter = 2e3 * balls.radius
-    return bearing, _elements(writer, k, balls.azimuths, kinds, balls.material, diameter_of_rolling_element=diameter)
+    return bearing, _write_elements(writer, k, balls.azimuths, kinds, balls.material, diameter_of_rolling_element=diameter)
 
 
-def _rollers(writer: Writer, row: RollingSet, parts: RollerRow) -> tuple[int, list[list[int]]]:
+def _write_roller_bearing(writer: RexsWriter, row: RollingSet, parts: RollerRow) -> tuple[int, list[list[int]]]:
     """Add a tapered roller bearing, and return its id and those of the contacts of each roller."""
     kind = f"{'axial' if is_thrust_row(parts) else 'radial'}_tapered_roller_bearing"
-    bearing = _bearing(writer, row, kind)
+    bearing = _write_bearing(writer, row, kind)
     of_row: dict[str, Value | None] = {
         "number_of_rolling_elements": parts.count,
         "axial_force_absorption_of_row": TAKES[row.thrust],
@@ -242,10 +244,10 @@ def _rollers(writer: Writer, row: RollingSet, parts: RollerRow) -> tuple[int, li
     azimuths = [parts.phase + 2.0 * pi * j / parts.count for j in range(parts.count)]
     kinds = ("inner_raceway_contact", "outer_raceway_contact")
     writer.notes.append(f"{row.name}: the depth of the rings, {1e3 * parts.depth:g} mm, and what describes the rib")
-    return bearing, _elements(writer, k, azimuths, kinds, parts.material, **size)
+    return bearing, _write_elements(writer, k, azimuths, kinds, parts.material, **size)
 
 
-def _supports(writer: Writer, shaft: Assembly) -> None:
+def _write_supports(writer: RexsWriter, shaft: Assembly) -> None:
     """Add supports as rigid concept bearings, without the rotation that the drive holds; raise Refusal for others."""
     for s in shaft.supports:
         fixed = {name for name, value in s.fixed if value == 0.0}
@@ -262,7 +264,7 @@ def _supports(writer: Writer, shaft: Assembly) -> None:
             writer.model.relate("side", assembly=k, inner_part=writer.shaft, outer_part=writer.casing)
 
 
-def _loads(writer: Writer, shaft: Assembly, solved: Sequence[SolvedAxis]) -> list[Case]:
+def _write_loads(writer: RexsWriter, shaft: Assembly, solved: Sequence[SolvedAxis]) -> list[CaseAttributes]:
     """Add the loads on the shaft, with those from ball nuts, and return their attributes in each load case.
 
     With a single case the components themselves get these attributes, too.
@@ -281,7 +283,7 @@ def _loads(writer: Writer, shaft: Assembly, solved: Sequence[SolvedAxis]) -> lis
     ids = {}
     for name, at in names:
         ids[name, at] = writer.part(writer.shaft, "external_load", name, u_coordinate_on_shaft=1e3 * at)
-    cases = [{ids[x]: _forces(found.get(x, np.zeros(6))) for x in names} for found in acting]
+    cases = [{ids[x]: _wrench_attributes(found.get(x, np.zeros(6))) for x in names} for found in acting]
     if len(solved) == 1:
         for k, attributes in cases[0].items():
             writer.model.components[k].attributes |= attributes
@@ -293,21 +295,21 @@ def _loads(writer: Writer, shaft: Assembly, solved: Sequence[SolvedAxis]) -> lis
     return cases
 
 
-def _forces(wrench: np.ndarray) -> dict[str, Value]:
+def _wrench_attributes(wrench: np.ndarray) -> dict[str, Value]:
     force = {f"force_{axis}_direction": float(F) for axis, F in zip("vwu", wrench[:3], strict=True)}
     moment = {f"torque_around_{axis}_axis": float(M) for axis, M in zip("vwu", wrench[3:], strict=True) if M}
     return {**force, **moment}
 
 
-def _results(writer: Writer, one: SolvedAxis, speed: float | None) -> Case:
+def _result_attributes(writer: RexsWriter, one: SolvedAxis, speed: float | None) -> CaseAttributes:
     """Return the results of one load case for shaft, bearings and contacts; speed [rad/s], None: that of the scene."""
     result, motion = one.result, one.scene.motion
     assert one.answers is not None
     place: dict[str, Value] = {"u_coordinates_of_beam_nodes": tuple(1e3 * result.centreline_z)}
     moved = {f"displacement_{axis}_of_nodes": tuple(1e6 * result.centreline[:, i]) for i, axis in enumerate("vwu")}
-    case: Case = {writer.shaft: {**place, **moved}}
+    case: CaseAttributes = {writer.shaft: {**place, **moved}}
     if speed is not None:
-        case[writer.shaft]["rotational_speed"] = _rpm(speed)
+        case[writer.shaft]["rotational_speed"] = _to_rpm(speed)
     turning = speed if speed is not None else None if motion is None else motion.speed
     bearings = [
         pair
@@ -315,12 +317,16 @@ def _results(writer: Writer, one: SolvedAxis, speed: float | None) -> Case:
         if not (isinstance(pair[0].of.parts, Scene) and pair[0].of.parts.track.lead)
     ]
     for (bearing, contacts), (s, answers) in zip(writer.rows, bearings, strict=True):
-        case[bearing] = _of_bearing(result, s, answers, turning)
-        case |= _of_rollers(contacts, s, s.of.parts) if isinstance(s.of.parts, RollerRow) else _of_balls(contacts, s)
+        case[bearing] = _bearing_results(result, s, answers, turning)
+        case |= (
+            _roller_contact_results(contacts, s, s.of.parts)
+            if isinstance(s.of.parts, RollerRow)
+            else _ball_contact_results(contacts, s)
+        )
     return case
 
 
-def _of_bearing(result: AxisResult, s: SetResult, answers: SetAnswers, speed: float | None) -> dict[str, Value]:
+def _bearing_results(result: AxisResult, s: SetResult, answers: SetAnswers, speed: float | None) -> dict[str, Value]:
     """Return the results of one bearing as attributes."""
     at = [float(np.interp(s.of.position, result.centreline_z, x)) for x in result.centreline.T]
     relative = np.array(at) - s.outer
@@ -346,10 +352,10 @@ def _of_bearing(result: AxisResult, s: SetResult, answers: SetAnswers, speed: fl
         way = "axial" if loads.ratings.axial else "radial"
         found[f"{way}_dynamic_load_rating"] = 1e-3 * loads.ratings.dynamic
         found[f"{way}_static_load_rating"] = 1e-3 * loads.ratings.static
-    return found | _lives(loads.reference, speed)
+    return found | _life_attributes(loads.reference, speed)
 
 
-def _lives(life: ReferenceLife | None, speed: float | None) -> dict[str, Value]:
+def _life_attributes(life: ReferenceLife | None, speed: float | None) -> dict[str, Value]:
     """Return the life by ISO/TS 16281 as attributes, with hours if a speed [rad/s] is given."""
     if life is None:
         return {}
@@ -360,13 +366,13 @@ def _lives(life: ReferenceLife | None, speed: float | None) -> dict[str, Value]:
     return found | {"dynamic_equivalent_reference_bearing_load_iso_16281_2008": life.equivalent}
 
 
-def _of_balls(contacts: list[list[int]], s: SetResult) -> Case:
+def _ball_contact_results(contacts: list[list[int]], s: SetResult) -> CaseAttributes:
     """Return force, angle and pressure of each contact; of a groove of one arc those of its loaded flank."""
     assert s.balls is not None
     assert isinstance(s.of.parts, Scene)
     load, angle = s.balls.load, np.degrees(s.balls.contact_angle)
     pressure = pole_pressure(s.of.parts, s.balls)
-    case: Case = {}
+    case: CaseAttributes = {}
     for i, ids in enumerate(contacts):
         flanks = [(2 * k, 2 * k + 1) for k in range(2)] if len(ids) == 2 else [(k,) for k in range(4)]
         for k, of in zip(ids, flanks, strict=True):
@@ -380,7 +386,7 @@ def _of_balls(contacts: list[list[int]], s: SetResult) -> Case:
     return case
 
 
-def _of_rollers(contacts: list[list[int]], s: SetResult, row: RollerRow) -> Case:
+def _roller_contact_results(contacts: list[list[int]], s: SetResult, row: RollerRow) -> CaseAttributes:
     """Return force, loads of the laminae and largest pressure of each contact."""
     assert s.line_loads is not None
     assert s.roller_load is not None
@@ -398,7 +404,7 @@ def _of_rollers(contacts: list[list[int]], s: SetResult, row: RollerRow) -> Case
     }
 
 
-def _left_out(writer: Writer, shaft: Assembly) -> None:
+def _note_left_out(writer: RexsWriter, shaft: Assembly) -> None:
     """Note what the file does not hold."""
     moving = [h.name for h in shaft.housings if not h.stands and h.name not in writer.seats]
     if moving:

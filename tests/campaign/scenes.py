@@ -35,7 +35,7 @@ from rollbench.compare.studies.extremes import (
     UNPROVEN,
     WRONG,
 )
-from rollbench.compare.studies.sweep.sample import packed, unpacked
+from rollbench.compare.studies.sweep.sample import pack_record, unpack_record
 from rollbench.lowfi.statics.result import AxisResult, Solved, StaticResult
 from rollbench.meshes.axis import Assembly
 from rollbench.meshes.parts import SIDES, Scene
@@ -132,16 +132,16 @@ class Part:
         """Read the outcomes that the file has of this campaign. Raises OSError where it cannot be written."""
         self.path = path
         head = {"seed": seed, "model": model, "version": __version__, "sources": sources_hash(PACKAGES)[:16]}
-        lines = [unpacked(line) for line in path.read_bytes().splitlines(keepends=True)] if path.exists() else []
+        lines = [unpack_record(line) for line in path.read_bytes().splitlines(keepends=True)] if path.exists() else []
         known = [line for line in lines[1:] if line is not None] if lines[:1] == [head] else None
         if known is None:
-            path.write_bytes(packed(head))
+            path.write_bytes(pack_record(head))
         self.outcomes = {line["number"]: Outcome(**line) for line in known or ()}
 
     def add(self, outcome: Outcome) -> None:
         """Append an outcome."""
         with self.path.open("ab") as file:
-            file.write(packed(asdict(outcome)))
+            file.write(pack_record(asdict(outcome)))
         self.outcomes[outcome.number] = outcome
 
 

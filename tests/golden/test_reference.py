@@ -50,7 +50,7 @@ def rolling(name):
     with pytest.MonkeyPatch.context() as patch:
         patch.setitem(runs.LEVELS, 1, CELLS)
         patch.setattr(runs, "QUADRATURES", QUADRATURES)
-        return means(runs.compute(catalogue.any_scene(name), 1), LEFT_OUT.search)
+        return means(runs.compute_run(catalogue.any_scene(name), 1), LEFT_OUT.search)
 
 
 def taken():

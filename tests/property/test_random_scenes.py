@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from rollbench.compare.models.study import with_balls
 from rollbench.compare.scenes.catalogue import scene as shipped
-from rollbench.compare.studies.extreme_cases import Case, conforming, shaft_scaled
+from rollbench.compare.studies.extreme_cases import StabilityCase, with_conformity, with_shaft_stiffness
 from rollbench.compare.studies.extremes import ENERGY, attempt
 from rollbench.meshes.parts import BallErrors, Errors, Load, Support
 
@@ -56,9 +56,9 @@ def random_scenes(draw):
     scene = replace(scene, track=track, nut=replace(scene.nut, length=0.1))
     extreme = draw(st.sampled_from(("conformity", "shaft", "moduli")))
     if extreme == "conformity":
-        scene = conforming(scene, 1.0 + draw(powers(-5, -1)))
+        scene = with_conformity(scene, 1.0 + draw(powers(-5, -1)))
     elif extreme == "shaft":
-        scene = shaft_scaled(scene, draw(powers(-3, 3)))
+        scene = with_shaft_stiffness(scene, draw(powers(-3, 3)))
     else:
         scene = all_moduli(scene, draw(powers(-3, 3)))
     # A screw that balls alone must hold in five freedoms, by one-sided contacts: not for a handful of them.
@@ -74,7 +74,7 @@ def random_scenes(draw):
 @settings(max_examples=40, derandomize=True, deadline=None)
 @given(random_scenes())
 def test_ours_converges_or_names_the_mechanism(scene):
-    row = attempt(Case("random", "random", scene), ENERGY)
+    row = attempt(StabilityCase("random", "random", scene), ENERGY)
     if row.converged:
         assert row.residual is not None
         assert row.residual <= max(1e-10, row.round_off_bound)

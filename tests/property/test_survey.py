@@ -12,7 +12,7 @@ from rollbench.compare.errors import InputError
 from rollbench.compare.reference.tasks import needed_sides, settings_of
 from rollbench.compare.scenes import scene_file
 from rollbench.compare.studies import survey
-from rollbench.compare.studies.survey import SCENES, SEED, described, scene_text, surveyed
+from rollbench.compare.studies.survey import SCENES, SEED, scene_features, scene_text, survey_screw
 from rollbench.compare.studies.sweep import sample
 from rollbench.hifi.meshing.part_meshes import socket_size
 from rollbench.hifi.meshing.settings import expected_contacts
@@ -27,7 +27,7 @@ SMALL = (69, 136)
 def test_the_drawing_is_the_same_for_ever_and_can_be_read() -> None:
     texts = [scene_text(SEED, number) for number in range(10)]
     assert hashlib.sha256("".join(texts).encode()).hexdigest()[:12] == "ffc9f89ec506"
-    found = [described(scene_file.loads(text, "survey.toml")) for text in texts]
+    found = [scene_features(scene_file.loads(text, "survey.toml")) for text in texts]
     ends = np.array([[r["low_face_radii"], r["high_face_radii"]] for r in found])
     assert ((ends > 1.0) & (ends < 6.1)).all()
     assert {r["starts"] for r in found} == {1, 2}
@@ -47,7 +47,7 @@ def test_a_flank_that_may_touch_has_its_opposite_prepared(number: int) -> None:
 def test_balls_at_the_face_find_room_for_their_sockets(number: int) -> None:
     """Outermost balls 1.00 to 1.13 ball radii from a face: a lip of a tenth of a millimetre beside some contacts."""
     scene = scene_file.loads(scene_text(SEED, number), "survey.toml")
-    assert 1.0 <= described(scene)["low_face_radii"] < 1.14
+    assert 1.0 <= scene_features(scene)["low_face_radii"] < 1.14
     settings = settings_of([scene], 1)
     m, layout = GrooveMap.of(scene), ball_layout(scene)
     size = socket_size(scene, m, layout, needed_sides(scene), dimensions(scene), settings)
@@ -64,7 +64,7 @@ def test_an_interrupted_survey_goes_on(tmp_path: Path, monkeypatch: pytest.Monke
         done.append(number)
         return {"number": number, "status": "converged" if number else "refused", "seconds": 1.0}
 
-    monkeypatch.setattr(survey, "surveyed", fake)
+    monkeypatch.setattr(survey, "survey_screw", fake)
     said: list[str] = []
     with pytest.raises(KeyboardInterrupt):
         survey.run_survey(SEED, 3, tmp_path / "out", 1, said.append)
@@ -74,9 +74,9 @@ def test_an_interrupted_survey_goes_on(tmp_path: Path, monkeypatch: pytest.Monke
     records = survey.run_survey(SEED, 3, tmp_path / "out", 1, said.append)
     assert done == [0, 2]  # what had no answer is tried again
     assert [r["number"] for r in records] == [0, 1, 2]
-    assert [r["number"] for r in survey.unanswered(records)] == [0]
+    assert [r["number"] for r in survey.unsolved_records(records)] == [0]
     assert "[1/3] scene 0: refused, 1 s" in said
-    assert json.loads(survey.text(SEED, records))["scenes"] == records
+    assert json.loads(survey.survey_json(SEED, records))["scenes"] == records
     with pytest.raises(InputError, match="another sweep"):
         survey.run_survey(SEED + 1, 3, tmp_path / "out", 1, said.append)
 
@@ -88,14 +88,14 @@ def test_a_kept_record_is_not_solved_again(tmp_path: Path, monkeypatch: pytest.M
         done.append(number)
         return {"number": number, "version": survey.__version__, "status": "converged", "seconds": 1.0}
 
-    monkeypatch.setattr(survey, "surveyed", fake)
+    monkeypatch.setattr(survey, "survey_screw", fake)
     kept = tmp_path / "survey.json"
     rows = [{"number": k, "version": survey.__version__, "status": s} for k, s in enumerate(("converged", "refused"))]
-    kept.write_text(survey.text(SEED, rows))
+    kept.write_text(survey.survey_json(SEED, rows))
     records = survey.run_survey(SEED, 3, tmp_path / "out", 1, lambda _: None, kept)
     assert done == [1, 2]
     assert records[0] == rows[0]
-    kept.write_text(survey.text(SEED, rows).replace(f'"version": "{survey.__version__}"', '"version": "0.1"'))
+    kept.write_text(survey.survey_json(SEED, rows).replace(f'"version": "{survey.__version__}"', '"version": "0.1"'))
     survey.run_survey(SEED, 3, tmp_path / "other", 1, lambda _: None, kept)
     assert done == [1, 2, 0, 1, 2]
 
@@ -104,7 +104,7 @@ def test_the_summary_counts_sizes_of_errors_with_an_answer() -> None:
     def row(status: str, error: float) -> dict[str, object]:
         return {"number": 0, "status": status, "models": {"refined": {"largest_percent": error, "rigidity_percent": None}}}
 
-    (found,) = survey.summary([row("converged", -1.0), row("converged", 3.0), row("not settled", 9.0)])
+    (found,) = survey.summary_rows([row("converged", -1.0), row("converged", 3.0), row("not settled", 9.0)])
     assert (found["model"], found["error"], found["scenes"], found["median"]) == ("refined", "largest_percent", 2, 2.0)
     assert (found["p95"], found["largest"]) == (pytest.approx(2.9), 3.0)
     assert len(found) == 6
@@ -129,6 +129,6 @@ def test_the_command_prints_what_has_no_answer_and_keeps_the_record(
     "number", [pytest.param(k, marks=pytest.mark.every_run if k in SMALL else pytest.mark.survey) for k in range(SCENES)]
 )
 def test_every_drawn_screw_has_an_answer(number: int) -> None:
-    record = surveyed(SEED, number)
+    record = survey_screw(SEED, number)
     assert (record["status"], record["raised_status"]) == ("converged", "converged")
     assert record["models"]["refined"]["largest_percent"] < 15.0

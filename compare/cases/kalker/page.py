@@ -25,17 +25,17 @@ from rollbench.compare.studies.rolling.rows import (
     LIMIT,
     PAIRS,
     RINGS,
-    Change,
+    ChoiceEffect,
     RollingRow,
-    Series,
-    changes,
-    from_rest,
+    RunFromRest,
+    effects_of_choices,
+    is_within_limit,
     load_state,
+    runs_from_rest,
     stored_rows,
-    within,
 )
-from rollbench.compare.studies.rolling.runs import LEVELS, NAMES, SOURCE_LEVEL, KeptSizes, RollingRun, load_run
-from rollbench.compare.studies.rolling.runs import sizes as body_sizes
+from rollbench.compare.studies.rolling.runs import LEVELS, NAMES, SOURCE_LEVEL, RollingRun, StoredVariants, load_run
+from rollbench.compare.studies.rolling.runs import find_body_variants as body_sizes
 from rollbench.hifi.rolling.balls import Choices, ContactOut, hertz_size, solve_rolling
 from rollbench.hifi.rolling.kinematics import Rolling, rolling_speed
 from rollbench.meshes.arrays import Array
@@ -106,13 +106,13 @@ def make_section(study: Study, step: Callable[[str], None]) -> Section:
     found = {name: stored_rows(name, stores) for name in (*PAIRS, *RINGS)}
     study.uses([name for name, rows in found.items() if rows])
     step("linear bearing from rest")
-    series = from_rest()
+    series = runs_from_rest()
     step("slip and traction; finite bodies of other sizes")
     left = "Left out of a quick report." if study.quick else "" if meshing else "Left out: gmsh cannot be loaded."
-    sizes = KeptSizes((), left) if left else body_sizes(stores, fresh=study.timed)
+    sizes = StoredVariants((), left) if left else body_sizes(stores, fresh=study.timed)
     patches = fields()
     step("other grids, steps and paths")
-    changed = changes(stores, series, sizes.variants)
+    changed = effects_of_choices(stores, series, sizes.variants)
     missing = [name for name, rows in found.items() if not rows]
     items: list[Text | Table | Figure | PressureMap] = [
         Text(_words(found, proof)),
@@ -157,7 +157,9 @@ def make_section(study: Study, step: Callable[[str], None]) -> Section:
     return Section("rolling", "Rolling in 3D: balls that touch", items, conclusion=_conclusion(found))
 
 
-def _finite(stores: Sequence[Path], sizes: KeptSizes, proof: Sequence[Proof]) -> list[Text | Table | Figure | PressureMap]:
+def _finite(
+    stores: Sequence[Path], sizes: StoredVariants, proof: Sequence[Proof]
+) -> list[Text | Table | Figure | PressureMap]:
     """Return text and tables on what finite bodies change, and on how sensitive that is to numerical choices."""
     found = {name: stored_rows(name, stores, FINITE) for name in (*PAIRS, *RINGS)}
     missing = [name for name, rows in found.items() if not rows]
@@ -275,7 +277,7 @@ def _words(found: dict[str, list[RollingRow]], proof: Sequence[Proof]) -> list[s
     """Return the paragraphs that explain the tables."""
     reached = sum(p.reached for p in proof)
     gated = [r for rows in found.values() for r in rows if r.quantity in ("force 1-2", "torque")]
-    beyond = [r for r in gated if not within(r)]
+    beyond = [r for r in gated if not is_within_limit(r)]
     out = [
         "The 3D model of rolling solves the normal and tangential contact of elastic bodies on a grid in every "
         "contact. Coulomb's law holds in every cell to round-off, elastic displacements travel with the material, and "
@@ -342,7 +344,7 @@ def _compared(row: RollingRow) -> Row:
         Quantity("ansys", "printed ANSYS", "", "g4"): row.printed_ansys,
         Quantity("flat", "3D, flat contacts", "", "g5"): row.flat,
         Quantity("rigid", "rigid limit", "", "g5"): row.rigid,
-        "verdict": f"within {LIMIT:g} %" if within(row) else f"beyond {LIMIT:g} %",
+        "verdict": f"within {LIMIT:g} %" if is_within_limit(row) else f"beyond {LIMIT:g} %",
     }
 
 
@@ -377,7 +379,7 @@ def _grid_rows(stores: Sequence[Path]) -> list[Row]:
     return out
 
 
-def _rest(s: Series) -> Row:
+def _rest(s: RunFromRest) -> Row:
     """Return the table row of a run from rest."""
     meet = next((t for t, f in zip(s.time, s.force, strict=True) if f > 0.0), None)
     return {
@@ -390,7 +392,7 @@ def _rest(s: Series) -> Row:
     }
 
 
-def _choice(c: Change) -> Row:
+def _choice(c: ChoiceEffect) -> Row:
     return {
         "scene": c.scene,
         "choice": c.choice,
@@ -401,7 +403,7 @@ def _choice(c: Change) -> Row:
     }
 
 
-def _figure(series: Sequence[Series]) -> Figure:
+def _figure(series: Sequence[RunFromRest]) -> Figure:
     forces = [Curve(f"{s.steps} steps", [1e3 * t for t in s.time], s.force) for s in series]
     last = series[-1]
     time = [1e3 * t for t in last.time]

@@ -17,13 +17,13 @@ from rollbench.compare.scenes.friction_kinds.common import KindScene
 from rollbench.compare.sections.reference_time import warm_seconds
 from rollbench.compare.studies.rolling.runs import LEVELS, load_run
 from rollbench.compare.studies.run_times import (
-    ColdLevel,
+    ColdLevelTime,
     Kept,
     RunTime,
-    measure,
     measure_call,
     measure_level,
-    times_of,
+    measure_model,
+    times_of_page,
     today,
 )
 
@@ -51,10 +51,10 @@ CALLS = {
 def measured_now(study: Study, step: Callable[[str], None]) -> Kept:
     """Return all run times of the page, measured now (takes five minutes on two idle cores)."""
     times: dict[tuple[str, str], RunTime] = {}
-    levels: list[ColdLevel] = []
+    levels: list[ColdLevelTime] = []
     for name in STATIC.values():
         step(f"{name}, source's model: cold and further")
-        cold, model = measure(name, "lin", repeats=1), MODELS["lin"]
+        cold, model = measure_model(name, "lin", repeats=1), MODELS["lin"]
         further = warm_seconds(model, study.scene(name), Options(discretisation=False, engine="compiled"))
         times[name, "lin"] = RunTime(cold.process, further, cold.memory)
         found = study.reference(name)
@@ -81,7 +81,7 @@ class Seconds:
 
 def seconds(study: Study, name: str, way: str) -> Seconds:
     """Return the stored times of a scene by ``lin``, ``numerical``, ``formula`` or ``3D``."""
-    kept = study.once(times_of, "lin")
+    kept = study.once(times_of_page, "lin")
     found = study.reference(name) if name in STATIC.values() and way == "3D" else None
     if found is not None:
         for level in () if kept is None else kept.levels:

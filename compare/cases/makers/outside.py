@@ -281,7 +281,7 @@ def calculix(study: Study) -> Iterator[Outside]:
 
     Errors are in per cent of the mean load.
     """
-    from rollbench.compare.studies.crosscheck.results import contact_rows, load_results, path_of, shipped
+    from rollbench.compare.studies.crosscheck.results import contact_rows, load_results, result_path, shipped
     from rollbench.compare.studies.crosscheck.study import STUDIES
 
     for name in STUDIES:
@@ -293,4 +293,6 @@ def calculix(study: Study) -> Iterator[Outside]:
             off = 0.01 * row.ours_percent * mean
             words = ("contact load", "3D reference", "CalculiX", f"{name}: ball {row.ball} {row.side}", PROGRAM)
             value = (row.theirs, 0.01 * row.theirs_percent * mean, Band.of((row.ours,), off), mean)
-            yield Outside(*words, f"stored run, compare/studies/crosscheck/{path_of(shipped(), name).name}", "N", *value)
+            yield Outside(
+                *words, f"stored run, compare/studies/crosscheck/{result_path(shipped(), name).name}", "N", *value
+            )

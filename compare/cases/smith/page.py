@@ -196,8 +196,8 @@ def roller_parts(study: Study) -> tuple[Table | Figure, ...]:
     study.uses(("smith-axis-taper",))
     scene = catalogue.shipped("smith-axis-taper")
     assert isinstance(scene, Assembly)
-    (roller,) = rollers.rollers_of(scene)
-    runs = [run for level in rollers.LEVELS if (run := rollers.stored(roller, level, (shipped_store(),))) is not None]
+    (roller,) = rollers.loaded_rollers(scene)
+    runs = [run for level in rollers.LEVELS if (run := rollers.stored_run(roller, level, (shipped_store(),))) is not None]
     if not runs:
         return ()
     rows: list[Row] = []
@@ -213,7 +213,7 @@ def roller_parts(study: Study) -> tuple[Table | Figure, ...]:
         rows.append(row)
     best = runs[-1]
     times = ", ".join(f"{run.cpu_seconds:.0f} s for {run.cells} cells on level {run.level}" for run in runs)
-    note = f"{ROLLER_NOTE} {rollers.closing(roller, runs)} Processor time: {times}."
+    note = f"{ROLLER_NOTE} {rollers.low_order_sentence(roller, runs)} Processor time: {times}."
     along = [1e3 * x for x in best.along]
     even = [1e-3 * roller.load / roller.row.length] * 2
     half = 500.0 * roller.row.length

@@ -50,7 +50,7 @@ LEAST = 0.1
 
 
 @dataclass(frozen=True)
-class Place:
+class ExpectedContact:
     """Expected contact."""
 
     #: Number of the ball, from 0.
@@ -63,7 +63,7 @@ class Place:
     half: tuple[float, float]
 
 
-def half_axes(scene: Scene, side: int) -> tuple[float, float]:
+def unit_load_semi_axes(scene: Scene, side: int) -> tuple[float, float]:
     """Return the semi-axes of the contact ellipse at 1 N, across and along the groove [m/N^(1/3)].
 
     By Hertz on the nominal geometry. The long one lies across the groove, where ball and groove conform.
@@ -80,55 +80,55 @@ def half_axes(scene: Scene, side: int) -> tuple[float, float]:
     return float(found.C_a), float(found.C_b)
 
 
-def places_of(scene: Scene, load: Array, sides: tuple[int, ...]) -> tuple[list[Place], float]:
+def contact_places(scene: Scene, load: Array, sides: tuple[int, ...]) -> tuple[list[ExpectedContact], float]:
     """Return the expected contacts on ``sides``, and the minor semi-axis of a screw contact of mean load [m]."""
     layout, mean = ball_layout(scene), float(load[load > 0.0].mean())
-    unit = {s: half_axes(scene, s) for s in sides}
+    unit = {s: unit_load_semi_axes(scene, s) for s in sides}
     places = []
     for i in range(scene.ball_count):
         for s in sides:
             root = float(np.cbrt(max(load[i, s], LEAST * mean)))
             at = (float(layout.azimuth[i]), float(layout.z[i]), s)
-            places.append(Place(i, s, at, (unit[s][0] * root, unit[s][1] * root)))
+            places.append(ExpectedContact(i, s, at, (unit[s][0] * root, unit[s][1] * root)))
     return places, unit[sides[0]][1] * float(np.cbrt(mean))
 
 
-def ball_faces(place: Place) -> str:
+def ball_face_name(place: ExpectedContact) -> str:
     """Return the name of the ball's faces at a contact."""
     return f"BALL{place.ball + 1}_{SIDES[place.side]}"
 
 
-def groove_faces(place: Place) -> str:
+def groove_face_name(place: ExpectedContact) -> str:
     """Return the name of the groove's faces at a contact."""
     return f"{'SCREW' if place.side < 2 else 'NUT'}_{SIDES[place.side]}_{place.ball + 1}"
 
 
-def _zone(place: Place, fine: float, wide: tuple[float, float]) -> tuple[float, float]:
+def _widened_semi_axes(place: ExpectedContact, fine: float, wide: tuple[float, float]) -> tuple[float, float]:
     """Return the semi-axes of the faces of a contact [m]."""
     across, along = (wide[0] * x + wide[1] * fine for x in place.half)
     return across, along
 
 
-def fine_zone(place: Place, fine: float) -> Array:
+def refined_zone_points(place: ExpectedContact, fine: float) -> Array:
     """Return points that fill the refined zone of a contact, (k, 2) across and along [m]."""
     return grid((FINE * place.half[0], FINE * place.half[1]), 0.7 * fine)
 
 
-def flank_faces(m: GrooveMap, mesh: WholeBody, place: Place, fine: float) -> Index:
+def flank_contact_faces(m: GrooveMap, mesh: WholeBody, place: ExpectedContact, fine: float) -> Index:
     """Return the faces of a flank within the master's zone of a contact."""
     flank = mesh.named[f"flank {SIDES[place.side]}"]
     x, radius = mesh.points[flank], float(m.radius[place.side])
     xi = socket_coordinates(
         m, SocketSize(1.0, radius, 1.0), place.at, np.arctan2(x[:, 1], x[:, 0]), x[:, 2], np.hypot(x[:, 0], x[:, 1])
     )
-    half = _zone(place, fine, MASTER)
+    half = _widened_semi_axes(place, fine, MASTER)
     inside = (radius * xi[:, 0] / half[0]) ** 2 + (m.R * xi[:, 2] / half[1]) ** 2 <= 1.0
     return _faces_within(mesh, flank[inside])
 
 
-def sphere_faces(m: GrooveMap, mesh: WholeBody, place: Place, radius: float, fine: float) -> Index:
+def ball_contact_faces(m: GrooveMap, mesh: WholeBody, place: ExpectedContact, radius: float, fine: float) -> Index:
     """Return the faces of a ball within the slave's zone of a contact; the ball is meshed in the frame of azimuth 0."""
-    (n, t1, t2), sphere, half = directions(m, place.side), mesh.named["sphere"], _zone(place, fine, SLAVE)
+    (n, t1, t2), sphere, half = directions(m, place.side), mesh.named["sphere"], _widened_semi_axes(place, fine, SLAVE)
     x = mesh.points[sphere]
     height = np.where(x @ n > 0.0, x @ n, 1e-9 * radius)  # nodes behind are far outside
     across, along = radius * (x @ t1) / height, radius * (x @ t2) / height
@@ -204,7 +204,7 @@ class MeshedDeck:
     quality: dict[str, float]
 
 
-def refuse(where: str, faults: Iterable[tuple[bool, str, str, str, str]]) -> None:
+def raise_first_fault(where: str, faults: Iterable[tuple[bool, str, str, str, str]]) -> None:
     """Raise InputError for the first fault that applies: condition, key, value, allowed values and advice."""
     for there, key, value, allowed, advice in faults:
         if there:
@@ -236,10 +236,10 @@ def _refuse_unlike_decks(scene: Scene, half: bool) -> None:
         (solid.nut_groove != "through", "solid.nut_groove", groove, '"through"', whole),
         (half and unlike, "half", "not its own mirror image", pair, "mesh whole bodies"),
     )
-    refuse(scene.name, faults)
+    raise_first_fault(scene.name, faults)
 
 
-def exact_errors(scene: Scene) -> Specimen:
+def representable_errors(scene: Scene) -> Specimen:
     """Return the errors of a scene if real geometry can have them: radii of balls and of grooves; else InputError."""
     drawn = specimen(scene, ball_layout(scene))
     moved = bool(np.abs(drawn.centre - nominal_groove_centres(scene)).max() > 0.0 or drawn.centre_slopes.any())
@@ -250,11 +250,11 @@ def exact_errors(scene: Scene) -> Specimen:
         (uneven, "errors.*.profile", "grooves of two radii"),
     )
     allowed = "errors of ball radii and, the same on both flanks, of groove radii"
-    refuse(scene.name, [(*fault, allowed, "leave this error out of the scene") for fault in faults])
+    raise_first_fault(scene.name, [(*fault, allowed, "leave this error out of the scene") for fault in faults])
     return drawn
 
 
-def body_map(m: GrooveMap, drawn: Specimen, scene: Scene, screw: bool) -> GrooveMap:
+def real_groove_map(m: GrooveMap, drawn: Specimen, scene: Scene, screw: bool) -> GrooveMap:
     """Return the map of the real groove of screw or nut.
 
     The centres of the arcs stay; the radius, and that of the ball that would fit, change by the same amount.
@@ -263,13 +263,13 @@ def body_map(m: GrooveMap, drawn: Specimen, scene: Scene, screw: bool) -> Groove
     return replace(m, radius=drawn.radius, ball=m.ball + float(change[0 if screw else 2]))
 
 
-def expected(scene: Scene) -> StaticResult:
+def solve_expected_loads(scene: Scene) -> StaticResult:
     """Solve a scene by the refined low-order model; InputError if it has no equilibrium or nothing is loaded."""
     found = run_model(scene, "refined", Options(discretisation=False))
     allowed = "a scene with loaded contacts that the model refined solves"
     advice = "meshes are refined at the contacts it finds: load or preload the scene"
     idle = not found.converged or not (found.load > 0.0).any()
-    refuse(scene.name, [(bool(idle), "loads", found.status, allowed, advice)])
+    raise_first_fault(scene.name, [(bool(idle), "loads", found.status, allowed, advice)])
     return found
 
 
@@ -295,14 +295,14 @@ def build_deck(scene: Scene, options: DeckOptions | None = None) -> MeshedDeck:
     """
     options = options or DeckOptions()
     _refuse_unlike_decks(scene, options.half)
-    drawn, found, sides = exact_errors(scene), expected(scene), needed_sides(scene)
+    drawn, found, sides = representable_errors(scene), solve_expected_loads(scene), needed_sides(scene)
     m, layout = GrooveMap.of(scene), ball_layout(scene)
-    places, short = places_of(scene, found.load, sides)
+    places, short = contact_places(scene, found.load, sides)
     fine = short / options.b_over_h
     try:
         dims = dimensions(scene)
-        meshed = _rings(scene, dims, drawn, m, places, fine, options)
-        meshed += _balls(scene, drawn, m, layout, places, fine, options)
+        meshed = _mesh_screw_and_nut(scene, dims, drawn, m, places, fine, options)
+        meshed += _mesh_balls(scene, drawn, m, layout, places, fine, options)
     except ValueError as error:
         raise InputError(
             scene.name, "deck", str(error), "a scene that can be meshed", "see solid.* and the nut's length in the scene"
@@ -311,16 +311,16 @@ def build_deck(scene: Scene, options: DeckOptions | None = None) -> MeshedDeck:
     quality = {body.name: smallest for body, smallest in meshed}
     count = sum(len(b.points) for b in bodies)
     smaller = "lower `b_over_h`, raise `growth`, or cut the screw: `balls`"
-    refuse(scene.name, [(count > MOST_NODES, "deck", f"{count} nodes", f"at most {MOST_NODES} nodes", smaller)])
-    contacts = tuple(Contact(ball_faces(p), groove_faces(p)) for p in places)
+    raise_first_fault(scene.name, [(count > MOST_NODES, "deck", f"{count} nodes", f"at most {MOST_NODES} nodes", smaller)])
+    contacts = tuple(Contact(ball_face_name(p), groove_face_name(p)) for p in places)
     deck = Deck(
         bodies,
-        _sections(scene, dims),
+        _rigid_sections(scene, dims),
         ("NUT_HELD",),
         contacts,
         options.stiffness,
         options.spring,
-        _heading(scene, dims, found, fine, count, options),
+        _deck_heading(scene, dims, found, fine, count, options),
         f"{scene.name}: {scene.title}",
         options.nlgeom,
         tuple(f"{b.name}_CUT" for b in bodies if options.half),
@@ -328,12 +328,18 @@ def build_deck(scene: Scene, options: DeckOptions | None = None) -> MeshedDeck:
     return MeshedDeck(deck, found.load, fine, quality)
 
 
-def _refined(points: list[Array], fine: float, coarse: float, options: DeckOptions) -> Refinement:
+def _deck_refinement(points: list[Array], fine: float, coarse: float, options: DeckOptions) -> Refinement:
     return Refinement(np.concatenate(points), fine, options.growth, max(coarse, fine))
 
 
-def _rings(
-    scene: Scene, dims: Dimensions, drawn: Specimen, m: GrooveMap, places: list[Place], fine: float, options: DeckOptions
+def _mesh_screw_and_nut(
+    scene: Scene,
+    dims: Dimensions,
+    drawn: Specimen,
+    m: GrooveMap,
+    places: list[ExpectedContact],
+    fine: float,
+    options: DeckOptions,
 ) -> list[tuple[DeckBody, float]]:
     """Mesh screw (its 3D stretch) and nut; return each with the smallest scaled Jacobian of its cells."""
     low, high = dims.ends(scene)
@@ -346,13 +352,13 @@ def _rings(
     ):
         screw = name == "SCREW"
         on_body = [p for p in places if (p.side < 2) == screw]
-        groove = body_map(m, drawn, scene, screw)
-        near = [groove_points(groove, p.at, fine_zone(p, fine)) for p in on_body]
-        size = _refined(near, fine, FAR_SIZES[0] * options.growth * m.ball, options)
+        groove = real_groove_map(m, drawn, scene, screw)
+        near = [groove_points(groove, p.at, refined_zone_points(p, fine)) for p in on_body]
+        size = _deck_refinement(near, fine, FAR_SIZES[0] * options.growth * m.ball, options)
         flange = None if screw else scene.nut.flange
         spec = BodySpec(*radii, *ends, screw, (), unused, fine, size.coarse, flange=flange)
         mesh = (half_body if options.half else whole_body)(groove, spec, size)
-        faces = {groove_faces(p): flank_faces(groove, mesh, p, fine) for p in on_body}
+        faces = {groove_face_name(p): flank_contact_faces(groove, mesh, p, fine) for p in on_body}
         if screw:
             held = (
                 {"SCREW_BORE": mesh.named["bore"]}
@@ -368,8 +374,14 @@ def _rings(
     return bodies
 
 
-def _balls(
-    scene: Scene, drawn: Specimen, m: GrooveMap, layout: BallLayout, places: list[Place], fine: float, options: DeckOptions
+def _mesh_balls(
+    scene: Scene,
+    drawn: Specimen,
+    m: GrooveMap,
+    layout: BallLayout,
+    places: list[ExpectedContact],
+    fine: float,
+    options: DeckOptions,
 ) -> list[tuple[DeckBody, float]]:
     """Mesh every ball with its radius at its position."""
     bodies, meshed, shared = [], dict[tuple[float, float], WholeBody](), options.half or options.alike
@@ -379,18 +391,18 @@ def _balls(
         mesh = meshed.get(kind)
         if mesh is None:
             near = [p for p in places if drawn.ball_radius[p.ball] == radius] if shared else on_ball
-            zones = [sphere_points(m, p.side, radius, fine_zone(p, fine)) for p in near]
-            size = _refined(zones, fine, FAR_SIZES[1] * options.growth * m.ball, options)
+            zones = [sphere_points(m, p.side, radius, refined_zone_points(p, fine)) for p in near]
+            size = _deck_refinement(zones, fine, FAR_SIZES[1] * options.growth * m.ball, options)
             mesh = half_ball(radius, size, side) if options.half else whole_ball(m, radius, size)
             if shared:
                 meshed[kind] = mesh
-        faces = {ball_faces(p): sphere_faces(m, mesh, p, radius, fine) for p in on_ball}
+        faces = {ball_face_name(p): ball_contact_faces(m, mesh, p, radius, fine) for p in on_ball}
         name = f"BALL{i + 1}"
         points = place_ball(m, (float(layout.azimuth[i]), float(layout.z[i])), mesh.points)
         axes = [parting(m)] if options.half else [parting(m), directions(m, 0)[2]]
         poles = np.argmax(mesh.points @ np.stack([sign * x for x in axes for sign in (1.0, -1.0)]).T, axis=0)
         pairs = poles.reshape(-1, 2)
-        alike = without_spinning(points, pairs[0]) if options.half else without_turning(points, pairs)
+        alike = half_ball_turning_constraint(points, pairs[0]) if options.half else turning_constraints(points, pairs)
         weak = poles[:1]
         nodes = {f"{name}_WEAK": weak}
         if options.half:
@@ -400,7 +412,7 @@ def _balls(
     return bodies
 
 
-def without_spinning(points: Array, pair: Index) -> Index:
+def half_ball_turning_constraint(points: Array, pair: Index) -> Index:
     """Return the row (1, 3) of two nodes and an axis along which they move alike, so that a half ball cannot turn about y.
 
     Its cut stays in the plane y = 0.
@@ -409,7 +421,7 @@ def without_spinning(points: Array, pair: Index) -> Index:
     return np.array([(*pair, int(np.argmax(arms)))], dtype=np.int64)
 
 
-def without_turning(points: Array, pairs: Index) -> Index:
+def turning_constraints(points: Array, pairs: Index) -> Index:
     """Return rows (3, 3) of two nodes and an axis along which they move alike, so that a body cannot turn.
 
     A rotation theta moves the nodes of a pair, d apart, by theta x d relative to each other: along axis k by
@@ -422,7 +434,7 @@ def without_turning(points: Array, pairs: Index) -> Index:
     return np.array([found[k] for k in best], dtype=np.int64)
 
 
-def _sections(scene: Scene, dims: Dimensions) -> tuple[RigidSection, ...]:
+def _rigid_sections(scene: Scene, dims: Dimensions) -> tuple[RigidSection, ...]:
     """Return rigid sections of the screw with supports and loads; InputError if they act elsewhere."""
     stations = sorted({s.at for s in scene.supports} | {x.at for x in scene.loads})
     if dims.screw_held == "bore":
@@ -435,7 +447,7 @@ def _sections(scene: Scene, dims: Dimensions) -> tuple[RigidSection, ...]:
     advice = "a deck has no beams: cut the screw (`balls=3:5`), or set solid.shaft and the stations to match"
     for z in stations:
         away = min(abs(z - end) for end in ends.values()) > 1e-9
-        refuse(scene.name, [(away, "supports, loads", f"a station at {1e3 * z:.6g} mm", allowed, advice)])
+        raise_first_fault(scene.name, [(away, "supports, loads", f"a station at {1e3 * z:.6g} mm", allowed, advice)])
     free = [k for k, name in enumerate(FREEDOMS) if not any(name == n for s in scene.supports for n, _ in s.fixed)]
     sections: list[RigidSection] = []
     for name, z in ends.items():
@@ -449,7 +461,7 @@ def _sections(scene: Scene, dims: Dimensions) -> tuple[RigidSection, ...]:
     return tuple(sections)
 
 
-def _heading(
+def _deck_heading(
     scene: Scene, dims: Dimensions, found: StaticResult, fine: float, count: int, options: DeckOptions
 ) -> tuple[str, ...]:
     """Return comment lines of a deck: scene, choices, expected loads."""
@@ -465,7 +477,7 @@ def _heading(
         "of the screw that no support holds (turning: N mm/rad); their force is that times the motion that is printed.",
         "Oversize of balls and errors of groove radii are in the geometry; flanks are exact arcs.",
         *dims.assumed,
-        f"Expected contact loads / N: low-order model refined, {_worth(scene, found)}; mean {mean:.1f} N.",
+        f"Expected contact loads / N: low-order model refined, {_expected_error_clause(scene, found)}; mean {mean:.1f} N.",
         "ball " + " ".join(f"{s:>10}" for s in SIDES),
         *(f"{i:>4} " + " ".join(f"{x:10.2f}" for x in row) for i, row in enumerate(load, start=1)),
         "CalculiX: ccx -i FILE (without .inp); loads by *CONTACT PRINT in FILE.dat.",
@@ -473,7 +485,7 @@ def _heading(
     )
 
 
-def _worth(scene: Scene, found: StaticResult) -> str:
+def _expected_error_clause(scene: Scene, found: StaticResult) -> str:
     """Return a sentence on the error to expect of the loads."""
     form = estimate(scene, found)
     if not found.converged or form.percent is None:

@@ -102,7 +102,7 @@ def nut_decks(scene: Scene, options: DeckOptions = MESH) -> tuple[list[Deck], Ar
     return decks, np.array(normals)
 
 
-def linear_motions(decks: list[Deck]) -> Array:
+def section_translations(decks: list[Deck]) -> Array:
     """Return translations of the sections (decks, sections, 3) [m] by the reference's elements and solver.
 
     The decks differ only in loads, and have one body, no contacts, and sections without fixed degrees of freedom.
@@ -110,7 +110,7 @@ def linear_motions(decks: list[Deck]) -> Array:
     body, sections = decks[0].bodies[0], decks[0].sections
     mesh, number = mesh_of(body.points, body.cells, "P2")
     K = assemble(elasticity(body.material.youngs_modulus, body.material.poissons_ratio), mesh)
-    C = _transform(body, sections, number, decks[0].fixed)
+    C = _section_transform(body, sections, number, decks[0].fixed)
     loads = np.zeros((C.shape[1], len(decks)))
     count = 6 * len(sections)
     for k, deck in enumerate(decks):
@@ -119,7 +119,7 @@ def linear_motions(decks: list[Deck]) -> Array:
     return np.asarray(moved.reshape(len(sections), 6, len(decks)).transpose(2, 0, 1)[:, :, :3])
 
 
-def _transform(
+def _section_transform(
     body: DeckBody, sections: tuple[RigidSection, ...], number: NDArray[np.int64], fixed: tuple[str, ...]
 ) -> sp.csc_array:
     """Return the matrix from the free degrees of freedom and six of each section (last) to those of the body."""
@@ -134,13 +134,13 @@ def _transform(
     return sp.hstack(parts, format="csc")
 
 
-def check_nut(scene: Scene, work: Path, options: DeckOptions = MESH, key: str = "") -> NutCheck:
+def compare_nut_compliance(scene: Scene, work: Path, options: DeckOptions = MESH, key: str = "") -> NutCheck:
     """Compute the compliance of a scene's nut by both programs on one mesh.
 
     InputError if CalculiX is missing or fails.
     """
     decks, normals = nut_decks(scene, options)
-    ours = linear_motions(decks)
+    ours = section_translations(decks)
     theirs, date, version = np.zeros_like(ours), "", ""
     for k, deck in enumerate(decks):
         try:

@@ -126,17 +126,17 @@ def shipped() -> Path:
     return Path(__file__).parent
 
 
-def path_of(folder: Path, scene: str) -> Path:
+def result_path(folder: Path, scene: str) -> Path:
     """Return the file of a scene's results."""
     return folder / f"{scene}.json"
 
 
-def save(folder: Path, data: CrossData) -> Path:
+def save_results(folder: Path, data: CrossData) -> Path:
     """Write the results of a scene, completely or not at all; InputError if that fails."""
     plain = asdict(data)
     for run in plain["runs"]:
         run["load"] = [[float(f"{x:.7g}") for x in row] for row in run["load"].tolist()]
-    path = path_of(folder, data.scene)
+    path = result_path(folder, data.scene)
     replace_file(path, json.dumps(plain, indent=1) + "\n")
     return path
 
@@ -145,7 +145,9 @@ def load_results(folder: Path, scene: str) -> CrossData | None:
     """Return the results of a scene; None if there are none, InputError for a damaged file."""
     found = "results that rollbench crosscheck wrote", "make them again: `run=True`"
     return read_json(
-        path_of(folder, scene), lambda x: CrossData(**{**x, "runs": tuple(_run(r) for r in x["runs"])}), *found
+        result_path(folder, scene),
+        lambda x: CrossData(**{**x, "runs": tuple(_run_from_json(r) for r in x["runs"])}),
+        *found,
     )
 
 
@@ -159,7 +161,7 @@ def read_json(path: Path, made: Callable[[dict[str, Any]], T], allowed: str, adv
         raise InputError(str(path), "file", str(error), allowed, advice) from None
 
 
-def _run(plain: dict[str, Any]) -> CrossRun:
+def _run_from_json(plain: dict[str, Any]) -> CrossRun:
     load = np.array(plain["load"], dtype=float)
     if load.ndim != 2 or load.shape[1] != len(SIDES):
         raise ValueError(f"loads of shape {load.shape}")
@@ -228,9 +230,11 @@ def element_error(size: Array, growth: Array, order: float) -> Array:
     return np.asarray((np.multiply.outer(size, at) + np.multiply.outer(growth, 1.0 - at)) ** order @ (0.5 * w))
 
 
-def softness(runs: Sequence[CrossRun]) -> Array | None:
+def contact_law_effect(runs: Sequence[CrossRun]) -> Array | None:
     """Return B (contacts,) [N Pa/m] of the contact law, a mean over pairs of runs on one mesh; None without such a pair."""
-    pairs = [(a, b) for a, b in combinations(runs, 2) if mesh_of(a) == mesh_of(b) and a.stiffness != b.stiffness]
+    pairs = [
+        (a, b) for a, b in combinations(runs, 2) if mesh_identity(a) == mesh_identity(b) and a.stiffness != b.stiffness
+    ]
     if not pairs:
         return None
     return np.asarray(
@@ -238,7 +242,7 @@ def softness(runs: Sequence[CrossRun]) -> Array | None:
     )
 
 
-def mesh_of(run: CrossRun) -> tuple[float, float, bool, bool]:
+def mesh_identity(run: CrossRun) -> tuple[float, float, bool, bool]:
     """Return what identifies a run's mesh: elements across, growth, whether half, whether balls are equal."""
     return run.b_over_h, run.growth, run.half, run.alike
 
@@ -268,13 +272,13 @@ def extrapolate(runs: Sequence[CrossRun]) -> Extrapolation:
         With a single mesh, and if the contact stiffness varies, but on no mesh.
     """
     linear = [r for r in runs if not r.nlgeom]
-    law = softness(linear)
+    law = contact_law_effect(linear)
     if law is None and len({r.stiffness for r in linear}) > 1:
         raise ValueError("the contact stiffness varies, but on no mesh: add a run that differs in it alone")
     law = np.zeros(linear[0].load.size) if law is None else law
     groups: dict[tuple[float, float, bool, bool], list[CrossRun]] = {}
     for r in linear:
-        groups.setdefault(mesh_of(r), []).append(r)
+        groups.setdefault(mesh_identity(r), []).append(r)
     if len({m[:2] for m in groups}) < 2:
         raise ValueError("one mesh only: two are needed to extrapolate")
     h, g = (np.array([x[k] for x in groups]) for k in (0, 1))
@@ -282,9 +286,9 @@ def extrapolate(runs: Sequence[CrossRun]) -> Extrapolation:
     loads = np.stack([np.mean([r.load.ravel() - law / r.stiffness for r in same], axis=0) for same in groups.values()])
     typical = loads.mean(axis=0)
     half = np.cbrt(np.maximum(typical / typical[typical > 0.0].mean(), 1e-3))  # own semi-axis over that at mean load
-    weight = 1.0 / _errors(h, g, half, *WEIGHING)
+    weight = 1.0 / _element_errors(h, g, half, *WEIGHING)
     weight = weight / weight.max(axis=0)
-    fits = [_fit(loads, _errors(h, g, half, p, s), weight, p, s) for p, s in product(ORDERS, LENGTHS)]
+    fits = [_fit_loads(loads, _element_errors(h, g, half, p, s), weight, p, s) for p, s in product(ORDERS, LENGTHS)]
     best = min(fits, key=lambda fit: fit.misfit)
     free = max(1, len(loads) - 2)
     enough = np.hypot(best.residual, COVERED * np.maximum(best.residual, best.misfit) / np.sqrt(free))
@@ -307,14 +311,14 @@ def extrapolate(runs: Sequence[CrossRun]) -> Extrapolation:
     )
 
 
-def _errors(h: Array, g: Array, half: Array, order: float, length: float) -> Array:
+def _element_errors(h: Array, g: Array, half: Array, order: float, length: float) -> Array:
     """Return the relative element error e of every mesh and contact, (meshes, contacts)."""
     size = h[:, None] / (length * half)
     return element_error(size, np.broadcast_to(g[:, None], size.shape), order)
 
 
 @dataclass(frozen=True)
-class _Fit:
+class _LoadFit:
     """Weighted least-squares fit of all contact loads for one order and length."""
 
     order: float
@@ -326,7 +330,7 @@ class _Fit:
     elements: Array
 
 
-def _fit(loads: Array, e: Array, weight: Array, order: float, length: float) -> _Fit:
+def _fit_loads(loads: Array, e: Array, weight: Array, order: float, length: float) -> _LoadFit:
     """Fit each contact's load by a straight line over e; weights of residuals are relative to the finest mesh."""
     w = weight**2 / (weight**2).sum(axis=0)
     middle, mean = (w * e).sum(axis=0), (w * loads).sum(axis=0)
@@ -339,7 +343,7 @@ def _fit(loads: Array, e: Array, weight: Array, order: float, length: float) -> 
     # Var F0 = sigma^2 (1 + middle^2 / wide) / sum of weights squared, sigma that of the finest mesh
     error = scatter * np.sqrt((1.0 + middle**2 / wide) / (weight**2).sum(axis=0)) * (mean > 0.0)
     residual = np.sqrt(square.mean(axis=0))
-    return _Fit(order, length, float(np.sqrt(square.mean())), residual, limit, error, slope * e)
+    return _LoadFit(order, length, float(np.sqrt(square.mean())), residual, limit, error, slope * e)
 
 
 #: Target of the agreement [% of the mean load].
@@ -386,7 +390,7 @@ class ContactRow:
         return {"ball": str(self.ball), "side": self.side, **self.meshes, **compared}
 
 
-def series(data: CrossData) -> list[CrossRun]:
+def comparable_runs(data: CrossData) -> list[CrossRun]:
     """Return the runs with small displacements and the most frequent contact stiffness, fewest nodes first."""
     linear = [r for r in data.runs if not r.nlgeom]
     alike = [sum(r.stiffness == one.stiffness for r in linear) for one in linear]
@@ -403,7 +407,7 @@ def contact_rows(data: CrossData, ours: Reference, limit: Extrapolation | None =
     """Return a row for each contact that carries load in the 3D reference or CalculiX."""
     limit = limit or extrapolate(data.runs)
     best, mean, rows = ours.load, ours.mean, []
-    meshes = {f"level {r.level}": r.load for r in ours.runs} | {deck_label(r): r.load for r in series(data)}
+    meshes = {f"level {r.level}": r.load for r in ours.runs} | {deck_label(r): r.load for r in comparable_runs(data)}
     for i, s in zip(*np.nonzero((best > 0.0) | (limit.load > 1e-3 * mean)), strict=True):
         uncertainty = float(error_percent(ours.uncertainty[i, s], 0.0, mean))
         rows.append(
@@ -426,11 +430,11 @@ def mesh_columns(data: CrossData, ours: Reference) -> list[Quantity]:
     return [
         *PLACE,
         *(Quantity(f"level {r.level}", f"reference, level {r.level}", "N", ".2f") for r in ours.runs),
-        *(Quantity(deck_label(r), f"CalculiX, {deck_label(r)}", "N", ".2f") for r in series(data)),
+        *(Quantity(deck_label(r), f"CalculiX, {deck_label(r)}", "N", ".2f") for r in comparable_runs(data)),
     ]
 
 
-def agreement(name: str, rows: Sequence[ContactRow]) -> str:
+def agreement_sentence(name: str, rows: Sequence[ContactRow]) -> str:
     """Return a sentence on worst and RMS difference, and whether they exceed the uncertainties of both programs."""
     worst = max(rows, key=lambda r: abs(r.difference))
     rms = float(np.sqrt(np.mean([r.difference**2 for r in rows])))

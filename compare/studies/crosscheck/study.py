@@ -38,7 +38,7 @@ Triple = tuple[float, ...]
 
 
 @dataclass(frozen=True)
-class Outcome:
+class CalculixResult:
     """Results of CalculiX for one deck."""
 
     #: Resultant on the faces of each contact, by slave set [N].
@@ -73,7 +73,7 @@ def ccx_version(program: str) -> str:
     return found.group(1) if found else "unknown"
 
 
-def digest(text: str) -> str:
+def deck_digest(text: str) -> str:
     """Return the digest of a deck without comments and solver controls, 16 hexadecimal digits."""
     content, control = [], False
     for line in text.splitlines():
@@ -84,26 +84,26 @@ def digest(text: str) -> str:
     return hashlib.sha256("\n".join(content).encode()).hexdigest()[:16]
 
 
-def run_calculix(text: str, folder: Path) -> Outcome:
+def run_calculix(text: str, folder: Path) -> CalculixResult:
     """Run a deck in a folder with one thread, or read the result of the same deck that is already there.
 
     InputError if CalculiX is missing; ValueError with its last output if it does not converge.
     """
-    program, key = find_ccx(), digest(text)
+    program, key = find_ccx(), deck_digest(text)
     kept = folder / "run.json"
     try:
         facts = json.loads(kept.read_text(encoding="utf-8"))
     except (OSError, ValueError):
         facts = {}
     if facts.get("deck") != key:
-        facts = {"deck": key, **_run(program, text, folder)}
+        facts = {"deck": key, **_solve_deck(program, text, folder)}
         kept.write_text(json.dumps(facts), encoding="utf-8")
     forces, moved = read_dat((folder / f"{NAME}.dat").read_text(encoding="ascii"))
     iterations, correction = read_cvg((folder / f"{NAME}.cvg").read_text(encoding="ascii"))
-    return Outcome(forces, moved, iterations, correction, facts["seconds"], facts["date"], facts["version"])
+    return CalculixResult(forces, moved, iterations, correction, facts["seconds"], facts["date"], facts["version"])
 
 
-def _run(program: str, text: str, folder: Path) -> dict[str, Any]:
+def _solve_deck(program: str, text: str, folder: Path) -> dict[str, Any]:
     folder.mkdir(parents=True, exist_ok=True)
     (folder / f"{NAME}.inp").write_text(text, encoding="ascii")
     for old in folder.glob(f"{NAME}.[dcfs]*"):
@@ -153,7 +153,7 @@ def read_cvg(text: str) -> tuple[int, float]:
 UNIT = "mm"
 
 
-def _choices(*rows: tuple[float, float, float], half: bool = False, alike: bool = False) -> list[DeckOptions]:
+def _deck_options(*rows: tuple[float, float, float], half: bool = False, alike: bool = False) -> list[DeckOptions]:
     """Return rows of elements across, growth and stiffness [N/mm3]."""
     return [DeckOptions(b, g, 1e9 * k, half=half, alike=alike) for b, g, k in rows]
 
@@ -162,19 +162,19 @@ def _choices(*rows: tuple[float, float, float], half: bool = False, alike: bool 
 #: refined together (b/h times growth 0.48) on halves and on balls of one mesh; contact stiffness, large displacements.
 STUDIES: dict[str, list[DeckOptions]] = {
     "two-balls": [
-        *_choices((0.6, 0.8, 2e8), (0.8, 0.6, 2e8), (1.2, 0.4, 2e8), (1.1, 0.6, 2e8)),
-        *_choices((1.5, 0.6, 2e8), (1.1, 0.8, 2e8), (0.8, 0.4, 2e8), (0.8, 0.6, 1e9)),
+        *_deck_options((0.6, 0.8, 2e8), (0.8, 0.6, 2e8), (1.2, 0.4, 2e8), (1.1, 0.6, 2e8)),
+        *_deck_options((1.5, 0.6, 2e8), (1.1, 0.8, 2e8), (0.8, 0.4, 2e8), (0.8, 0.6, 1e9)),
         DeckOptions(0.6, 0.8, 2e17, nlgeom=True),
-        *_choices((0.6, 0.8, 2e8), (0.8, 0.6, 2e8), (1.2, 0.4, 2e8), (1.6, 0.3, 2e8), (1.92, 0.25, 2e8), half=True),
+        *_deck_options((0.6, 0.8, 2e8), (0.8, 0.6, 2e8), (1.2, 0.4, 2e8), (1.6, 0.3, 2e8), (1.92, 0.25, 2e8), half=True),
     ],
     "lin-case1-cut": [
-        *_choices((0.8, 0.8, 2e8), (1.1, 0.8, 2e8), (0.8, 0.6, 2e8), (1.1, 0.6, 2e8), (0.8, 0.8, 1e9)),
-        *_choices((1.2, 0.4, 2e8), alike=True),
+        *_deck_options((0.8, 0.8, 2e8), (1.1, 0.8, 2e8), (0.8, 0.6, 2e8), (1.1, 0.6, 2e8), (0.8, 0.8, 1e9)),
+        *_deck_options((1.2, 0.4, 2e8), alike=True),
     ],
 }
 
 
-def label(options: DeckOptions) -> str:
+def deck_folder_name(options: DeckOptions) -> str:
     """Return the name of a deck's folder."""
     tail = "-nlgeom" * options.nlgeom + "-half" * options.half + "-alike" * options.alike
     return f"bh{options.b_over_h:g}-g{options.growth:g}-k{1e-9 * options.stiffness:g}{tail}"
@@ -186,7 +186,7 @@ def scene_key(name: str) -> str:
     return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()[:16]
 
 
-def checked_scene(name: str) -> Scene:
+def studied_scene(name: str) -> Scene:
     """Return a shipped scene that is checked; InputError for others."""
     if name not in STUDIES:
         raise ArgumentError("scene", name, ", ".join(STUDIES), "choose one of these")
@@ -203,22 +203,25 @@ def run_study(scene: Scene, work: Path, step: Callable[[str], None], stored: Seq
     for options in STUDIES[scene.name]:
         meshed = build_deck(scene, options)
         text = deck_text(meshed.deck, UNIT)
-        if digest(text) in known:
-            runs.append(known[digest(text)])
-            step(f"{label(options)}: stored")
+        if deck_digest(text) in known:
+            runs.append(known[deck_digest(text)])
+            step(f"{deck_folder_name(options)}: stored")
             continue
         try:
-            outcome = run_calculix(text, work / scene.name / label(options))
-            runs.append(record(meshed, options, digest(text), outcome))
+            outcome = run_calculix(text, work / scene.name / deck_folder_name(options))
+            runs.append(run_record(meshed, options, deck_digest(text), outcome))
         except ValueError as error:
             raise InputError(
-                scene.name, label(options), str(error), "a deck that CalculiX solves", "see its folder"
+                scene.name, deck_folder_name(options), str(error), "a deck that CalculiX solves", "see its folder"
             ) from None
-        step(f"{label(options)}: {meshed.deck.node_count} nodes, {outcome.iterations} iterations, {outcome.seconds:.0f} s")
+        step(
+            f"{deck_folder_name(options)}: {meshed.deck.node_count} nodes, {outcome.iterations} iterations, "
+            f"{outcome.seconds:.0f} s"
+        )
     return CrossData(scene.name, scene_key(scene.name), __version__, version("gmsh") or "", tuple(runs))
 
 
-def record(meshed: MeshedDeck, options: DeckOptions, deck: str, outcome: Outcome) -> CrossRun:
+def run_record(meshed: MeshedDeck, options: DeckOptions, deck: str, outcome: CalculixResult) -> CrossRun:
     """Return the record of a run; ValueError if a contact is missing."""
     mirror = np.array([2.0, 0.0, 2.0]) if options.half else np.ones(3)  # with its mirror image
     forces = {slave: mirror * np.array(force) for slave, force in outcome.forces.items()}
@@ -247,7 +250,7 @@ def record(meshed: MeshedDeck, options: DeckOptions, deck: str, outcome: Outcome
     )
 
 
-def extrapolated() -> tuple[str, dict[str, Array]]:
+def extrapolated_results() -> tuple[str, dict[str, Array]]:
     """Return the program, and its extrapolated loads (n, 4) [N] of the scenes whose content has not changed."""
     stored = {name: load_results(shipped(), name) for name in STUDIES}
     kept = {name: d for name, d in stored.items() if d is not None and d.key == scene_key(name)}

@@ -108,7 +108,7 @@ _OF_KIND = {
 }
 
 
-def left_out_of_kind(kind: str, coupling: str | None = None) -> list[str]:
+def neglected_effects_of_kind(kind: str, coupling: str | None = None) -> list[str]:
     """Return the effects that the result of a kind of scene neglects; ``coupling``: of friction to loads, of a screw."""
     return [*_OF_KIND[kind], *(_COUPLING[coupling] if coupling else ()), *_KINDS]
 
@@ -155,53 +155,53 @@ class FrictionAnswer:
         return above(self.data.get("warnings", ()))
 
 
-def head(scene: KindScene, status: str, converged: bool, coupling: str | None = None) -> dict[str, Any]:
+def common_entries(scene: KindScene, status: str, converged: bool, coupling: str | None = None) -> dict[str, Any]:
     """Return the entries that answers of every kind have; ``coupling``: of friction to loads, of a screw."""
     named = {"scene": scene.name, "title": scene.title, "kind": scene.kind}
     return named | {
         "status": status,
         "converged": converged,
         "assumed": list(scene.assumed),
-        "left_out": left_out_of_kind(scene.kind, coupling),
+        "left_out": neglected_effects_of_kind(scene.kind, coupling),
     }
 
 
-def three(value: float) -> str:
+def three_digits(value: float) -> str:
     """Return a value with three digits, without exponent below a million."""
     return f"{float(f'{value:.3g}'):g}"
 
 
-def by_side(sides: Sequence[str], values: Array) -> dict[str, Any]:
+def values_by_contact(sides: Sequence[str], values: Array) -> dict[str, Any]:
     """Return the JSON of values (n,) or vectors (n, k) at a ball's contacts, by contact name."""
     return {side: [number(v) for v in x] if np.ndim(x) else number(x) for side, x in zip(sides, values, strict=True)}
 
 
-def load_row(sides: Sequence[str], force: Array, angle: Array) -> dict[str, Any]:
+def load_json(sides: Sequence[str], force: Array, angle: Array) -> dict[str, Any]:
     """Return the JSON of a ball's contact loads [N] and angles, (n,) [rad], by contact; no angle without load."""
     loaded = np.where(force > 0.0, np.degrees(angle), np.nan)
-    return {"load_N": by_side(sides, force), "contact_angle_deg": by_side(sides, loaded)}
+    return {"load_N": values_by_contact(sides, force), "contact_angle_deg": values_by_contact(sides, loaded)}
 
 
-def motion_row(q: Array) -> dict[str, Any]:
+def motion_json(q: Array) -> dict[str, Any]:
     """Return the JSON of a ball's motion (4,) [rad/s]: orbit, then rotation."""
     return {"orbit_rad_s": number(q[0]), "rotation_rad_s": [number(w) for w in q[1:]]}
 
 
-def rubbing_row(
+def rubbing_json(
     sides: Sequence[str], motion: Array, force: Array, moment: Array, loss: Array, rest: Mask
 ) -> dict[str, Any]:
     """Return sliding (across and along the groove) and spin at a ball's contacts, friction, losses, and which stick."""
     return {
-        "sliding_mm_s": by_side(sides, 1e3 * motion[:, :2]),
-        "spin_rad_s": by_side(sides, motion[:, 2]),
-        "friction_N": by_side(sides, force),
-        "moment_Nmm": by_side(sides, 1e3 * moment),
-        "loss_mW": by_side(sides, 1e3 * loss),
+        "sliding_mm_s": values_by_contact(sides, 1e3 * motion[:, :2]),
+        "spin_rad_s": values_by_contact(sides, motion[:, 2]),
+        "friction_N": values_by_contact(sides, force),
+        "moment_Nmm": values_by_contact(sides, 1e3 * moment),
+        "loss_mW": values_by_contact(sides, 1e3 * loss),
         "at_rest": {s: bool(r) for s, r in zip(sides, rest, strict=True)},
     }
 
 
-def flat_ball(sides: Sequence[str], row: dict[str, Any]) -> dict[str, Any]:
+def terminal_ball_row(sides: Sequence[str], row: dict[str, Any]) -> dict[str, Any]:
     """Return the row of a ball for the terminal, with a column for each load and rotation."""
     flat = row | {f"{side} N": row["load_N"][side] for side in sides}
     return flat | {f"omega {n}": w for n, w in zip("xyz", row["rotation_rad_s"], strict=True)}
@@ -212,35 +212,35 @@ def without_round_off(difference: float, size: float) -> float:
     return 0.0 if abs(difference) <= ROUND_OFF * abs(size) else difference
 
 
-def balance(power: float, loss: float) -> dict[str, Any]:
+def power_balance(power: float, loss: float) -> dict[str, Any]:
     """Return input power and dissipation [W]."""
     left = without_round_off(power - loss, loss)
     return {"input_power_W": number(power), "loss_W": number(loss), "balance_W": number(left)}
 
 
-def energy(power: float, loss: float, bound: float) -> dict[str, Any]:
-    """Return `balance`, with the imbalance in per cent unless the loss is below ``NOTHING`` times full sliding."""
-    return balance(power, loss) | {"balance_percent": increase(power, loss, bound)}
+def power_balance_with_percent(power: float, loss: float, bound: float) -> dict[str, Any]:
+    """Return `power_balance`, with the imbalance in per cent unless the loss is below ``NOTHING`` times full sliding."""
+    return power_balance(power, loss) | {"balance_percent": loss_increase_percent(power, loss, bound)}
 
 
-def increase(loss: float, before: float, bound: float) -> float | None:
+def loss_increase_percent(loss: float, before: float, bound: float) -> float | None:
     """Return the increase of losses [%], zero if it is round-off; None if the loss before was negligible."""
     if not before > NOTHING * bound:
         return None
     return number(float(error_percent(before + without_round_off(loss - before, before), before)))
 
 
-def by_contact(power: float, loss: float, apart: float, balls: float, bound: float) -> dict[str, Any]:
+def ball_contact_effect(power: float, loss: float, apart: float, balls: float, bound: float) -> dict[str, Any]:
     """Return the effect of contact between balls on losses [W].
 
     Losses with it, without it, between balls only, and if all contacts slid fully.
     """
     return {
         "loss_apart_W": number(apart),
-        "friction_increase_percent": increase(loss, apart, bound),
+        "friction_increase_percent": loss_increase_percent(loss, apart, bound),
         "ball_to_ball_percent": number(100.0 * balls / apart) if apart > NOTHING * bound else None,
         "ball_to_ball_loss_W": number(balls),
-        "energy": energy(power, loss, bound),
+        "energy": power_balance_with_percent(power, loss, bound),
     }
 
 
@@ -263,12 +263,12 @@ def energy_line(values: dict[str, Any], digits: int = 6) -> Line:
     return "energy", f"{power:.{digits}g} W are put in and {loss:.{digits}g} W lost, {left:+.1e} W out of balance"
 
 
-def left_out(friction: Friction) -> list[str]:
+def neglected_effects(friction: Friction) -> list[str]:
     """Return the effects that the result for one instant neglects."""
     return [*WHOLE, *BESIDES[friction.feedback, friction.neighbours]]
 
 
-def jam_words(state: FrictionState) -> str:
+def jam_sentence(state: FrictionState) -> str:
     """Return a sentence on second, jammed states of balls at a high coefficient of friction."""
     start = "at this coefficient of friction a ball may have a second, jammed state"
     if state.second is None:
@@ -284,15 +284,15 @@ def jam_words(state: FrictionState) -> str:
 
 def slip_warnings(share: float) -> list[Warned]:
     """Return a warning if Heathcote slip, which is neglected, would add much to the losses."""
-    return [Warned("slip", f"the contacts are so wide that {slip_words(share)}")] if share > WIDE else []
+    return [Warned("slip", f"the contacts are so wide that {slip_clause(share)}")] if share > WIDE else []
 
 
-def slip_words(share: float) -> str:
+def slip_clause(share: float) -> str:
     """Return a clause on the losses that Heathcote slip, which is neglected, would add."""
     return f"their curvature (Heathcote slip, left out) would raise friction by {100.0 * share:.2g} %"
 
 
-def neighbour_data(state: FrictionState) -> dict[str, Any] | None:
+def neighbour_json(state: FrictionState) -> dict[str, Any] | None:
     """Return the forces between touching balls and their effect on the torque; None if neighbours do not push."""
     n, t = state.neighbours, state.torque
     if n is None:
@@ -302,7 +302,7 @@ def neighbour_data(state: FrictionState) -> dict[str, Any] | None:
         "smallest_gap_um": number(1e6 * n.least),
         "force_on_next_N": [number(f) for f in n.force],
         "loss_W": number(n.power),
-        "friction_torque_change_percent": increase(t.power, state.bare.power, 0.0),
+        "friction_torque_change_percent": loss_increase_percent(t.power, state.bare.power, 0.0),
     }
 
 
@@ -311,16 +311,16 @@ def ball_rows(result: StaticResult, state: FrictionState) -> list[dict[str, Any]
     at, f, q = state.at, state.balls, state.balls.q
     return [
         {"index": i + 1, "azimuth_deg": number(math.degrees(result.azimuth[i])), "z_mm": number(1e3 * result.z[i])}
-        | load_row(SIDES, at.force[i], at.angle[i])
-        | motion_row(q[i])
+        | load_json(SIDES, at.force[i], at.angle[i])
+        | motion_json(q[i])
         | {"closing_mm_s": number(1e3 * state.closing[i])}
-        | rubbing_row(SIDES, f.motion[i], f.force[i], f.moment[i], f.loss[i].sum(axis=1), f.rest[i])
+        | rubbing_json(SIDES, f.motion[i], f.force[i], f.moment[i], f.loss[i].sum(axis=1), f.rest[i])
         | {"status": f.status[i]}
         for i in range(at.force.shape[0])
     ]
 
 
-def flat_rows(rows: Sequence[dict[str, Any]]) -> list[dict[str, Any]]:
+def terminal_ball_rows(rows: Sequence[dict[str, Any]]) -> list[dict[str, Any]]:
     """Return the rows of the balls for the terminal."""
     out = []
     for row in rows:
@@ -361,7 +361,7 @@ def loss_rows(state: FrictionState) -> list[dict[str, Any]]:
     ]
 
 
-def mu_row(friction: Friction, state: FrictionState, drag: float | None) -> dict[str, Any]:
+def coefficient_row(friction: Friction, state: FrictionState, drag: float | None) -> dict[str, Any]:
     """Return the sums for one pair of coefficients."""
     found = sums(state.torque, drag)
     names = (
@@ -376,7 +376,7 @@ def mu_row(friction: Friction, state: FrictionState, drag: float | None) -> dict
     return {"screw": friction.screw, "nut": friction.nut} | {name: found[name] for name in names}
 
 
-def mu_columns(kind: str) -> tuple[Column, ...]:
+def coefficient_columns(kind: str) -> tuple[Column, ...]:
     """Return the columns of a table over the coefficient of friction."""
     first: tuple[Column, ...] = (
         ("screw", "coefficient", ".4g"),
@@ -395,20 +395,20 @@ def mu_columns(kind: str) -> tuple[Column, ...]:
     )
 
 
-def static_only(warnings: Sequence[Warned]) -> list[Warned]:
+def without_pressure_and_size(warnings: Sequence[Warned]) -> list[Warned]:
     """Return warnings without those on pressure and size, which are computed again because friction changes the loads."""
     return [w for w in warnings if w.kind not in ("pressure", "size")]
 
 
-def warnings_of(scene: Scene, friction: Friction, state: FrictionState, static: Sequence[Warned]) -> list[Warned]:
+def friction_warnings(scene: Scene, friction: Friction, state: FrictionState, static: Sequence[Warned]) -> list[Warned]:
     """Return warnings if the result is outside its range of validity."""
     at = state.at
     loaded = at.force > 0.0
-    notes = static_only(static)
+    notes = without_pressure_and_size(static)
     notes += overall_warnings(scene.track, friction)
     notes += contact_warnings(np.where(loaded, at.pressure, 0.0), np.where(loaded, at.a, 0.0), scene.balls.radius)
     if max(friction.screw, friction.nut) >= JAMMED:
-        notes.append(Warned("jam", jam_words(state)))
+        notes.append(Warned("jam", jam_sentence(state)))
     two = (loaded.sum(axis=1) == 2) & (state.balls.power > 0.0)
     if two.any() and state.torque.ratio != 0.0 and not state.coupled:
         text = (
@@ -429,7 +429,7 @@ def _driving_line(t: ScrewTorque, motion: Motion, part: str) -> Line:
     needed = 1e3 * t.on_screw * np.sign(t.speed)
     role = "which a motor must give" if needed >= 0.0 else "with which a brake must hold"
     moving = f", which moves {moves(t)}" if t.translating else ""
-    return "torque", f"{three(abs(needed))} N mm, {role} the {part} at {motion.speed:.6g} rad/s{moving}"
+    return "torque", f"{three_digits(abs(needed))} N mm, {role} the {part} at {motion.speed:.6g} rad/s{moving}"
 
 
 def residual_line(residual: float, left: float) -> Line:
@@ -437,19 +437,26 @@ def residual_line(residual: float, left: float) -> Line:
     return "solver", f"contact loads with a residual of {residual:.1e}, friction out of balance by {left:.1e} of its bound"
 
 
-def lines_of(motion: Motion, state: FrictionState, drag: tuple[float | None, str]) -> list[Line]:
+def result_lines(motion: Motion, state: FrictionState, drag: tuple[float | None, str]) -> list[Line]:
     """Return the results in a few lines, the driving torque first.
 
     Values that depend on the coefficient, which is hardly known to one digit, have three digits.
     """
     t, ring = state.torque, state.torque.ratio == 0.0
     inner, outer = ("inner ring", "outer ring") if ring else ("screw", "nut")
-    without = "unknown: " + drag[1] if drag[0] is None else f"{three(1e3 * drag[0])} N mm" + f" ({drag[1]})" * bool(drag[1])
+    without = (
+        "unknown: " + drag[1]
+        if drag[0] is None
+        else f"{three_digits(1e3 * drag[0])} N mm" + f" ({drag[1]})" * bool(drag[1])
+    )
     lines = [
         _driving_line(t, motion, inner if motion.turns == "screw" else outer),
-        ("friction", f"torque {three(1e3 * t.friction)} N mm of {inner} in {outer}; drag torque without loads {without}"),
+        (
+            "friction",
+            f"torque {three_digits(1e3 * t.friction)} N mm of {inner} in {outer}; drag torque without loads {without}",
+        ),
     ]
-    bare = f"{three(1e3 * state.bare.friction)} N mm"
+    bare = f"{three_digits(1e3 * state.bare.friction)} N mm"
     if state.neighbours is not None:
         n = state.neighbours
         text = (

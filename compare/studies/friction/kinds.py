@@ -19,7 +19,7 @@ from rollbench.compare.scenes.friction_kinds.screw_balls import ScrewPairScene, 
 from rollbench.compare.studies.friction import answer
 from rollbench.compare.studies.friction.answer import FrictionAnswer
 from rollbench.compare.studies.friction.linear_kinds import solve_linear
-from rollbench.compare.studies.friction.run import judged, run_data, run_lines, stepped
+from rollbench.compare.studies.friction.run import judge_history, run_json, run_lines, step_through_time
 from rollbench.compare.text.printing import Column, cell
 from rollbench.lowfi.friction import bearing
 from rollbench.lowfi.friction.bearing import BearingCase, BearingState, bearing_states, free_motion
@@ -46,7 +46,7 @@ from rollbench.meshes.parts import SIDES, Motion
 TOUCHING = 1e-9
 
 
-def sliding(groove: ScrewGroove, force: Array) -> float:
+def full_sliding_loss(groove: ScrewGroove, force: Array) -> float:
     """Return the dissipation if all contacts slid at full speed [W]; infinite at rest: all of it is then round-off."""
     if groove.speed == 0.0:
         return np.inf
@@ -65,8 +65,8 @@ def pair_rows(r: PairResult) -> list[dict[str, Any]]:
     """Return one row per ball and state."""
     return [
         {"index": k + 1, "state": state}
-        | answer.load_row(SIDES, chain.load.force[k], chain.load.angle[k])
-        | answer.motion_row(chain.motion.q[k])
+        | answer.load_json(SIDES, chain.load.force[k], chain.load.angle[k])
+        | answer.motion_json(chain.motion.q[k])
         | {"groove_loss_mW": number(1e3 * chain.motion.groove_loss[k].sum())}
         for state, chain in (("apart", r.free), ("touching", r.touching))
         for k in range(2)
@@ -87,7 +87,7 @@ def solve_screw_pair(scene: ScrewPairScene) -> answer.FrictionAnswer:
     pair = scene.pair
     r = solve_pair(pair)
     m, apart, rows, chains = r.touching.motion, r.free.motion.loss, pair_rows(r), (r.free, r.touching)
-    bound, ball_loss = sliding(pair.groove, r.touching.load.force), float(m.ball_loss.sum())
+    bound, ball_loss = full_sliding_loss(pair.groove, r.touching.load.force), float(m.ball_loss.sum())
     between = {"balls": "1-2", "gap_um": 0.0, "force_N": number(r.force), "loss_mW": number(1e3 * ball_loss)}
     solver = {
         "load_imbalance_N": number(max(c.load.left for c in chains)),
@@ -95,7 +95,7 @@ def solve_screw_pair(scene: ScrewPairScene) -> answer.FrictionAnswer:
         "feedback_change_N": number(max(c.change for c in chains)) if pair.coupling != "none" else 0.0,
         "rounds": max(c.rounds for c in chains),
     }
-    data = answer.head(scene, pair_status(r), r.converged, pair.coupling) | {
+    data = answer.common_entries(scene, pair_status(r), r.converged, pair.coupling) | {
         "law": "coulomb",
         "hertz": answer.hertz_word(pair.groove.hertz),
         "coupling": pair.coupling,
@@ -105,12 +105,15 @@ def solve_screw_pair(scene: ScrewPairScene) -> answer.FrictionAnswer:
         "balls": rows,
         "pairs": [between | {"closing_apart_rad_s": number(r.closing)}],
         "load_sum_N": [number(f) for f in r.ball_loads],
-        **answer.by_contact(m.input_power, m.loss, apart, ball_loss, bound),
+        **answer.ball_contact_effect(m.input_power, m.loss, apart, ball_loss, bound),
         "solver": solver,
         "warnings": screw_warnings(pair.groove, r.touching.load.force),
     }
     return answer.FrictionAnswer(
-        data, [("per ball", PAIR_COLUMNS, [answer.flat_ball(SIDES, row) for row in rows])], pair_lines(data), r.converged
+        data,
+        [("per ball", PAIR_COLUMNS, [answer.terminal_ball_row(SIDES, row) for row in rows])],
+        pair_lines(data),
+        r.converged,
     )
 
 
@@ -148,7 +151,7 @@ PAIR_COLUMNS: tuple[Column, ...] = (
 # --- a whole screw
 
 
-def order_kept(h: History) -> bool:
+def keeps_ball_order(h: History) -> bool:
     """Return whether no ball ever passes or overlaps the next one, the last and the first included."""
     ahead = np.diff(np.column_stack([h.ends, h.ends[:, 0] + h.setting.ring]), axis=1)
     return bool(ahead.min() >= h.setting.groove.pair.spacing - TOUCHING)
@@ -174,7 +177,7 @@ def run_summary(h: History) -> dict[str, Any]:
         **{name: number(1e3 * h.mean(values)) for name, values in torques.items()},
         "groove_variation_percent": number(100.0 * s.groove_variation),
         "largest_ball_force_N": number(h.ball_force.max()),
-        "order_kept": order_kept(h),
+        "order_kept": keeps_ball_order(h),
         "smallest_gap_um": number(1e6 * h.setting.groove.radius * h.gap.min()),
         "occupation_percent": number(100.0 * h.setting.occupation),
     }
@@ -197,20 +200,20 @@ def run_series(h: History) -> dict[str, list[Any]]:
     return out | {"converged": h.converged.tolist()}
 
 
-def solve_run(scene: ScrewRunScene) -> answer.FrictionAnswer:
+def solve_screw_run(scene: ScrewRunScene) -> answer.FrictionAnswer:
     """Solve a whole screw in time: contacts, torques and energy."""
     run, time = scene.run, scene.time
-    in_time = judged(*stepped(run, Motion(run.groove.speed), time, scene.name), time)
+    in_time = judge_history(*step_through_time(run, Motion(run.groove.speed), time, scene.name), time)
     h, speed = in_time.history, abs(run.groove.speed)
-    bound = sliding(run.groove, h.load) / h.time.size
+    bound = full_sliding_loss(run.groove, h.load) / h.time.size
     loss = h.torque * speed
-    spent = answer.energy(h.mean(loss * (1.0 + h.imbalance)), h.mean(loss), bound)
+    spent = answer.power_balance_with_percent(h.mean(loss * (1.0 + h.imbalance)), h.mean(loss), bound)
     known = spent["balance_percent"] is not None
     largest = answer.without_round_off(float(np.abs(h.imbalance).max()), 1.0)
     spent["largest_step_balance_percent"] = number(100.0 * largest) if known else None
     summary, failed = run_summary(h), int(np.sum(~h.converged))
-    found = run_data(in_time)
-    data = answer.head(scene, in_time.status, in_time.converged, run.coupling) | {
+    found = run_json(in_time)
+    data = answer.common_entries(scene, in_time.status, in_time.converged, run.coupling) | {
         "law": "coulomb",
         "hertz": answer.hertz_word(run.groove.hertz),
         "coupling": run.coupling,
@@ -293,13 +296,13 @@ def ball_row(load: Settled, at: Contacts, motion: BallMotion) -> dict[str, Any]:
     f = motion.friction
     return (
         {"index": 1}
-        | answer.load_row(bearing.SIDES, load.force, load.angle)
+        | answer.load_json(bearing.SIDES, load.force, load.angle)
         | {
-            "semi_axis_across_um": answer.by_side(bearing.SIDES, 1e6 * at.a),
-            "semi_axis_along_um": answer.by_side(bearing.SIDES, 1e6 * at.b),
+            "semi_axis_across_um": answer.values_by_contact(bearing.SIDES, 1e6 * at.a),
+            "semi_axis_along_um": answer.values_by_contact(bearing.SIDES, 1e6 * at.b),
         }
-        | answer.motion_row(np.append(motion.q, 0.0))
-        | answer.rubbing_row(bearing.SIDES, motion.motion, f.force, f.moment, f.loss, motion.rest)
+        | answer.motion_json(np.append(motion.q, 0.0))
+        | answer.rubbing_json(bearing.SIDES, motion.motion, f.force, f.moment, f.loss, motion.rest)
     )
 
 
@@ -328,7 +331,7 @@ CONTACT_COLUMNS = (
 )
 
 
-def solve_ball(scene: BearingBallScene) -> answer.FrictionAnswer:
+def solve_bearing_ball(scene: BearingBallScene) -> answer.FrictionAnswer:
     """Solve one ball of a bearing: loads, motion, losses and torque."""
     b = scene.bearing
     load = bearing.bearing_load(b, scene.force, scene.displacement)
@@ -340,9 +343,11 @@ def solve_ball(scene: BearingBallScene) -> answer.FrictionAnswer:
     held = load.force > 0.0
     converged = bool(held.any()) and load.converged and motion.status != "failed"
     ball, torque, speed = ball_row(load, at, motion), bearing.inner_torque(b, load, motion), b.screw_speed
-    power = answer.energy(torque * speed, motion.loss, float(at.strength.sum()) * abs(speed) * b.pitch_radius)
+    power = answer.power_balance_with_percent(
+        torque * speed, motion.loss, float(at.strength.sum()) * abs(speed) * b.pitch_radius
+    )
     by_loss = number(1e3 * motion.loss / abs(speed)) if speed != 0.0 else None
-    data = answer.head(scene, ball_status(bool(held.any()), load.converged, motion.status), converged) | {
+    data = answer.common_entries(scene, ball_status(bool(held.any()), load.converged, motion.status), converged) | {
         "law": scene.law,
         "hertz": answer.hertz_word(b.hertz),
         "coupled": False,
@@ -388,15 +393,15 @@ def ball_lines(data: dict[str, Any]) -> list[answer.Line]:
 # --- bearings in pairs
 
 
-def rubs(case: BearingCase, state: BearingState) -> bool:
+def dissipates(case: BearingCase, state: BearingState) -> bool:
     """Return whether friction dissipates more than round-off."""
-    return float(state.loss.sum()) > answer.NOTHING * sliding(case.groove, state.load.force)
+    return float(state.loss.sum()) > answer.NOTHING * full_sliding_loss(case.groove, state.load.force)
 
 
-def bearing_data(case: BearingCase, states: list[BearingState]) -> dict[str, Any]:
+def bearing_json(case: BearingCase, states: list[BearingState]) -> dict[str, Any]:
     """Return the torques of a bearing over the load angles [N mm], and the ratio of largest to smallest."""
     torque = [1e3 * s.torque for s in states]
-    all_rub = all(rubs(case, s) for s in states)
+    all_rub = all(dissipates(case, s) for s in states)
     return {
         "friction_torque_Nmm": [number(t) for t in torque],
         "balls_beyond_two_contacts": [int(np.sum(s.points > 2)) for s in states],
@@ -405,7 +410,7 @@ def bearing_data(case: BearingCase, states: list[BearingState]) -> dict[str, Any
     }
 
 
-def loose(scene: BearingPairScene) -> list[str]:
+def unresisted_motions(scene: BearingPairScene) -> list[str]:
     """Return the motions of an inner ring that the force drives and no contact resists, by bearing and load angle."""
     out = []
     for name, case in (("four-point", scene.four_point), ("double row", scene.double_row)):
@@ -428,38 +433,38 @@ def solve_bearings(scene: BearingPairScene) -> answer.FrictionAnswer:
         "tilt": case.tilt,
         "load_angle_deg": angle,
     }
-    mechanisms = loose(scene)
+    mechanisms = unresisted_motions(scene)
     if mechanisms:
         others = f" (and {len(mechanisms) - 1} more)" if len(mechanisms) > 1 else ""
         status = f"no equilibrium: {mechanisms[0]}{others}"
-        return answer.FrictionAnswer(answer.head(scene, status, False) | common | {"warnings": []}, [], [], False)
+        return answer.FrictionAnswer(answer.common_entries(scene, status, False) | common | {"warnings": []}, [], [], False)
     return _bearing_answer(scene, common)
 
 
 def _bearing_answer(scene: BearingPairScene, common: dict[str, Any]) -> answer.FrictionAnswer:
     cases = scene.four_point, scene.double_row
     by_case = [bearing_states(case, scene.angle) for case in cases]
-    four, double = (bearing_data(case, states) for case, states in zip(cases, by_case, strict=True))
+    four, double = (bearing_json(case, states) for case, states in zip(cases, by_case, strict=True))
     good = [f and d for f, d in zip(four["converged"], double["converged"], strict=True)]
     status = "converged" if all(good) else f"{good.count(False)} of {len(good)} load angles did not converge"
-    ratios = [number(f.torque / d.torque) if rubs(cases[1], d) else None for f, d in zip(*by_case, strict=True)]
+    ratios = [number(f.torque / d.torque) if dissipates(cases[1], d) else None for f, d in zip(*by_case, strict=True)]
     states = [(c, s) for c, one in zip(cases, by_case, strict=True) for s in one]
     power, loss, bound = (
         float(np.mean(v))
         for v in (
             [s.input_power for _, s in states],
             [s.loss.sum() for _, s in states],
-            [sliding(c.groove, s.load.force) for c, s in states],
+            [full_sliding_loss(c.groove, s.load.force) for c, s in states],
         )
     )
-    spent = answer.energy(power, loss, bound)
+    spent = answer.power_balance_with_percent(power, loss, bound)
     large = [
         w.prefixed(name)
         for name, c, one in zip(("four-point", "double row"), cases, by_case, strict=True)
         for w in screw_warnings(c.groove, np.stack([s.load.force for s in one]))
     ]
     solver = {"load_imbalance_N": number(max(s.load.left for _, s in states))}
-    data = answer.head(scene, status, all(good)) | common | {"four_point": four, "double_row": double}
+    data = answer.common_entries(scene, status, all(good)) | common | {"four_point": four, "double_row": double}
     data |= {"four_over_double": ratios, "energy": spent, "solver": solver, "warnings": large}
     columns = zip(
         common["load_angle_deg"],
@@ -497,12 +502,12 @@ BEARING_COLUMNS = (
 )
 
 SOLVERS: dict[str, Callable[[Any], FrictionAnswer]] = {
-    "bearing ball": solve_ball,
+    "bearing ball": solve_bearing_ball,
     "bearing pair": solve_bearings,
     "linear pair": solve_linear,
     "linear chain": solve_linear,
     "screw pair": solve_screw_pair,
-    "screw run": solve_run,
+    "screw run": solve_screw_run,
 }
 
 

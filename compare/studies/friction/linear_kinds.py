@@ -61,7 +61,7 @@ def ball_rows(
     rows = []
     for k in range(force.shape[0]):
         row: dict[str, Any] = {"index": k + 1, "side_force_ratio": number(scene.side[k])}
-        row |= answer.load_row(CONTACTS, force[k], angles[k])
+        row |= answer.load_json(CONTACTS, force[k], angles[k])
         for name, r in (("apart", apart), ("touching", near)):
             row[f"velocity_{name}_mm_s"] = number(1e3 * r.velocity[k])
             moving = scene.bearing.speed != 0.0
@@ -98,7 +98,7 @@ def solve_linear(scene: LinearScene) -> answer.FrictionAnswer:
     bound = scene.bearing.mu * float(force.sum()) * abs(scene.bearing.speed)
     ball_loss = float(near.ball_loss.sum())
     semi = np.asarray(scene.bearing.hertz().C_a * np.cbrt(force))
-    data = answer.head(scene, near.status if loads_good else "no balance of the loads found", converged) | {
+    data = answer.common_entries(scene, near.status if loads_good else "no balance of the loads found", converged) | {
         "law": "coulomb",
         "distribution": scene.distribution,
         "coupled": False,
@@ -106,9 +106,9 @@ def solve_linear(scene: LinearScene) -> answer.FrictionAnswer:
         "pairs": pairs,
         "drive_N": number(near.drive),
         "drive_apart_N": number(apart.drive),
-        "second_state": None if second is None else second_json(near, second),
-        "second_state_words": second_words(chains[1], second),
-        **answer.by_contact(near.power, near.loss, apart.loss, ball_loss, bound),
+        "second_state": None if second is None else second_state_json(near, second),
+        "second_state_words": second_state_sentence(chains[1], second),
+        **answer.ball_contact_effect(near.power, near.loss, apart.loss, ball_loss, bound),
         "solver": {
             "load_imbalance": number(left),
             "residual": number(near.residual),
@@ -118,13 +118,13 @@ def solve_linear(scene: LinearScene) -> answer.FrictionAnswer:
         "warnings": [*size_warnings(semi, scene.bearing.ball_radius), *jam_warnings(near, second)],
     }
     tables = [
-        ("per ball", BALL_COLUMNS, [answer.flat_ball(CONTACTS, row) for row in balls]),
+        ("per ball", BALL_COLUMNS, [answer.terminal_ball_row(CONTACTS, row) for row in balls]),
         ("between balls", PAIR_COLUMNS, pairs),
     ]
     return answer.FrictionAnswer(data, [t for t in tables if t[2]], linear_lines(data), converged)
 
 
-def second_json(near: ChainResult, second: ChainResult) -> dict[str, Any]:
+def second_state_json(near: ChainResult, second: ChainResult) -> dict[str, Any]:
     """Return another state of the chain: force on the carriage, and pairs with other contact loads."""
     apart = np.abs(second.ball_force - near.ball_force)
     other = np.flatnonzero(apart > ANOTHER * apart.max())
@@ -132,7 +132,7 @@ def second_json(near: ChainResult, second: ChainResult) -> dict[str, Any]:
     return {"drive_N": number(second.drive), "pairs": pairs}
 
 
-def second_words(chain: Chain, second: ChainResult | None) -> str:
+def second_state_sentence(chain: Chain, second: ChainResult | None) -> str:
     """Return a sentence on a second state of the chain."""
     if not may_jam(chain):
         return "one only: no balls in reach of each other, or no friction between them"

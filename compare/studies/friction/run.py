@@ -50,7 +50,7 @@ QUANTITIES = {
 
 
 @dataclass(frozen=True)
-class Run:
+class RunInTime:
     """Run in time, with the error of its time steps."""
 
     #: Time series.
@@ -72,7 +72,7 @@ class Run:
         return self.status == "converged"
 
 
-def solve_run(scene: Scene, friction: Friction, motion: Motion, model: str, member: int) -> Run:
+def solve_run(scene: Scene, friction: Friction, motion: Motion, model: str, member: int) -> RunInTime:
     """Solve a scene in time.
 
     InputError for models that cannot be solved repeatedly; as Refusal for circuits that are not possible.
@@ -92,16 +92,16 @@ def solve_run(scene: Scene, friction: Friction, motion: Motion, model: str, memb
     ahead = float(np.sign(balls.grooves.nominal_orbit - balls.grooves.nut_speed)) or 1.0
     loads = in_motion(model, ahead)
     setting = Setting(scene, friction, motion, drawn, balls, lambda met, at: loads(scene, met, at, "compiled"))
-    return judged(*stepped(setting, motion, time, scene.name), time)
+    return judge_history(*step_through_time(setting, motion, time, scene.name), time)
 
 
-def stepped(setting: Any, motion: Motion, time: Time, name: str) -> tuple[History, StepError | None]:
+def step_through_time(setting: Any, motion: Motion, time: Time, name: str) -> tuple[History, StepError | None]:
     """Compute a run with several step sizes, with a progress bar; return the history and its step error."""
     with bar(f"{name}, run in time") as progress:
         return resolved(setting, time.span(motion), time.steps, time.goal, progress)
 
 
-def judged(history: History, error: StepError | None, time: Time) -> Run:
+def judge_history(history: History, error: StepError | None, time: Time) -> RunInTime:
     """Return the run with its status: not converged if a step failed or its error is unknown or above the goal."""
     status = history.status
     if history.good and error is None:
@@ -114,10 +114,10 @@ def judged(history: History, error: StepError | None, time: Time) -> Run:
             f"mean torque in {QUANTITIES[name]}{unseen}, more than the goal of {100.0 * time.goal:g} %: "
             f"{'take more steps' if time.steps else 'shorten the run'}"
         )
-    return Run(history, error, time.goal, time.steps is not None, status, time.output == "balls")
+    return RunInTime(history, error, time.goal, time.steps is not None, status, time.output == "balls")
 
 
-def run_data(run: Run) -> dict[str, Any]:
+def run_json(run: RunInTime) -> dict[str, Any]:
     """Return the JSON values of a run.
 
     Histories are at the middle of each piece of a step, gaps at its end: events (a ball enters or leaves the loaded arc,
@@ -132,8 +132,8 @@ def run_data(run: Run) -> dict[str, Any]:
         "steps": h.begun,
         "reached_deg": reached,
         "asked_deg": asked,
-        "step_error": None if e is None else error_data(e, run.goal),
-        "step_error_unknown": no_error(run),
+        "step_error": None if e is None else step_error_json(e, run.goal),
+        "step_error_unknown": why_no_step_error(run),
         "left_out": list(LEFT_OUT),
     }
     if not h.begun:
@@ -149,24 +149,24 @@ def run_data(run: Run) -> dict[str, Any]:
         }
         for t in h.setting.tracks
     ]
-    data["torque"] = torque_data(h)
-    data["energy"] = energy_data(h)
+    data["torque"] = run_torque_json(h)
+    data["energy"] = run_energy_json(h)
     data["over_angle"] = {
-        "angle_deg": _list(np.degrees(h.turned)),
-        "covers_deg": _list(np.degrees(h.lasts * abs(h.setting.groove.speed))),
-        "torque_Nmm": _list(1e3 * h.torque),
-        "groove_Nmm": _list(1e3 * h.groove_torque),
-        "ball_sliding_Nmm": _list(1e3 * h.ball_torque),
-        "ball_closing_Nmm": _list(1e3 * h.closing_torque),
-        "axial_load_N": _list(h.axial),
-        "driving_torque_on_screw_Nmm": _list(1e3 * h.on_screw),
+        "angle_deg": _json_list(np.degrees(h.turned)),
+        "covers_deg": _json_list(np.degrees(h.lasts * abs(h.setting.groove.speed))),
+        "torque_Nmm": _json_list(1e3 * h.torque),
+        "groove_Nmm": _json_list(1e3 * h.groove_torque),
+        "ball_sliding_Nmm": _json_list(1e3 * h.ball_torque),
+        "ball_closing_Nmm": _json_list(1e3 * h.closing_torque),
+        "axial_load_N": _json_list(h.axial),
+        "driving_torque_on_screw_Nmm": _json_list(1e3 * h.on_screw),
     }
     if run.balls:
-        data["balls"] = [ball_data(h, t, k) for t in h.setting.tracks for k in range(t.balls.start, t.balls.stop)]
+        data["balls"] = [ball_history_json(h, t, k) for t in h.setting.tracks for k in range(t.balls.start, t.balls.stop)]
     return data
 
 
-def error_data(e: StepError, goal: float) -> dict[str, Any]:
+def step_error_json(e: StepError, goal: float) -> dict[str, Any]:
     """Return the estimated errors of the time steps, and their parts."""
     found = e.quantities
     percent = {name: number(100.0 * found[name].error) if name in found else None for name in QUANTITIES}
@@ -187,7 +187,7 @@ def error_data(e: StepError, goal: float) -> dict[str, Any]:
     }
 
 
-def no_error(run: Run) -> str | None:
+def why_no_step_error(run: RunInTime) -> str | None:
     """Return why a run has no estimate of its time step error; None if it has one."""
     if run.error is not None:
         return None
@@ -196,7 +196,7 @@ def no_error(run: Run) -> str | None:
     return "a step did not converge" if run.history.complete else "the run stopped before its end"
 
 
-def energy_data(h: History) -> dict[str, Any]:
+def run_energy_json(h: History) -> dict[str, Any]:
     """Return energies over the run [J]: work of torque and axial load on the screw, losses; and imbalances.
 
     The latter are the largest of a step over its losses: of the power that contacts take in, and of torque and load against
@@ -215,7 +215,7 @@ def energy_data(h: History) -> dict[str, Any]:
     }
 
 
-def torque_data(h: History) -> dict[str, Any]:
+def run_torque_json(h: History) -> dict[str, Any]:
     """Return mean, extremes and parts (grooves, ball to ball) of the friction torque over the run [N mm]."""
     t = h.torques
     return {
@@ -229,7 +229,7 @@ def torque_data(h: History) -> dict[str, Any]:
     }
 
 
-def ball_data(h: History, track: ClosedTrack, k: int) -> dict[str, Any]:
+def ball_history_json(h: History, track: ClosedTrack, k: int) -> dict[str, Any]:
     """Return histories of one ball: azimuth in the nut's frame, gap and force to the next ball of its circuit, loads."""
     ahead = k + 1 if k + 1 < track.balls.stop else track.balls.start
     number_of = int(h.setting.number[k])
@@ -237,15 +237,15 @@ def ball_data(h: History, track: ClosedTrack, k: int) -> dict[str, Any]:
         "index": None if number_of < 0 else number_of + 1,
         "next": ahead,
         "place": k,
-        "azimuth_deg": _list(np.degrees(h.azimuth[:, k])),
+        "azimuth_deg": _json_list(np.degrees(h.azimuth[:, k])),
         "loaded": [bool(v) for v in h.loaded[:, k]],
-        "spacing_deg": _list(np.degrees(h.spacing[:, k])),
-        "force_on_next_N": _list(h.ball_force[:, k]),
-        "load_N": _list(h.load[:, k].sum(axis=1)),
+        "spacing_deg": _json_list(np.degrees(h.spacing[:, k])),
+        "force_on_next_N": _json_list(h.ball_force[:, k]),
+        "load_N": _json_list(h.load[:, k].sum(axis=1)),
     }
 
 
-def _list(values: Array) -> list[float | None]:
+def _json_list(values: Array) -> list[float | None]:
     """Return values as a JSON list."""
     return [number(float(v)) for v in values]
 
@@ -266,15 +266,15 @@ def run_rows(h: History) -> list[dict[str, object]]:
     ]
 
 
-def run_lines(run: Run) -> list[Line]:
+def run_lines(run: RunInTime) -> list[Line]:
     """Return lines for the terminal: torque, error of the time steps, status."""
     h, e = run.history, run.error
     if not h.begun:
         return [("run", run.status)]
-    t = torque_data(h)
+    t = run_torque_json(h)
     reached, asked = (f"{math.degrees(angle):.6g} deg" for angle in h.angles)
     far = f"over {reached}" if h.complete else f"stopped at {reached} of {asked},"
-    digits = f".{significant(None if e is None else e.largest)}g"
+    digits = f".{significant_digits(None if e is None else e.largest)}g"
     mean, least, most, groove, between = (
         format(t[f"{name}_Nmm"], digits) for name in ("mean", "least", "most", "groove_mean", "ball_to_ball_mean")
     )
@@ -284,7 +284,7 @@ def run_lines(run: Run) -> list[Line]:
     )
     lines = [("run", text)]
     if e is None:
-        lines.append(("steps", f"error unknown, {no_error(run)}"))
+        lines.append(("steps", f"error unknown, {why_no_step_error(run)}"))
     else:
         size = ", ".join(f"{100.0 * q.error:.2g} % in {QUANTITIES[name]}" for name, q in e.quantities.items())
         order = e.quantities["torque"].order
@@ -300,11 +300,11 @@ def run_lines(run: Run) -> list[Line]:
     return lines if run.converged else [*lines, ("", run.status)]
 
 
-def significant(error: float | None) -> int:
+def significant_digits(error: float | None) -> int:
     """Return the number of digits of a value with a relative error (None: unknown): at most two uncertain ones, 3 to 6."""
     return 3 if error is None else int(np.clip(np.ceil(-np.log10(max(error, 1e-6))) + 2, 3, 6))
 
 
-def run_table(run: Run) -> list[tuple[str, Sequence[tuple[str, str, str]], Sequence[dict[str, object]]]]:
+def run_table(run: RunInTime) -> list[tuple[str, Sequence[tuple[str, str, str]], Sequence[dict[str, object]]]]:
     """Return the table of the torque over the angle; empty if no step was begun."""
     return [("torque over the angle", COLUMNS, run_rows(run.history))] if run.history.begun else []

@@ -23,8 +23,8 @@ from rollbench.compare.scenes import catalogue
 from rollbench.compare.scenes.duty_cycle import Described, DutyCycle
 from rollbench.compare.scenes.scene_file import kind_of
 from rollbench.compare.studies.friction import answer
-from rollbench.compare.studies.friction.answer import NOTHING, FrictionAnswer, balance, three
-from rollbench.compare.studies.friction.whole import NO_SPEED, Choices, coefficients, solve_scene, status_of
+from rollbench.compare.studies.friction.answer import NOTHING, FrictionAnswer, power_balance, three_digits
+from rollbench.compare.studies.friction.whole import NO_SPEED, Choices, friction_coefficients, friction_status, solve_scene
 from rollbench.compare.text.printing import Column
 from rollbench.lowfi.friction.whole.state import FrictionState, friction_state
 from rollbench.lowfi.friction.whole.torque import ONE_TURN
@@ -100,12 +100,12 @@ def solve_any(scene: Described, choices: Choices, origin: str, say: Say = lambda
     return solve_kind(scene)
 
 
-def library(scene: Described, mu: tuple[float, ...], model: str) -> dict[str, Any]:
+def friction_for_library(scene: Described, mu: tuple[float, ...], model: str) -> dict[str, Any]:
     """Compute friction for `rollbench.friction`, as JSON values; ``mu``: coefficients instead of the scene's."""
-    return as_json(solve_any(scene, Choices(model, mu), f"with {scene.name}"))
+    return answer_json(solve_any(scene, Choices(model, mu), f"with {scene.name}"))
 
 
-def as_json(found: FrictionAnswer) -> dict[str, Any]:
+def answer_json(found: FrictionAnswer) -> dict[str, Any]:
     """Return JSON values, with the warning above the answer."""
     return found.data | {"warning": found.warning or None}
 
@@ -142,7 +142,7 @@ def solve_axis(assembly: Assembly, choices: Choices) -> FrictionAnswer:
     """Compute the friction of every set of balls on a shaft; InputError for choices that do not fit."""
     if choices.condensed is not None:
         raise ArgumentError("condensed", f"with {assembly.name}", "one set on the shaft", "leave it out")
-    pairs = _coefficients(assembly, choices.mu)
+    pairs = _friction_coefficients(assembly, choices.mu)
     motion = assembly.motion or ONE_TURN
     if motion.turns != "screw":
         raise InputError(
@@ -157,25 +157,27 @@ def solve_axis(assembly: Assembly, choices: Choices) -> FrictionAnswer:
         )
     if not pairs:
         solved: Solved = []
-        return _answer(head, assembly, result, answers, (Friction(0.0, 0.0), motion, solved, {}))
-    each = [_states(result, friction, motion) for friction in pairs]
-    found = _answer(head, assembly, result, answers, (pairs[0], motion, each[0], _drag(assembly, result, pairs[0], motion)))
-    over = [{"screw": f.screw, "nut": f.nut} | _sum(states, {}) for f, states in zip(pairs, each, strict=True)]
+        return _axis_answer(head, assembly, result, answers, (Friction(0.0, 0.0), motion, solved, {}))
+    each = [_friction_states(result, friction, motion) for friction in pairs]
+    found = _axis_answer(
+        head, assembly, result, answers, (pairs[0], motion, each[0], _drag_torques(assembly, result, pairs[0], motion))
+    )
+    over = [{"screw": f.screw, "nut": f.nut} | _summed_torques(states, {}) for f, states in zip(pairs, each, strict=True)]
     tables = [*found.tables, *([("over the coefficient of friction", OVER_COLUMNS, over)] if len(pairs) > 1 else [])]
     return replace(found, data=found.data | {"over_friction": over}, tables=tables)
 
 
-def _coefficients(assembly: Assembly, mu: Sequence[float]) -> list[Friction]:
+def _friction_coefficients(assembly: Assembly, mu: Sequence[float]) -> list[Friction]:
     """Return the coefficients given, or the scene's; none if there are only bearings. InputError for a nut without one."""
     balls = [s.parts for s in assembly.sets if isinstance(s.parts, Scene)]
     if not mu and (not balls or (assembly.friction is None and not any(parts.track.lead for parts in balls))):
         return []
     if not balls:
         raise ArgumentError("mu", f"with {assembly.name}", "a set of balls", "leave it out: its sets are rollers")
-    return coefficients(replace(balls[0], name=assembly.name, friction=assembly.friction), mu)
+    return friction_coefficients(replace(balls[0], name=assembly.name, friction=assembly.friction), mu)
 
 
-def _states(result: AxisResult, friction: Friction, motion: Motion) -> Solved:
+def _friction_states(result: AxisResult, friction: Friction, motion: Motion) -> Solved:
     """Return the friction of every set of balls, with its number."""
     out: Solved = []
     for i, s in enumerate(result.sets):
@@ -185,14 +187,14 @@ def _states(result: AxisResult, friction: Friction, motion: Motion) -> Solved:
     return out
 
 
-def _drag(assembly: Assembly, loaded: AxisResult, friction: Friction, motion: Motion) -> dict[int, float]:
+def _drag_torques(assembly: Assembly, loaded: AxisResult, friction: Friction, motion: Motion) -> dict[int, float]:
     """Return friction torques [N m] with all loads on shaft and housings removed, by set; unsolved sets left out."""
     idle = tuple(replace(h, force=(0.0, 0.0, 0.0), moment=(0.0, 0.0, 0.0)) for h in assembly.housings)
     bare = replace(assembly, loads=(), housings=idle)
     result = run_model(bare, loaded.model, Options(member=loaded.member))
     if not result.converged:
         return {}
-    return {i: state.torque.friction for i, _, state in _states(result, friction, motion) if state.settled}
+    return {i: state.torque.friction for i, _, state in _friction_states(result, friction, motion) if state.settled}
 
 
 def _set_row(i: int, s: SetResult, state: FrictionState, drag: float | None) -> dict[str, Any]:
@@ -200,7 +202,7 @@ def _set_row(i: int, s: SetResult, state: FrictionState, drag: float | None) -> 
     return {"set": i + 1, "name": s.of.name} | sums(state.torque, drag) | {"loss_W": number(state.torque.power)}
 
 
-def _answer(
+def _axis_answer(
     head: dict[str, str],
     assembly: Assembly,
     result: AxisResult,
@@ -208,22 +210,22 @@ def _answer(
     found: tuple[Friction, Motion, Solved, dict[int, float]],
 ) -> FrictionAnswer:
     friction, motion, solved, drag = found
-    nuts = {i: (sums(x.torque, None) if x.settled else None, "") for i, s, x in solved if _lead(s)}
+    nuts = {i: (sums(x.torque, None) if x.settled else None, "") for i, s, x in solved if _set_lead(s)}
     drive = quantities.as_json(axis_drive(assembly, result, answers, nuts))
     rows = [_set_row(i, s, state, drag.get(i)) for i, s, state in solved]
     balls = [{"set": i + 1} | row for i, s, state in solved if s.balls for row in answer.ball_rows(s.balls, state)]
     losses = [{"set": i + 1} | row for i, _, state in solved for row in answer.loss_rows(state)]
     good = all(state.settled for _, _, state in solved)
     failed = next((x for x in solved if not x[2].settled), None)
-    torque, power = _sum(solved, drag), _energy(solved)
+    torque, power = _summed_torques(solved, drag), _summed_powers(solved)
     of_rollers = tuple(f"{s.of.name}: " for s in result.sets if s.balls is None)  # whose loads friction leaves as they are
     warnings = [w for w in result.warnings if w.startswith(of_rollers)]
-    warnings += answer.static_only([w for w in result.warnings if not w.startswith(of_rollers)])
+    warnings += answer.without_pressure_and_size([w for w in result.warnings if not w.startswith(of_rollers)])
     for _, s, state in solved:
         if isinstance(s.of.parts, Scene):
-            warnings += [w.prefixed(s.of.name) for w in answer.warnings_of(s.of.parts, friction, state, ())]
+            warnings += [w.prefixed(s.of.name) for w in answer.friction_warnings(s.of.parts, friction, state, ())]
     data = head | {
-        "status": "converged" if failed is None else f"{failed[1].of.name}: {status_of(failed[2])}",
+        "status": "converged" if failed is None else f"{failed[1].of.name}: {friction_status(failed[2])}",
         "converged": good,
         "law": "coulomb",
         "friction": {"screw": friction.screw, "nut": friction.nut},
@@ -241,15 +243,15 @@ def _answer(
             *(f"contact loads: {x}" for x in result.assumed if x not in assembly.assumed),
             *(() if solved else (NO_COEFFICIENT,)),
         ],
-        "left_out": answer.left_out(friction) if solved else [],
+        "left_out": answer.neglected_effects(friction) if solved else [],
         "warnings": warnings,
     }
-    flat = [{"set": b["set"]} | f for b, f in zip(balls, answer.flat_rows(balls), strict=True)]
+    flat = [{"set": b["set"]} | f for b, f in zip(balls, answer.terminal_ball_rows(balls), strict=True)]
     every = [("per ball", (("set", "set", "s"), *answer.BALL_COLUMNS), flat)]
     of_balls = (
         "torque",
         f"{torque['driving_torque_on_screw_Nmm']:+.3g} N mm about +z drive the shaft at {motion.speed:.6g} rad/s in its "
-        f"sets of balls; their friction torque {three(torque['friction_torque_Nmm'])} N mm",
+        f"sets of balls; their friction torque {three_digits(torque['friction_torque_Nmm'])} N mm",
     )
     left = answer.residual_line(result.solver.residual, max((x.balls.left for _, _, x in solved), default=0.0))
     lines = [*([of_balls] if solved else []), left]
@@ -261,12 +263,12 @@ def _answer(
     return FrictionAnswer(data, [*tables, ("torque that turns the shaft", DRIVE_COLUMNS, whole)], lines, good, every)
 
 
-def _lead(s: SetResult) -> float:
+def _set_lead(s: SetResult) -> float:
     """Return the lead of a set of balls [m]; zero for rollers."""
     return s.of.parts.track.lead if isinstance(s.of.parts, Scene) else 0.0
 
 
-def _energy(solved: Solved) -> dict[str, Any]:
+def _summed_powers(solved: Solved) -> dict[str, Any]:
     """Return powers [W] summed over all sets: contact input and loss, power of driving torque and of axial loads.
 
     Also the efficiency, if one of the latter two drives the other.
@@ -276,14 +278,14 @@ def _energy(solved: Solved) -> dict[str, Any]:
     along = float(np.sum([t.load * t.ratio * t.speed for t in torques]))
     taken, lost = (float(np.sum([getattr(t, name) for t in torques])) for name in ("input_power", "power"))
     driving, driven = max(turning, along), min(turning, along)
-    return balance(taken, lost) | {
+    return power_balance(taken, lost) | {
         "axial_load_power_W": number(along),
         "torque_power_W": number(turning),
         "efficiency_percent": number(-100.0 * driven / driving) if driven < -NOTHING * driving else None,
     }
 
 
-def _sum(solved: Solved, drag: dict[int, float]) -> dict[str, Any]:
+def _summed_torques(solved: Solved, drag: dict[int, float]) -> dict[str, Any]:
     """Return friction, drag and driving torque summed over all sets [N mm]; drag None unless known for every set."""
     known = len(drag) == len(solved)
     return {
@@ -323,8 +325,8 @@ def solve_cycle(cycle: DutyCycle, choices: Choices) -> FrictionAnswer:
     needed = [row["friction_torque_Nmm"] if row["case"] not in failed else None for row in rows if row["share"] > 0.0]
     mean = None if None in needed else sum(row["share"] * row["friction_torque_Nmm"] for row in rows if row["share"] > 0.0)
     words = "" if mean is not None else f"none, because case {failed[0]} has no friction" if failed else "no load"
-    largest = "none" if worst is None else f"{three(worst['friction_torque_Nmm'])} N mm in case {worst['case']}"
-    known_mean = words if mean is None else f"{three(mean)} N mm"
+    largest = "none" if worst is None else f"{three_digits(worst['friction_torque_Nmm'])} N mm in case {worst['case']}"
+    known_mean = words if mean is None else f"{three_digits(mean)} N mm"
     lines = [("torque", f"largest of friction {largest}; mean over the duty cycle {known_mean}")]
     for case, one in each:
         lines += [("", ""), ("case", f"{case.name}, share {case.share:.4g}: {one.data['status']}"), *one.lines]

@@ -24,8 +24,8 @@ from rollbench.compare.results.data import FrictionOnset
 from rollbench.compare.running import FIRST
 from rollbench.compare.scenes.scene_file import kind_of
 from rollbench.compare.studies.friction import answer as output
-from rollbench.compare.studies.friction.answer import FrictionAnswer, Line, balance, three
-from rollbench.compare.studies.friction.run import Run, run_data, run_lines, run_table, solve_run
+from rollbench.compare.studies.friction.answer import FrictionAnswer, Line, power_balance, three_digits
+from rollbench.compare.studies.friction.run import RunInTime, run_json, run_lines, run_table, solve_run
 from rollbench.lowfi.friction.whole.circuit import contact_onset
 from rollbench.lowfi.friction.whole.losses import WIDE, heathcote
 from rollbench.lowfi.friction.whole.state import FrictionState, friction_state
@@ -49,17 +49,19 @@ SMALLER = 5e-6
 FED_BACK = 1.5
 
 
-_kept_state = kept(FrictionState)(friction_state)
+_friction_state_on_disk = kept(FrictionState)(friction_state)
 
 
-def kept_state(scene: Scene, result: StaticResult, friction: Friction, motion: Motion, member: int) -> FrictionState:
+def cached_friction_state(
+    scene: Scene, result: StaticResult, friction: Friction, motion: Motion, member: int
+) -> FrictionState:
     """Return `friction_state`, cached on disk for equal scenes and loads."""
     loads = replace(result, solver=replace(result.solver, seconds=0.0, setup_seconds=0.0), warnings=())
-    return _kept_state(scene, loads, friction, motion, member)
+    return _friction_state_on_disk(scene, loads, friction, motion, member)
 
 
 @dataclass(frozen=True)
-class Solved:
+class StaticallySolved:
     """Statically solved scene, with the model, coefficients and motion that friction needs."""
 
     #: The scene.
@@ -79,11 +81,11 @@ class Solved:
         """Return the friction torque at a result's contact loads [N m]; nan if loads or friction did not converge."""
         if not result.converged:
             return float("nan")
-        state = kept_state(scene or self.scene, result, friction, self.motion, self.options.member)
+        state = cached_friction_state(scene or self.scene, result, friction, self.motion, self.options.member)
         return state.torque.friction if state.settled else float("nan")
 
 
-def makers_torque(scene: Scene, force: float) -> float:
+def makers_drag_torque(scene: Scene, force: float) -> float:
     """Return the drag torque of a screw by the makers' formula, 0.05/sqrt(tan(lead angle)) F l/(2 pi).
 
     Parameters
@@ -101,7 +103,7 @@ def makers_torque(scene: Scene, force: float) -> float:
     return MAKERS / float(np.sqrt(abs(np.tan(lead_angle(scene.track))))) * force * scene.track.lead / (2.0 * pi)
 
 
-def band(solved: Solved, result: StaticResult) -> dict[str, Any]:
+def torque_range(solved: StaticallySolved, result: StaticResult) -> dict[str, Any]:
     """Return friction torques at both coefficients of ``MEASURED``, with and without the scene's loads.
 
     Also the drag torque by the makers' formula (null without preload).
@@ -115,7 +117,7 @@ def band(solved: Solved, result: StaticResult) -> dict[str, Any]:
         "friction_torque_Nmm": [number(1e3 * solved.torque(result, end)) for end in ends],
         "drag_torque_Nmm": [number(x) for x in drags] if drags else None,
         "preload_N": number(held.axial) if held is not None and pressed else None,
-        "makers_formula_Nmm": number(1e3 * makers_torque(scene, held.axial)) if held is not None and pressed else None,
+        "makers_formula_Nmm": number(1e3 * makers_drag_torque(scene, held.axial)) if held is not None and pressed else None,
     }
 
 
@@ -124,14 +126,14 @@ def drag_lines(data: dict[str, Any]) -> list[Line]:
     if data["makers_formula_Nmm"] is None:
         return []
     text = (
-        f"without load {_range(data['drag_torque_Nmm'])} N mm at coefficients from {MEASURED[0]:g} to {MEASURED[1]:g}; "
-        f"makers' formula 0.05/sqrt(tan(lead angle)) F l/(2 pi) for the preload of {data['preload_N']:.4g} N: "
-        f"{three(data['makers_formula_Nmm'])} N mm"
+        f"without load {_range_text(data['drag_torque_Nmm'])} N mm at coefficients of friction from {MEASURED[0]:g} "
+        f"to {MEASURED[1]:g}; makers' formula 0.05/sqrt(tan(lead angle)) F l/(2 pi) for the preload of {data['preload_N']:.4g} N: "
+        f"{three_digits(data['makers_formula_Nmm'])} N mm"
     )
     return [("drag", text)]
 
 
-def _range(values: list[float | None]) -> str:
+def _range_text(values: list[float | None]) -> str:
     """Return torques [N mm] as text, joined by "to"."""
     return " to ".join("(none found)" if x is None else f"{x:.3g}" for x in values)
 
@@ -141,7 +143,7 @@ def states_no_play(scene: Scene) -> bool:
     return scene.track.lead > 0.0 and scene.errors.balls == BallErrors() and not scene.errors.lead_offset
 
 
-def play(solved: Solved, state: FrictionState) -> dict[str, Any] | None:
+def torque_with_play(solved: StaticallySolved, state: FrictionState) -> dict[str, Any] | None:
     """Return a screw's torque with balls smaller by ``SMALLER``; None if play is stated, or with preload or no load."""
     scene = solved.scene
     if not states_no_play(scene) or not state.loaded or (solved.bare.load > 0.0).any():
@@ -173,7 +175,7 @@ def play_warning(data: dict[str, Any]) -> Warned:
 FACTORS, HALVINGS = tuple(2.0**k for k in range(-4, 5)), 4
 
 
-def with_errors(scene: Scene, factor: float) -> Scene:
+def with_scaled_errors(scene: Scene, factor: float) -> Scene:
     """Return the scene with errors of grooves and single balls times a factor; preload and play stay."""
 
     def times(side: SideErrors) -> SideErrors:
@@ -191,14 +193,14 @@ def with_errors(scene: Scene, factor: float) -> Scene:
     return replace(scene, errors=replace(errors, balls=balls, **sides))
 
 
-def onset(solved: Solved, result: StaticResult) -> FrictionOnset | None:
+def onset_of_touching(solved: StaticallySolved, result: StaticResult) -> FrictionOnset | None:
     """Return whether neighbouring balls touch at the loads of a result, and from which errors on.
 
     None if balls overlap or their circuits are not possible.
     """
 
     def found(factor: float) -> bool:
-        scene = with_errors(solved.scene, factor)
+        scene = with_scaled_errors(solved.scene, factor)
         options = solved.options if scene.errors.random else replace(solved.options, member=0)
         loads = run_model(scene, solved.model, options)
         return loads.converged and contact_onset(scene, loads, drive=solved.motion).touch
@@ -208,7 +210,7 @@ def onset(solved: Solved, result: StaticResult) -> FrictionOnset | None:
     except ValueError:  # overlapping balls, or arcs that cannot be: of neighbours nothing is asked then
         return None
     factor = None
-    if with_errors(solved.scene, 0.0) != solved.scene:
+    if with_scaled_errors(solved.scene, 0.0) != solved.scene:
         factor = 0.0 if found(0.0) else next((x for x in FACTORS if (standing.touch if x == 1.0 else found(x))), None)
     if factor:
         low = 0.5 * factor if factor > FACTORS[0] else 0.0
@@ -232,7 +234,7 @@ def onset_line(of: FrictionOnset, turns: str, errors: bool) -> Line:
     """Return the line on touching neighbours; ``turns``: turning part; ``errors``: whether the scene has errors."""
 
     def angle(value: float | None) -> str:
-        return "never" if value is None else f"after {three(np.degrees(value))} deg of the {turns}"
+        return "never" if value is None else f"after {three_digits(np.degrees(value))} deg of the {turns}"
 
     text = f"neighbours {'touch' if of.touch else 'do not touch'}"
     if of.first is None:
@@ -290,7 +292,7 @@ class Choices:
 
 
 @dataclass(frozen=True)
-class Drag:
+class DragTorque:
     """Friction torque with the loads of the scene removed."""
 
     #: Torque [N m]; None if there is no meaningful one.
@@ -301,7 +303,7 @@ class Drag:
     note: str = ""
 
 
-def coefficients(scene: Scene, mu: Sequence[float]) -> list[Friction]:
+def friction_coefficients(scene: Scene, mu: Sequence[float]) -> list[Friction]:
     """Return the coefficients to solve for: those given, else the scene's; InputError if there are none."""
     for value in mu:
         if not 0.0 <= value <= MOST:
@@ -338,7 +340,7 @@ def solve_scene(scene: Scene, choices: Choices, say: Callable[[str], None] = lam
     InputError
         If the model does not cover the scene, or there is no coefficient of friction.
     """
-    pairs = coefficients(scene, choices.mu)
+    pairs = friction_coefficients(scene, choices.mu)
     if not 0 <= choices.member < 10**9:
         raise ArgumentError("member", str(choices.member), "0 to 999999999", "give the specimen's number")
     model = choices.model or (DEFAULT if choices.condensed is None else "condensed")
@@ -356,22 +358,24 @@ def solve_scene(scene: Scene, choices: Choices, say: Callable[[str], None] = lam
         return FrictionAnswer(data, [], [], False)
     motion = scene.motion or ONE_TURN
     try:
-        states = [kept_state(scene, result, pair, motion, choices.member) for pair in pairs]
+        states = [cached_friction_state(scene, result, pair, motion, choices.member) for pair in pairs]
     except ValueError as error:  # balls that overlap by their random sizes
         raise Refusal(scene.name, "balls", str(error), "spread the balls, or take neighbours = false") from error
     if states[0].settled and monotonic() - begin > FIRST:
-        say(f"friction torque {three(1e3 * states[0].torque.friction)} N mm; drag and band follow")
-    bare = result if not loaded(scene) else run_model(replace(scene, loads=()), model, options)
+        say(f"friction torque {three_digits(1e3 * states[0].torque.friction)} N mm; drag and band follow")
+    bare = result if not has_loads(scene) else run_model(replace(scene, loads=()), model, options)
     drags = drag_torques(scene, states, pairs, bare, options)
-    answer = _answer(scene, result, head, (pairs, states, drags), Solved(scene, model, options, pairs[0], motion, bare))
+    answer = _whole_answer(
+        scene, result, head, (pairs, states, drags), StaticallySolved(scene, model, options, pairs[0], motion, bare)
+    )
     if scene.time is None:
         return answer
     return _with_run(answer, solve_run(scene, pairs[0], motion, model, choices.member))
 
 
-def _with_run(answer: FrictionAnswer, run: Run) -> FrictionAnswer:
+def _with_run(answer: FrictionAnswer, run: RunInTime) -> FrictionAnswer:
     """Return the answer for the scene's instant followed by the run in time."""
-    data = answer.data | {"run": run_data(run)}
+    data = answer.data | {"run": run_json(run)}
     good = answer.converged and run.converged
     if answer.converged and not good:
         data |= {"status": f"run in time: {run.status}"}
@@ -379,14 +383,14 @@ def _with_run(answer: FrictionAnswer, run: Run) -> FrictionAnswer:
     return FrictionAnswer(data | {"converged": good}, tables, [*answer.lines, *run_lines(run)], good, answer.ball_tables)
 
 
-def loaded(scene: Scene) -> bool:
+def has_loads(scene: Scene) -> bool:
     """Return whether a scene has loads."""
     return any(np.any(load.force) or np.any(load.moment) for load in scene.loads)
 
 
 def drag_torques(
     scene: Scene, states: Sequence[FrictionState], pairs: Sequence[Friction], unloaded: StaticResult, options: Options
-) -> list[Drag]:
+) -> list[DragTorque]:
     """Compute the friction torque without the scene's loads, for each pair of coefficients.
 
     Supports and their prescribed displacements stay. If these press the screw axially, which is an axial load too, the
@@ -415,36 +419,36 @@ def drag_torques(
     def solved(changed: Scene, result: StaticResult) -> list[FrictionState] | str:
         if not result.converged:
             return result.status
-        return [kept_state(changed, result, pair, motion, options.member) for pair in pairs]
+        return [cached_friction_state(changed, result, pair, motion, options.member) for pair in pairs]
 
     without: Sequence[FrictionState] | str = states
-    if loaded(scene):
+    if has_loads(scene):
         without = solved(bare, unloaded)
     if isinstance(without, str):
-        return [Drag(None, without)] * len(pairs)
+        return [DragTorque(None, without)] * len(pairs)
     if not any(state.torque.translating for state in without):
-        return [drag_of(state) for state in without]
+        return [drag_of_state(state) for state in without]
     pressed = f"its supports press it with {without[0].torque.load:.4g} N along its axis"
-    freed = replace(bare, supports=without_axial(scene.supports))
+    freed = replace(bare, supports=without_axial_supports(scene.supports))
     let_go = solved(freed, run_model(freed, unloaded.model, options))
     if isinstance(let_go, str):
-        return [Drag(None, f"{pressed}, and without them: {let_go}")] * len(pairs)
+        return [DragTorque(None, f"{pressed}, and without them: {let_go}")] * len(pairs)
     note = f"the screw left free along its axis: {pressed}"
-    return [replace(drag_of(state), note=note) for state in let_go]
+    return [replace(drag_of_state(state), note=note) for state in let_go]
 
 
-def without_axial(supports: Sequence[Support]) -> tuple[Support, ...]:
+def without_axial_supports(supports: Sequence[Support]) -> tuple[Support, ...]:
     """Return the supports without their axial constraints."""
     freed = (replace(s, fixed=tuple(held for held in s.fixed if held[0] != "uz")) for s in supports)
     return tuple(s for s in freed if s.fixed)
 
 
-def drag_of(state: FrictionState) -> Drag:
+def drag_of_state(state: FrictionState) -> DragTorque:
     """Return the drag torque of a state without axial load; none if a ball failed."""
-    return Drag(state.torque.friction) if state.settled else Drag(None, "no balance of friction found")
+    return DragTorque(state.torque.friction) if state.settled else DragTorque(None, "no balance of friction found")
 
 
-def status_of(state: FrictionState) -> str:
+def friction_status(state: FrictionState) -> str:
     """Return the status as text."""
     failed = [str(i + 1) for i, word in enumerate(state.balls.status) if word == "failed"]
     if failed:
@@ -457,26 +461,28 @@ def status_of(state: FrictionState) -> str:
     return "converged" if state.loaded else "converged: no contact carries load, so that nothing rubs"
 
 
-def _assumed(scene: Scene, result: StaticResult) -> list[str]:
+def _friction_assumptions(scene: Scene, result: StaticResult) -> list[str]:
     """Return assumptions on scene and contact loads; the latter are marked, as they are of a model without friction."""
     return [line if line in scene.assumed else f"contact loads: {line}" for line in result.assumed]
 
 
-States = tuple[list[Friction], list[FrictionState], list[Drag]]
+States = tuple[list[Friction], list[FrictionState], list[DragTorque]]
 
 
-def _answer(scene: Scene, result: StaticResult, head: dict[str, object], solved: States, besides: Solved) -> FrictionAnswer:
+def _whole_answer(
+    scene: Scene, result: StaticResult, head: dict[str, object], solved: States, besides: StaticallySolved
+) -> FrictionAnswer:
     """Return JSON values and tables for the terminal."""
     (friction, *_), (state, *_), (drag, *_) = solved
     motion = scene.motion or ONE_TURN
     good = all(s.settled for s in solved[1])
-    status = status_of(next((s for s in solved[1] if not s.settled), state))
+    status = friction_status(next((s for s in solved[1] if not s.settled), state))
     torque = sums(state.torque, drag.torque)
     rows, losses = output.ball_rows(result, state), output.loss_rows(state)
-    over = [output.mu_row(f, s, d.torque) for f, s, d in zip(*solved, strict=True)]
-    assumed = [*friction.assumed, *(() if scene.motion else (NO_SPEED,)), *_assumed(scene, result)]
-    wide, played = band(besides, result), play(besides, state)
-    near = onset(besides, result) if state.loaded else None
+    over = [output.coefficient_row(f, s, d.torque) for f, s, d in zip(*solved, strict=True)]
+    assumed = [*friction.assumed, *(() if scene.motion else (NO_SPEED,)), *_friction_assumptions(scene, result)]
+    wide, played = torque_range(besides, result), torque_with_play(besides, state)
+    near = onset_of_touching(besides, result) if state.loaded else None
     held = preload(scene, besides.bare).axial if besides.bare.converged else 0.0
     e, slip = state.torque, heathcote(scene, state.at, state.balls, friction, motion)
     data = head | {
@@ -500,13 +506,13 @@ def _answer(scene: Scene, result: StaticResult, head: dict[str, object], solved:
             "between_balls_W": number(0.0 if state.neighbours is None else state.neighbours.power),
             "heathcote_percent": number(100.0 * slip),
         },
-        "energy": balance(e.input_power, e.power)
+        "energy": power_balance(e.input_power, e.power)
         | {"axial_load_power_W": number(e.load * e.ratio * e.speed), "torque_power_W": number(e.on_screw * e.speed)},
         "feedback": {
             "friction_torque_without_Nmm": number(1e3 * state.bare.friction),
             "unsettled_balls": len(state.unsettled),
             "axial_friction_on_screw_N": number(e.pull),
-            "balls_touching": output.neighbour_data(state),
+            "balls_touching": output.neighbour_json(state),
             "friction_over_load": number(e.tilt),
         },
         "solver": {
@@ -516,8 +522,8 @@ def _answer(scene: Scene, result: StaticResult, head: dict[str, object], solved:
             "second_states": None if state.second is None else [k + 1 for k in state.second],
         },
         "assumed": assumed,
-        "left_out": output.left_out(friction),
-        "warnings": output.warnings_of(
+        "left_out": output.neglected_effects(friction),
+        "warnings": output.friction_warnings(
             scene,
             friction,
             state,
@@ -534,10 +540,10 @@ def _answer(scene: Scene, result: StaticResult, head: dict[str, object], solved:
     if state.loaded:
         tables = [("losses by contact and cause", output.LOSS_COLUMNS, losses)]
     if len(over) > 1:
-        tables.append(("over the coefficient of friction", output.mu_columns(kind_of(scene)), over))
-    every = [("per ball", output.BALL_COLUMNS, output.flat_rows(rows))] if state.loaded else []
+        tables.append(("over the coefficient of friction", output.coefficient_columns(kind_of(scene)), over))
+    every = [("per ball", output.BALL_COLUMNS, output.terminal_ball_rows(rows))] if state.loaded else []
     lines = [
-        *output.lines_of(motion, state, (drag.torque, drag.reason or drag.note)),
+        *output.result_lines(motion, state, (drag.torque, drag.reason or drag.note)),
         *(drag_lines(wide) if state.loaded else ()),
     ]
     if near is not None:
@@ -545,10 +551,10 @@ def _answer(scene: Scene, result: StaticResult, head: dict[str, object], solved:
             onset_line(
                 near,
                 "inner ring" if state.torque.ratio == 0.0 and motion.turns == "screw" else motion.turns,
-                with_errors(scene, 0.0) != scene,
+                with_scaled_errors(scene, 0.0) != scene,
             )
         )
     lines.append(output.residual_line(result.solver.residual, state.balls.left))
     if e.friction and slip <= WIDE:
-        lines.append(("slip", "contacts are not flat: " + output.slip_words(slip)))
+        lines.append(("slip", "contacts are not flat: " + output.slip_clause(slip)))
     return FrictionAnswer(data, tables, lines, good, every)

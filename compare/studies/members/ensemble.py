@@ -82,7 +82,7 @@ class EnsembleResult:
         return np.array([s == "converged" for s in self.statuses], dtype=bool)
 
 
-def one_pass(scene: Scene) -> bool:
+def is_solved_in_one_pass(scene: Scene) -> bool:
     """Return whether one pass of the solver on exact arcs finishes each member, so that batches can be solved."""
     return alike_in_shape(scene) and scene.ingredients.hertz != "actual"
 
@@ -107,17 +107,17 @@ def run_ensemble(scene: Scene, members: int | None = None, first: int = 0, *, th
         Loads; ``statuses`` gives the members without solution.
     """
     count = scene.members if members is None else members
-    batch = _Batch(scene, count, first, threads)
-    all_sides = batch.solve() if one_pass(scene) else 0
+    batch = _SpecimenBatch(scene, count, first, threads)
+    all_sides = batch.solve() if is_solved_in_one_pass(scene) else 0
     statuses, left = ["converged"] * count, np.flatnonzero(~batch.solved)
     for m in left:
         result = solve_static(scene, engine=ENGINE, member=first + int(m))
         batch.loads[m], statuses[m] = result.load, result.status
-        batch.residuals[m], batch.works[m] = result.solver.residual, work_of(scene, result)
+        batch.residuals[m], batch.works[m] = result.solver.residual, work_of_loads(scene, result)
     return EnsembleResult(batch.loads, tuple(statuses), batch.residuals, batch.works, all_sides, int(left.size))
 
 
-def work_of(scene: Scene, result: StaticResult) -> float:
+def work_of_loads(scene: Scene, result: StaticResult) -> float:
     """Return the loads of a scene times the displacements of their stations [J].
 
     Nan if the result has no axis of the screw.
@@ -131,7 +131,7 @@ def work_of(scene: Scene, result: StaticResult) -> float:
     return work
 
 
-class _Batch:
+class _SpecimenBatch:
     """State of one run: drawn specimens, common system and results."""
 
     def __init__(self, scene: Scene, count: int, first: int, threads: int) -> None:
@@ -268,12 +268,12 @@ def _flank_motion(problem: Problem, layout: BallLayout, side: int) -> Array:
     return out
 
 
-def of_study(study: Study, name: str) -> EnsembleResult:
+def ensemble_of_study(study: Study, name: str) -> EnsembleResult:
     """Solve the specimens of a shipped scene with random errors, as many as the study states."""
-    return study.once(_drawn, name)
+    return study.once(_run_study_ensemble, name)
 
 
-def _drawn(study: Study, name: str) -> EnsembleResult:
+def _run_study_ensemble(study: Study, name: str) -> EnsembleResult:
     return run_ensemble(study.scene(name), study.members)
 
 
@@ -326,7 +326,7 @@ class Block:
     statuses: tuple[str, ...]
 
 
-def life_sum(load: Array) -> Array:
+def raceway_life_sum(load: Array) -> Array:
     """Return L^(-10/9) of all raceways together, up to a factor, from contact loads (..., N, 4) [N] (ISO/TS 16281).
 
     The screw's grooves turn under the load (cubic mean over the balls), the nut's do not (power 10/3); the raceways are
@@ -340,17 +340,17 @@ def life_sum(load: Array) -> Array:
 def relative_life(load: Array, nominal: Array) -> Array:
     """Return the life under loads (..., N, 4) over that under the loads (N, 4) without random errors."""
     with np.errstate(divide="ignore", invalid="ignore"):
-        return np.asarray((life_sum(load) / life_sum(nominal)) ** (-1.0 / SYSTEM))
+        return np.asarray((raceway_life_sum(load) / raceway_life_sum(nominal)) ** (-1.0 / SYSTEM))
 
 
-def columns(scene: Scene | Assembly) -> list[str]:
+def output_names(scene: Scene | Assembly) -> list[str]:
     """Return the names of the outputs of a member (specimen), in the order of its values."""
     if isinstance(scene, Scene):
         return [*KEPT]
     return [*WHOLE, *(f"set {i + 1} {key}" for i in range(len(scene.sets)) for key in OF_SET)]
 
 
-def places(scene: Scene | Assembly) -> tuple[slice | None, ...]:
+def ball_slices(scene: Scene | Assembly) -> tuple[slice | None, ...]:
     """Return, for each set, the slice of its balls in an array over all sets' balls; None for rollers."""
     if isinstance(scene, Scene):
         return (slice(0, scene.ball_count),)
@@ -363,7 +363,7 @@ def places(scene: Scene | Assembly) -> tuple[slice | None, ...]:
     return tuple(slices)
 
 
-def _with_parts(scene: Scene | Assembly, change: Callable[[Scene, int], Scene]) -> Scene | Assembly:
+def _change_ball_rows(scene: Scene | Assembly, change: Callable[[Scene, int], Scene]) -> Scene | Assembly:
     """Return the scene with each set of balls replaced by ``change(parts, number of the set from 0)``."""
     if isinstance(scene, Scene):
         return change(scene, 0)
@@ -373,15 +373,15 @@ def _with_parts(scene: Scene | Assembly, change: Callable[[Scene, int], Scene]) 
 
 def with_seed(scene: Scene | Assembly, seed: int) -> Scene | Assembly:
     """Return the scene with another seed of its random errors; several sets get consecutive seeds."""
-    return _with_parts(scene, lambda parts, i: replace(parts, errors=replace(parts.errors, seed=seed + i)))
+    return _change_ball_rows(scene, lambda parts, i: replace(parts, errors=replace(parts.errors, seed=seed + i)))
 
 
 def without_random_errors(scene: Scene | Assembly) -> Scene | Assembly:
     """Return the scene without its random errors."""
-    return _with_parts(scene, lambda parts, _: without_draws(parts))
+    return _change_ball_rows(scene, lambda parts, _: without_draws(parts))
 
 
-def _solved(
+def _solve_specimens(
     scene: Scene, model: str, engine: str, first: int, count: int, factor: float = 1.0
 ) -> tuple[Array, tuple[str, ...], Array, Array]:
     """Return contact loads, statuses, residuals and works of members under the scene's loads times a factor.
@@ -394,20 +394,20 @@ def _solved(
         return batch.loads, batch.statuses, batch.residuals, batch.works
     loads, residuals, works = np.full((count, scene.ball_count, 4), np.nan), np.full(count, np.nan), np.full(count, np.nan)
     if model in ELASTIC and shared(scene):
-        loads, residuals, works = _system(of, model, engine, factor).solve(first, count)
+        loads, residuals, works = _common_system(of, model, engine, factor).solve(first, count)
     statuses = ["converged"] * count
     for k in np.flatnonzero(np.isnan(residuals)):
         result = run_model(scene, model, Options(member=first + int(k), engine=engine, discretisation=False))
         statuses[k], residuals[k] = result.status, result.solver.residual
         if result.converged:
-            loads[k], works[k] = result.load, work_of(scene, result)
+            loads[k], works[k] = result.load, work_of_loads(scene, result)
     return loads, tuple(statuses), residuals, works
 
 
 @lru_cache(maxsize=4)
-def _system(scene: Scene, model: str, engine: str, factor: float) -> ElasticMembers:
+def _common_system(scene: Scene, model: str, engine: str, factor: float) -> ElasticMembers:
     """Return the solver of all blocks of a scene in this process, under its loads times a factor."""
-    like = None if factor == 1.0 else _system(scene, model, engine, 1.0)
+    like = None if factor == 1.0 else _common_system(scene, model, engine, 1.0)
     loaded = scene if like is None else scaled(scene, factor)
     return ElasticMembers(loaded, LADDER[model], kernels(STATICS, compiled=engine == "compiled"), like)
 
@@ -436,14 +436,14 @@ def solve_block(scene: Scene | Assembly, model: str, engine: str, nominal: Array
         Loads and outputs.
     """
     if isinstance(scene, Assembly):
-        return _of_several(scene, model, engine, nominal, first, count)
-    loads, statuses, residuals, works = _solved(scene, model, engine, first, count)
+        return _solve_axis_block(scene, model, engine, nominal, first, count)
+    loads, statuses, residuals, works = _solve_specimens(scene, model, engine, first, count)
     force = float(sum(np.dot(x.force, x.force) for x in scene.loads))
     stiffness = np.full(count, np.nan)
     if force > 0.0:
         asked = scene.ingredients.load_step if model == "liu" else None
         step = STEP if asked is None else asked / force**0.5
-        heavier = _solved(scene, model, engine, first, count, 1.0 + step)[3] / (1.0 + step)
+        heavier = _solve_specimens(scene, model, engine, first, count, 1.0 + step)[3] / (1.0 + step)
         with np.errstate(divide="ignore", invalid="ignore"):
             stiffness = 1e-6 * force * step / (heavier - works)
     good = np.array([s == "converged" for s in statuses])
@@ -456,13 +456,13 @@ def solve_block(scene: Scene | Assembly, model: str, engine: str, nominal: Array
     return Block(loads, kept, statuses)
 
 
-def _of_several(assembly: Assembly, model: str, kernels: str, nominal: Array, first: int, count: int) -> Block:
+def _solve_axis_block(assembly: Assembly, model: str, kernels: str, nominal: Array, first: int, count: int) -> Block:
     """Solve a block of members of a scene with several sets; parameters as `solve_block`."""
     results = [run_model(assembly, model, Options(engine=kernels, member=m)) for m in range(first, first + count)]
-    where = places(assembly)
+    where = ball_slices(assembly)
     loads = np.stack([contact_loads(r) if r.converged else np.full(nominal.shape, np.nan) for r in results])
-    wide = len(columns(assembly))
-    kept = [numbers(r, nominal, where) if r.converged else np.full(wide, np.nan) for r in results]
+    wide = len(output_names(assembly))
+    kept = [specimen_outputs(r, nominal, where) if r.converged else np.full(wide, np.nan) for r in results]
     return Block(loads, np.array(kept), tuple(r.status for r in results))
 
 
@@ -471,8 +471,8 @@ def contact_loads(result: Solved) -> Array:
     return np.concatenate([b.load for b in result.of_balls()])
 
 
-def numbers(result: AxisResult, nominal: Array, where: Sequence[slice | None]) -> Array:
-    """Return the outputs of a member of several sets, in the order of `columns`."""
+def specimen_outputs(result: AxisResult, nominal: Array, where: Sequence[slice | None]) -> Array:
+    """Return the outputs of a member of several sets, in the order of `output_names`."""
     loads = contact_loads(result)
     lost = (loads == 0.0) & (nominal > 0.0)
     largest = max(float(s.loads.max(initial=0.0)) for s in result.sets)

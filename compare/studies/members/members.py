@@ -32,9 +32,9 @@ from rollbench.compare.studies.members.ensemble import (
     OF_SET,
     WHOLE,
     Block,
-    columns,
+    ball_slices,
     contact_loads,
-    places,
+    output_names,
     solve_block,
     with_seed,
     without_random_errors,
@@ -177,7 +177,7 @@ def run_members(
     InputError
         If the model is unknown, the number out of range, or the scene has no random errors or no equilibrium without them.
     """
-    _check(scene, model, count)
+    _check_request(scene, model, count)
     start, model = perf_counter(), model or default_model(scene)
     kernels = "compiled" if count >= COMPILE_FROM or (count >= USE_FROM and cached(STATICS)) else "interpreted"
     bare = run_model(without_random_errors(scene), model, Options(engine=kernels, discretisation=False))
@@ -189,7 +189,7 @@ def run_members(
         raise InputError(scene.name, "scene", reason, "loaded contacts without random errors", advice)
     bands, rows, failed = Bands(nominal, END * float(nominal.max()) / BINS), list[Array](), dict[int, str]()
     done = 0
-    for first, block in _blocks((scene, model, kernels, nominal), count, engine or Engine(), step):
+    for first, block in _solve_blocks((scene, model, kernels, nominal), count, engine or Engine(), step):
         bands.add(block.loads)
         rows.append(block.kept)
         for k, status in enumerate(block.statuses):
@@ -198,10 +198,10 @@ def run_members(
                 failed[first + k] = status
         done += len(block.kept)
         step(f"[{done}/{count}] {len(failed)} failed")
-    return Members(scene, model, np.concatenate(rows), failed, bands, places(scene), perf_counter() - start)
+    return Members(scene, model, np.concatenate(rows), failed, bands, ball_slices(scene), perf_counter() - start)
 
 
-def _check(scene: Scene | Assembly, model: str, count: int) -> None:
+def _check_request(scene: Scene | Assembly, model: str, count: int) -> None:
     single = isinstance(scene, Scene)
     if single:
         known_model(model, without=("condensed",))
@@ -213,7 +213,7 @@ def _check(scene: Scene | Assembly, model: str, count: int) -> None:
         raise InputError(scene.name, where, "nothing random", "at least one sigma above zero", advice)
 
 
-def _blocks(
+def _solve_blocks(
     arguments: tuple[Scene | Assembly, str, str, Array], count: int, engine: Engine, step: Callable[[str], None]
 ) -> Iterator[tuple[int, Block]]:
     """Yield blocks in order, in whatever order they are finished.
@@ -246,7 +246,7 @@ def _binomial_quantile(p: float, trials: int, chance: float) -> int:
     return first + int(np.searchsorted(below, (1.0 - 1e-12) * p * below[-1]))  # less the round-off of the sum
 
 
-def statistics(values: Array) -> dict[str, Any] | None:
+def sample_statistics(values: Array) -> dict[str, Any] | None:
     """Return mean with standard error, deviation, extremes, and quantiles with their 95 % intervals.
 
     The interval of a quantile lies between order statistics, by the binomial distribution of the number of values below it.
@@ -274,22 +274,22 @@ def statistics(values: Array) -> dict[str, Any] | None:
     return out
 
 
-def library(
+def ensemble_for_library(
     described: Described, model: str, count: int, seed: int | None, workers: int | None, step: Callable[[str], None]
 ) -> dict[str, Any]:
     """Solve an ensemble for `rollbench.ensemble` and return JSON values; InputError as `run_members`."""
-    each, cases = solved(described, described.name, model, count, seed, Engine(workers=workers), step)
-    return whole(described, each, cases)
+    each, cases = solve_ensemble(described, described.name, model, count, seed, Engine(workers=workers), step)
+    return ensemble_json(described, each, cases)
 
 
-def whole(described: Described, each: Sequence[Members], cases: Sequence[str]) -> dict[str, Any]:
+def ensemble_json(described: Described, each: Sequence[Members], cases: Sequence[str]) -> dict[str, Any]:
     """Return the JSON of a scene, or of each of its load cases."""
-    data = [as_json(batch) for batch in each]
+    data = [members_json(batch) for batch in each]
     by_case = [{"case": case} | x for case, x in zip(cases, data, strict=True)] if cases else []
     return {"scene": described.name, "cases": by_case} if cases else data[0]
 
 
-def solved(
+def solve_ensemble(
     described: Described,
     name: str,
     model: str,
@@ -308,19 +308,19 @@ def solved(
     cases = [case.name for case in described.cases] if isinstance(described, DutyCycle) else []
     scenes = [scene if seed is None else with_seed(scene, seed) for scene in each_case(described, name)]
     each: list[Members] = []
-    with _rows(csv_out, [*(["case"] if cases else []), "member", "status", *columns(scenes[0])]) as write:
+    with _open_csv(csv_out, [*(["case"] if cases else []), "member", "status", *output_names(scenes[0])]) as write:
         for scene, head in zip(scenes, [[case] for case in cases] or [[]], strict=True):
-            row = partial(_row, write, head)
+            row = partial(_write_row, write, head)
             each.append(run_members(scene, model or default_model(scene), count, engine, step, row))
     return each, cases
 
 
-def _row(write: Callable[[list[Any]], None], head: Sequence[str], member: int, status: str, kept: Array) -> None:
+def _write_row(write: Callable[[list[Any]], None], head: Sequence[str], member: int, status: str, kept: Array) -> None:
     write([*head, member, status, *("" if np.isnan(v) else repr(float(v)) for v in kept)])
 
 
 @contextmanager
-def _rows(path: Path | None, names: Sequence[str]) -> Iterator[Callable[[list[Any]], None]]:
+def _open_csv(path: Path | None, names: Sequence[str]) -> Iterator[Callable[[list[Any]], None]]:
     """Yield a function that writes rows to a file, which gets its name only when it is complete."""
     if path is None:
         yield lambda *_: None
@@ -339,7 +339,7 @@ def _rows(path: Path | None, names: Sequence[str]) -> Iterator[Callable[[list[An
         unfinished.unlink(missing_ok=True)
 
 
-def as_json(members: Members) -> dict[str, Any]:
+def members_json(members: Members) -> dict[str, Any]:
     """Return JSON values: statistics of the outputs, failures, bands of every loaded contact.
 
     Of several sets their statistics are in ``sets``, and rows of ``balls`` begin with the name of the set.
@@ -347,10 +347,10 @@ def as_json(members: Members) -> dict[str, Any]:
     scene, kept = members.scene, members.kept
     counts: dict[str, Any] = {"members": len(kept), "converged": len(kept) - len(members.failed)}
     counts["failed"] = [{"member": m, "status": s} for m, s in sorted(members.failed.items())]
-    rows = _balls(members.bands)
+    rows = _ball_bands(members.bands)
     if isinstance(scene, Assembly):
         seed: Any = [s.parts.errors.seed if isinstance(s.parts, Scene) else None for s in scene.sets]
-        counts["sets"] = _sets(members, scene)
+        counts["sets"] = _set_statistics(members, scene)
         balls = [
             {"set": i + 1, **x, "index": x["index"] - place.start}
             for i, place in enumerate(members.balls)
@@ -361,21 +361,21 @@ def as_json(members: Members) -> dict[str, Any]:
     else:
         seed, balls = scene.errors.seed, [x for one in rows for x in one]
     names = WHOLE if isinstance(scene, Assembly) else KEPT
-    sums = {key: statistics(kept[:, k]) for k, key in enumerate(names)}
+    sums = {key: sample_statistics(kept[:, k]) for k, key in enumerate(names)}
     head = {"scene": scene.name, "model": members.model, "seed": seed, **counts, "statistics": sums}
     return {**head, "band_resolution_N": number(members.bands.width), "balls": balls}
 
 
-def _sets(members: Members, assembly: Assembly) -> list[dict[str, Any]]:
+def _set_statistics(members: Members, assembly: Assembly) -> list[dict[str, Any]]:
     """Return the statistics of each set."""
     by_set = np.split(members.kept[:, len(WHOLE) :], len(assembly.sets), axis=1)
     return [
-        {"set": i + 1, "name": s.name, "statistics": {key: statistics(kept[:, k]) for k, key in enumerate(OF_SET)}}
+        {"set": i + 1, "name": s.name, "statistics": {key: sample_statistics(kept[:, k]) for k, key in enumerate(OF_SET)}}
         for i, (s, kept) in enumerate(zip(assembly.sets, by_set, strict=True))
     ]
 
 
-def _balls(bands: Bands) -> list[list[dict[str, Any]]]:
+def _ball_bands(bands: Bands) -> list[list[dict[str, Any]]]:
     """Return rows of the loaded contacts of every ball."""
     found = {
         "without_random_errors_N": bands.nominal,

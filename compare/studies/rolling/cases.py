@@ -36,7 +36,7 @@ MOVING = np.array([False, False, True, True])
 
 
 @dataclass(frozen=True)
-class Case:
+class RollingCase:
     """A friction scene for the 3D model."""
 
     #: Name of the scene.
@@ -55,7 +55,7 @@ class Case:
     coupled: bool
 
 
-def case_of(scene: KindScene, choices: Choices) -> Case:
+def case_of(scene: KindScene, choices: Choices) -> RollingCase:
     """Return a scene for the 3D model.
 
     Parameters
@@ -76,56 +76,63 @@ def case_of(scene: KindScene, choices: Choices) -> Case:
         If the 3D model does not cover it.
     """
     if isinstance(scene, LinearScene):
-        return _linear(scene)
+        return _linear_case(scene)
     if isinstance(scene, ScrewPairScene):
-        return _screw(scene, choices)
+        return _screw_case(scene, choices)
     if isinstance(scene, BearingBallScene):
-        return _ring(scene)
+        return _bearing_case(scene)
     reason = f"the 3D model of rolling takes one to {MOST} balls under given conditions, not the kind {scene.kind}"
     raise Refusal(scene.name, "kind", reason, "take a linear pair, a linear chain, a screw pair or a bearing ball")
 
 
-def _refuse(scene: KindScene, key: str, reason: str, advice: str) -> None:
+def _refuse_scene(scene: KindScene, key: str, reason: str, advice: str) -> None:
     """Raise Refusal for a key of the scene."""
     raise Refusal(scene.name, key, reason, advice)
 
 
-def _directions(angles: Array, senses: Array) -> Array:
+def _contact_directions(angles: Array, senses: Array) -> Array:
     """Return unit vectors (..., 2) of contacts at their angles, with the signs ``senses``."""
     return np.asarray(senses * np.stack([np.sin(angles), np.cos(angles)], axis=-1))
 
 
-def _linear(scene: LinearScene) -> Case:
+def _linear_case(scene: LinearScene) -> RollingCase:
     """Return the balls of a linear bearing for the 3D model; Refusal for too many balls or no motion."""
     b, count = scene.bearing, len(scene.side)
     if count > MOST:
-        _refuse(scene, "chain", f"{count} balls are more than the {MOST} of the 3D model of rolling", "take fewer balls")
+        _refuse_scene(
+            scene, "chain", f"{count} balls are more than the {MOST} of the 3D model of rolling", "take fewer balls"
+        )
     if b.speed == 0.0:
-        _refuse(scene, "motion.carriage", "balls at rest do not roll", "let the carriage move")
+        _refuse_scene(scene, "motion.carriage", "balls at rest do not roll", "let the carriage move")
     layout = linear_layout(
         b.ball_radius, 2.0 * b.conformity * b.ball_radius, count, MOVING, b.speed, np.asarray(scene.gap) <= 0.0
     )
     material = Material(b.young, b.poisson, b.mu, b.mu_balls)
-    normals = _directions(scene.angles, LINEAR)
+    normals = _contact_directions(scene.angles, LINEAR)
     if scene.distribution == "elastic":
-        found = [_pressed(scene, layout, material, n, float(r)) for n, r in zip(normals, scene.side, strict=True)]
+        found = [
+            _loads_with_elastic_angles(scene, layout, material, n, float(r))
+            for n, r in zip(normals, scene.side, strict=True)
+        ]
         normals, loads = np.array([f[0] for f in found]), np.array([f[1] for f in found])
     else:
-        loads = np.array([_given(scene, n, float(r)) for n, r in zip(normals, scene.side, strict=True)])
+        loads = np.array([_loads_at_given_angles(scene, n, float(r)) for n, r in zip(normals, scene.side, strict=True)])
     whole = scene_of(layout, material, normals, loads)
-    return Case(scene.name, scene.kind, without_meetings(whole), whole, b.speed, ("BL", "BR", "TR", "TL"), False)
+    return RollingCase(scene.name, scene.kind, without_meetings(whole), whole, b.speed, ("BL", "BR", "TR", "TL"), False)
 
 
-def _given(scene: LinearScene, normals: Array, rho: float) -> Array:
+def _loads_at_given_angles(scene: LinearScene, normals: Array, rho: float) -> Array:
     """Return contact loads (4,) [N] that balance a ball at its angles, or (diagonal) at the nominal angle."""
     if scene.distribution == "diagonal":
-        normals = _directions(np.full(4, scene.bearing.contact_angle), LINEAR)
+        normals = _contact_directions(np.full(4, scene.bearing.contact_angle), LINEAR)
     carriage = scene.vertical * np.array([rho, -1.0])
     bottom, top = np.linalg.solve(normals[:2].T, carriage), np.linalg.solve(normals[2:].T, -carriage)
     return np.asarray(np.maximum(np.concatenate([bottom, top]), 0.0))
 
 
-def _pressed(scene: LinearScene, layout: Layout, material: Material, normals: Array, rho: float) -> tuple[Array, Array]:
+def _loads_with_elastic_angles(
+    scene: LinearScene, layout: Layout, material: Material, normals: Array, rho: float
+) -> tuple[Array, Array]:
     """Return directions (4, 2) and loads (4,) [N] of a ball whose contact angles follow the loads."""
     C = hertz_constants(layout, material)
     pull = scene.vertical * np.array([rho, -1.0])
@@ -134,19 +141,19 @@ def _pressed(scene: LinearScene, layout: Layout, material: Material, normals: Ar
     cell = Cell(normals[None], reach, np.zeros((1, 4)), C[None], MOVING, np.eye(2)[None], none, pull, none)
     found = cell_loads(cell)
     if not found.converged:
-        _refuse(scene, "load", "contact loads do not balance", 'take loads whose balance exists, or "balanced"')
+        _refuse_scene(scene, "load", "contact loads do not balance", 'take loads whose balance exists, or "balanced"')
     return found.normal[0], found.force[0]
 
 
-def _screw(scene: ScrewPairScene, choices: Choices) -> Case:
+def _screw_case(scene: ScrewPairScene, choices: Choices) -> RollingCase:
     pair, g = scene.pair, scene.pair.groove
     if g.hertz != "right":
-        _refuse(scene, "ingredients.hertz", "the 3D model has no constants as printed", 'take "nominal"')
+        _refuse_scene(scene, "ingredients.hertz", "the 3D model has no constants as printed", 'take "nominal"')
     if pair.coupling == "ball and screw":
         reason = "the 3D model of rolling holds the screw where it settled"
-        _refuse(scene, "friction.coupling", reason, 'take "none" or "ball"')
+        _refuse_scene(scene, "friction.coupling", reason, 'take "none" or "ball"')
     if g.speed == 0.0:
-        _refuse(scene, "motion.speed", "balls at rest do not roll", "let nut or screw turn")
+        _refuse_scene(scene, "motion.speed", "balls at rest do not roll", "let nut or screw turn")
     signs = np.array(SIDE_SIGNS, dtype=float)
     outward = signs[:, 0]
     ride = np.where(outward < 0.0, g.screw_speed, g.nut_speed)
@@ -184,23 +191,27 @@ def _screw(scene: ScrewPairScene, choices: Choices) -> Case:
             loads = cell_loads(cell)
             good = loads.converged
         if not good:
-            _refuse(scene, "load", "contact loads and friction do not agree in 3D", 'take coupling = "none"')
+            _refuse_scene(scene, "load", "contact loads and friction do not agree in 3D", 'take coupling = "none"')
         scenes.append(scene_of(layout, material, loads.normal, loads.force))
-    return Case(scene.name, scene.kind, without_meetings(scenes[0]), scenes[1], g.speed, ("SL", "SR", "NL", "NR"), coupled)
+    return RollingCase(
+        scene.name, scene.kind, without_meetings(scenes[0]), scenes[1], g.speed, ("SL", "SR", "NL", "NR"), coupled
+    )
 
 
-def _ring(scene: BearingBallScene) -> Case:
+def _bearing_case(scene: BearingBallScene) -> RollingCase:
     b = scene.bearing
     if scene.law != "coulomb" or b.hertz != "right":
-        _refuse(scene, "friction.law", "the 3D model has Coulomb's law and exact geometry only", 'take law = "coulomb"')
+        _refuse_scene(
+            scene, "friction.law", "the 3D model has Coulomb's law and exact geometry only", 'take law = "coulomb"'
+        )
     if b.screw_speed == 0.0:
-        _refuse(scene, "motion.speed", "a ball at rest does not roll", "let the ring turn")
+        _refuse_scene(scene, "motion.speed", "a ball at rest does not roll", "let the ring turn")
     outward = RING[:, 1]
     speeds = np.where(outward < 0.0, b.screw_speed, 0.0)
     layout = ring_layout(b.ball_radius, b.groove_radius, b.pitch_radius, b.contact_angle, outward, speeds)
     material = Material(b.young, b.poisson, b.mu, b.mu)
     cell = Cell(
-        _directions(np.full(4, b.contact_angle), RING)[None],
+        _contact_directions(np.full(4, b.contact_angle), RING)[None],
         b.groove_radius - b.ball_radius,
         np.full((1, 4), -b.clearance),
         hertz_constants(layout, material)[None],
@@ -212,6 +223,6 @@ def _ring(scene: BearingBallScene) -> Case:
     )
     loads = cell_loads(cell)
     if not loads.converged:
-        _refuse(scene, "load", "contact loads do not balance", "take a load that presses the ball")
+        _refuse_scene(scene, "load", "contact loads do not balance", "take a load that presses the ball")
     whole = scene_of(layout, material, loads.normal, loads.force)
-    return Case(scene.name, scene.kind, whole, whole, b.screw_speed, ("IL", "IR", "OR", "OL"), False)
+    return RollingCase(scene.name, scene.kind, whole, whole, b.screw_speed, ("IL", "IR", "OR", "OL"), False)

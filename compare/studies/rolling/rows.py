@@ -31,11 +31,11 @@ from rollbench.compare.studies.rolling.runs import (
     LINEAR,
     SCENES,
     SHAPE,
+    BodyVariant,
     RollingRun,
-    Variant,
-    choices_share,
+    body_variants,
+    largest_choice_effect,
     load_run,
-    variants,
 )
 from rollbench.hifi.rolling.balls import NEARLY_RIGID, Choices, run_from_rest, solve_rolling
 from rollbench.hifi.rolling.friction import PATH
@@ -45,10 +45,14 @@ from rollbench.lowfi.friction.linear.chain import prepare, solve_linear_chain
 from rollbench.lowfi.friction.screw.run import solve_pair
 
 
-def low_order(scene: KindScene) -> tuple[dict[str, float], float, str]:
+def solve_low_order(scene: KindScene) -> tuple[dict[str, float], float, str]:
     """Solve a scene by the low-order model; return values by name, seconds of a second solution, and the status."""
     kinds: dict[type[KindScene], Callable[[Any], tuple[dict[str, float], str]]]
-    kinds = {LinearScene: _linear, ScrewPairScene: _screw, BearingBallScene: _ring}
+    kinds = {
+        LinearScene: _linear_bearing_values,
+        ScrewPairScene: _screw_pair_values,
+        BearingBallScene: _bearing_ball_values,
+    }
     solver = next(solver for kind, solver in kinds.items() if isinstance(scene, kind))
     solver(scene)
     begin = perf_counter()
@@ -56,7 +60,7 @@ def low_order(scene: KindScene) -> tuple[dict[str, float], float, str]:
     return values, perf_counter() - begin, status
 
 
-def _linear(scene: LinearScene) -> tuple[dict[str, float], str]:
+def _linear_bearing_values(scene: LinearScene) -> tuple[dict[str, float], str]:
     """Solve the balls of a linear bearing; return values by name, and the status."""
     angles, force, _ = linear_loads(scene)
     apart, near = (
@@ -70,7 +74,7 @@ def _linear(scene: LinearScene) -> tuple[dict[str, float], str]:
     return out, next((r.status for r in (apart, near) if r.status != "converged"), "converged")
 
 
-def _screw(scene: ScrewPairScene) -> tuple[dict[str, float], str]:
+def _screw_pair_values(scene: ScrewPairScene) -> tuple[dict[str, float], str]:
     """Solve two balls of a screw; return values by name, and the status."""
     found = solve_pair(scene.pair)
     apart, near = found.free.motion, found.touching.motion
@@ -81,7 +85,7 @@ def _screw(scene: ScrewPairScene) -> tuple[dict[str, float], str]:
     return out, "converged" if found.converged else "loads and friction do not agree"
 
 
-def _ring(scene: BearingBallScene) -> tuple[dict[str, float], str]:
+def _bearing_ball_values(scene: BearingBallScene) -> tuple[dict[str, float], str]:
     """Solve one ball of a rotary bearing; return values by name, and the status."""
     found = solve_ball(scene.bearing, scene.force, scene.displacement)
     q, loss = found.motion.q, found.motion.friction.loss
@@ -164,7 +168,7 @@ class RollingRow:
         return asdict(self)
 
 
-def split(name: str) -> tuple[str, str]:
+def split_name_and_unit(name: str) -> tuple[str, str]:
     """Return quantity and unit of a name."""
     for unit in ("N mm", "rad/s", "mW", "N", "%"):
         if name.endswith(f" {unit}"):
@@ -184,7 +188,7 @@ def load_state(name: str) -> str | None:
     return "inferred" if name.removesuffix(".toml").endswith("-inferred") else "plain"
 
 
-def uncertainty(runs: Sequence[RollingRun], name: str) -> float:
+def quantity_uncertainty(runs: Sequence[RollingRun], name: str) -> float:
     """Return the uncertainty of a quantity of the 3D model; infinite with one grid.
 
     It is the scatter of the grids around the finest, times `SAFETY`, and the difference of the quadratures of the rigid
@@ -208,14 +212,14 @@ def scene_rows(scene: KindScene, runs: Sequence[RollingRun], beside: RollingRun 
     beside
         Run with half spaces on its grid, if the runs are of finite bodies, whose choices then count as uncertainty.
     """
-    low, low_seconds, _ = low_order(scene)
+    low, low_seconds, _ = solve_low_order(scene)
     finest = runs[-1]
     table = PRINTED.get(scene.name.removesuffix(".toml"))
-    by_bodies = 0.0 if beside is None else choices_share("linear" in scene.kind)
+    by_bodies = 0.0 if beside is None else largest_choice_effect("linear" in scene.kind)
     out = []
     for name, value in finest.values.items():
-        quantity, unit = split(name)
-        total_uncertainty = uncertainty(runs, name) + by_bodies * abs(value)
+        quantity, unit = split_name_and_unit(name)
+        total_uncertainty = quantity_uncertainty(runs, name) + by_bodies * abs(value)
         printed = ansys = None
         if table is not None and quantity == "force 1-2":
             printed, ansys = (entry(table[0], key).value for key in table[1:])
@@ -248,7 +252,7 @@ def scene_rows(scene: KindScene, runs: Sequence[RollingRun], beside: RollingRun 
     return out
 
 
-def within(row: RollingRow) -> bool:
+def is_within_limit(row: RollingRow) -> bool:
     """Return whether the low-order model is within `LIMIT` of 3D, with the uncertainty (at most the limit) deducted."""
     if row.error_percent is None:
         return row.low == row.reference or (row.low is not None and abs(row.low - row.reference) <= row.uncertainty + 1e-9)
@@ -283,7 +287,7 @@ def rolling_rows(study: Study, max_error: float) -> list[GateRow]:
             out.append(GateRow(f"{name}: 3D rolling", "3D rolling", None, None, None, limit, False, text))
         for row in rows:
             cause = KNOWN.get((name, row.quantity), "")
-            passed = within(row) != bool(cause)
+            passed = is_within_limit(row) != bool(cause)
             state = f", {row.load_state} load state" if row.load_state else ""
             label = f"{name}: {row.quantity} [{row.unit}] against 3D rolling{state}" + (
                 f" (known: {cause})" if cause else ""
@@ -298,7 +302,7 @@ DURATION, GAP, STEPS = 0.1, 1e-6, (10, 50, 100)
 
 
 @dataclass(frozen=True)
-class Series:
+class RunFromRest:
     """Run from rest."""
 
     #: Number of time steps.
@@ -318,7 +322,7 @@ class Series:
 
 
 @lru_cache(maxsize=1)
-def from_rest() -> tuple[Series, ...]:
+def runs_from_rest() -> tuple[RunFromRest, ...]:
     """Compute runs from rest with each number of steps of ``STEPS``."""
     choices = Choices(SHAPE)
     scene = case_of(shipped_case("lin-pair-a", LinearPairScene), choices).touching
@@ -328,7 +332,7 @@ def from_rest() -> tuple[Series, ...]:
         run = run_from_rest(scene, DURATION, count, GAP, choices)
         force = tuple(map(float, run.force[:, 0]))
         speed = tuple(tuple(map(float, row)) for row in run.speed)
-        out.append(Series(count, tuple(map(float, run.time)), force, speed, steady, run.seconds, run.status))
+        out.append(RunFromRest(count, tuple(map(float, run.time)), force, speed, steady, run.seconds, run.status))
     return tuple(out)
 
 
@@ -344,7 +348,7 @@ FORCE = "force 1-2"
 
 
 @dataclass(frozen=True)
-class Change:
+class ChoiceEffect:
     """Effect of one numerical choice of the 3D model on the ball-to-ball force."""
 
     #: Name of the scene.
@@ -364,7 +368,9 @@ class Change:
         return self.change <= self.uncertainty
 
 
-def changes(stores: Sequence[Path], series: Sequence[Series], sizes: Sequence[Variant]) -> tuple[Change, ...]:
+def effects_of_choices(
+    stores: Sequence[Path], series: Sequence[RunFromRest], sizes: Sequence[BodyVariant]
+) -> tuple[ChoiceEffect, ...]:
     """Return the effects of numerical choices on the force, for each scene of `SCENES` with stored runs.
 
     Parameters
@@ -376,43 +382,47 @@ def changes(stores: Sequence[Path], series: Sequence[Series], sizes: Sequence[Va
     sizes
         Variants of finite bodies; empty: left out.
     """
-    return tuple(one for name in SCENES for one in _changes(name, stores, series, sizes))
+    return tuple(one for name in SCENES for one in _effects_in_scene(name, stores, series, sizes))
 
 
-def _changes(name: str, stores: Sequence[Path], series: Sequence[Series], sizes: Sequence[Variant]) -> Iterator[Change]:
+def _effects_in_scene(
+    name: str, stores: Sequence[Path], series: Sequence[RunFromRest], sizes: Sequence[BodyVariant]
+) -> Iterator[ChoiceEffect]:
     """Yield the effects of grid, finite bodies, time step and regularisation on the force in one scene."""
     scene = shipped_case(name, KindScene)
-    half, finite = (_uncertainty(name, stores, *bodies) for bodies in ((), (FINITE,)))
+    half, finite = (_force_uncertainty_percent(name, stores, *bodies) for bodies in ((), (FINITE,)))
     run = load_run(scene, max(LEVELS), stores)
     if run is None or half is None:
         return
     key, case = f"{FORCE} N", case_of(scene, Choices(SHAPE)).touching
-    near, elastic = (_force(case, Choices(BEYOND, share)) for share in (NEARLY_RIGID, 1.0))
-    grid = _largest([run.limit[key] + elastic - near], run.values[key])
-    yield Change(name, "grid", f"{BEYOND[0]} x {BEYOND[1]} cells beyond {run.shape[0]} x {run.shape[1]}", grid, half)
-    values = [v.values[key] for v in sizes if variants()[v.choice][0] == name and variants()[v.choice][1] is not None]
+    near, elastic = (_ball_to_ball_force(case, Choices(BEYOND, share)) for share in (NEARLY_RIGID, 1.0))
+    grid = _largest_error_percent([run.limit[key] + elastic - near], run.values[key])
+    yield ChoiceEffect(name, "grid", f"{BEYOND[0]} x {BEYOND[1]} cells beyond {run.shape[0]} x {run.shape[1]}", grid, half)
+    values = [
+        v.values[key] for v in sizes if body_variants()[v.choice][0] == name and body_variants()[v.choice][1] is not None
+    ]
     if values and finite is not None:
         tried = f"{len(values) - 1} other sizes, cells, kernels, patches"
-        yield Change(name, "finite bodies", tried, _largest(values[1:], values[0]), finite)
+        yield ChoiceEffect(name, "finite bodies", tried, _largest_error_percent(values[1:], values[0]), finite)
     if name == LINEAR:
         tried = f"{', '.join(str(s.steps) for s in series)} steps from rest"
         ends = [s.force[-1] / s.steady if s.status == "converged" else np.nan for s in series]
-        yield Change(name, "time step", tried, _largest(ends, 1.0), half)
-    first, *others = (_force(case, Choices(SHAPE), path) for path in (PATH, *PATHS.values()))
-    yield Change(name, "path of regularisation", ", ".join(PATHS), _largest(others, first), half)
+        yield ChoiceEffect(name, "time step", tried, _largest_error_percent(ends, 1.0), half)
+    first, *others = (_ball_to_ball_force(case, Choices(SHAPE), path) for path in (PATH, *PATHS.values()))
+    yield ChoiceEffect(name, "path of regularisation", ", ".join(PATHS), _largest_error_percent(others, first), half)
 
 
-def _force(scene: Rolling, choices: Choices, path: tuple[float, ...] = PATH) -> float:
+def _ball_to_ball_force(scene: Rolling, choices: Choices, path: tuple[float, ...] = PATH) -> float:
     """Return the force between the first two balls [N]; nan if the solver does not converge."""
     found = solve_rolling(scene, choices, path=path)
     return float(found.force[0]) if found.converged else np.nan
 
 
-def _largest(values: Sequence[float], reference: float) -> float:
+def _largest_error_percent(values: Sequence[float], reference: float) -> float:
     """Return the largest error of some values against a reference value [%]."""
     return float(np.max([abs(float(error_percent(value, reference))) for value in values]))
 
 
-def _uncertainty(name: str, stores: Sequence[Path], *bodies: str) -> float | None:
+def _force_uncertainty_percent(name: str, stores: Sequence[Path], *bodies: str) -> float | None:
     """Return the stated uncertainty of the force [%]; None without stored runs."""
     return next((row.uncertainty_percent for row in stored_rows(name, stores, *bodies) if row.quantity == FORCE), None)

@@ -31,7 +31,7 @@ from rollbench.compare.running import out_of_memory
 from rollbench.compare.scenes import catalogue
 from rollbench.compare.scenes.catalogue import case as shipped_case
 from rollbench.compare.scenes.friction_kinds.common import KindScene
-from rollbench.compare.studies.rolling.cases import Case, case_of
+from rollbench.compare.studies.rolling.cases import RollingCase, case_of
 from rollbench.hifi.rolling import balls
 from rollbench.hifi.rolling.balls import FIRST, NEARLY_RIGID, Choices, solve_rigid_rolling, solve_rolling
 from rollbench.hifi.rolling.bodies import Sizes
@@ -115,42 +115,42 @@ class RollingRun:
         return {k: self.limit[k] + self.elastic[k] - self.near_rigid[k] for k in self.elastic}
 
 
-def key_of(scene: KindScene, level: int, bodies: str = HALF_SPACE) -> str:
+def run_key(scene: KindScene, level: int, bodies: str = HALF_SPACE) -> str:
     """Return the digest of everything that affects the numbers of a run."""
     content = (SCHEMA, scene, level, LEVELS.get(level), SOURCE_SIZE.get(scene.kind), QUADRATURES, balls.NEARLY_RIGID)
     sizes = BODIES[bodies]
     return digest(*content, *(() if sizes is None else (sizes, MESHED)))[:16]
 
 
-def path_in(store: Path, scene: KindScene, level: int, bodies: str = HALF_SPACE) -> Path:
+def run_path(store: Path, scene: KindScene, level: int, bodies: str = HALF_SPACE) -> Path:
     """Return the file of a run."""
     what = "" if bodies == HALF_SPACE else f"-{bodies}"
-    return store / f"rolling-{Path(scene.name).stem}{what}-level{level}-{key_of(scene, level, bodies)}.json"
+    return store / f"rolling-{Path(scene.name).stem}{what}-level{level}-{run_key(scene, level, bodies)}.json"
 
 
 def load_run(scene: KindScene, level: int, stores: Sequence[Path], bodies: str = HALF_SPACE) -> RollingRun | None:
     """Return the run of the first store that has it, even if the scene had another name when the run was made."""
     for store in stores:
-        own = path_in(store, scene, level, bodies)
+        own = run_path(store, scene, level, bodies)
         for path in (own, *sorted(store.glob(f"rolling-*-level{level}-{KEY}.json"))):
             try:
                 stored = json.loads(path.read_text(encoding="utf-8"))
                 named = replace(scene, name=stored["scene"])
             except (OSError, ValueError, KeyError, TypeError):
                 continue
-            if path.name == path_in(store, named, level, bodies).name:
+            if path.name == run_path(store, named, level, bodies).name:
                 return RollingRun(**(stored | {"shape": tuple(stored["shape"])}))
     return None
 
 
-def save(store: Path, scene: KindScene, run: RollingRun) -> Path:
+def save_run(store: Path, scene: KindScene, run: RollingRun) -> Path:
     """Write a run and return its file."""
-    path = path_in(store, scene, run.level, run.bodies)
+    path = run_path(store, scene, run.level, run.bodies)
     replace_file(path, json.dumps(asdict(run), indent=1) + "\n")
     return path
 
 
-def shape_of(case: Case, level: int) -> tuple[int, int]:
+def grid_shape(case: RollingCase, level: int) -> tuple[int, int]:
     """Return the cells of a level; for the source's element size as many as fit into the largest contact."""
     if level != SOURCE_LEVEL:
         return LEVELS[level]
@@ -160,7 +160,7 @@ def shape_of(case: Case, level: int) -> tuple[int, int]:
     return along, across
 
 
-def compute(scene: KindScene, level: int, bodies: str = HALF_SPACE, processes: int = 1) -> RollingRun:
+def compute_run(scene: KindScene, level: int, bodies: str = HALF_SPACE, processes: int = 1) -> RollingRun:
     """Run a level.
 
     Parameters
@@ -187,7 +187,7 @@ def compute(scene: KindScene, level: int, bodies: str = HALF_SPACE, processes: i
         If memory does not suffice.
     """
     try:
-        return _compute(scene, level, bodies, processes)
+        return _solve_on_grid(scene, level, bodies, processes)
     except MemoryError as error:
         raise out_of_memory(error) from error
     except ValueError as error:
@@ -196,19 +196,19 @@ def compute(scene: KindScene, level: int, bodies: str = HALF_SPACE, processes: i
         raise Refusal(scene.name, "bodies", str(error), f'take bodies = "{HALF_SPACE}"') from error
 
 
-def _compute(scene: KindScene, level: int, bodies: str, processes: int) -> RollingRun:
+def _solve_on_grid(scene: KindScene, level: int, bodies: str, processes: int) -> RollingRun:
     """Solve a scene on one grid with all variants of its bodies, and return the run."""
     begin, sizes = process_time(), BODIES[bodies]
     case = case_of(scene, balls.Choices(LEVELS.get(level, LEVELS[1])))
-    shape = shape_of(case, level)
+    shape = grid_shape(case, level)
     elsewhere = balls.prepare_bodies((case.apart, case.touching), sizes, processes)
     pairs = {
-        name: _both(case, balls.Choices(shape, share, curved, sizes))
+        name: _solve_apart_and_touching(case, balls.Choices(shape, share, curved, sizes))
         for name, share, curved in (("elastic", 1.0, True), ("near", balls.NEARLY_RIGID, True), ("flat", 1.0, False))
     }
     limits = [[balls.solve_rigid_rolling(s, n, bodies=sizes) for s in (case.apart, case.touching)] for n in QUADRATURES]
-    measured = {name: measures(case, *pair) for name, pair in pairs.items()}
-    fine, other = (measures(case, *pair) for pair in limits)
+    measured = {name: named_values(case, *pair) for name, pair in pairs.items()}
+    fine, other = (named_values(case, *pair) for pair in limits)
     apart, touching = pairs["elastic"]
     states = [r.status for pair in pairs.values() for r in pair if not r.converged]
     return RollingRun(
@@ -231,14 +231,14 @@ def _compute(scene: KindScene, level: int, bodies: str, processes: int) -> Rolli
     )
 
 
-def _both(case: Case, choices: balls.Choices) -> tuple[balls.RollingResult, balls.RollingResult]:
+def _solve_apart_and_touching(case: RollingCase, choices: balls.Choices) -> tuple[balls.RollingResult, balls.RollingResult]:
     """Solve a case with balls apart and touching; one solution serves both where they are the same system."""
     apart = balls.solve_rolling(case.apart, choices)
     return apart, (apart if case.touching is case.apart else balls.solve_rolling(case.touching, choices))
 
 
-def measures(
-    case: Case, apart: balls.RollingResult | balls.RigidResult, touching: balls.RollingResult | balls.RigidResult
+def named_values(
+    case: RollingCase, apart: balls.RollingResult | balls.RigidResult, touching: balls.RollingResult | balls.RigidResult
 ) -> dict[str, float]:
     """Return forces, speeds, losses and torque of a solved case by names that end with the unit."""
     out: dict[str, float] = {}
@@ -252,8 +252,8 @@ def measures(
             out[f"orbit {k + 1} apart rad/s" if len(apart.speed) > 1 else "orbit rad/s"] = float(speed)
     if case.apart is case.touching:
         out |= {f"omega {axis} rad/s": float(w) for axis, w in zip("xy", apart.rotation[0][:2], strict=True)}
-        names = [case.contacts[t] for t in _loaded(case.apart)]
-        out |= {f"loss {n} mW": 1e3 * float(v) for n, v in zip(names, _losses(apart), strict=True)}
+        names = [case.contacts[t] for t in _loaded_contacts(case.apart)]
+        out |= {f"loss {n} mW": 1e3 * float(v) for n, v in zip(names, _contact_losses(apart), strict=True)}
         return out | {"torque N mm": 1e3 * float(apart.loss) / abs(case.speed)}
     out["loss apart mW"], out["loss touching mW"] = 1e3 * float(apart.loss), 1e3 * float(touching.loss)
     if linear:
@@ -262,12 +262,12 @@ def measures(
     return out
 
 
-def _loaded(scene: Rolling) -> list[int]:
+def _loaded_contacts(scene: Rolling) -> list[int]:
     """Return the contacts of the first ball that carry load, by their index."""
     return [k for k, t in enumerate(scene.balls[0].touches) if t.load > 0.0]
 
 
-def _losses(result: balls.RollingResult | balls.RigidResult) -> list[float]:
+def _contact_losses(result: balls.RollingResult | balls.RigidResult) -> list[float]:
     """Return the loss at each contact [W]."""
     if isinstance(result, balls.RollingResult):
         return [c.loss for c in result.contacts]
@@ -285,7 +285,7 @@ NAMES = ("force 1-2 N", "loss apart mW", "loss touching mW", "increase %")
 
 
 @dataclass(frozen=True)
-class Variant:
+class BodyVariant:
     """Forces and losses with one modelling choice of the bodies changed."""
 
     #: Description of the choice; half spaces for none.
@@ -294,7 +294,7 @@ class Variant:
     values: dict[str, float]
 
 
-def variants() -> dict[str, tuple[str, Sizes | None]]:
+def body_variants() -> dict[str, tuple[str, Sizes | None]]:
     """Return scene and body sizes of each variant by its description; None for half spaces."""
     sizes = BODIES[FINITE]
     assert sizes is not None
@@ -314,23 +314,24 @@ def variants() -> dict[str, tuple[str, Sizes | None]]:
     }
 
 
-def variant(choice: str) -> Variant:
+def compute_variant(choice: str) -> BodyVariant:
     """Compute the forces and losses of the variant with this description."""
-    name, sizes = variants()[choice]
+    name, sizes = body_variants()[choice]
     scene = shipped_case(name, KindScene)
     case = case_of(scene, Choices(SHAPE))
     systems = (case.apart, case.touching)
     elastic, near = (
-        measures(case, *(solve_rolling(s, Choices(SHAPE, e, bodies=sizes)) for s in systems)) for e in (1.0, NEARLY_RIGID)
+        named_values(case, *(solve_rolling(s, Choices(SHAPE, e, bodies=sizes)) for s in systems))
+        for e in (1.0, NEARLY_RIGID)
     )
-    limit = measures(case, *(solve_rigid_rolling(s, FIRST * 2, bodies=sizes) for s in systems))
-    return Variant(choice, {k: limit[k] + elastic[k] - near[k] for k in NAMES})
+    limit = named_values(case, *(solve_rigid_rolling(s, FIRST * 2, bodies=sizes) for s in systems))
+    return BodyVariant(choice, {k: limit[k] + elastic[k] - near[k] for k in NAMES})
 
 
 @lru_cache(maxsize=1)
-def body_sizes() -> tuple[Variant, ...]:
+def compute_body_variants() -> tuple[BodyVariant, ...]:
     """Compute all variants of the bodies; cached."""
-    return tuple(variant(choice) for choice in variants())
+    return tuple(compute_variant(choice) for choice in body_variants())
 
 
 # --- what the choices behind finite bodies do, kept with the package: half a minute of every report
@@ -344,54 +345,56 @@ LIVE = "3 x 3 cells in the contact zone instead of 4 x 4"
 
 
 @dataclass(frozen=True)
-class KeptSizes:
+class StoredVariants:
     """Variants of the bodies, and whether they were stored or computed."""
 
     #: The variants.
-    variants: tuple[Variant, ...]
+    variants: tuple[BodyVariant, ...]
     #: Sentence on their origin.
     words: str
 
 
-def key() -> str:
+def variants_key() -> str:
     """Return the digest of source code and scenes, which validates stored variants."""
     return sources_hash(("hifi", "meshes", "compare/studies/rolling"), "".join(map(catalogue.scene_text, SCENES)))
 
 
-def sizes(stores: Sequence[Path], *, fresh: bool) -> KeptSizes:
+def find_body_variants(stores: Sequence[Path], *, fresh: bool) -> StoredVariants:
     """Return the stored variants if their key is valid, else compute them; ``fresh``: compute and store them."""
-    kept = None if fresh else _load(stores)
+    kept = None if fresh else _load_variants(stores)
     if kept is None:
-        found = body_sizes()
+        found = compute_body_variants()
         if fresh:
             rows = ",\n ".join(json.dumps(asdict(one)) for one in found)
-            replace_file(stores[0] / FILE, f'{{"key": "{key()}", "variants": [\n {rows}]}}\n')
-        return KeptSizes(found, "Computed for this report.")
-    again, then = variant(LIVE), next(one for one in kept if one.choice == LIVE)
+            replace_file(stores[0] / FILE, f'{{"key": "{variants_key()}", "variants": [\n {rows}]}}\n')
+        return StoredVariants(found, "Computed for this report.")
+    again, then = compute_variant(LIVE), next(one for one in kept if one.choice == LIVE)
     off = max(abs(float(error_percent(again.values[name], value))) for name, value in then.values.items())
-    return KeptSizes(kept, f'Kept with the package; "{LIVE}" recomputed differs by up to {off:.1g} %.')
+    return StoredVariants(kept, f'Kept with the package; "{LIVE}" recomputed differs by up to {off:.1g} %.')
 
 
-def choices_share(straight: bool) -> float:
+def largest_choice_effect(straight: bool) -> float:
     """Return the largest relative change of a force or loss by one choice of finite bodies, as shipped.
 
     On straight rails, or on rings and helices, by the scenes of `body_sizes.SCENES`.
     """
     found = json.loads((shipped_store() / FILE).read_text(encoding="utf-8"))["variants"]
     values = {row["choice"]: row["values"] for row in found}
-    choices = [choice for choice, (name, sizes) in variants().items() if (name == LINEAR) == straight and sizes is not None]
+    choices = [
+        choice for choice, (name, sizes) in body_variants().items() if (name == LINEAR) == straight and sizes is not None
+    ]
     first, others = values[choices[0]], [values[choice] for choice in choices[1:]]
     return float(max(abs(other[name] / first[name] - 1.0) for other in others for name in NAMES[:3]))
 
 
-def _load(stores: Sequence[Path]) -> tuple[Variant, ...] | None:
+def _load_variants(stores: Sequence[Path]) -> tuple[BodyVariant, ...] | None:
     """Return the variants of the first store whose key is valid; None without one."""
     for store in stores:
         try:
             found = json.loads((store / FILE).read_text(encoding="utf-8"))
-            rows = tuple(Variant(**row) for row in found["variants"])
+            rows = tuple(BodyVariant(**row) for row in found["variants"])
         except (OSError, ValueError, KeyError, TypeError):
             continue
-        if found["key"] == key() and any(one.choice == LIVE for one in rows):
+        if found["key"] == variants_key() and any(one.choice == LIVE for one in rows):
             return rows
     return None

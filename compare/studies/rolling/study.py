@@ -14,11 +14,11 @@ from rollbench.compare.reference.store import shipped_store
 from rollbench.compare.running import on_terminal
 from rollbench.compare.scenes.friction_kinds.common import KindScene
 from rollbench.compare.studies.rolling import runs
-from rollbench.compare.studies.rolling.rows import RollingRow, load_state, scene_rows, uncertainty
+from rollbench.compare.studies.rolling.rows import RollingRow, load_state, quantity_uncertainty, scene_rows
 from rollbench.compare.studies.rolling.runs import SOURCE_LEVEL, SOURCE_SIZE, RollingRun
 
 
-def runs_of(
+def find_or_compute_runs(
     scene: KindScene, levels: Sequence[int], store: Path, engine: Engine, *, fresh: bool, bodies: str = "half-space"
 ) -> list[RollingRun]:
     """Return the runs of the levels in order, stored ones where they exist; each new run is stored when it is done.
@@ -28,9 +28,9 @@ def runs_of(
     stores = (store, shipped_store())
     found = {} if fresh else {k: run for k in levels if (run := runs.load_run(scene, k, stores, bodies)) is not None}
     missing = [k for k in levels if k not in found]
-    jobs = [(runs.compute, (scene, k, bodies, engine.processes)) for k in missing]
+    jobs = [(runs.compute_run, (scene, k, bodies, engine.processes)) for k in missing]
     for number, run in as_done(jobs, engine.backend, engine.scheduler, engine.workers, engine.wait):
-        runs.save(store, scene, run)
+        runs.save_run(store, scene, run)
         found[missing[number]] = run
         on_terminal(f"{scene.name}: level {run.level}, {run.shape[0]} x {run.shape[1]} cells, {run.all_seconds:.1f} s")
     bad = next((found[k] for k in levels if not found[k].converged), None)
@@ -39,7 +39,7 @@ def runs_of(
     return [found[k] for k in levels]
 
 
-def known_levels(levels: Sequence[int]) -> list[int]:
+def check_levels(levels: Sequence[int]) -> list[int]:
     """Return the levels as a list. Raises InputError for a level that rolling balls do not have."""
     other = [k for k in levels if k not in runs.LEVELS]
     if other:
@@ -56,11 +56,13 @@ def rolling_comparison(
 
     levels: all by default. Raises InputError for an unknown level, Refusal where a run did not converge.
     """
-    wanted = known_levels(levels or tuple(runs.LEVELS))
+    wanted = check_levels(levels or tuple(runs.LEVELS))
     out: list[RollingRow] = []
     for scene in scenes:
-        found = runs_of(scene, wanted, store, engine, fresh=fresh, bodies=bodies)
-        half_space = None if bodies == HALF_SPACE else runs_of(scene, wanted[-1:], store, Engine(), fresh=False)[0]
+        found = find_or_compute_runs(scene, wanted, store, engine, fresh=fresh, bodies=bodies)
+        half_space = (
+            None if bodies == HALF_SPACE else find_or_compute_runs(scene, wanted[-1:], store, Engine(), fresh=False)[0]
+        )
         out += scene_rows(scene, found, half_space)
     return out
 
@@ -78,15 +80,15 @@ def rolling_study(
     out: list[dict[str, Any]] = []
     for scene in scenes:
         wanted = [*([SOURCE_LEVEL] if source and scene.kind in SOURCE_SIZE else []), *range(1, levels + 1)]
-        found = runs_of(scene, wanted, store, engine, fresh=fresh, bodies=bodies)
+        found = find_or_compute_runs(scene, wanted, store, engine, fresh=fresh, bodies=bodies)
         grids = [run for run in found if run.level != SOURCE_LEVEL]
         for key in found[-1].values:
-            share = finite({"uncertainty": uncertainty(grids, key)})
+            share = without_infinity({"uncertainty": quantity_uncertainty(grids, key)})
             out += [study_row(scene.name, run, key) | share for run in found]
     return out
 
 
-def finite(row: dict[str, Any]) -> dict[str, Any]:
+def without_infinity(row: dict[str, Any]) -> dict[str, Any]:
     """Return a row with None in place of infinity."""
     return {k: None if isinstance(v, float) and abs(v) == float("inf") else v for k, v in row.items()}
 

@@ -78,7 +78,7 @@ class Vary:
         """Return a value as a number for plots and means: in the range's unit, of a list its position from 1."""
         if self.choices:
             return 1.0 + self.choices.index(value)
-        return float(value) if isinstance(value, int | float) else float(_split(value)[0])
+        return float(value) if isinstance(value, int | float) else float(_split_quantity(value)[0])
 
     @property
     def ends(self) -> tuple[Any, ...]:
@@ -113,7 +113,7 @@ def read_over(texts: Sequence[str], argument: str = "over") -> tuple[Vary, ...]:
         keys = read_vary(texts) if texts else ()
         for one in keys:
             if not one.choices:
-                raise _refused(one.text, "a number of values, KEY=A:B:N, or a list", f"such as {one.key}=1:5:9")
+                raise _refused_variation(one.text, "a number of values, KEY=A:B:N, or a list", f"such as {one.key}=1:5:9")
     except ArgumentError as error:
         raise ArgumentError(argument, *error.args[1:]) if error.key == "vary" else error from None
     return keys
@@ -121,7 +121,7 @@ def read_over(texts: Sequence[str], argument: str = "over") -> tuple[Vary, ...]:
 
 def read_vary(texts: Sequence[str]) -> tuple[Vary, ...]:
     """Read the varied keys of the command line; InputError for a text of another form, or a key given twice."""
-    found = tuple(_read(text) for text in texts)
+    found = tuple(_read_varied_key(text) for text in texts)
     if not 1 <= len(found) <= MOST_KEYS:
         raise ArgumentError("vary", f"{len(found)} keys", f"1 to {MOST_KEYS} keys", f"give {_FORM}")
     paths = [path for one in found for path in one.paths]
@@ -131,58 +131,58 @@ def read_vary(texts: Sequence[str]) -> tuple[Vary, ...]:
     return found
 
 
-def _refused(value: str, allowed: str, advice: str = f"give {_FORM}") -> ArgumentError:
+def _refused_variation(value: str, allowed: str, advice: str = f"give {_FORM}") -> ArgumentError:
     """Return the error for a refused text or value of `vary`."""
     return ArgumentError("vary", show(value), allowed, advice)
 
 
-def _read(text: str) -> Vary:
+def _read_varied_key(text: str) -> Vary:
     """Read one varied key with its list or range of values."""
     key, sign, values = (piece.strip() for piece in text.partition("="))
     if not sign or not _PATH.fullmatch(key) or not values:
         advice = 'e.g. `vary="errors.balls.oversize=0 um:7 um"` or `vary="loads[0].force[2]=1 kN,5 kN"`'
-        raise _refused(text, _FORM, advice)
+        raise _refused_variation(text, _FORM, advice)
     if ":" in values:
-        return _range(key, text, values)
+        return _read_range(key, text, values)
     parts = [piece.strip() for piece in values.split(",")]
     if not 2 <= len(parts) <= MOST_VALUES or not all(parts):
-        raise _refused(text, f"2 to {MOST_VALUES} values with commas between")
+        raise _refused_variation(text, f"2 to {MOST_VALUES} values with commas between")
     if len(set(parts)) < len(parts):
-        raise _refused(text, "each value once", "remove the repeated one")
-    return Vary(key, text, choices=tuple(_scalar(piece) for piece in parts))
+        raise _refused_variation(text, "each value once", "remove the repeated one")
+    return Vary(key, text, choices=tuple(_read_scalar(piece) for piece in parts))
 
 
-def _range(key: str, text: str, values: str) -> Vary:
+def _read_range(key: str, text: str, values: str) -> Vary:
     """Read a range ``A:B`` or ``A:B:N`` of a key."""
     if any(map(has_comma, values.split(":"))):
-        raise _refused(text, "numbers with a point", COMMA)
+        raise _refused_variation(text, "numbers with a point", COMMA)
     try:
-        (first, unit), (second, other), *steps = map(_split, values.split(":"))
+        (first, unit), (second, other), *steps = map(_split_quantity, values.split(":"))
     except ValueError:
-        raise _refused(text, "two numbers, with or without unit") from None
+        raise _refused_variation(text, "two numbers, with or without unit") from None
     units = list(dict.fromkeys(x for x in (unit, other, *(of for _, of in steps)) if x))
     if len(units) > 1:
-        raise _refused(text, "one unit for both ends", f"write both in {units[-1]}")
+        raise _refused_variation(text, "one unit for both ends", f"write both in {units[-1]}")
     low, high, common = float(first), float(second), "".join(units)
     if not low < high:
-        raise _refused(text, "A below B", "turn them round, or give a list of values")
+        raise _refused_variation(text, "A below B", "turn them round, or give a list of values")
     if steps:
-        return Vary(key, text, low, high, common, choices=_steps(text, low, high, common, [n for n, _ in steps]))
+        return Vary(key, text, low, high, common, choices=_equal_steps(text, low, high, common, [n for n, _ in steps]))
     whole = not common and all(re.fullmatch(r"[+-]?\d+", end) for end in (first, second))
     return Vary(key, text, low, high, common, whole)
 
 
-def _steps(text: str, low: float, high: float, unit: str, count: Sequence[str]) -> tuple[Any, ...]:
+def _equal_steps(text: str, low: float, high: float, unit: str, count: Sequence[str]) -> tuple[Any, ...]:
     """Return equally spaced values from low to high, both included, as a scene file holds them."""
     if len(count) != 1 or not re.fullmatch(r"\d{1,4}", count[0]) or not 2 <= int(count[0]) <= MOST_VALUES:
-        raise _refused(text, f"A:B:N with N from 2 to {MOST_VALUES}", "e.g. nut.position=100:900:9 mm")
+        raise _refused_variation(text, f"A:B:N with N from 2 to {MOST_VALUES}", "e.g. nut.position=100:900:9 mm")
     numbers = [float(f"{x:.12g}") for x in np.linspace(low, high, int(count[0]))]
     if unit:
         return tuple(f"{x:.12g} {unit}" for x in numbers)
     return tuple(int(x) if x.is_integer() else x for x in numbers)
 
 
-def _split(text: str) -> tuple[str, str]:
+def _split_quantity(text: str) -> tuple[str, str]:
     """Return number and unit of a quantity as written; ValueError for another text."""
     found = number_and_unit(text)
     if found is None:
@@ -190,7 +190,7 @@ def _split(text: str) -> tuple[str, str]:
     return found
 
 
-def _scalar(text: str) -> Any:
+def _read_scalar(text: str) -> Any:
     """Return a text's value as TOML, or the text if it is not valid TOML."""
     try:
         return tomllib.loads(f"value = {text}")["value"]
@@ -198,28 +198,28 @@ def _scalar(text: str) -> Any:
         return text
 
 
-def changed(raw: dict[str, Any], keys: Sequence[Vary], values: Sequence[Any]) -> dict[str, Any]:
+def with_varied_keys(raw: dict[str, Any], keys: Sequence[Vary], values: Sequence[Any]) -> dict[str, Any]:
     """Return a copy of a scene's tables with varied keys set, and other keys for the same quantities removed.
 
     InputError for an entry that a list does not have.
     """
     out = copy.deepcopy(raw)
     for path in (p for vary in keys for p in vary.paths):
-        for other in _synonyms(path):
-            _take_out(out, other)
+        for other in _equivalent_keys(path):
+            _remove_key(out, other)
     for vary, value in zip(keys, values, strict=True):
         for path in vary.paths:
-            _put(out, path, value)
+            _set_key(out, path, value)
     return out
 
 
-def displaced(raw: dict[str, Any], keys: Sequence[Vary]) -> list[tuple[str, str]]:
+def replaced_keys(raw: dict[str, Any], keys: Sequence[Vary]) -> list[tuple[str, str]]:
     """Return pairs of a varied path and the scene's key that it replaces."""
-    pairs = dict.fromkeys((path, other) for vary in keys for path in vary.paths for other in _synonyms(path))
-    return [(path, other) for path, other in pairs if _take_out(copy.deepcopy(raw), other)]
+    pairs = dict.fromkeys((path, other) for vary in keys for path in vary.paths for other in _equivalent_keys(path))
+    return [(path, other) for path, other in pairs if _remove_key(copy.deepcopy(raw), other)]
 
 
-def _synonyms(path: str) -> Iterator[str]:
+def _equivalent_keys(path: str) -> Iterator[str]:
     """Yield the other keys that give the same quantity as ``path``, in the same set."""
     prefix, key = re.fullmatch(r"(sets\[\d+\]\.)?(.*)", path).groups(default="")  # type: ignore[union-attr]
     for group in _SAME:
@@ -227,11 +227,11 @@ def _synonyms(path: str) -> Iterator[str]:
             yield from (prefix + other for other in group if other != key)
 
 
-def _take_out(raw: dict[str, Any], key: str) -> bool:
+def _remove_key(raw: dict[str, Any], key: str) -> bool:
     """Remove a key, and its table if that becomes empty; return whether the key was there."""
     above, _, last = key.rpartition(".")
     node: Any = raw
-    for step in _parts(above):
+    for step in _path_steps(above):
         try:
             node = node[step]
         except (KeyError, IndexError, TypeError):
@@ -244,17 +244,17 @@ def _take_out(raw: dict[str, Any], key: str) -> bool:
     return True
 
 
-def _parts(key: str) -> list[str | int]:
+def _path_steps(key: str) -> list[str | int]:
     """Return the steps of a key's path: names of tables and indices of lists."""
     return [int(p) if p.isdigit() else p for p in re.findall(r"[^.\[\]]+", key)]
 
 
-def _put(raw: dict[str, Any], key: str, value: Any) -> None:
+def _set_key(raw: dict[str, Any], key: str, value: Any) -> None:
     """Set the value of a key, creating tables on the way.
 
     InputError for an entry that a list does not have, or a key below something other than a table.
     """
-    *above, last = _parts(key)
+    *above, last = _path_steps(key)
     node: Any = raw
     for step in above:
         _check_entry(node, step, key)
@@ -271,7 +271,7 @@ def _check_entry(node: Any, step: str | int, key: str) -> None:
         if step < len(node):
             return
         allowed = f"entries 0 to {len(node) - 1}" if node else "no entry: the scene's list is empty"
-    raise _refused(key, allowed, "see the scene file, or: rollbench schema")
+    raise _refused_variation(key, allowed, "see the scene file, or: rollbench schema")
 
 
 Method = Literal["sobol", "lhs", "grid"]
@@ -326,7 +326,7 @@ def points(method: Method, keys: Sequence[Vary], samples: int, seed: int) -> Arr
     if method == "lhs":
         return np.asarray(qmc.LatinHypercube(d, rng=np.random.default_rng(seed)).random(samples))
     if method == "grid":
-        return _grid(keys, samples)
+        return _grid_points(keys, samples)
     n = base_points(samples, d)
     joined = qmc.Sobol(2 * d, rng=np.random.default_rng(seed)).random(n)
     a, b = joined[:, :d], joined[:, d:]
@@ -334,7 +334,7 @@ def points(method: Method, keys: Sequence[Vary], samples: int, seed: int) -> Arr
     return np.concatenate([a, b, *mixed])
 
 
-def _grid(keys: Sequence[Vary], samples: int) -> Array:
+def _grid_points(keys: Sequence[Vary], samples: int) -> Array:
     fixed = math.prod(len(v.choices) for v in keys if v.choices)
     ranges = sum(not v.choices for v in keys)
     steps = int((samples / fixed) ** (1.0 / ranges) + 1e-9) if ranges else 1
@@ -345,6 +345,6 @@ def _grid(keys: Sequence[Vary], samples: int) -> Array:
     return np.array(list(product(*axes)))
 
 
-def values(keys: Sequence[Vary], place: Array) -> list[object]:
+def values_at(keys: Sequence[Vary], place: Array) -> list[object]:
     """Return the values of all keys at coordinates (d,), as in a scene file."""
     return [vary.at(float(u)) for vary, u in zip(keys, place, strict=True)]

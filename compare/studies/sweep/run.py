@@ -15,8 +15,8 @@ from rollbench.compare.reference import parallel
 from rollbench.compare.reference.jobs import Engine, first_here
 from rollbench.compare.scenes import scene_file, scene_tables
 from rollbench.compare.studies.sweep import sample
-from rollbench.compare.studies.sweep.keys import Method, Vary, changed, displaced, points, values
-from rollbench.compare.studies.sweep.sample import MAIN, OUTPUTS, attempt, reason, solve_batch
+from rollbench.compare.studies.sweep.keys import Method, Vary, points, replaced_keys, values_at, with_varied_keys
+from rollbench.compare.studies.sweep.sample import MAIN, OUTPUTS, refusal_reason, solve_batch, solve_sample_or_refuse
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly
 
@@ -85,7 +85,7 @@ class Sweep:
         scene_file.each_case(scene, self.origin)
         for vary in self.keys:
             for value in vary.ends:
-                scene_tables.keys_of(changed(raw, [vary], [value]), self.origin)
+                scene_tables.keys_of(with_varied_keys(raw, [vary], [value]), self.origin)
 
 
 def run_samples(sweep: Sweep, folder: Path, engine: Engine, step: Step) -> dict[int, sample.Record]:
@@ -115,11 +115,11 @@ def run_samples(sweep: Sweep, folder: Path, engine: Engine, step: Step) -> dict[
     sweep.check()
     places = sweep.places()
     if not sample.records_by_sample(folder):
-        _try_first(sweep, places)
-    for path, other in displaced(scene_file.read_toml(sweep.text, sweep.origin), sweep.keys):
+        _refuse_hopeless_sweep(sweep, places)
+    for path, other in replaced_keys(scene_file.read_toml(sweep.text, sweep.origin), sweep.keys):
         step(f"{path} takes the place of the scene's {other}")
     sample.open_folder(folder, sweep.header())
-    with sample.taken_over(folder) as token:
+    with sample.take_folder(folder) as token:
         have = sample.records_by_sample(folder)
         left = [n for n in range(len(places)) if n not in have]
         step(f"{len(places)} samples, {len(have)} stored in {folder}, {len(left)} to solve")
@@ -129,18 +129,18 @@ def run_samples(sweep: Sweep, folder: Path, engine: Engine, step: Step) -> dict[
     return have
 
 
-def _try_first(sweep: Sweep, places: Array) -> None:
+def _refuse_hopeless_sweep(sweep: Sweep, places: Array) -> None:
     """Raise InputError if the first samples are all refused for one reason."""
     refused: list[InputError] = []
     for place in places[:FIRST]:
         try:
-            attempt(
-                sweep.text, sweep.origin, sweep.keys, values(sweep.keys, place), sweep.model, "interpreted", sweep.wanted
+            solve_sample_or_refuse(
+                sweep.text, sweep.origin, sweep.keys, values_at(sweep.keys, place), sweep.model, "interpreted", sweep.wanted
             )
             return
         except InputError as error:
             refused.append(error)
-    if len({reason(error) for error in refused}) > 1:
+    if len({refusal_reason(error) for error in refused}) > 1:
         return
     if isinstance(refused[-1], ProgramError):
         raise refused[-1]
@@ -156,10 +156,10 @@ def _solve_missing(sweep: Sweep, folder: Path, engine: Engine, step: Step, work:
     size = max(1, min(LARGEST_BATCH, len(left) // (BATCHES * workers)))
     batches = [left[k : k + size] for k in range(0, len(left), size)]
     jobs: list[parallel.Job] = [
-        (solve_batch, (str(folder.resolve()), token, what, [(n, values(sweep.keys, places[n])) for n in batch]))
+        (solve_batch, (str(folder.resolve()), token, what, [(n, values_at(sweep.keys, places[n])) for n in batch]))
         for batch in batches
     ]
-    writer = sample.Writer(folder, token)
+    writer = sample.RecordWriter(folder, token)
     done = failed = 0
     for _, (records, stored) in first_here(jobs, engine, "samples", step):
         if not stored:

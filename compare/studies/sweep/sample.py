@@ -32,7 +32,7 @@ from rollbench.compare.models.loading import axial_load, axial_preload, motion_a
 from rollbench.compare.models.registry import Options, run_model
 from rollbench.compare.scenes import scene_file, scene_tables
 from rollbench.compare.scenes.duty_cycle import DutyCycle
-from rollbench.compare.studies.sweep.keys import Vary, changed
+from rollbench.compare.studies.sweep.keys import Vary, with_varied_keys
 from rollbench.lowfi.rating import roller_life
 from rollbench.lowfi.rating.life import life
 from rollbench.lowfi.rating.rigidity import axial_displacement, axial_force
@@ -69,7 +69,7 @@ MAIN = "largest_load_N"
 Makers = dict[str, Callable[[], Any]]
 
 
-def outputs(
+def sample_outputs(
     scene: Scene, result: StaticResult, model: str, options: Options, wanted: Collection[str] = tuple(OUTPUTS)
 ) -> dict[str, Any]:
     """Return the wanted `OUTPUTS` of a converged result, and ``at``: ball and flank with the largest load.
@@ -84,14 +84,14 @@ def outputs(
 
     def rigidity() -> float | None:
         moved = axial_displacement(scene, result) - unloaded_place(scene, bare())
-        return _rigidity(axial_force(result), moved)
+        return _secant_rigidity(axial_force(result), moved)
 
     makers: Makers = {
-        "displacement_um": lambda: _displacement(scene, result),
+        "displacement_um": lambda: _load_displacement(scene, result),
         "rigidity_N_per_um": rigidity,
         "preload_N": lambda: axial_preload(scene, bare()) if bare().converged else None,
     }
-    return _of_sets([("", scene, result)], scene, makers, options, wanted, lambda: nominal_contacts(scene))
+    return _outputs_of_sets([("", scene, result)], scene, makers, options, wanted, lambda: nominal_contacts(scene))
 
 
 def cycle_outputs(
@@ -134,14 +134,14 @@ def cycle_outputs(
         rated = [x.revolutions for x in lives if x is not None]
         found["life_million_revolutions"] = min(rated) if len(rated) == len(lives) else None
     if any(name in wanted for name in GROWTH):
-        tops = [[float(load.max(initial=0.0)) for load in _each_load(one)] for one in results]
+        tops = [[float(load.max(initial=0.0)) for load in _loads_by_set(one)] for one in results]
         ratios = [max(of_set) / of_set[0] for of_set in zip(*tops, strict=True) if of_set[0] > 0.0]
         ends = max(ratios, default=None), min(ratios, default=None)
         found |= {name: x for name, x in zip(GROWTH, ends, strict=True) if name in wanted}
     return found
 
 
-def _each_load(result: StaticResult | AxisResult) -> list[Array]:
+def _loads_by_set(result: StaticResult | AxisResult) -> list[Array]:
     """Return the loads of the contacts or rollers of every set [N]."""
     return [result.load] if isinstance(result, StaticResult) else [s.loads for s in result.sets]
 
@@ -170,16 +170,16 @@ def axis_outputs(
     makers: Makers = {
         "displacement_um": lambda: 1e6 * moved if force else None,
         "rigidity_N_per_um": lambda: (
-            _rigidity(force, moved - motion_asked(assembly, bare())[2]) if bare().converged else None
+            _secant_rigidity(force, moved - motion_asked(assembly, bare())[2]) if bare().converged else None
         ),
         "preload_N": preload,
-        "life_million_revolutions": lambda: _life([(s.of.parts, loads[s.of.name]) for s in result.sets]),
+        "life_million_revolutions": lambda: _shortest_life([(s.of.parts, loads[s.of.name]) for s in result.sets]),
     }
     rollers = [(f"{s.of.name}: roller ", s.loads) for s in result.sets if s.balls is None]
-    return _of_sets(sets, assembly, makers, Options(), wanted, lambda: 0, rollers)
+    return _outputs_of_sets(sets, assembly, makers, Options(), wanted, lambda: 0, rollers)
 
 
-def _of_sets(
+def _outputs_of_sets(
     sets: list[tuple[str, Scene, StaticResult]],
     scene: Scene | Assembly,
     whole: Makers,
@@ -220,16 +220,16 @@ def _of_sets(
         "mean_load_N": lambda: mean_load(every, contacts()),
         "loaded_contacts": lambda: int(every.size),
         "idle_balls": lambda: sum(int(np.count_nonzero(~(x.load > 0.0).any(axis=1))) for _, x in solved),
-        "largest_approach_um": lambda: max((_approach(balls) for _, balls in solved), default=None),
+        "largest_approach_um": lambda: max((_largest_approach(balls) for _, balls in solved), default=None),
         "torque_Nmm": lambda: None if friction is None else _friction_torque(solved, friction, scene.motion, options),
-        "life_million_revolutions": lambda: _life([(parts, balls.load) for parts, balls in solved]),
+        "life_million_revolutions": lambda: _shortest_life([(parts, balls.load) for parts, balls in solved]),
         **dict.fromkeys(GROWTH, lambda: None),
         **whole,
     }
     return {name: makers[name]() for name in OUTPUTS if name == MAIN or name in wanted} | {"at": at}
 
 
-def _displacement(scene: Scene, result: StaticResult) -> float | None:
+def _load_displacement(scene: Scene, result: StaticResult) -> float | None:
     """Return the displacement of the loaded stations along their forces, weighted by the forces [um].
 
     None without a force.
@@ -242,17 +242,17 @@ def _displacement(scene: Scene, result: StaticResult) -> float | None:
     return 1e6 * work / total if total > 0.0 else None
 
 
-def _approach(balls: StaticResult) -> float:
+def _largest_approach(balls: StaticResult) -> float:
     """Return the largest Hertz approach of a contact [um]."""
     return 1e6 * float((balls.hertz_C * np.cbrt(balls.load) ** 2).max(initial=0.0))
 
 
-def _rigidity(force: float, moved: float) -> float | None:
+def _secant_rigidity(force: float, moved: float) -> float | None:
     """Return axial force [N] over displacement [m] in N/um; None without a force, or with a displacement against it."""
     return 1e-6 * force / moved if force * moved > 0.0 else None
 
 
-def _life(sets: list[tuple[Scene | RollerRow, Array]]) -> float | None:
+def _shortest_life(sets: list[tuple[Scene | RollerRow, Array]]) -> float | None:
     """Return the shortest life of the sets [10^6 revolutions]; None without load, or outside the range of the ratings."""
     try:
         found = [roller_life.life(x, load) if isinstance(x, RollerRow) else life(x, load) for x, load in sets]
@@ -297,7 +297,7 @@ def open_folder(folder: Path, header: Mapping[str, Any]) -> None:
 
 
 @contextmanager
-def taken_over(folder: Path) -> Iterator[str]:
+def take_folder(folder: Path) -> Iterator[str]:
     """Take the folder for a run and yield its token, once no process of an earlier run writes any more.
 
     InputError if another run is active in it.
@@ -331,20 +331,20 @@ def _wait_for_others(folder: Path) -> None:
 
 
 @contextmanager
-def working(folder: Path) -> Iterator[None]:
+def hold_lock(folder: Path) -> Iterator[None]:
     """Keep a new run waiting while this process solves samples."""
     from filelock import FileLock
 
-    with FileLock(folder / LOCKS / _process()):
+    with FileLock(folder / LOCKS / _process_name()):
         yield
 
 
-def _process() -> str:
+def _process_name() -> str:
     """Return a name for this process on this machine, as part of a file's name."""
     return f"{platform.node()}-{os.getpid()}"
 
 
-def current(folder: Path, token: str) -> bool:
+def is_current_run(folder: Path, token: str) -> bool:
     """Return whether the folder exists and belongs to the run of ``token``."""
     try:
         return (folder / TOKEN).read_text(encoding="utf-8") == token
@@ -352,16 +352,16 @@ def current(folder: Path, token: str) -> bool:
         return False
 
 
-class Writer:
+class RecordWriter:
     """Appends records to a file of this process."""
 
     def __init__(self, folder: Path, token: str) -> None:
         """Prepare; the file is opened with the first record."""
-        self._path = folder / RECORDS / f"{token[:8]}-{_process()}.lines"
+        self._path = folder / RECORDS / f"{token[:8]}-{_process_name()}.lines"
 
     def append(self, records: Sequence[Record]) -> None:
         """Append records in one call; OSError if the disk does not take them."""
-        lines = b"".join(map(packed, records))
+        lines = b"".join(map(pack_record, records))
         handle = os.open(self._path, os.O_WRONLY | os.O_CREAT | os.O_APPEND | getattr(os, "O_BINARY", 0), 0o644)
         try:
             if os.write(handle, lines) != len(lines):
@@ -370,13 +370,13 @@ class Writer:
             os.close(handle)
 
 
-def packed(record: Record) -> bytes:
+def pack_record(record: Record) -> bytes:
     """Return a record as a line with its checksum."""
     body = json.dumps(record, ensure_ascii=False, separators=(",", ":"), allow_nan=False).encode()
     return b"%08x %s\n" % (zlib.crc32(body), body)
 
 
-def unpacked(line: bytes) -> Record | None:
+def unpack_record(line: bytes) -> Record | None:
     """Return the record of a line; None if it is torn or damaged."""
     checksum, _, body = line.rstrip(b"\n").partition(b" ")
     if not line.endswith(b"\n") or checksum != b"%08x" % zlib.crc32(body):
@@ -390,7 +390,7 @@ def stored_records(folder: Path) -> Iterator[Record]:
     for path in sorted((folder / RECORDS).glob("*.lines")):
         with path.open("rb") as file:
             for line in file:
-                record = unpacked(line)
+                record = unpack_record(line)
                 if record is not None:
                     yield record
 
@@ -409,7 +409,7 @@ AXIS_COMPILED = 40
 
 
 @lru_cache(maxsize=8)
-def _tables(text: str, origin: str) -> dict[str, Any]:
+def _cached_tables(text: str, origin: str) -> dict[str, Any]:
     return scene_file.read_toml(text, origin)
 
 
@@ -424,12 +424,12 @@ def solve_sample(
 ) -> dict[str, Any]:
     """Return status and wanted outputs of one sample; if scene or model refuse the values, the status gives the reason."""
     try:
-        return attempt(text, origin, keys, values, model, engine, wanted)
+        return solve_sample_or_refuse(text, origin, keys, values, model, engine, wanted)
     except InputError as error:
-        return {"status": f"refused: {error}", "reason": reason(error)}
+        return {"status": f"refused: {error}", "reason": refusal_reason(error)}
 
 
-def attempt(
+def solve_sample_or_refuse(
     text: str,
     origin: str,
     keys: Sequence[Vary],
@@ -439,14 +439,14 @@ def attempt(
     wanted: Collection[str] = tuple(OUTPUTS),
 ) -> dict[str, Any]:
     """Return status and outputs of one sample as `solve_sample`; InputError if scene or model refuse the values."""
-    scene = scene_tables.read_tables(changed(_tables(text, origin), keys, values), origin)
+    scene = scene_tables.read_tables(with_varied_keys(_cached_tables(text, origin), keys, values), origin)
     if isinstance(scene, DutyCycle):
         return _solve_cases(scene, model, engine, wanted)
     result, kept = solve_case(scene_file.solvable(scene, origin), model, engine, wanted)
     return {"status": result.status, **kept}
 
 
-def reason(error: InputError) -> str:
+def refusal_reason(error: InputError) -> str:
     """Return why values are refused, without the numbers, as a range depends on the sample."""
     return _NUMBER.sub("#", f"{error.key}: {error.allowed or error.value}")
 
@@ -469,7 +469,7 @@ def solve_case(
         return found, axis_outputs(scene, found, kernels, wanted) if found.converged else {}
     options = Options(discretisation=False, engine=engine)
     result = run_model(scene, model, options)
-    return result, outputs(scene, result, model, options, wanted) if result.converged else {}
+    return result, sample_outputs(scene, result, model, options, wanted) if result.converged else {}
 
 
 def solve_batch(
@@ -495,14 +495,14 @@ def solve_batch(
     """
     run_folder = Path(folder)
     text, origin, keys, model, engine, wanted = sweep
-    here = current(run_folder, token)
+    here = is_current_run(run_folder, token)
     found: list[Record] = []
-    with working(run_folder) if here else nullcontext():
+    with hold_lock(run_folder) if here else nullcontext():
         try:
             for number, values in batch:
                 solved = solve_sample(text, origin, keys, values, model, engine, wanted)
                 found.append({"sample": number, "values": values, **solved})
         finally:  # of an interrupted batch too
             if here and found:
-                Writer(run_folder, token).append(found)
+                RecordWriter(run_folder, token).append(found)
     return found, here

@@ -37,10 +37,10 @@ RESAMPLES, CONFIDENCE, LEAST = 200, 0.95, 8
 CONSTANT = 1e-9
 
 
-def summary(sweep: Sweep, records: Mapping[int, Record]) -> dict[str, Any]:
+def summarise_sweep(sweep: Sweep, records: Mapping[int, Record]) -> dict[str, Any]:
     """Return the summary of a sweep as JSON values; refusals are counted by reason, with one example each."""
     rows = [records[n] for n in sorted(records)]
-    good = converged(records)
+    good = converged_records(records)
     failed = [row for row in rows if row["status"] != CONVERGED]
     reasons = Counter(row.get("reason", row["status"]) for row in failed)
     first = {
@@ -52,30 +52,30 @@ def summary(sweep: Sweep, records: Mapping[int, Record]) -> dict[str, Any]:
         "solved": len(rows),
         "converged": len(good),
         "failures": [{"reason": first[reason], "samples": n} for reason, n in reasons.most_common()],
-        "outputs": {name: statistics(column(good, name)) for name in sweep.wanted},
+        "outputs": {name: output_statistics(output_column(good, name)) for name in sweep.wanted},
         "main_effects": main_effects(sweep.keys, good),
         "worst": sorted(good, key=lambda row: -row[MAIN])[:WORST],
-        "indices": indices(sweep, records),
+        "indices": sobol_indices_by_output(sweep, records),
     }
 
 
-def converged(records: Mapping[int, Record]) -> list[Record]:
+def converged_records(records: Mapping[int, Record]) -> list[Record]:
     """Return the converged records in order."""
     return [records[n] for n in sorted(records) if records[n]["status"] == CONVERGED]
 
 
-def column(rows: Sequence[Record], name: str) -> Array:
+def output_column(rows: Sequence[Record], name: str) -> Array:
     """Return an output of all rows, (k,); nan if a row has none."""
     return np.array([np.nan if row[name] is None else row[name] for row in rows], dtype=float)
 
 
-def inputs(keys: Sequence[Vary], rows: Sequence[Record]) -> Array:
+def input_values(keys: Sequence[Vary], rows: Sequence[Record]) -> Array:
     """Return the values of the keys as numbers, (k, d) (see `Vary.number`)."""
     found = [[vary.number(v) for vary, v in zip(keys, row["values"], strict=True)] for row in rows]
     return np.array(found, dtype=float).reshape(len(rows), len(keys))
 
 
-def statistics(values: Array) -> dict[str, float] | None:
+def output_statistics(values: Array) -> dict[str, float] | None:
     """Return mean with standard error, standard deviation, extremes and quantiles; None with fewer than two values."""
     y = values[np.isfinite(values)]
     if y.size < 2:
@@ -91,11 +91,11 @@ def main_effects(keys: Sequence[Vary], rows: Sequence[Record]) -> dict[str, list
 
     Rows have ``at`` (in the key's unit), ``mean``, ``standard_error`` and ``samples``.
     """
-    x, y = inputs(keys, rows), column(rows, MAIN)
-    return {vary.key: [_group(x[g, k], y[g]) for g in _groups(vary, x[:, k])] for k, vary in enumerate(keys)}
+    x, y = input_values(keys, rows), output_column(rows, MAIN)
+    return {vary.key: [_group_mean(x[g, k], y[g]) for g in _group_masks(vary, x[:, k])] for k, vary in enumerate(keys)}
 
 
-def _groups(vary: Vary, x: Array) -> list[NDArray[np.bool_]]:
+def _group_masks(vary: Vary, x: Array) -> list[NDArray[np.bool_]]:
     distinct = np.unique(x)
     if distinct.size <= BINS or vary.choices:
         return [x == value for value in distinct]
@@ -103,12 +103,12 @@ def _groups(vary: Vary, x: Array) -> list[NDArray[np.bool_]]:
     return [bins == k for k in np.unique(bins)]
 
 
-def _group(x: Array, y: Array) -> dict[str, float]:
+def _group_mean(x: Array, y: Array) -> dict[str, float]:
     error = float(y.std(ddof=1) / np.sqrt(y.size)) if y.size > 1 else 0.0
     return {"at": float(x.mean()), "mean": float(y.mean()), "standard_error": error, "samples": int(y.size)}
 
 
-def indices(sweep: Sweep, records: Mapping[int, Record]) -> dict[str, Any]:
+def sobol_indices_by_output(sweep: Sweep, records: Mapping[int, Record]) -> dict[str, Any]:
     """Return the Sobol indices of every output with `CONFIDENCE` intervals, or the reason why there are none.
 
     For each output and key: first, first_low, first_high, total, total_low, total_high; None for a constant output. Used
@@ -126,16 +126,16 @@ def indices(sweep: Sweep, records: Mapping[int, Record]) -> dict[str, Any]:
     found: dict[str, Any] = {"base_points": int(kept.size), "of": n, "confidence": CONFIDENCE, "outputs": {}}
     for name in sweep.wanted:
         y = np.array([np.nan if row is None or row.get(name) is None else row[name] for row in rows], dtype=float)
-        found["outputs"][name] = _indices_of(sweep.keys, y.reshape(d + 2, n)[:, kept], sweep.seed)
+        found["outputs"][name] = _indices_with_intervals(sweep.keys, y.reshape(d + 2, n)[:, kept], sweep.seed)
     return found
 
 
-def _indices_of(keys: Sequence[Vary], y: Array, seed: int) -> dict[str, dict[str, float]] | None:
+def _indices_with_intervals(keys: Sequence[Vary], y: Array, seed: int) -> dict[str, dict[str, float]] | None:
     if not np.all(np.isfinite(y)) or y[:2].std() <= CONSTANT * abs(y[:2].mean()):
         return None
     n = y.shape[1]
     rng = np.random.default_rng([seed, n])
-    drawn = np.stack([np.stack(_sobol(y[:, rng.integers(0, n, n)])) for _ in range(RESAMPLES)])
+    drawn = np.stack([np.stack(_sobol_estimates(y[:, rng.integers(0, n, n)])) for _ in range(RESAMPLES)])
     tail = 0.5 * (1.0 - CONFIDENCE)
     low, high = np.quantile(drawn, [tail, 1.0 - tail], axis=0)
     out = {}
@@ -143,12 +143,12 @@ def _indices_of(keys: Sequence[Vary], y: Array, seed: int) -> dict[str, dict[str
         out[vary.key] = {
             f"{kind}{end}": float(value[i, k])
             for i, kind in enumerate(("first", "total"))
-            for end, value in (("", np.stack(_sobol(y))), ("_low", low), ("_high", high))
+            for end, value in (("", np.stack(_sobol_estimates(y))), ("_low", low), ("_high", high))
         }
     return out
 
 
-def _sobol(y: Array) -> tuple[Array, Array]:
+def _sobol_estimates(y: Array) -> tuple[Array, Array]:
     """Return first and total indices (d,) from outputs (d + 2, n): at A, at B, at the mixtures."""
     d = len(y) - 2
     mixtures = y[2:] if d > 1 else np.repeat(y[2:], 2, axis=0)  # scipy 1.17 fails for a single key: it is given twice
@@ -163,45 +163,50 @@ PANELS, POINTS = 6, 2000
 SEED = "errors.seed"
 
 
-def figures(name: str, keys: Sequence[Vary], found: Mapping[str, Any], rows: Sequence[Record]) -> list[Figure]:
+def sweep_figures(name: str, keys: Sequence[Vary], found: Mapping[str, Any], rows: Sequence[Record]) -> list[Figure]:
     """Return the figures of a sweep; none with fewer than two converged records."""
     if len(rows) < 2:
         return []
-    shown, left = _shown(keys, found)
-    return [*of_summary(name, keys, found), _scatter(name, keys, shown, rows, left)]
+    shown, left = _keys_to_show(keys, found)
+    return [*summary_figures(name, keys, found), _scatter_figure(name, keys, shown, rows, left)]
 
 
-def of_summary(
+def summary_figures(
     name: str, keys: Sequence[Vary], found: Mapping[str, Any], called: Callable[[Vary], str] = lambda vary: vary.name
 ) -> list[Figure]:
     """Return the figures that need only the summary; ``called``: short names of the keys."""
-    shown, left = _shown(keys, found)
-    figures = [_effects(name, [keys[k] for k in shown], found, left, called), _worst(name, keys, found["worst"], called)]
-    indices = _indices(name, keys, found["indices"], called)
+    shown, left = _keys_to_show(keys, found)
+    figures = [
+        _effects_figure(name, [keys[k] for k in shown], found, left, called),
+        _worst_figure(name, keys, found["worst"], called),
+    ]
+    indices = _indices_figure(name, keys, found["indices"], called)
     return figures if indices is None else [*figures, indices]
 
 
-def _shown(keys: Sequence[Vary], found: Mapping[str, Any]) -> tuple[list[int], str]:
+def _keys_to_show(keys: Sequence[Vary], found: Mapping[str, Any]) -> tuple[list[int], str]:
     """Return the keys with the largest effect, as many as a figure has panels, and a sentence if some are left out.
 
     A seed has no order, so no trend can be seen along it.
     """
-    ordered = _ordered(keys)
-    shown = sorted(ordered, key=lambda k: -_reach(found["main_effects"][keys[k].key]))[:PANELS]
+    ordered = _keys_with_order(keys)
+    shown = sorted(ordered, key=lambda k: -_effect_range(found["main_effects"][keys[k].key]))[:PANELS]
     return shown, "" if len(shown) == len(ordered) else f" The {PANELS} keys of largest effect, of {len(ordered)}."
 
 
-def _ordered(keys: Sequence[Vary]) -> list[int]:
+def _keys_with_order(keys: Sequence[Vary]) -> list[int]:
     """Return the keys that have an order; a seed only if it is the only key."""
     return [k for k, vary in enumerate(keys) if vary.key != SEED] or list(range(len(keys)))
 
 
-def _reach(groups: Sequence[Mapping[str, float]]) -> float:
+def _effect_range(groups: Sequence[Mapping[str, float]]) -> float:
     means = [g["mean"] for g in groups]
     return max(means) - min(means)
 
 
-def _effects(name: str, keys: Sequence[Vary], found: Mapping[str, Any], left: str, called: Callable[[Vary], str]) -> Figure:
+def _effects_figure(
+    name: str, keys: Sequence[Vary], found: Mapping[str, Any], left: str, called: Callable[[Vary], str]
+) -> Figure:
     panels = []
     for vary in keys:
         groups = found["main_effects"][vary.key]
@@ -216,9 +221,9 @@ def _effects(name: str, keys: Sequence[Vary], found: Mapping[str, Any], left: st
     return Figure(f"{name}-effects", f"{name}: main effects", tuple(panels), caption, same_y=True)
 
 
-def _scatter(name: str, keys: Sequence[Vary], shown: Sequence[int], rows: Sequence[Record], left: str) -> Figure:
+def _scatter_figure(name: str, keys: Sequence[Vary], shown: Sequence[int], rows: Sequence[Record], left: str) -> Figure:
     some = list(rows[:: max(1, len(rows) // POINTS)])
-    x, y = inputs(keys, some), column(some, MAIN)
+    x, y = input_values(keys, some), output_column(some, MAIN)
     panels = tuple(
         Panel(keys[k].name, keys[k].label, OUTPUTS[MAIN], (Series("samples", list(x[:, k]), list(y), "markers"),))
         for k in shown
@@ -226,9 +231,9 @@ def _scatter(name: str, keys: Sequence[Vary], shown: Sequence[int], rows: Sequen
     return Figure(f"{name}-scatter", f"{name}: samples", panels, f"{len(some)} of {len(rows)} samples.{left}")
 
 
-def _worst(name: str, keys: Sequence[Vary], worst: Sequence[Record], called: Callable[[Vary], str]) -> Figure:
-    kept = _ordered(keys)
-    x, keys = inputs(keys, worst)[:, kept], [keys[k] for k in kept]
+def _worst_figure(name: str, keys: Sequence[Vary], worst: Sequence[Record], called: Callable[[Vary], str]) -> Figure:
+    kept = _keys_with_order(keys)
+    x, keys = input_values(keys, worst)[:, kept], [keys[k] for k in kept]
     low = np.array([1.0 if v.choices else v.low for v in keys])
     high = np.array([float(len(v.choices)) if v.choices else v.high for v in keys])
     place = (x - low) / (high - low)
@@ -241,7 +246,9 @@ def _worst(name: str, keys: Sequence[Vary], worst: Sequence[Record], called: Cal
     return Figure(f"{name}-worst", f"{name}: worst samples", (panel,), caption)
 
 
-def _indices(name: str, keys: Sequence[Vary], indices: Mapping[str, Any], called: Callable[[Vary], str]) -> Figure | None:
+def _indices_figure(
+    name: str, keys: Sequence[Vary], indices: Mapping[str, Any], called: Callable[[Vary], str]
+) -> Figure | None:
     main = indices.get("outputs", {}).get(MAIN)
     if main is None:
         return None
@@ -300,16 +307,16 @@ def sweep_of(
 def solve_sweep(sweep: Sweep, out: Path, engine: Engine, step: Callable[[str], None]) -> dict[str, Any]:
     """Solve missing samples, write the summary to the folder and return it; InputError as `run_samples`."""
     records = sweeping.run_samples(sweep, out, engine, step)
-    found = summary(sweep, records)
-    write(sweep, records, found, out)
+    found = summarise_sweep(sweep, records)
+    write_results(sweep, records, found, out)
     return found
 
 
-def write(sweep: Sweep, records: Mapping[int, Record], found: Mapping[str, Any], out: Path) -> None:
+def write_results(sweep: Sweep, records: Mapping[int, Record], found: Mapping[str, Any], out: Path) -> None:
     """Write samples.csv, summary.json and the figures to the folder."""
     replace_file(out / "samples.csv", samples_csv(sweep, records))
     replace_file(out / "summary.json", json.dumps(found, indent=1, ensure_ascii=False, allow_nan=False) + "\n")
-    for figure in figures("sweep", sweep.keys, found, converged(records)):
+    for figure in sweep_figures("sweep", sweep.keys, found, converged_records(records)):
         write_figure(out / f"{figure.name}.svg", figure)
 
 
@@ -325,7 +332,7 @@ def samples_csv(sweep: Sweep, records: Mapping[int, Record]) -> str:
     return text.getvalue()
 
 
-def library(
+def sweep_for_library(
     scene: str,
     vary: Sequence[str],
     samples: int,

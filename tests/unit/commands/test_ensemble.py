@@ -7,7 +7,7 @@ import pytest
 from tests.helpers import with_ingredients
 
 from rollbench.compare.scenes.catalogue import scene as shipped
-from rollbench.compare.studies.members.ensemble import one_pass, run_ensemble, work_of
+from rollbench.compare.studies.members.ensemble import is_solved_in_one_pass, run_ensemble, work_of_loads
 from rollbench.lowfi.statics.static import solve_static
 from rollbench.meshes.parts import BallErrors, FourierTerm, Load, SideErrors
 
@@ -30,7 +30,7 @@ def assert_same_loads(scene, result, members, first=0):
         single = solve_static(scene, engine="compiled", member=first + m)
         assert result.statuses[m] == single.status
         np.testing.assert_allclose(result.loads[m], single.load, rtol=0, atol=1e-9 * np.nanmax(single.load))
-        assert result.works[m] == pytest.approx(work_of(scene, single), rel=1e-9, nan_ok=True)
+        assert result.works[m] == pytest.approx(work_of_loads(scene, single), rel=1e-9, nan_ok=True)
 
 
 SCENES = [
@@ -77,7 +77,7 @@ def test_fast_path_serves_exact_arcs_only():
     term = (FourierTerm(2.0, sigma=1e-6),)
     arcs = ({}, {"profile": (1e-6,)}, {"pitch": term}, {"roundness": term})
     others = ({"profile": (1e-6, 1e-6)}, {"profile_sigma": (1e-6,)})
-    fast = [one_pass(with_errors(1e-6, NR=SideErrors(**change))) for change in (*arcs, *others)]
+    fast = [is_solved_in_one_pass(with_errors(1e-6, NR=SideErrors(**change))) for change in (*arcs, *others)]
     assert fast == [True] * 4 + [False] * 2
     scene = with_errors(1e-6, SL=SideErrors(profile_sigma=(1e-6,)))
     result = run_ensemble(scene, 3)

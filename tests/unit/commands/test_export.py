@@ -22,7 +22,7 @@ from rollbench.compare.reference.levels import LEVELS
 from rollbench.compare.scenes import catalogue
 from rollbench.compare.studies import export as export_command
 from rollbench.compare.studies.crosscheck.study import run_calculix
-from rollbench.compare.studies.export import parts_of
+from rollbench.compare.studies.export import exported_parts
 from rollbench.hifi.bodies import coarse as submodel
 from rollbench.hifi.elements import forms
 from rollbench.meshes import parts, solid
@@ -206,7 +206,7 @@ def test_what_cannot_be_exported_is_refused_before_meshing(tmp_path: Path, monke
     monkeypatch.setattr(export_command, "part_mesh", Mock(side_effect=AssertionError("meshed")))
     bodies, patches = ("screw", "nut", "ball"), ("patch-SL", "patch-NR")
     sockets, of_balls = (f"{body}-with-sockets" for body in bodies), (f"ball-{patch}" for patch in patches)
-    assert parts_of(SCENE) == (*bodies, *sockets, *patches, *of_balls, "block-source")
+    assert exported_parts(SCENE) == (*bodies, *sockets, *patches, *of_balls, "block-source")
     monkeypatch.setitem(sys.modules, "h5py", None)
     for part, form, out, words in (
         ("patch-SR", "", "a.vtu", r"part: got patch-SR; allowed: screw, nut, ball, .*, patch-SL, patch-NR"),

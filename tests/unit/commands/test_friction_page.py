@@ -38,4 +38,4 @@ def test_a_scene_without_coefficient_has_no_such_section():
 
 @pytest.mark.parametrize(("error", "digits"), [(None, 3), (2.0, 3), (0.3, 3), (0.01, 4), (1e-4, 6), (0.0, 6)])
 def test_at_most_two_digits_more_than_are_sure(error, digits):
-    assert run.significant(error) == digits
+    assert run.significant_digits(error) == digits

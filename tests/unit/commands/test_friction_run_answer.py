@@ -10,7 +10,7 @@ from tests.friction_runs import MU, TURN, crowded, setting, sparse
 from tests.helpers import small_screw
 
 from rollbench.compare.errors import InputError
-from rollbench.compare.studies.friction.run import judged, run_data, run_lines
+from rollbench.compare.studies.friction.run import judge_history, run_json, run_lines
 from rollbench.compare.studies.friction.whole import Choices, solve_scene
 from rollbench.lowfi.friction.screw.travel import Observed, StepError, simulate
 from rollbench.meshes.parts import Time
@@ -64,22 +64,22 @@ def test_an_error_above_the_goal_or_that_nobody_knows_has_not_converged_in_the_s
     history, names = simulate(setting(sparse()), 0.02, 4), ("torque", "mean", "largest", "least", "share")
     for name, size in product(names, (0.005, 0.02, 2.2)):
         found = {key: Observed(size if key == name else 0.001) for key in names}
-        run = judged(history, StepError(found, (1, 2, 4)), Time(angle=0.2, steps=4))
+        run = judge_history(history, StepError(found, (1, 2, 4)), Time(angle=0.2, steps=4))
         assert run.converged is (size < 0.01)
         if not run.converged:
             assert run.status.startswith("not converged in the step: the error of 4 steps is some ")
             assert run.status.endswith("more than the goal of 1 %: take more steps")
-    run = judged(simulate(setting(sparse()), 0.02, 3), None, Time(angle=0.2, steps=3))
+    run = judge_history(simulate(setting(sparse()), 0.02, 3), None, Time(angle=0.2, steps=3))
     assert run.status.startswith("not converged in the step")
-    assert run_data(run)["step_error_unknown"] == "fewer than 4 steps"
+    assert run_json(run)["step_error_unknown"] == "fewer than 4 steps"
 
 
 def test_a_run_that_failed_says_so():
     scene = replace(small_screw(6, 0.6, force=(0.0, 0.0, 100.0), screw="rigid"), supports=())
     history = simulate(setting(scene), 0.01, 4)
-    run = judged(history, None, Time(angle=0.1))
+    run = judge_history(history, None, Time(angle=0.1))
     assert not run.converged
-    assert run_data(run)["converged"] is False
+    assert run_json(run)["converged"] is False
     assert "contact loads" in run_lines(run)[0][1]
 
 
@@ -92,8 +92,8 @@ def test_a_run_that_stopped_says_where_and_sums_over_what_it_ran():
 
     tries = []
     full, history = simulate(whole, 0.02, 4), simulate(replace(whole, solve=solve), 0.02, 4)
-    run, degrees = judged(history, None, Time(angle=0.2, steps=4)), np.degrees(0.2)
-    data, lines = run_data(run), run_lines(run)
+    run, degrees = judge_history(history, None, Time(angle=0.2, steps=4)), np.degrees(0.2)
+    data, lines = run_json(run), run_lines(run)
     assert (data["steps"], data["complete"]) == (3, False)
     assert (data["reached_deg"], data["asked_deg"]) == pytest.approx((0.75 * degrees, degrees))
     assert lines[0][1].startswith(f"stopped at {0.75 * degrees:.6g} deg of {degrees:.6g} deg, in 3 steps")

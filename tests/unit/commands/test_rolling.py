@@ -10,8 +10,8 @@ from rollbench.compare.reference import store
 from rollbench.compare.reference.jobs import Engine
 from rollbench.compare.scenes import catalogue
 from rollbench.compare.studies.rolling import runs
-from rollbench.compare.studies.rolling.rows import RollingRow, uncertainty, within
-from rollbench.compare.studies.rolling.study import runs_of
+from rollbench.compare.studies.rolling.rows import RollingRow, is_within_limit, quantity_uncertainty
+from rollbench.compare.studies.rolling.study import find_or_compute_runs
 from rollbench.hifi.rolling import balls, bodies
 
 
@@ -37,8 +37,10 @@ def test_mesh_study_resumes_from_its_store(command, tmp_path, monkeypatch):
     command.json("mesh-study", "lin-rotary-3", "--levels", "1", "--json", "--store", tmp_path)
     assert len(list(tmp_path.glob("rolling-lin-rotary-3-level1-*.json"))) == 1
     computed = []
-    real = runs.compute
-    monkeypatch.setattr(runs, "compute", lambda scene, level, *rest: computed.append(level) or real(scene, level, *rest))
+    real = runs.compute_run
+    monkeypatch.setattr(
+        runs, "compute_run", lambda scene, level, *rest: computed.append(level) or real(scene, level, *rest)
+    )
     rows = command.answer("mesh-study", "lin-rotary-3", "--levels", "2", "--store", tmp_path)
     assert computed == [2]
     assert {r["level"] for r in rows} == {"1", "2"}
@@ -50,19 +52,19 @@ def test_mesh_study_resumes_from_its_store(command, tmp_path, monkeypatch):
 
 def test_a_grid_is_stored_as_soon_as_it_is_done(tmp_path, monkeypatch):
     """What ends a study later loses no grid that was done before."""
-    real = runs.compute
+    real = runs.compute_run
 
     def until_the_second(scene, level, *rest):
         if level == 2:
             raise KeyboardInterrupt
         return real(scene, level, *rest)
 
-    monkeypatch.setattr(runs, "compute", until_the_second)
+    monkeypatch.setattr(runs, "compute_run", until_the_second)
     with pytest.raises(KeyboardInterrupt):
-        runs_of(catalogue.any_scene("lin-rotary-3"), [1, 2], tmp_path, Engine(), fresh=False)
+        find_or_compute_runs(catalogue.any_scene("lin-rotary-3"), [1, 2], tmp_path, Engine(), fresh=False)
     assert len(list(tmp_path.glob("rolling-lin-rotary-3-level1-*.json"))) == 1
-    kept = runs_of(catalogue.any_scene("lin-rotary-3"), [1], tmp_path, Engine(), fresh=False)
-    assert uncertainty(kept, "torque N mm") == float("inf"), "one grid has none"
+    kept = find_or_compute_runs(catalogue.any_scene("lin-rotary-3"), [1], tmp_path, Engine(), fresh=False)
+    assert quantity_uncertainty(kept, "torque N mm") == float("inf"), "one grid has none"
 
 
 def row(low, reference, bar):
@@ -72,7 +74,7 @@ def row(low, reference, bar):
 
 def test_the_uncertainty_is_deducted_but_excuses_no_more_than_the_limit():
     cases = ((4.07, 0.0), (4.1, 0.0), (4.1, 0.03), (4.2, 1.0))
-    assert [within(row(low, 4.0, bar)) for low, bar in cases] == [True, False, True, False]
+    assert [is_within_limit(row(low, 4.0, bar)) for low, bar in cases] == [True, False, True, False]
 
 
 def test_finite_bodies_have_keys_of_their_own_and_half_spaces_beside_them(command, tmp_path, monkeypatch):
@@ -89,6 +91,6 @@ def test_finite_bodies_have_keys_of_their_own_and_half_spaces_beside_them(comman
 def test_the_end_of_a_process_for_want_of_memory_and_whole_screws_among_rolling_balls_are_bad_input(monkeypatch):
     monkeypatch.setattr(balls, "prepare_bodies", Mock(side_effect=MemoryError("ended from outside")))
     with pytest.raises(InputError, match="memory"):
-        runs.compute(catalogue.any_scene("lin-rotary-3"), 1)
+        runs.compute_run(catalogue.any_scene("lin-rotary-3"), 1)
     with pytest.raises(InputError, match="compare them in separate runs"):
         rolling_scenes(["lin-case1", "lin-pair-a"], "half-space", {})

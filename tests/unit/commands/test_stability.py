@@ -35,7 +35,7 @@ NOMINAL, GUESS, _ = extremes.SOURCE
 @pytest.mark.parametrize("name", QUICK)
 def test_ours_solves_or_names_the_mechanism(name, formulation):
     row = extremes.attempt(CASES[name], formulation)
-    assert extremes.failures([row]) == []
+    assert extremes.unexpected_attempts([row]) == []
     if row.status.startswith("not attempted"):
         assert formulation != extremes.ENERGY
         assert "leaves no wall" in row.status
@@ -60,7 +60,7 @@ def test_source_needs_a_start_with_contact_agrees_but_beyond_the_arc_and_is_not_
     row = extremes.attempt(case, NOMINAL)
     assert row.unknowns > extremes.DENSE_LIMIT
     assert row.status == f"not attempted: dense Jacobian of {row.unknowns} unknowns"
-    assert extremes.dense_unknowns(case.scene) > row.unknowns  # a node at every contact has more
+    assert extremes.source_unknowns(case.scene) > row.unknowns  # a node at every contact has more
 
 
 def test_the_table_has_every_kind_of_scene():
@@ -85,7 +85,7 @@ def test_the_table_has_every_kind_of_scene():
 def test_axes_are_solved_by_two_formulations_and_judged_by_what_shares_no_code(name):
     case = CASES[name]
     ours, other = (extremes.attempt(case, f) for f in (extremes.ENERGY, extremes.FORCES))
-    assert extremes.failures([ours, other]) == []
+    assert extremes.unexpected_attempts([ours, other]) == []
     assert ours.converged
     assert other.converged or "rollers alone" in other.status
     assert check_axes.faults(case.scene, solve_assembly(case.scene, engine="compiled")) == ""
@@ -93,7 +93,7 @@ def test_axes_are_solved_by_two_formulations_and_judged_by_what_shares_no_code(n
 
 def test_a_row_of_rollers_that_is_pulled_out_is_named_and_one_that_is_pushed_in_holds():
     pulled, pushed = (CASES[f"one row of rollers: axial {x} N"] for x in ("1000", "-1000"))
-    assert extremes.failures([extremes.attempt(c, extremes.ENERGY) for c in (pulled, pushed)]) == []
+    assert extremes.unexpected_attempts([extremes.attempt(c, extremes.ENERGY) for c in (pulled, pushed)]) == []
     assert check_axes.proven(pulled.scene, False)
     assert not check_axes.proven(pushed.scene, False)
 
@@ -102,16 +102,16 @@ def test_other_loads_than_the_law_of_a_slice_or_than_the_other_formulation_s_are
     case = CASES[MIXED + "across 1000 N"]
     found = solve_assembly(case.scene, engine="compiled")
     row = found.sets[3]
-    assert extremes.slice_fault(row, found) < 1e-12
+    assert extremes.slice_load_error(row, found) < 1e-12
     lines = row.line_loads.copy()
     lines[0, 0] *= 1.0 + 1e-6
     wrong = replace(row, line_loads=lines)
-    assert extremes.slice_fault(wrong, found) > extremes.SLICES
+    assert extremes.slice_load_error(wrong, found) > extremes.SLICES
     other = extremes.attempt(case, extremes.FORCES)
-    assert extremes.failures([replace(other, difference_percent=0.1)])
+    assert extremes.unexpected_attempts([replace(other, difference_percent=0.1)])
     tilted = found.centreline.copy()
     tilted[int(np.abs(found.centreline_z - row.of.position).argmin()), 0] += 1e-9
-    assert extremes.slice_fault(row, replace(found, centreline=tilted)) > extremes.SLICES
+    assert extremes.slice_load_error(row, replace(found, centreline=tilted)) > extremes.SLICES
 
 
 def test_what_is_cut_away_of_elastic_bodies_leaves_rollers_on_the_same_shaft_in_balance():

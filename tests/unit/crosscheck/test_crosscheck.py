@@ -16,26 +16,26 @@ from rollbench.compare.studies.crosscheck.results import (
     BodyMesh,
     CrossData,
     CrossRun,
-    agreement,
+    agreement_sentence,
+    comparable_runs,
     contact_rows,
     element_error,
     extrapolate,
     load_results,
-    path_of,
-    save,
-    series,
+    result_path,
+    save_results,
     shipped,
 )
 from rollbench.compare.studies.crosscheck.study import (
     STUDIES,
-    Outcome,
-    checked_scene,
-    digest,
-    label,
+    CalculixResult,
+    deck_digest,
+    deck_folder_name,
     read_cvg,
     read_dat,
     run_study,
     scene_key,
+    studied_scene,
 )
 
 DAT = """
@@ -103,7 +103,7 @@ def test_what_calculix_prints_is_read_and_a_deck_known_by_what_it_says():
     assert moved == {"BALL1_WEAK": {15095: (1.828532e-3, 8.032547e-4, 2.913913e-3)}}
     assert read_cvg(CVG) == (2, 1.133e-3)
     plain, remark, controls = "*NODE\n1, 2\n", "** remark\n*NODE\n1, 2", "*CONTROLS, X\n4, 8\n*NODE\n1, 2\n"
-    assert digest(plain) == digest(remark) == digest(controls) != digest("*NODE\n1, 3\n")
+    assert deck_digest(plain) == deck_digest(remark) == deck_digest(controls) != deck_digest("*NODE\n1, 3\n")
 
 
 def test_loads_that_obey_the_law_are_extrapolated_exactly():
@@ -175,23 +175,23 @@ def test_too_few_runs_are_refused_and_what_is_not_varied_is_named_and_two_meshes
 
 
 def test_results_are_kept_with_all_that_identifies_them(tmp_path):
-    save(tmp_path, DATA)
+    save_results(tmp_path, DATA)
     again = load_results(tmp_path, "two-balls")
     for one, two in zip(again.runs, RUNS, strict=True):
         np.testing.assert_allclose(one.load, two.load, rtol=1e-6)
         assert replace(one, load=0) == replace(two, load=0)
     assert (again.key, again.gmsh, again.runs[0].nodes) == ("k", "4", 1533)
     assert load_results(tmp_path, "other") is None
-    plain = json.loads(path_of(tmp_path, "two-balls").read_text())
+    plain = json.loads(result_path(tmp_path, "two-balls").read_text())
     bad = {**plain["runs"][0], "load": [1.0]}
     for broken in ({**plain, "runs": [{}]}, {**plain, "more": 1}, [], {**plain, "runs": [bad]}):
-        path_of(tmp_path, "two-balls").write_text(json.dumps(broken))
+        result_path(tmp_path, "two-balls").write_text(json.dumps(broken))
         with pytest.raises(errors.InputError, match="results that rollbench crosscheck wrote"):
             load_results(tmp_path, "two-balls")
 
 
 def test_rows_compare_limits_in_per_cent_of_the_mean_load():
-    assert [r.nodes for r in series(DATA)] == sorted(r.nodes for r in RUNS[:5])
+    assert [r.nodes for r in comparable_runs(DATA)] == sorted(r.nodes for r in RUNS[:5])
     off = LIMIT.copy()
     off[1, 1] += 5.0
     rows = contact_rows(DATA, ours([off, off, off]))
@@ -201,18 +201,18 @@ def test_rows_compare_limits_in_per_cent_of_the_mean_load():
     assert worst.difference == pytest.approx(100.0 * 5.0 / mean, abs=0.1)
     assert worst.cells()["b/h 0.8, g 0.6"] == pytest.approx(RUNS[0].load[1, 1])
     assert worst.ours_percent == pytest.approx(100.0 * 2.0 / mean)
-    said = agreement("two-balls", rows)
+    said = agreement_sentence("two-balls", rows)
     assert "NOT within 0.5 %" in said
     assert "ball 2 SR" in said
     assert "1 of 6 contacts differ by more" in said  # by 5 N; 2 N are the reference's own uncertainty
-    assert "0 of 6 contacts differ by more" in agreement("two-balls", [replace(r, ours_percent=2.0) for r in rows])
+    assert "0 of 6 contacts differ by more" in agreement_sentence("two-balls", [replace(r, ours_percent=2.0) for r in rows])
 
 
 @pytest.mark.parametrize("name", STUDIES)
 def test_stored_results_are_those_of_the_shipped_scenes(name):
     data = load_results(shipped(), name)
     assert data.key == scene_key(name)
-    assert [label(o) for o in STUDIES[name]] == [label(r) for r in data.runs]
+    assert [deck_folder_name(o) for o in STUDIES[name]] == [deck_folder_name(r) for r in data.runs]
     for run in data.runs:
         assert run.correction < 1.0  # of its last increment; the fine halves took a second, small one
         assert run.weak < 2e-4 * run.load.max()
@@ -227,15 +227,15 @@ def test_a_study_runs_every_deck(tmp_path, monkeypatch):
         names = [x.split("SLAVE=")[1].split(",")[0] for x in text.splitlines() if x.startswith("*CONTACT PRINT")]
         forces = {"SL": (3.0, 0.0, 4.0), "NR": (-3.0, 0.0, -4.0), "SR": (1.0, 0.0, 0.0), "NL": (-1.0, 0.0, 0.001)}
         moved = {f"BALL{i}_WEAK": {7: (0.0, 0.0, 0.001)} for i in (1, 2)}
-        return Outcome({n: forces[n.split("_")[1]] for n in names}, moved, 5, 0.01, 1.0, "2026-01-01", "2.20")
+        return CalculixResult({n: forces[n.split("_")[1]] for n in names}, moved, 5, 0.01, 1.0, "2026-01-01", "2.20")
 
     monkeypatch.setattr(crosscheck_study, "run_calculix", solved)
     monkeypatch.setitem(STUDIES, "two-balls", [DeckOptions(0.7, 0.8)])
-    data = run_study(checked_scene("two-balls"), tmp_path, print)
+    data = run_study(studied_scene("two-balls"), tmp_path, print)
     np.testing.assert_allclose(data.runs[0].load, [[5.0, 1.0, 1.0, 5.0]] * 2, rtol=1e-6)
     assert (data.runs[0].weak, data.runs[0].unbalanced) == pytest.approx((0.001, 0.0), abs=1e-12)
     assert [m.name for m in data.runs[0].meshes] == ["SCREW", "NUT", "BALL1", "BALL2"]
     monkeypatch.setitem(STUDIES, "two-balls", [DeckOptions(0.7, 0.8, half=True)])
-    (half,) = run_study(checked_scene("two-balls"), tmp_path, print).runs
+    (half,) = run_study(studied_scene("two-balls"), tmp_path, print).runs
     np.testing.assert_allclose(half.load, [[10.0, 2.0, 2.0, 10.0]] * 2, rtol=1e-6)  # both halves
     assert (half.half, half.weak) == (True, pytest.approx(0.002))

@@ -15,7 +15,7 @@ from rollbench.compare.scenes import catalogue
 from rollbench.compare.studies import export
 from rollbench.compare.studies.crosscheck import study
 from rollbench.compare.studies.crosscheck.deck import DeckOptions, build_deck
-from rollbench.compare.studies.crosscheck.nut import check_nut, load_nut, save_nut
+from rollbench.compare.studies.crosscheck.nut import compare_nut_compliance, load_nut, save_nut
 from rollbench.meshes import helix, parts
 from rollbench.meshes.exchange.deck import (
     Contact,
@@ -148,7 +148,7 @@ def test_calculix_finds_what_a_stack_of_cubes_must_and_tells_where_it_fails(unit
 @CCX
 def test_two_programs_find_one_compliance_of_the_nut_held_and_on_its_flange(tmp_path):
     options, scene = DeckOptions(b_over_h=0.5, growth=0.9), export.cut_scene(catalogue.scene("lin-case1"), 16, 16)
-    found = check_nut(scene, tmp_path, options)
+    found = compare_nut_compliance(scene, tmp_path, options)
     assert np.ravel(found.theirs) == pytest.approx(3.3e-9, rel=0.2)  # m/N, one ball
     assert found.difference < 0.1
     assert "within 0.1 %" in found.sentence()
@@ -158,7 +158,7 @@ def test_two_programs_find_one_compliance_of_the_nut_held_and_on_its_flange(tmp_
     np.testing.assert_allclose(load_nut(tmp_path).ours, found.ours, rtol=1e-7)
     nut = replace(scene.nut, flange=parts.Flange(64e-3, 5e-3, (26e-3, 30e-3), "right", 4e-3, bonded=True))
     scene = replace(scene, nut=nut, solid=replace(scene.solid, nut_held="flange face"))
-    assert check_nut(scene, tmp_path, options).difference < 0.1
+    assert compare_nut_compliance(scene, tmp_path, options).difference < 0.1
 
 
 def test_calculix_missing_is_told(monkeypatch):

@@ -18,8 +18,8 @@ from rollbench.compare.models.registry import Options, run_model
 from rollbench.compare.reference.jobs import Engine
 from rollbench.compare.scenes import catalogue
 from rollbench.compare.studies.members import members
-from rollbench.compare.studies.members.ensemble import KEPT, STEP, columns, contact_loads, life_sum, with_seed
-from rollbench.compare.studies.members.members import _binomial_quantile, run_members, statistics
+from rollbench.compare.studies.members.ensemble import KEPT, STEP, contact_loads, output_names, raceway_life_sum, with_seed
+from rollbench.compare.studies.members.members import _binomial_quantile, run_members, sample_statistics
 from rollbench.lowfi.statics.axis.system import placed
 from rollbench.meshes.errors import without_draws
 from rollbench.meshes.parts import BallErrors
@@ -102,16 +102,16 @@ def test_moments_of_balls_between_rigid_rings():
 def test_life_of_equal_loads_goes_with_their_cube():
     load = np.zeros((8, 4))
     load[:, 0] = load[:, 3] = 100.0
-    ratio = (life_sum(2.0 * load) / life_sum(load)) ** -0.9
+    ratio = (raceway_life_sum(2.0 * load) / raceway_life_sum(load)) ** -0.9
     assert ratio == pytest.approx(1.0 / 8.0)
-    assert life_sum(load * np.repeat([1.5, 0.5], 4)[:, None]) > life_sum(load)
+    assert raceway_life_sum(load * np.repeat([1.5, 0.5], 4)[:, None]) > raceway_life_sum(load)
 
 
 def test_intervals_of_quantiles_cover():
     rng = np.random.default_rng(3)
     hits = 0
     for _ in range(300):
-        quantile = statistics(rng.normal(size=200))["quantiles"][3]
+        quantile = sample_statistics(rng.normal(size=200))["quantiles"][3]
         assert quantile["low"] <= quantile["value"] <= quantile["high"]
         hits += quantile["low"] <= norm.ppf(0.95) <= quantile["high"]
     assert hits >= binom.ppf(0.001, 300, 0.95)
@@ -173,14 +173,14 @@ def test_members_of_several_sets_are_the_single_solves():
     loads = np.stack([contact_loads(r) for r in results])
     np.testing.assert_allclose(found.bands.mean, loads.mean(axis=0), rtol=1e-9, atol=1e-9)
     np.testing.assert_allclose(found.bands.largest, loads.max(axis=0), rtol=1e-9, atol=1e-9)
-    names = columns(parts)
+    names = output_names(parts)
     member = dict(zip(names, found.kept[2], strict=True))
     assert member["largest_load_N"] == pytest.approx(loads[2].max(), rel=1e-12)
     assert member["tangent_N_per_um"] == pytest.approx(1e-6 * results[2].stiffness[2, 2], rel=1e-12)
     for i, (s, place) in enumerate(zip(results[2].sets, found.balls, strict=True)):
         assert member[f"set {i + 1} axial_force_N"] == pytest.approx(s.force[2], rel=1e-12)
         assert np.array_equal(loads[2][place], s.balls.load)
-        life = (life_sum(s.balls.load) / life_sum(found.bands.nominal[place])) ** -0.9
+        life = (raceway_life_sum(s.balls.load) / raceway_life_sum(found.bands.nominal[place])) ** -0.9
         assert member[f"set {i + 1} relative_life"] == pytest.approx(life, rel=1e-12)
     assert not found.failed
 

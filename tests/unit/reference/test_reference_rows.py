@@ -14,7 +14,7 @@ from rollbench.compare.reference import grid_parts, store
 from rollbench.compare.reference.estimate import Reference, reference, reference_of
 from rollbench.compare.reference.levels import LEVELS, STUDIED
 from rollbench.compare.scenes import catalogue
-from rollbench.compare.studies.mesh_study import SCATTERS, closing, study_table
+from rollbench.compare.studies.mesh_study import SCATTERS, accuracy_sentence, study_table
 from rollbench.lowfi.statics import elastic, problem
 from rollbench.meshes.parts import SIDES
 from rollbench.meshes.section import BeamSection
@@ -176,7 +176,7 @@ def test_two_levels_give_parts_and_one_experience(tmp_path) -> None:
     assert one.parts.by_experience
     assert one.uncertainty[0, 0] == pytest.approx(known.single[0] + grid_parts.left_out(scene, coarse, 1)[0, 0])  # of 100 N
     assert one.uncertainty[0, 1] == 0.0
-    assert closing(one).startswith("Enough: level 1 for ")
+    assert accuracy_sentence(one).startswith("Enough: level 1 for ")
     store.save(tmp_path, scene, run_of("lin-case1", 2, finer))
     two = reference(scene, (tmp_path,))
     shown = 64.0 / 64.0  # mean square of the changes, per cent of a mean load of 100 N within 0.2 %

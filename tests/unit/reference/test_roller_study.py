@@ -17,13 +17,13 @@ TAPER = "smith-axis-taper"
 
 @pytest.fixture(scope="module")
 def kind():
-    (only,) = roller.rollers_of(catalogue.shipped(TAPER))
+    (only,) = roller.loaded_rollers(catalogue.shipped(TAPER))
     return only
 
 
 @pytest.fixture(scope="module")
 def shipped(kind):
-    runs = [roller.stored(kind, level, (shipped_store(),)) for level in roller.LEVELS]
+    runs = [roller.stored_run(kind, level, (shipped_store(),)) for level in roller.LEVELS]
     assert None not in runs, "shipped runs are of another roller, or damaged"
     return runs
 
@@ -36,17 +36,17 @@ def test_equal_rollers_are_pressed_once_with_the_largest_load(kind):
 def test_low_order_laws_are_those_of_the_statics(kind):
     """One roller is a row of rollers under thrust over their number, at the cup's angle."""
     bearing = tapered(kind.row)
-    row, low = TaperedRow(bearing), roller.low_order(kind.row, kind.load)
+    row, low = TaperedRow(bearing), roller.low_order_stiffness(kind.row, kind.load)
     thrust = kind.load * bearing.rollers * sin(bearing.cup_angle)
     assert low.approach == pytest.approx(row.deflection(thrust) * sin(bearing.cup_angle), rel=1e-9)
     step = 1e-3
-    up, down = (roller.low_order(kind.row, kind.load * (1.0 + s)) for s in (step, -step))
+    up, down = (roller.low_order_stiffness(kind.row, kind.load * (1.0 + s)) for s in (step, -step))
     for approach, stiffness in (("approach", "stiffness"), ("norm_approach", "norm_stiffness")):
         slope = 2.0 * step * kind.load / (getattr(up, approach) - getattr(down, approach))
         assert getattr(low, stiffness) == pytest.approx(slope, rel=1e-5)
     crowned = replace(kind.row, crown=2.0)
     sliced = SlicedRow(bearing, crowned.slices, circular_crown(2.0))
-    assert roller.low_order(crowned, kind.load).approach == pytest.approx(
+    assert roller.low_order_stiffness(crowned, kind.load).approach == pytest.approx(
         sliced.deflection(thrust) * sin(bearing.cup_angle), rel=1e-9
     )
 
@@ -54,7 +54,7 @@ def test_low_order_laws_are_those_of_the_statics(kind):
 def test_shipped_runs_meet_line_contact_and_settle(kind, shipped):
     """Within 1 % in the middle on every level; approach and stiffness settle, and their bars cover level 1."""
     for run in shipped:
-        hertz = roller.line_contact(kind.row, run.middle_line_load[0])
+        hertz = roller.line_contact_pressures(kind.row, run.middle_line_load[0])
         assert run.middle_pressure == pytest.approx(hertz, rel=0.01)
         assert run.imbalance < 1e-4
     rows = {row["quantity"]: row for row in roller.quantity_rows(kind, shipped)}
@@ -67,17 +67,17 @@ def test_shipped_runs_meet_line_contact_and_settle(kind, shipped):
 
 def test_damaged_runs_are_not_used(kind, shipped, tmp_path):
     text = sealed(asdict(shipped[0]))
-    path = tmp_path / roller.file_of(kind, 1)
+    path = tmp_path / roller.run_file_name(kind, 1)
     path.write_text(text)
-    assert roller.stored(kind, 1, (tmp_path,)) == shipped[0]
+    assert roller.stored_run(kind, 1, (tmp_path,)) == shipped[0]
     path.write_text(text.replace('"level":1', '"level":2'))
-    assert roller.stored(kind, 1, (tmp_path,)) is None
+    assert roller.stored_run(kind, 1, (tmp_path,)) is None
 
 
 def test_sharp_straight_rollers_are_refused(kind, tmp_path):
     sharp = replace(kind, row=replace(kind.row, edge_radius=None))
     with pytest.raises(Refusal, match="edge_radius"):
-        roller.run_of(sharp, 1, (tmp_path,))
+        roller.load_or_compute_run(sharp, 1, (tmp_path,))
 
 
 @pytest.mark.parametrize(

@@ -5,7 +5,7 @@ import pytest
 from tests.shipped_texts import axis_names, changed
 
 from rollbench.compare.scenes import catalogue, scene_file
-from rollbench.compare.studies.friction.answer import left_out_of_kind
+from rollbench.compare.studies.friction.answer import neglected_effects_of_kind
 from rollbench.compare.studies.friction.kinds import solve_kind
 from rollbench.lowfi.friction.bearing import SIDES, Bearing, solve_ball, solve_ball_as_printed
 from rollbench.lowfi.friction.linear.bearing import LinearBearing
@@ -30,7 +30,7 @@ def test_every_shipped_scene_converges_and_balances_power():
         assert answer.converged, name
         assert len(scene.assumed) >= (5 if "screw" in name or "bearing" in name else 1), name
         assert answer.data["assumed"] == list(scene.assumed)
-        assert answer.data["left_out"] == left_out_of_kind(scene.kind, answer.data.get("coupling"))
+        assert answer.data["left_out"] == neglected_effects_of_kind(scene.kind, answer.data.get("coupling"))
         assert abs(answer.data["energy"]["balance_percent"]) < (0.2 if name.endswith("printed") else 1e-8), name
 
 

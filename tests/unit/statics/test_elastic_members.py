@@ -10,7 +10,7 @@ import pytest
 from rollbench.compare.models.loading import scaled
 from rollbench.compare.models.registry import Options, run_model
 from rollbench.compare.scenes import catalogue
-from rollbench.compare.studies.members.ensemble import work_of
+from rollbench.compare.studies.members.ensemble import work_of_loads
 from rollbench.lowfi import jit
 from rollbench.lowfi.compliance.parts import LADDER
 from rollbench.lowfi.statics.elastic import ElasticMembers, shared
@@ -45,7 +45,7 @@ def test_members_on_one_system_are_those_solved_one_by_one(scene: Scene) -> None
     for k in range(3):
         alone = run_model(scene, "refined", Options(member=3 + k, discretisation=False))
         assert np.abs(loads[k] - alone.load).max() <= 1e-11 * alone.load.max()
-        assert works[k] == pytest.approx(work_of(scene, alone), rel=1e-11)
+        assert works[k] == pytest.approx(work_of_loads(scene, alone), rel=1e-11)
 
 
 def test_grooves_with_random_errors_are_solved_one_by_one() -> None:

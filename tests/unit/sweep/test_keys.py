@@ -2,7 +2,7 @@ import pytest
 
 from rollbench.compare.errors import InputError
 from rollbench.compare.scenes import catalogue, scene_file, scene_tables, template
-from rollbench.compare.studies.sweep.keys import Vary, changed, displaced, read_vary
+from rollbench.compare.studies.sweep.keys import Vary, read_vary, replaced_keys, with_varied_keys
 
 
 def test_forms():
@@ -33,7 +33,7 @@ RAW = scene_file.read_toml(catalogue.scene_text("lin-case3"), "lin-case3.toml")
 
 
 def put(key, value):
-    return changed(RAW, [Vary(key, key)], [value])
+    return with_varied_keys(RAW, [Vary(key, key)], [value])
 
 
 def test_values_reach_the_scene():
@@ -64,8 +64,8 @@ DISPLACED = [
 def test_a_varied_key_takes_the_place_of_one_that_says_the_same(vary, gone):
     raw = scene_file.read_toml(template.scene_like("40x10"), "my.toml")
     keys = read_vary([vary])
-    assert [other for _, other in displaced(raw, keys)] == gone
-    first, second = (scene_tables.read_tables(changed(raw, keys, [v]), "my.toml") for v in keys[0].ends)
+    assert [other for _, other in replaced_keys(raw, keys)] == gone
+    first, second = (scene_tables.read_tables(with_varied_keys(raw, keys, [v]), "my.toml") for v in keys[0].ends)
     assert first != second
     assert raw == scene_file.read_toml(template.scene_like("40x10"), "my.toml"), "the scene itself stays"
 
@@ -73,6 +73,6 @@ def test_a_varied_key_takes_the_place_of_one_that_says_the_same(vary, gone):
 def test_the_same_in_a_set():
     raw = scene_file.read_toml(template.double_nut_like("40x10"), "my.toml")
     keys = read_vary(["sets[1].nut.groove_radius=3.3 mm:3.4 mm"])
-    assert displaced(raw, keys) == [("sets[1].nut.groove_radius", "sets[1].nut.conformity")]
-    found = scene_tables.read_tables(changed(raw, keys, ["3.4 mm"]), "my.toml")
+    assert replaced_keys(raw, keys) == [("sets[1].nut.groove_radius", "sets[1].nut.conformity")]
+    found = scene_tables.read_tables(with_varied_keys(raw, keys, ["3.4 mm"]), "my.toml")
     assert [s.parts.nut.groove_radius for s in found.sets] == [pytest.approx(0.525 * 6.35e-3), 3.4e-3]

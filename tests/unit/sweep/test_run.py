@@ -22,7 +22,7 @@ from rollbench.compare.scenes import catalogue, scene_file
 from rollbench.compare.studies.sweep import run as sweeping
 from rollbench.compare.studies.sweep import sample
 from rollbench.compare.studies.sweep import sample as sampling
-from rollbench.compare.studies.sweep.summary import summary, sweep_of
+from rollbench.compare.studies.sweep.summary import summarise_sweep, sweep_of
 from rollbench.lowfi.friction.whole.state import friction_state
 from rollbench.meshes.parts import SIDES, Load, Motion
 
@@ -124,7 +124,7 @@ def test_what_is_stored_is_not_solved_again_but_torn_and_damaged_lines_are(tmp_p
 def test_a_folder_of_another_sweep_or_in_use_is_refused(tmp_path, monkeypatch):
     monkeypatch.setattr(sample, "PATIENCE", 0.05)
     run(tmp_path / "a")
-    for used, words in ((sample.taken_over, "under way"), (sample.working, "processes of an earlier run")):
+    for used, words in ((sample.take_folder, "under way"), (sample.hold_lock, "processes of an earlier run")):
         with used(tmp_path / "a"), pytest.raises(InputError, match=words):
             run(tmp_path / "a")
     run(tmp_path / "a")
@@ -148,7 +148,7 @@ def test_failures_are_rows_with_their_reason_and_one_failure_a_reason(tmp_path):
     assert (len(lines), "refused" in lines[-1]) == (7, True)
     text = json.loads((tmp_path / "a" / "summary.json").read_text())
     assert text["solved"] == 6 > text["converged"] > 0
-    failures = summary(sweep, found)["failures"]
+    failures = summarise_sweep(sweep, found)["failures"]
     assert 6 - text["converged"] > len(failures) >= 1
     assert sum(row["samples"] for row in failures) == 6 - text["converged"]
     assert (tmp_path / "a" / "sweep-effects.svg").exists()

@@ -3,7 +3,12 @@ import pytest
 
 from rollbench.compare.studies.sweep import keys, run, sample
 from rollbench.compare.studies.sweep.sample import MAIN
-from rollbench.compare.studies.sweep.summary import indices, main_effects, statistics, summary
+from rollbench.compare.studies.sweep.summary import (
+    main_effects,
+    output_statistics,
+    sobol_indices_by_output,
+    summarise_sweep,
+)
 
 KEYS = keys.read_vary([f"{name}={-np.pi!r}:{np.pi!r}" for name in "abc"])
 NAMES = tuple(sample.OUTPUTS)
@@ -33,7 +38,7 @@ def test_indices_of_ishigami_lie_in_their_intervals():
     cross = 0.1**2 * np.pi**8 * (1.0 / 18.0 - 1.0 / 50.0)
     exact = {"a": (v / total, (v + cross) / total), "b": (7.0**2 / 8.0 / total,) * 2, "c": (0.0, cross / total)}
     what = sweep(10240)
-    found = indices(what, records(what, ishigami))
+    found = sobol_indices_by_output(what, records(what, ishigami))
     assert found["base_points"] == 2048
     of_main = found["outputs"][MAIN]
     for key, (first, last) in exact.items():
@@ -50,7 +55,7 @@ def test_a_single_key_has_all_of_the_variance():
     samples = {n: row for n, row in records(sweep(640), ishigami).items() if n < 192}
     for n, place in enumerate(what.places()):
         samples[n][MAIN] = KEYS[0].at(place[0]) ** 3
-    (name, found), *others = indices(what, samples)["outputs"][MAIN].items()
+    (name, found), *others = sobol_indices_by_output(what, samples)["outputs"][MAIN].items()
     assert (name, others) == ("a", [])
     assert (found["first"], found["total"]) == pytest.approx((1.0, 1.0), abs=0.1)
 
@@ -58,11 +63,11 @@ def test_a_single_key_has_all_of_the_variance():
 def test_indices_are_the_same_every_time_and_leave_out_base_points_with_a_failed_sample():
     what = sweep(640)
     samples = records(what, ishigami)
-    assert indices(what, samples) == indices(what, samples)
+    assert sobol_indices_by_output(what, samples) == sobol_indices_by_output(what, samples)
     samples[128 + 5] = {"sample": 133, "values": samples[133]["values"], "status": "refused: x"}
-    found = indices(what, samples)
+    found = sobol_indices_by_output(what, samples)
     assert (found["base_points"], found["of"]) == (64, 128)
-    text = summary(what, samples)
+    text = summarise_sweep(what, samples)
     assert (text["solved"], text["converged"]) == (640, 639)
     assert text["failures"] == [{"reason": "refused: x", "samples": 1}]
 
@@ -70,8 +75,8 @@ def test_indices_are_the_same_every_time_and_leave_out_base_points_with_a_failed
 def test_other_designs_say_that_they_give_no_indices_and_worst_samples_come_first():
     what = sweep(50, "lhs")
     samples = records(what, ishigami)
-    assert "sobol" in indices(what, samples)["none"]
-    worst = summary(what, samples)["worst"]
+    assert "sobol" in sobol_indices_by_output(what, samples)["none"]
+    worst = summarise_sweep(what, samples)["worst"]
     assert len(worst) == 10
     assert [row[MAIN] for row in worst] == sorted((row[MAIN] for row in samples.values()), reverse=True)[:10]
 
@@ -88,8 +93,8 @@ def test_main_effect_of_a_linear_function():
 
 
 def test_statistics_of_known_values():
-    found = statistics(np.arange(101.0))
+    found = output_statistics(np.arange(101.0))
     assert (found["mean"], found["quantile_0.95"]) == (50.0, 95.0)
     assert found["standard_deviation"] == pytest.approx(np.sqrt(101 * 102 / 12))
     assert found["standard_error"] == pytest.approx(found["standard_deviation"] / np.sqrt(101))
-    assert statistics(np.array([1.0, np.nan])) is None
+    assert output_statistics(np.array([1.0, np.nan])) is None

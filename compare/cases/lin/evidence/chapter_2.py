@@ -13,7 +13,7 @@ from rollbench.compare.measure import LoadError, error_percent, load_error
 from rollbench.compare.models.comparison import PRINTED
 from rollbench.compare.models.study import Study, with_groove
 from rollbench.compare.printed import entry, value_of
-from rollbench.compare.studies.members.ensemble import of_study
+from rollbench.compare.studies.members.ensemble import ensemble_of_study
 from rollbench.lowfi.statics.contacts import error_free_hertz, printed_sides
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.meshes.arrays import Array
@@ -336,7 +336,7 @@ def _single_errors(study: Study, findings: Findings) -> None:
 def _drawn_errors(study: Study, findings: Findings) -> None:
     """Compute the claims on randomly drawn errors, from the stored study."""
     base = study.solve("lin-case1").load
-    random, combined = (of_study(study, name).loads for name in ("lin-random", "lin-combined"))
+    random, combined = (ensemble_of_study(study, name).loads for name in ("lin-random", "lin-combined"))
     kept = np.array([two_point(load) for load in random])
     findings.claim("random_two_point", bool(kept.mean() > SEEN), f"holds in {count_of(kept)} drawn screws")
     changed = np.array([load_error(load, base).max_percent for load in random])

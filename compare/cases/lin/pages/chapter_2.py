@@ -25,7 +25,7 @@ from rollbench.compare.printed import entry, value_of
 from rollbench.compare.results.scene_json import case_json
 from rollbench.compare.results.view import view_of
 from rollbench.compare.sections.curves import lateral, load_panel, loads
-from rollbench.compare.studies.members.ensemble import EnsembleResult, of_study
+from rollbench.compare.studies.members.ensemble import EnsembleResult, ensemble_of_study
 from rollbench.lowfi.as_source import best_start
 from rollbench.lowfi.statics.contacts import error_free_hertz, printed_sides
 from rollbench.lowfi.statics.result import StaticResult
@@ -254,7 +254,7 @@ def errors_section(study: Study, step: Callable[[str], None]) -> Section:
     ensembles = {}
     for name in ("lin-random", "lin-combined"):
         step(f"{study.scene(name).members} drawn screws of {name}")
-        ensembles[name] = of_study(study, name)
+        ensembles[name] = ensemble_of_study(study, name)
     random, combined = ensembles["lin-random"], ensembles["lin-combined"]
     one, all_three = study.solve("lin-random"), study.solve("lin-combined")
     left = load_panel(

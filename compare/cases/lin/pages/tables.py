@@ -31,7 +31,7 @@ from rollbench.compare.sections.source_tables import (
 )
 from rollbench.compare.sections.verdicts import printed_table
 from rollbench.compare.studies.rolling import runs as rolling
-from rollbench.compare.studies.run_times import times_of
+from rollbench.compare.studies.run_times import times_of_page
 from rollbench.meshes.section import fixed_partition
 from rollbench.reports.content import Figure, Panel, Quantity, Row, Section, Series, Table, Text
 
@@ -410,7 +410,7 @@ def of_layout(study: Study, layout: Layout, found: Mapping[str, Evidence]) -> Se
 
 def times_note(study: Study) -> str:
     """Return a note on the conditions of the run times."""
-    kept = study.once(times_of, "lin")
+    kept = study.once(times_of_page, "lin")
     return (
         f"Printed: {MACHINE}. Ours, cold: a new process with empty caches, imports included; further: the next load case "
         "there; ANSYS rows: 3D, ours. Empty: not measured. Of another measuring run: its time, with its version; no "

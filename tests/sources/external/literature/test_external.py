@@ -12,7 +12,7 @@ from rollbench.compare.evidence import audit, left_out
 from rollbench.compare.gate.gate import band_row, band_rows
 from rollbench.compare.scenes import catalogue
 from rollbench.compare.scenes.schema import FrictionKeys
-from rollbench.compare.studies.friction.whole import coefficients
+from rollbench.compare.studies.friction.whole import friction_coefficients
 from rollbench.lowfi.bearings.angular_contact import BallBearing, BallRow, displacement, of_angle
 from rollbench.lowfi.bearings.axis import equilibrium, lift_off_force, preloaded
 from rollbench.lowfi.rating.life import rating
@@ -99,7 +99,7 @@ def test_friction_moves_balls_wherever_nothing_else_is_said():
     """One default: of the record, of scene files, of the command, and so of the maker's worked example of drag torque."""
     assert Friction(0.1, 0.1).feedback is Friction.feedback is FrictionKeys.model_fields["feedback"].default is True
     nut = catalogue.scene("external-thk-bnf-3205-5")
-    assert [f.feedback for f in coefficients(replace(nut, friction=None), (0.1,))] == [True]
+    assert [f.feedback for f in friction_coefficients(replace(nut, friction=None), (0.1,))] == [True]
     drag = next(e for e in audit(STUDY, "external-thk") if e.printed.key == "drag")
     assert drag.value == pytest.approx(941.0, rel=2e-3)
     assert "1.09 times the printed torque" in drag.reason

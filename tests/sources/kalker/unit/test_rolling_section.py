@@ -14,7 +14,7 @@ from rollbench.compare.reference.store import shipped_store
 from rollbench.compare.scenes import catalogue
 from rollbench.compare.studies.rolling import rows as rolling_changes
 from rollbench.compare.studies.rolling import rows as rolling_rows
-from rollbench.compare.studies.rolling.rows import KNOWN, Change, Series, changes, from_rest
+from rollbench.compare.studies.rolling.rows import KNOWN, ChoiceEffect, RunFromRest, effects_of_choices, runs_from_rest
 from rollbench.compare.studies.rolling.runs import (
     FILE,
     FINITE,
@@ -22,10 +22,10 @@ from rollbench.compare.studies.rolling.runs import (
     LEVELS,
     NAMES,
     SCENES,
-    KeptSizes,
-    Variant,
-    path_in,
-    variants,
+    BodyVariant,
+    StoredVariants,
+    body_variants,
+    run_path,
 )
 from rollbench.reports.content import PressureMap, Text
 from rollbench.reports.figures import draw_map
@@ -44,7 +44,7 @@ def _low(monkeypatch):
         name = scene.name.removesuffix(".toml")
         return {"torque N mm" if "rotary" in name else "force 1-2 N": LOW[name]}, 1e-3, "converged"
 
-    monkeypatch.setattr(rolling_rows, "low_order", low_order)
+    monkeypatch.setattr(rolling_rows, "solve_low_order", low_order)
 
 
 @pytest.mark.usefixtures("_low")
@@ -57,16 +57,18 @@ def test_section_shows_both_tables_beside_low_order_and_3d(monkeypatch):
             for way, error in ((BY_GRID, -1.5), (RESOLVED, 0.05), (AS_RUNS, 0.02), (AS_RUNS, -0.01))
         ),
     )
-    series = (Series(10, (0.01, 0.02), (0.0, 4.0), ((0.005, 0.004), (0.005, 0.005)), 4.0, 1.0, "converged"),)
+    series = (RunFromRest(10, (0.01, 0.02), (0.0, 4.0), ((0.005, 0.004), (0.005, 0.005)), 4.0, 1.0, "converged"),)
     monkeypatch.setattr(rolling, "proofs", lambda **_: proof)
-    monkeypatch.setattr(rolling, "from_rest", lambda: series)
+    monkeypatch.setattr(rolling, "runs_from_rest", lambda: series)
     values = dict.fromkeys(NAMES, 1.0)
-    monkeypatch.setattr(rolling, "body_sizes", lambda _, **__: KeptSizes((Variant("as shipped", values),), "Kept."))
+    monkeypatch.setattr(
+        rolling, "body_sizes", lambda _, **__: StoredVariants((BodyVariant("as shipped", values),), "Kept.")
+    )
     at = np.array([[0.0, 0.0], [1e-5, 0.0], [0.0, 1e-5], [1e-5, 1e-5]])
     field = PatchField("one", at, 1e-2 * at, 1e12 * at, np.array([True, False, False, False]), (1e-5, 1e-5))
     monkeypatch.setattr(rolling, "fields", lambda: (field,))
-    beyond = Change("lin-pair-a", "grid", "finer", 0.5, 0.4)
-    monkeypatch.setattr(rolling, "changes", lambda *_: (beyond, replace(beyond, change=0.3)))
+    beyond = ChoiceEffect("lin-pair-a", "grid", "finer", 0.5, 0.4)
+    monkeypatch.setattr(rolling, "effects_of_choices", lambda *_: (beyond, replace(beyond, change=0.3)))
     section = rolling.make_section(Study(), lambda _: None)
     tables = {item.name: item for item in section.items if hasattr(item, "rows")}
     assert tables["rolling-verification"].rows[0]["verdict"] == "reached"
@@ -107,7 +109,7 @@ def test_gate_fails_where_the_low_order_model_is_off_and_for_a_known_exceedance_
 @pytest.mark.parametrize("name", SCENES)
 def test_no_choice_behind_finite_bodies_moves_an_answer_by_more_than_its_uncertainty(name):
     kept = json.loads((shipped_store() / FILE).read_text(encoding="utf-8"))["variants"]
-    tried = [v["values"] for v in kept if variants()[v["choice"]][0] == name and "half spaces" not in v["choice"]]
+    tried = [v["values"] for v in kept if body_variants()[v["choice"]][0] == name and "half spaces" not in v["choice"]]
     rows = {f"{row.quantity} {row.unit}": row for row in rolling_rows.stored_rows(name, (shipped_store(),), FINITE)}
     first, others = tried[0], tried[1:]
     assert len(others) >= 2
@@ -124,8 +126,8 @@ def test_no_grid_step_or_path_moves_an_answer_by_more_than_its_uncertainty(monke
     monkeypatch.setattr(rolling_changes, "STEPS", rolling_changes.STEPS[:2])
     assert all(cells > most for cells, most in zip(BEYOND, LEVELS[max(LEVELS)], strict=True))
     kept = json.loads((shipped_store() / FILE).read_text(encoding="utf-8"))["variants"]
-    series = from_rest.__wrapped__()
-    found = changes((shipped_store(),), series, [Variant(**row) for row in kept])
+    series = runs_from_rest.__wrapped__()
+    found = effects_of_choices((shipped_store(),), series, [BodyVariant(**row) for row in kept])
     assert [(c.scene, c.choice) for c in found] == [
         *((SCENES[0], choice) for choice in ("grid", "finite bodies", "time step", "path of regularisation")),
         *((SCENES[1], choice) for choice in ("grid", "finite bodies", "path of regularisation")),
@@ -133,7 +135,7 @@ def test_no_grid_step_or_path_moves_an_answer_by_more_than_its_uncertainty(monke
     assert [c for c in found if not c.within] == []
     assert all(c.change < 1e-8 for c in found if c.choice.startswith("path"))
     assert all(c.change > 1e-6 for c in found if not c.choice.startswith("path"))
-    assert changes((), series, ()) == ()
+    assert effects_of_choices((), series, ()) == ()
 
 
 def test_every_shipped_run_has_the_key_of_its_scene():
@@ -142,4 +144,4 @@ def test_every_shipped_run_has_the_key_of_its_scene():
     for file in files:
         run = json.loads(file.read_text(encoding="utf-8"))
         scene = catalogue.any_scene(run["scene"])
-        assert file == path_in(shipped_store(), scene, run["level"], run.get("bodies", HALF_SPACE)), file.name
+        assert file == run_path(shipped_store(), scene, run["level"], run.get("bodies", HALF_SPACE)), file.name
