@@ -127,8 +127,8 @@ def drag_lines(data: dict[str, Any]) -> list[Line]:
         return []
     text = (
         f"without load {_range_text(data['drag_torque_Nmm'])} N mm at coefficients of friction from {MEASURED[0]:g} "
-        f"to {MEASURED[1]:g}; makers' formula 0.05/sqrt(tan(lead angle)) F l/(2 pi) for the preload of {data['preload_N']:.4g} N: "
-        f"{three_digits(data['makers_formula_Nmm'])} N mm"
+        f"to {MEASURED[1]:g}; makers' formula 0.05/sqrt(tan(lead angle)) F l/(2 pi) for the preload of "
+        f"{data['preload_N']:.4g} N: {three_digits(data['makers_formula_Nmm'])} N mm"
     )
     return [("drag", text)]
 
