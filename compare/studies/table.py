@@ -97,7 +97,7 @@ def check_request(
 
     Returns
     -------
-    Asked
+    TableRequest
         The request.
 
     Raises

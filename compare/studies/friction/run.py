@@ -217,7 +217,7 @@ def run_energy_json(h: History) -> dict[str, Any]:
 
 
 def run_torque_json(h: History) -> dict[str, Any]:
-    """Return the JSON of the friction torque over the run [N mm]: mean, extremes, and parts of grooves and ball contacts."""
+    """Return the JSON of the friction torque over the run [N mm]: mean, extremes, parts of grooves and ball contacts."""
     t = h.torques
     return {
         "mean_Nmm": number(1e3 * t["mean"]),

@@ -258,7 +258,8 @@ def onset_line(of: FrictionOnset, turns: str, errors: bool) -> Line:
         text += f": {of.closing} of {of.pairs} pairs close in, balls {of.ball} and the next meet {angle_text(of.first)}"
         text += "" if of.touch else ", when they have left their loaded arc or gone round"
     if of.unloaded:
-        text += f"; that is where the {count_of(of.unloaded, 'unloaded ball')} stand, {angle_text(of.rolling)} where they roll along"
+        stand, roll = count_of(of.unloaded, "unloaded ball"), angle_text(of.rolling)
+        text += f"; that is where the {stand} stand, {roll} where they roll along"
     if errors:
         from_on = (
             "not up to 16 times the scene's errors"
@@ -424,7 +425,7 @@ def drag_torques(
 
     Returns
     -------
-    list of Drag
+    list of DragTorque
         Drag torque for each pair of coefficients.
     """
     bare, motion = replace(scene, loads=()), scene.motion or ONE_TURN
