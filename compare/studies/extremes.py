@@ -108,7 +108,7 @@ class Attempt:
     reason: str = ""
 
     @property
-    def tried(self) -> bool:
+    def was_tried(self) -> bool:
         """Whether the formulation was applied to the scene at all."""
         return not self.status.startswith("not attempted")
 
@@ -384,7 +384,7 @@ def unexpected_attempts(rows: Sequence[Attempt]) -> list[Attempt]:
     solver's are returned, too.
     """
     ours = [r for r in rows if r.formulation == ENERGY or r.formulation in BACKENDS]
-    return [r for r in ours if (r.status != r.expected and r.tried) or (r.difference_percent or 0.0) > SAME]
+    return [r for r in ours if (r.status != r.expected and r.was_tried) or (r.difference_percent or 0.0) > SAME]
 
 
 # --- rows of the report's table
@@ -421,7 +421,7 @@ def count_outcomes(rows: Sequence[Attempt]) -> dict[str, tuple[int, int, int]]:
     out = {}
     for formulation in FORMULATIONS:
         attempts = [r for r in rows if r.formulation == formulation]
-        tried = [r for r in attempts if r.tried]
+        tried = [r for r in attempts if r.was_tried]
         out[formulation] = (sum(r.status == r.expected for r in tried), len(tried), len(attempts))
     return out
 

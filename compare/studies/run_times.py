@@ -460,7 +460,7 @@ def times_of_page(study: Study, source: str) -> Kept | None:
 def load_times(stores: Sequence[Path], source: str = "") -> Kept | None:
     """Return the run times from the first store with a valid file; None without one. ``source`` as in `times_file_name`."""
 
-    def made(data: dict[str, Any]) -> Kept:
+    def times_from_json(data: dict[str, Any]) -> Kept:
         times = {(r["scene"], r["model"]): RunTime(r["cold"], r["warm"], r["memory"]) for r in data["times"]}
         first = {(r.pop("model"), r["engine"]): ColdModelTime(**r) for r in data["first"]}
         levels = tuple(ColdLevelTime(**r) for r in data.get("levels", []))
@@ -468,17 +468,17 @@ def load_times(stores: Sequence[Path], source: str = "") -> Kept | None:
         commands = tuple(CommandTime(**r) for r in data.get("typed", []))
         return Kept(measured, data["date"], times, first, levels, commands)
 
-    return load_first_valid(stores, times_file_name(source), made)
+    return load_first_valid(stores, times_file_name(source), times_from_json)
 
 
 def load_costs(stores: Sequence[Path]) -> SetUpCosts | None:
     """Return the processor times of set-ups from the first store with a valid file; None without one."""
 
-    def made(data: dict[str, Any]) -> SetUpCosts:
+    def costs_from_json(data: dict[str, Any]) -> SetUpCosts:
         jobs, ways = [SetUpCost(**row) for row in data["jobs"]], [SetUpVariant(**row) for row in data["ways"]]
         return SetUpCosts(data["machine"], data["date"], jobs, ways, data.get("version", ""))
 
-    return load_first_valid(stores, SET_UP_COSTS, made)
+    return load_first_valid(stores, SET_UP_COSTS, costs_from_json)
 
 
 #: Command that writes the scene of a catalogue screw to ``my.toml``.

@@ -165,13 +165,13 @@ def _draw_balls(
     """
     filling = round(float(rng.uniform(0.8, 0.95)), 2)
 
-    def count(circuits: int, turns: float) -> int:
+    def balls_in_circuits(circuits: int, turns: float) -> int:
         return starts * circuits * max(1, floor(filling * turns * 2.0 * pi / touching))
 
     allowed = [c for c in CIRCUITS if not (halved and c[0] % 2)]
-    circuits, turns = allowed[int(rng.integers(max(1, sum(count(*c) <= BALLS for c in allowed))))]
+    circuits, turns = allowed[int(rng.integers(max(1, sum(balls_in_circuits(*c) <= BALLS for c in allowed))))]
     keys = {"diameter": f"{ball:g} mm", "filling": filling, "turns": turns, "circuits": circuits}
-    return keys | ({"circuit_gap": 0.5} if circuits > 1 else {}), count(circuits, turns)
+    return keys | ({"circuit_gap": 0.5} if circuits > 1 else {}), balls_in_circuits(circuits, turns)
 
 
 def _draw_preload(rng: np.random.Generator, kind: str, ball: float, force: float) -> dict[str, str]:

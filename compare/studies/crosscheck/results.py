@@ -257,9 +257,9 @@ def extrapolate(runs: Sequence[CrossRun]) -> Extrapolation:
 
     Many pairs of order and length are fitted. The uncertainty of a contact load combines three parts by root of squares:
 
-    - the largest change of the limit over all pairs that fit well: their sum of squares is within two standard deviations
-    of
-      the best pair's (four times the variance of a residual, of the contact or of all contacts, whichever is larger);
+    - the largest change of the limit over all pairs that fit well: their sum of squares is within two standard
+      deviations of the best pair's (four times the variance of a residual, of the contact or of all contacts, whichever
+      is larger);
     - two standard errors of the limit, from the residuals of the contact or of all contacts, whichever are larger;
     - a tenth of the difference between finest mesh and limit.
 

@@ -135,6 +135,7 @@ class _SpecimenBatch:
     """Specimens of one ensemble: drawn errors, common system of equations, and results."""
 
     def __init__(self, scene: Scene, count: int, first: int, threads: int) -> None:
+        """Draw the errors of ``count`` specimens from number ``first`` on."""
         self.scene, self.threads = scene, threads
         self.layout = ball_layout(scene)
         self.mean = specimen(without_draws(scene), self.layout)
@@ -143,7 +144,7 @@ class _SpecimenBatch:
         self.loads, self.solved = np.full((count, scene.ball_count, 4), np.nan), np.zeros(count, dtype=bool)
         self.residuals, self.works = np.full(count, np.nan), np.full(count, np.nan)
 
-    def _of(self, members: NDArray[np.int64]) -> Specimens:
+    def _drawn_errors(self, members: NDArray[np.int64]) -> Specimens:
         """Return the drawn errors of the specimens with the numbers ``members``."""
         centre = self.drawn.centre[members] if len(self.drawn.centre) > 1 else self.drawn.centre
         return Specimens(self.drawn.ball_radius[members], centre, self.drawn.radius)
@@ -155,43 +156,43 @@ class _SpecimenBatch:
         """
         # flanks that carry no load if no ball is too large are left out, which is then verified specimen by specimen
         few = choose_sides(self.scene, replace(self.mean, ball_radius=self.drawn.ball_radius.min(axis=0)))
-        whole = self._held(all_sides(self.scene))
+        whole = self._problem_with_flanks(all_sides(self.scene))
         if whole is None:
             return 0
         if not np.all(few):
-            self._solve(self._held(few), np.arange(self.solved.size))
+            self._solve_with_flanks(self._problem_with_flanks(few), np.arange(self.solved.size))
         rest = np.flatnonzero(~self.solved)
         if rest.size:
-            self._solve(whole, rest)
+            self._solve_with_flanks(whole, rest)
         return int(rest.size)
 
-    def _held(self, use: NDArray[np.bool_]) -> Problem | None:
+    def _problem_with_flanks(self, use: NDArray[np.bool_]) -> Problem | None:
         """Return the static problem without random errors, with the flanks ``use``; None if the screw can move freely."""
         problem = build(self.scene, self.mean, self.layout, use)
         if scale_of(problem).force == 0.0:  # only the random errors press anything together
-            tightest = self._of(np.array([centre_distances(self.scene, self.drawn)[1].max(axis=(1, 2)).argmax()]))
+            tightest = self._drawn_errors(np.array([centre_distances(self.scene, self.drawn)[1].max(axis=(1, 2)).argmax()]))
             drawn = replace(self.mean, ball_radius=tightest.ball_radius[0], centre=tightest.centre[0])
             problem = build(self.scene, drawn, self.layout, use)
         mechanism = free_motions(problem)
         return None if mechanism.driven else pin(problem, mechanism)
 
-    def _system(self, problem: Problem) -> Beam:
+    def _solved_system(self, problem: Problem) -> Beam:
         """Return the common system of equations, solved without random errors."""
         prepared = prepare(problem, pick_engine(ENGINE, self.scene.ball_count))
         prepared.iterate()
         prepared.options = prepared.options._replace(tolerance=ENOUGH)
         return prepared
 
-    def _solve(self, problem: Problem | None, members: NDArray[np.int64]) -> None:
+    def _solve_with_flanks(self, problem: Problem | None, members: NDArray[np.int64]) -> None:
         """Solve specimens with the flanks of a problem.
 
         A solution counts only if no ball comes near a flank that was left out.
         """
         if problem is None:
             return
-        prepared = self._system(problem)
-        near = None if np.all(problem.use) else _Nearness(prepared, self.layout)
-        some = partial(self._follow, prepared, near)
+        prepared = self._solved_system(problem)
+        near = None if np.all(problem.use) else _LeftOutFlankCheck(prepared, self.layout)
+        some = partial(self._solve_in_kernel, prepared, near)
         trial, rest = members[:TRIAL], [members[k : k + CHUNK] for k in range(TRIAL, members.size, CHUNK)]
         some(trial)
         if near is not None and 2 * np.count_nonzero(self.solved[trial]) < trial.size:
@@ -199,24 +200,24 @@ class _SpecimenBatch:
         with ThreadPoolExecutor(self.threads) as pool:
             list((map if self.threads == 1 else pool.map)(some, rest))
 
-    def _follow(self, prepared: Beam, near: _Nearness | None, members: NDArray[np.int64]) -> None:
+    def _solve_in_kernel(self, prepared: Beam, near: _LeftOutFlankCheck | None, members: NDArray[np.int64]) -> None:
         """Solve some specimens in the compiled kernel, and store the accepted solutions."""
         state, k = prepared.state, members.size
-        arrays = self._arrays(prepared.problem, members)
+        arrays = self._kernel_arrays(prepared.problem, members)
         forces, status, residual = np.empty(arrays.geometry.shape[:3]), np.empty(k, dtype=np.int64), np.empty(k)
         states = MemberStates(forces, status, residual, np.empty((k, *state.q.shape)), np.empty((k, *state.p.shape)))
         prepared.engine.ensemble(prepared.given, state, prepared.options, arrays, states)
         good = (states.status <= 1) & (states.residual <= ACCEPTED)
         if near is not None:
             shift = states.q.reshape(k, -1) @ near.rows.T
-            good &= near.clear(shift, states.p, arrays.geometry, states.force)
+            good &= near.keeps_clear(shift, states.p, arrays.geometry, states.force)
         kept, works = members[good], np.tensordot(states.q, prepared.given.shaft.load, axes=2)
         self.loads[kept], self.residuals[kept], self.works[kept] = states.force[good], states.residual[good], works[good]
         self.solved[kept] = True
 
-    def _arrays(self, problem: Problem, members: NDArray[np.int64]) -> MemberArrays:
+    def _kernel_arrays(self, problem: Problem, members: NDArray[np.int64]) -> MemberArrays:
         """Return the geometry of some specimens as arrays for the kernels."""
-        drawn = self._of(members)
+        drawn = self._drawn_errors(members)
         offset, closure = centre_distances(self.scene, drawn)
         geometry = np.empty((members.size, *problem.geometry.shape))
         geometry[..., :4], geometry[..., 4], geometry[..., 5:] = offset, self.C[members], problem.geometry[..., 5:]
@@ -224,19 +225,20 @@ class _SpecimenBatch:
         return MemberArrays(B, geometry, closure, drawn.ball_radius)
 
 
-class _Nearness:
+class _LeftOutFlankCheck:
     """Check of many specimens for flanks that were left out although they could carry load.
 
     A specimen with such a flank nearer than ``MARGIN`` to its ball is solved again with all four flanks.
     """
 
     def __init__(self, prepared: Beam, layout: BallLayout) -> None:
+        """Prepare the check for a solved system of equations whose problem leaves some flanks out."""
         problem = prepared.problem
         self.use = problem.use
         rows = [_flank_motion(problem, layout, s) for s in range(2)]
         self.rows = np.stack(rows, axis=1).reshape(-1, problem.nodes.size * 6)
 
-    def clear(self, motions: Array, centres: Array, geometry: Array, loads: Array) -> NDArray[np.bool_]:
+    def keeps_clear(self, motions: Array, centres: Array, geometry: Array, loads: Array) -> NDArray[np.bool_]:
         """Return whether each specimen has no flank that was left out near a ball, (k,).
 
         Parameters

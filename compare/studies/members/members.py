@@ -59,7 +59,7 @@ LEVELS = (0.01, 0.05, 0.5, 0.95, 0.99)
 MOST = 10_000_000
 
 
-class Bands:
+class LoadDistributions:
     """Distribution of each contact load over the specimens, from running sums and histograms.
 
     Parameters
@@ -77,7 +77,7 @@ class Bands:
         self._low, self.largest = np.full(nominal.shape, np.inf), np.zeros(nominal.shape)
         self.counts = np.zeros((*nominal.shape, BINS + 2), dtype=np.int64)
 
-    def add(self, loads: Array) -> None:
+    def add_loads(self, loads: Array) -> None:
         """Add the contact loads of a block of specimens, (k, N, 4) [N]; specimens without equilibrium are left out.
 
         They are added one after the other in order, so that the sums do not depend on the division into blocks.
@@ -93,19 +93,19 @@ class Bands:
             counts[place, bins.ravel()] += 1
 
     @property
-    def _members(self) -> int:
+    def _specimen_count(self) -> int:
         """Number of specimens that were added."""
         return int(self.counts.reshape(-1, BINS + 2)[0].sum())
 
     @property
     def mean(self) -> Array:
         """Return the mean load of each contact, (N, 4) [N]."""
-        return self.nominal + self._first / max(self._members, 1)
+        return self.nominal + self._first / max(self._specimen_count, 1)
 
     @property
     def deviation(self) -> Array:
         """Return the standard deviation of each contact load, (N, 4) [N]."""
-        n = self._members
+        n = self._specimen_count
         mean = self._first / max(n, 1)
         return np.asarray(np.sqrt(np.maximum(self._second - n * mean**2, 0.0) / max(n - 1, 1)))
 
@@ -117,7 +117,7 @@ class Bands:
     @property
     def loaded(self) -> Array:
         """Return the share of specimens in which each contact carries load, (N, 4)."""
-        return 1.0 - self.counts[..., 0] / max(self._members, 1)
+        return 1.0 - self.counts[..., 0] / max(self._specimen_count, 1)
 
     def quantile(self, level: float) -> Array:
         """Return a quantile of each contact load, (N, 4) [N], to within the bin width."""
@@ -139,7 +139,7 @@ class Members:
     #: Status of specimens without equilibrium, by number.
     failed: dict[int, str]
     #: Distributions of the contact loads; balls of one nut or bearing after the other.
-    bands: Bands
+    bands: LoadDistributions
     #: Range of the balls of each nut or bearing in these distributions; None for rollers.
     balls: tuple[slice | None, ...]
     #: Wall clock [s].
@@ -191,10 +191,10 @@ def run_members(
         what = "screw" if isinstance(scene, Scene) else "sets"
         advice = f"load or preload the {what}"
         raise InputError(scene.name, "scene", reason, "loaded contacts without random errors", advice)
-    bands, rows, failed = Bands(nominal, END * float(nominal.max()) / BINS), list[Array](), dict[int, str]()
+    bands, rows, failed = LoadDistributions(nominal, END * float(nominal.max()) / BINS), list[Array](), dict[int, str]()
     done = 0
     for first, block in _solve_blocks((scene, model, kernels, nominal), count, engine or Engine(), step):
-        bands.add(block.loads)
+        bands.add_loads(block.loads)
         rows.append(block.kept)
         for k, status in enumerate(block.statuses):
             row(first + k, status, block.kept[k])
@@ -387,7 +387,7 @@ def _set_statistics(members: Members, assembly: Assembly) -> list[dict[str, Any]
     ]
 
 
-def _ball_bands(bands: Bands) -> list[list[dict[str, Any]]]:
+def _ball_bands(bands: LoadDistributions) -> list[list[dict[str, Any]]]:
     """Return for every ball the rows of its loaded contacts, with the distribution of their loads [N]."""
     found = {
         "without_random_errors_N": bands.nominal,
