@@ -151,7 +151,7 @@ def _refuse_hopeless_sweep(sweep: Sweep, places: Array) -> None:
         return
     if isinstance(refused[-1], ProgramError):
         raise refused[-1]
-    few = f"each of the first {min(FIRST, len(places))} samples is refused for the same reason, the last one by"
+    few = f"each of the first {min(FIRST, len(places))} samples is refused for the same reason, the last one as follows"
     raise Refusal(sweep.origin, "vary", f"{few}: {refused[-1]}", "vary other keys, or other ranges")
 
 

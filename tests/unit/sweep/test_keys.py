@@ -11,8 +11,8 @@ def test_forms():
     )
     assert (one.key, one.low, one.high, one.unit, one.whole) == ("errors.balls.oversize", 0.0, 7.0, "um", False)
     assert (two.low, two.high, two.unit) == (1.0, 5.0, "kN")
-    assert [three.at(u) for u in (0.0, 0.34, 0.67, 1.0)] == [3, 4, 5, 5]
-    assert [four.at(u) for u in (0.0, 0.49, 0.5, 1.0)] == ["left", "left", "right", "right"]
+    assert [three.value_at(u) for u in (0.0, 0.34, 0.67, 1.0)] == [3, 4, 5, 5]
+    assert [four.value_at(u) for u in (0.0, 0.49, 0.5, 1.0)] == ["left", "left", "right", "right"]
     assert (one.value_at(0.5), one.as_number("3.5 um"), four.as_number("right")) == ("3.5 um", 3.5, 2.0)
     assert read_vary(["nut.conformity=0.52,0.56"])[0].choices == (0.52, 0.56), "as TOML reads them"
     assert [three.as_number(4), one.as_number("1e-07 um"), one.as_number(" 2um ")] == [4.0, 1e-7, 2.0]

@@ -54,7 +54,7 @@ def test_a_single_key_has_all_of_the_variance():
     what = run.Sweep("", "x.toml", KEYS[:1], 192, "sobol", 3, "lin")
     samples = {n: row for n, row in records(sweep(640), ishigami).items() if n < 192}
     for n, place in enumerate(what.coordinates()):
-        samples[n][MAIN] = KEYS[0].at(place[0]) ** 3
+        samples[n][MAIN] = KEYS[0].value_at(place[0]) ** 3
     (name, found), *others = sobol_indices_by_output(what, samples)["outputs"][MAIN].items()
     assert (name, others) == ("a", [])
     assert (found["first"], found["total"]) == pytest.approx((1.0, 1.0), abs=0.1)
