@@ -87,7 +87,7 @@ def part_mesh(scene: Scene, part: str, level: int, cache: Path | None = None) ->
     Parameters
     ----------
     scene
-        Scene with one set.
+        Scene of one nut or bearing.
     part
         Name of the part, one of `exported_parts`.
     level
@@ -143,7 +143,7 @@ def result_fields(scene: Scene, part: str, level: int, ball: int, cache: Path | 
     Parameters
     ----------
     scene
-        Scene with one set.
+        Scene of one nut or bearing.
     part
         Name of the part, one of `exported_parts`.
     level
@@ -259,7 +259,7 @@ def write_deck(
     stiffness
         Contact pressure per overclosure [N/mm3].
     scene
-        Scene with one set.
+        Scene of one nut or bearing.
     out
         File of the deck, replaced if it exists; None: ``<scene>.inp``.
 
@@ -318,7 +318,7 @@ def cut_scene(scene: Scene, first: int, last: int) -> Scene:
     Parameters
     ----------
     scene
-        Scene with one set.
+        Scene of one nut or bearing.
     first, last
         Numbers of the first and last ball that are kept, from 1.
 

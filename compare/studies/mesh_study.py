@@ -76,7 +76,7 @@ def reference_from_stored_runs(
     Parameters
     ----------
     scene
-        Scene with one set.
+        Scene of one nut or bearing.
     stores
         Folders with runs; None: those of the package.
     levels
@@ -168,7 +168,7 @@ def study_table(scene: Scene, stores: Sequence[Path] | None, levels: Sequence[in
     Parameters
     ----------
     scene
-        Scene with one set.
+        Scene of one nut or bearing.
     stores
         Folders with runs; None: those of the package.
     levels

@@ -298,7 +298,7 @@ def build_deck(scene: Scene, options: DeckOptions | None = None) -> MeshedDeck:
     Parameters
     ----------
     scene
-        Scene with one set.
+        Scene of one nut or bearing.
     options
         Mesh sizes and contact options; None: the defaults.
 

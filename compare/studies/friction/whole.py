@@ -338,7 +338,7 @@ def solve_scene(scene: Scene, choices: Choices, say: Callable[[str], None] = lam
     Parameters
     ----------
     scene
-        Scene with one set.
+        Scene of one nut or bearing.
     choices
         Model, coefficients of friction and number of the specimen; single balls are shown for the first coefficient.
     say
@@ -413,7 +413,7 @@ def drag_torques(
     Parameters
     ----------
     scene
-        Scene with one set.
+        Scene of one nut or bearing.
     states
         Friction under the loads, for each pair of coefficients.
     pairs
