@@ -323,7 +323,8 @@ def contact_tables(data: CrossData, ours: Reference, limit: Extrapolation) -> li
     fixed = f" Not varied: {', '.join(limit.fixed)}." if limit.fixed else ""
     note = (
         f"{agreement_sentence(data.scene, rows)} Order {limit.order:.2f}, length {limit.length:.2f} minor semi-axes, RMS "
-        f"misfit {limit.misfit:.2f} N; in CalculiX's finest run elements add up to {abs(limit.by_elements).max():.2f} N, "
+        f"misfit {limit.misfit:.2f} N; in CalculiX's finest run elements add up to "
+        f"{abs(limit.by_elements).max():.2f} N, "
         f"the contact law up to {abs(limit.by_stiffness).max():.2f} N.{fixed}"
     )
     meshes = "CalculiX's columns are runs whose contact stiffness is as equal as possible."

@@ -1,1 +1,1 @@
-"""Computations beyond one solve: sweeps, samples, mesh studies, friction, rolling, checks by other programs."""
+"""Computations of more than one solution: sweeps, samples of errors, mesh studies, friction, rolling, other programs."""

@@ -1,7 +1,7 @@
-"""Export of the 3D reference as files for other programs (``rollbench export``).
+"""Export of the 3D reference (finite-element model) as files for other programs (``rollbench export``).
 
-Meshes of parts, or with ``--deck ccx`` a deck for CalculiX and Abaqus of a small scene or of a few neighbouring balls that
-are cut out of a larger one with short pieces of screw and nut.
+Written are meshes of single parts, or with ``--deck ccx`` an input deck for CalculiX and Abaqus. The deck describes a small
+scene, or a few neighbouring balls that are cut out of a larger screw together with short pieces of screw and nut.
 """
 
 from __future__ import annotations
@@ -32,10 +32,11 @@ if TYPE_CHECKING:
     from rollbench.meshes.exchange.step_files import PlacedSet
 
 
-#: Name of a block for Hertz contact (a quarter of it), as the source refines it, independent of the scene.
+#: Name of the quarter block for a Hertz contact, refined as in Lin's thesis; it does not depend on the scene.
 BLOCK = "block-source"
 
-#: Names of the bodies, and the ending for bodies with a socket (a hole) at every contact, which the reference condenses.
+#: Names of the bodies. Ending of the names of bodies with a socket (a hole for a fine contact patch) at every contact,
+#: which the 3D reference condenses to the nodes of the sockets.
 BODIES, SOCKETS = ("screw", "nut", "ball"), "-with-sockets"
 
 #: Growth of element size per distance from the contacts, for whole bodies.
@@ -43,12 +44,12 @@ AWAY = 0.4
 
 
 def exported_parts(scene: Scene) -> tuple[str, ...]:
-    """Return the names of the parts that can be exported.
+    """Return the names of the parts of a scene whose meshes can be exported.
 
     Parameters
     ----------
     scene
-        Scene with one set.
+        Scene with one nut or bearing.
 
     Returns
     -------
@@ -61,7 +62,10 @@ def exported_parts(scene: Scene) -> tuple[str, ...]:
 
 
 def placed_sets(described: Solvable) -> list[PlacedSet]:
-    """Return each set of a scene at its position, with its stretch of shaft in the reference; ValueError for rollers."""
+    """Return each nut or ball bearing of a scene at its axial position, with the ends of its 3D piece of shaft.
+
+    Raises ValueError for a row of rollers, for which no geometry is written.
+    """
     from rollbench.hifi.several_sets import meshed_bodies
     from rollbench.meshes.exchange.step_files import PlacedSet
     from rollbench.meshes.solid import solid_dimensions
@@ -71,35 +75,35 @@ def placed_sets(described: Solvable) -> list[PlacedSet]:
     out = []
     for s, bodies in zip(described.sets, meshed_bodies(described), strict=True):
         if not isinstance(s.parts, Scene):
-            raise ValueError(f"{s.name} has rollers: only balls and their grooves are written")
+            raise ValueError(f"{s.name} has rollers: only ball nuts and ball bearings are written")
         low, high = solid_dimensions(bodies.bodies).ends(bodies.bodies)
         out.append(PlacedSet(s.parts, s.offset, (low + bodies.shift, high + bodies.shift)))
     return out
 
 
 def part_mesh(scene: Scene, part: str, level: int, cache: Path | None = None) -> Mesh:
-    """Mesh a part, with the element sizes of a level of the reference.
+    """Mesh one part of a scene, with the element sizes of a mesh level of the 3D reference.
 
     Parameters
     ----------
     scene
-        Scene with one set.
+        Scene of one nut or bearing.
     part
-        Name by `exported_parts`.
+        Name of the part, one of `exported_parts`.
     level
-        Mesh level.
+        Mesh level of the 3D reference, from 1 (coarse).
     cache
-        Folder of meshes; None: no cache.
+        Folder with stored meshes; None: no cache.
 
     Returns
     -------
     Mesh
-        The mesh.
+        The mesh, with its contact surfaces and cut faces as named boundaries.
 
     Raises
     ------
     ValueError
-        If it cannot be built.
+        If the part cannot be meshed.
     """
     if part == BLOCK:
         from rollbench.hifi.contact.block import SOURCE_COARSE, SOURCE_FINE, SOURCE_RADIUS
@@ -134,20 +138,20 @@ def part_mesh(scene: Scene, part: str, level: int, cache: Path | None = None) ->
 
 
 def result_fields(scene: Scene, part: str, level: int, ball: int, cache: Path | None = None) -> dict[str, Array]:
-    """Compute displacement and stress of a part's nodes.
+    """Compute displacement and stress at the nodes of one part from the contact loads of the 3D reference.
 
     Parameters
     ----------
     scene
-        Scene with one set.
+        Scene of one nut or bearing.
     part
-        Name by `exported_parts`.
+        Name of the part, one of `exported_parts`.
     level
-        Mesh level.
+        Mesh level of the 3D reference, from 1 (coarse).
     ball
-        Number of the ball, from 0, for parts of one ball.
+        Number of the ball, from 0, if the part is a ball or a contact patch.
     cache
-        Folder of meshes; None: no cache.
+        Folder with stored meshes; None: no cache.
 
     Returns
     -------
@@ -174,7 +178,8 @@ def result_fields(scene: Scene, part: str, level: int, ball: int, cache: Path | 
     meshes = mesh_parts(scene, setup.map, setup.layout, setup.dims, sides, settings, store)
     forces = fields.contact_forces(setup, result)
 
-    def moved(screw: bool) -> Array:
+    def body_displacement(screw: bool) -> Array:
+        """Return the nodal displacements of the screw or the nut, (n, 3) [m]."""
         if screw:
             return fields.screw_displacement(setup, meshes.screw, forces, scene)
         return fields.nut_displacement(setup, meshes.nut, forces)
@@ -182,11 +187,11 @@ def result_fields(scene: Scene, part: str, level: int, ball: int, cache: Path | 
     kind, _, side = part.removesuffix(SOCKETS).rpartition("-")
     if side in ("screw", "nut"):
         body, material = (meshes.screw, scene.screw.material) if side == "screw" else (meshes.nut, scene.nut.material)
-        u = moved(side == "screw")
+        u = body_displacement(side == "screw")
         stress = fields.nodal_stress(mesh_of_order(body.mesh, body_kind(settings)), u, material)
     else:
         if kind == "patch":
-            u = moved(side.startswith("S"))
+            u = body_displacement(side.startswith("S"))
             field = fields.groove_patch_field(setup, meshes, u, ball, SIDES.index(side), forces)
         else:
             field = fields.ball_fields(setup, meshes, ball, forces)[SIDES.index(side) if kind == "ball-patch" else None]
@@ -196,7 +201,7 @@ def result_fields(scene: Scene, part: str, level: int, ball: int, cache: Path | 
 
 
 def _whole_body_mesh(scene: Scene, part: str, level: int) -> Mesh:
-    """Mesh a whole screw (its 3D stretch), nut or ball, finest at the expected contacts."""
+    """Mesh the screw's 3D piece, the nut or one ball without sockets, with the finest elements at the expected contacts."""
     from rollbench.hifi.bodies.coarse import mesh_of_order
     from rollbench.hifi.meshing.part_meshes import body_kind, choose_socket_size, contacts_on_body
     from rollbench.meshes.exchange.whole_bodies import Refinement, groove_points, sphere_points, whole_ball, whole_body
@@ -224,10 +229,10 @@ def _whole_body_mesh(scene: Scene, part: str, level: int) -> Mesh:
     return keep_boundaries(mesh, *sorted(mesh.boundaries))
 
 
-#: Programs for which decks are written; Abaqus reads CalculiX's.
+#: Programs for which decks are written; Abaqus reads the deck of CalculiX.
 PROGRAMS = ("ccx",)
 
-#: Bounds of elements across, growth and contact stiffness [N/mm3].
+#: Allowed ranges: elements across the minor semi-axis, growth of element size per distance, contact stiffness [N/mm3].
 BOUNDS = {"b_over_h": (0.4, 8.0), "growth": (0.1, 1.5), "stiffness": (1e5, 1e12)}
 
 #: Length of the nut beyond the outermost balls, and of the 3D screw beyond the nut, over the ball radius.
@@ -237,46 +242,47 @@ NUT, SHAFT = 3.0, 3.0
 def write_deck(
     program: str, unit: str, balls: str, b_over_h: float, growth: float, stiffness: float, scene: Scene, out: Path | None
 ) -> str:
-    """Write the deck of a scene.
+    """Write the input deck of a scene for CalculiX.
 
     Parameters
     ----------
     program
-        Program that reads it.
+        Name of the program that reads the deck; only ``ccx``.
     unit
         Unit of length of the deck.
     balls
-        Range of balls to keep, such as ``3:5``; empty: all.
+        Range of balls that are cut out of the screw, such as ``3:5``; empty: all balls.
     b_over_h
-        Elements across the minor semi-axis of a contact.
+        Number of elements across the minor semi-axis of the contact ellipse.
     growth
         Growth of element size per distance from the contacts.
     stiffness
-        Contact stiffness [N/mm3].
+        Contact pressure per overclosure [N/mm3].
     scene
-        Scene with one set.
+        Scene of one nut or bearing.
     out
-        File, replaced if it exists; None: ``<scene>.inp``.
+        File of the deck, replaced if it exists; None: ``<scene>.inp``.
 
     Returns
     -------
     str
-        A line about the deck.
+        A line on the size of the deck and how to run it.
 
     Raises
     ------
     InputError
-        If a choice is out of range, the scene is too large or cannot be represented, or the file cannot be written.
+        If an argument is out of range, the scene is too large or has features that a deck cannot describe, or the file
+        cannot be written.
     """
     faults = [
-        (program not in PROGRAMS, "deck", program, ", ".join(PROGRAMS), "Abaqus reads CalculiX's deck"),
-        (unit not in UNITS, "unit", unit, ", ".join(UNITS), "forces are in N"),
+        (program not in PROGRAMS, "deck", program, ", ".join(PROGRAMS), "write the deck for ccx, which Abaqus reads too"),
+        (unit not in UNITS, "unit", unit, ", ".join(UNITS), "choose the unit of length; forces are in N"),
     ]
     for (name, (low, high)), value in zip(BOUNDS.items(), (b_over_h, growth, stiffness), strict=True):
         within = low <= value <= high
         faults.append((not within, name, f"{value:g}", f"{low:g} to {high:g}", "leave it out for the default"))
     ending = out is None or out.suffix.lower() == ".inp"
-    faults.append((not ending, "out", str(out), "a name ending in .inp", "CalculiX reads no other"))
+    faults.append((not ending, "out", str(out), "a name ending in .inp", "rename the file: CalculiX reads no other"))
     for there, *said in faults:
         if there:
             raise ArgumentError(*said)
@@ -294,48 +300,55 @@ def write_deck(
 
 
 def parse_balls(text: str, scene: Scene) -> tuple[int, int]:
-    """Return first and last ball (from 1) of a range such as ``3:5``; InputError if it is not valid."""
+    """Return the numbers of the first and last ball (from 1) of a range such as ``3:5``; InputError for another text."""
     allowed = f"FIRST:LAST with balls from 1 to {scene.ball_count}"
     words = re.fullmatch(r"([0-9]{1,9}):([0-9]{1,9})", text)
     first, last = (int(words[1]), int(words[2])) if words else (0, 0)
     if not 1 <= first <= last <= scene.ball_count:
-        raise ArgumentError("balls", text, allowed, "3:5 keeps balls 3, 4 and 5")
+        raise ArgumentError("balls", text, allowed, "give a range such as 3:5, which keeps balls 3, 4 and 5")
     return first, last
 
 
 def cut_scene(scene: Scene, first: int, last: int) -> Scene:
     """Cut a few neighbouring balls out of a screw with one start, with short pieces of nut and screw around them.
 
-    Every load and support moves to the nearer end of the piece of screw, loads are reduced to the share of the balls;
-    listed errors of ball radii keep their balls.
+    Every load and support moves to the nearer end of the piece of screw. Loads are multiplied by the share of the balls
+    that are kept. Errors given for single balls stay with their balls.
 
     Parameters
     ----------
     scene
-        Scene with one set.
+        Scene of one nut or bearing.
     first, last
-        Range of balls, from 1.
+        Numbers of the first and last ball that are kept, from 1.
 
     Returns
     -------
     Scene
-        The piece.
+        The scene with the kept balls.
 
     Raises
     ------
     InputError
-        For a bearing, several starts, random errors (their draws depend on the number of balls), and prescribed
-        displacements, which have no counterpart.
+        For a bearing, several starts, a flange, random errors (their draws depend on the number of balls), prescribed
+        displacements, and balls too near to the end of the screw.
     """
     track, layout = scene.track, ball_layout(scene)
     faults = (
-        (track.lead == 0.0, "track.lead", "0 mm", "a screw: a ring cannot be cut"),
-        (track.starts != 1, "track.starts", str(track.starts), "one start"),
-        (scene.nut.flange is not None, "nut.flange", "a flange", "a nut without one: a piece of it has none"),
-        (scene.errors.random, "errors", "random errors", "errors that are given"),
-        (any(v for s in scene.supports for _, v in s.fixed), "supports", "a prescribed displacement", "supports at zero"),
+        (track.lead == 0.0, "track.lead", "0 mm", "a lead above 0 mm: a bearing ring cannot be cut"),
+        (track.starts != 1, "track.starts", str(track.starts), "1"),
+        (scene.nut.flange is not None, "nut.flange", "a flange", "a nut without a flange"),
+        (scene.errors.random, "errors", "random errors", "errors with stated values only"),
+        (
+            any(v for s in scene.supports for _, v in s.fixed),
+            "supports",
+            "a prescribed displacement",
+            "supports that fix at zero displacement",
+        ),
     )
-    raise_first_fault(scene.name, [(*fault, "write the small scene yourself and leave `balls` out") for fault in faults])
+    raise_first_fault(
+        scene.name, [(*fault, "write a scene of a few balls yourself, and leave `balls` out") for fault in faults]
+    )
     kept = slice(first - 1, last)
     z, azimuth = layout.z[kept], layout.azimuth[kept]
     r, middle = scene.balls.radius, float(0.5 * (z.min() + z.max()))
@@ -343,14 +356,20 @@ def cut_scene(scene: Scene, first: int, last: int) -> Scene:
     low, high = middle - length / 2.0 - SHAFT * r, middle + length / 2.0 + SHAFT * r
     if low < 0.0 or high > scene.screw.length:
         raise ArgumentError(
-            "balls", f"{first}:{last}", "balls away from the screw's ends", "cut nearer to the nut's middle", scene.name
+            "balls",
+            f"{first}:{last}",
+            "balls away from the screw's ends",
+            "choose balls nearer to the middle of the nut",
+            scene.name,
         )
     share = (last - first + 1) / scene.ball_count
 
-    def end(at: float) -> float:
+    def nearer_end(at: float) -> float:
+        """Return the end of the piece of screw that is nearer to an axial position [m]."""
         return low if at <= middle else high
 
-    def scaled(v: tuple[float, float, float]) -> tuple[float, float, float]:
+    def share_of_balls(v: tuple[float, float, float]) -> tuple[float, float, float]:
+        """Return a force or moment times the share of the balls that are kept."""
         return share * v[0], share * v[1], share * v[2]
 
     listed = tuple((n - first + 1, e) for n, e in scene.errors.balls.listed if first <= n <= last)
@@ -362,8 +381,8 @@ def cut_scene(scene: Scene, first: int, last: int) -> Scene:
         nut=replace(scene.nut, position=middle, length=length),
         balls=replace(scene.balls, azimuths=tuple(azimuth.tolist())),
         errors=replace(scene.errors, balls=replace(scene.errors.balls, listed=listed)),
-        supports=tuple(Support(end(s.at), s.fixed) for s in scene.supports),
-        loads=tuple(Load(end(x.at), scaled(x.force), scaled(x.moment)) for x in scene.loads),
+        supports=tuple(Support(nearer_end(s.at), s.fixed) for s in scene.supports),
+        loads=tuple(Load(nearer_end(x.at), share_of_balls(x.force), share_of_balls(x.moment)) for x in scene.loads),
         solid=replace(scene.solid, shaft=SHAFT * r, screw_held="ends"),
         assumed=(
             *scene.assumed,

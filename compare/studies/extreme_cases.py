@@ -1,8 +1,8 @@
-"""Hard scenes for the table of numerical stability.
+"""Hard scenes for the report's table of numerical stability.
 
-They are extreme on purpose (100 t of load, a shaft a thousand times too soft): the question is whether the equations are
-solved, not whether the model is valid there. Most can be described by a scene file; exceptions (such as a bore that leaves
-too thin a wall) are stated at the case.
+They are extreme on purpose (100 t of load, a shaft a thousand times too soft). They test whether a solver finds the
+solution of the equations, not whether the model is valid there. Most can be described by a scene file; exceptions (such as
+a bore that leaves too thin a wall) are stated at the scene.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ TWO_BALLS = UNHELD.format("rigid motion in uy, uz, rx, ry at the nut's centre")
 
 @dataclass(frozen=True)
 class StabilityCase:
-    """Hard scene, with its group in the table and the status that a solver should report."""
+    """Scene that is hard to solve, with its group in the table of stability and the status that a solver should report."""
 
     #: Name of the case.
     name: str
@@ -39,46 +39,49 @@ class StabilityCase:
     group: str
     #: The scene.
     scene: Scene | Assembly
-    #: ``"converged"``, or the status that names the mechanism.
+    #: ``"converged"``, or the status that names the rigid motion that nothing resists.
     expected: str = CONVERGED
 
 
-# --- the scenes
+# --- scenes of one ball screw
 
 
 def _with_load(base: Scene, force: tuple[float, float, float], moment: float = 0.0, at: float = 0.0) -> Scene:
-    """Return a copy with one load as its only one: force [N] and moment [N m] about x, at a station [m]."""
+    """Return a scene with a single load: force [N] and moment about x [N m] at an axial position ``at`` [m]."""
     return replace(base, loads=(Load(at, force, (moment, 0.0, 0.0)),))
 
 
 def _with_ball_errors(base: Scene, oversize: float, half_width: float = 0.0, seed: int = 0) -> Scene:
-    """Return a copy with ball errors only: an oversize and a uniform scatter of +-``half_width`` [m]."""
+    """Return a scene with ball errors only: a common oversize and a uniform scatter of +-``half_width`` of the radii.
+
+    Both are in metres.
+    """
     drawn = BallErrors(oversize=oversize, sigma=half_width / math.sqrt(3.0), distribution="uniform")
     return replace(base, errors=Errors(balls=drawn, seed=seed))
 
 
 def _with_moduli(base: Scene, screw: float, nut: float, balls: float) -> Scene:
-    """Return a copy with the Young's moduli of screw, nut and balls times a factor each."""
+    """Return a scene with the Young's moduli of screw, nut and balls multiplied by one factor each."""
 
-    def scaled(m: Material, factor: float) -> Material:
+    def scaled_material(m: Material, factor: float) -> Material:
         return replace(m, youngs_modulus=m.youngs_modulus * factor)
 
     return replace(
         base,
-        screw=replace(base.screw, material=scaled(base.screw.material, screw)),
-        nut=replace(base.nut, material=scaled(base.nut.material, nut)),
-        balls=replace(base.balls, material=scaled(base.balls.material, balls)),
+        screw=replace(base.screw, material=scaled_material(base.screw.material, screw)),
+        nut=replace(base.nut, material=scaled_material(base.nut.material, nut)),
+        balls=replace(base.balls, material=scaled_material(base.balls.material, balls)),
     )
 
 
 def with_shaft_stiffness(base: Scene, factor: float) -> Scene:
-    """Return a copy with the beam's stiffness scaled and every Hertz constant unchanged.
+    """Return a scene with the shaft's beam stiffness multiplied by a factor, and every Hertz constant unchanged.
 
-    Stiffer: the screw's modulus times ``factor``, the balls softened by ``2 - 1/factor`` so that ball and screw keep
-    their contact modulus, and the nut stiffened like the screw (all parts share one material). Softer: no
-    modulus can do that (the ball would need a negative one), so a bore leaves ``factor`` of the section's area, and
-    ``factor (2 - factor)`` of its second moment; below about 0.2 that wall is thinner than the groove is deep, which a
-    scene file does not allow.
+    Stiffer shaft: the screw's modulus is multiplied by ``factor``, the balls' modulus divided by ``2 - 1/factor`` so that
+    the contact modulus of ball and screw stays, and the nut stiffened like the screw (all parts share one material). Softer
+    shaft: no modulus can do that (the ball would need a negative one), so a bore leaves ``factor`` of the section's area
+    and ``factor (2 - factor)`` of its second moment of area. For factors below about 0.2 the wall is thinner than the
+    groove is deep, which a scene file does not allow.
     """
     if factor >= 1.0:
         return _with_moduli(base, factor, factor, 1.0 / (2.0 - 1.0 / factor))
@@ -87,13 +90,17 @@ def with_shaft_stiffness(base: Scene, factor: float) -> Scene:
 
 
 def with_conformity(base: Scene, ratio: float) -> Scene:
-    """Return a copy with groove radii of ``ratio`` times the ball radius."""
+    """Return a scene with the groove radii of screw and nut set to ``ratio`` times the ball radius."""
     radius = ratio * base.balls.radius
     return replace(base, screw=replace(base.screw, groove_radius=radius), nut=replace(base.nut, groove_radius=radius))
 
 
 def with_lead(base: Scene, lead: float) -> Scene:
-    """Return a copy of a screw with another lead [m]: 0 is a bearing of 16 balls; below 6 mm with balls of 3 mm."""
+    """Return a screw with another lead [m], and a nut that is long enough for it.
+
+    A lead of zero gives a bearing with 16 balls. At leads of up to 6 mm the balls have 3 mm diameter and the conformity
+    stays.
+    """
     if lead == 0.0:
         ring = tuple(2.0 * math.pi * i / 16 for i in range(16))
         return replace(base, track=replace(base.track, lead=0.0), balls=replace(base.balls, azimuths=ring))
@@ -105,18 +112,18 @@ def with_lead(base: Scene, lead: float) -> Scene:
 
 
 def _with_axial_support_only(base: Scene) -> Scene:
-    """Return a copy supported only along and about z, so that the balls carry all lateral loads and moments."""
+    """Return a scene whose screw is supported along and about z only, so that the balls carry lateral loads and moments."""
     return replace(base, supports=(Support(0.0, (("uz", 0.0), ("rz", 0.0))),))
 
 
 def _with_offset_end(base: Scene, offset: float, oversize: float) -> Scene:
-    """Return a copy with an oversize [m] and a further support that displaces the screw's right end along x [m]."""
+    """Return a scene with ball oversize, and a support that displaces the screw's right end by ``offset`` along x [m]."""
     moved = Support(base.screw.length, (("ux", offset), ("uy", 0.0)))
     return replace(_with_ball_errors(base, oversize), supports=(*base.supports, moved))
 
 
 def _load_cases(base: Scene) -> Iterator[StabilityCase]:
-    """Yield cases of axial and lateral loads, moments, and an offset end of the screw."""
+    """Yield scenes of a screw with axial and lateral loads, moments, and an offset end."""
     for k in range(-2, 7):
         yield StabilityCase(f"axial {10.0**k:g} N", "axial load", _with_load(base, (0.0, 0.0, 10.0**k)))
     yield StabilityCase("axial -5000 N", "axial load", _with_load(base, (0.0, 0.0, -5000.0)))
@@ -138,7 +145,7 @@ def _load_cases(base: Scene) -> Iterator[StabilityCase]:
 
 
 def _fit_cases(base: Scene) -> Iterator[StabilityCase]:
-    """Yield cases of clearance, preload and random ball sizes."""
+    """Yield scenes of a screw with clearance, preload and random ball sizes."""
     for gap in (5e-6, 50e-6):
         for force in (0.01, 1.0, 5000.0):
             scene = _with_load(_with_ball_errors(base, -gap), (0.0, 0.0, force))
@@ -155,7 +162,7 @@ def _fit_cases(base: Scene) -> Iterator[StabilityCase]:
 
 
 def _stiffness_cases(base: Scene) -> Iterator[StabilityCase]:
-    """Yield cases of a softer or stiffer shaft, and of other moduli."""
+    """Yield scenes of a screw with a softer or stiffer shaft, and with other moduli."""
     factors = [10.0**k for k in (-3, -2, -1, 1, 2, 3)]
     for f in factors:
         yield StabilityCase(f"shaft x {f:g}, contacts unchanged", "shaft stiffness", with_shaft_stiffness(base, f))
@@ -167,7 +174,7 @@ def _stiffness_cases(base: Scene) -> Iterator[StabilityCase]:
 
 
 def _geometry_cases(base: Scene) -> Iterator[StabilityCase]:
-    """Yield cases of other conformities, ball counts, leads and contact angles."""
+    """Yield scenes of a screw with other conformities, numbers of balls, leads and contact angles."""
     for ratio in (1.01, 1.001, 1.0001, 1.00001):
         close = with_conformity(base, ratio)
         yield StabilityCase(f"r_G/r_B {ratio:g}, axial", "conformity", close)
@@ -188,7 +195,7 @@ def _geometry_cases(base: Scene) -> Iterator[StabilityCase]:
 
 
 def _mechanism_cases(base: Scene) -> Iterator[StabilityCase]:
-    """Yield cases of one or two balls and of missing supports, with the mechanism expected where there is one."""
+    """Yield scenes with one or two balls or with missing supports, and the free rigid motion that is expected, if any."""
     one = replace(base, balls=replace(base.balls, azimuths=(0.0,)))
     for force in (0.01, 5000.0):
         yield StabilityCase(f"one ball, {force:g} N", "one ball", _with_load(one, (0.0, 0.0, force)))
@@ -208,15 +215,15 @@ def _mechanism_cases(base: Scene) -> Iterator[StabilityCase]:
     yield StabilityCase("two balls, one support", "support", two, TWO_BALLS)
 
 
-# --- parts of other materials and sizes, and several sets on one shaft
+# --- parts of other materials and sizes, and shafts with a nut and several bearings
 
 #: A polymer (POM) and a ceramic (silicon nitride), warming [K] with the expansion of steel [1/K], a long shaft [m].
 POLYMER, CERAMIC = Material(3e9, 0.4), Material(310e9, 0.26)
 WARMING, EXPANSION = (40.0, -300.0), 11.5e-6
 LONG = 6.0
-#: Offset of each row of the shipped axis [m].
+#: Axial offset of each bearing row of the shipped axis, which preloads it [m].
 OFFSET = 5e-6
-#: Why a single row of rollers cannot carry a shaft that is pulled out of it.
+#: Status of a single row of tapered rollers whose shaft is pulled out of it.
 PULLED = (
     "not held: the loads open every contact that could carry them (linear program: rigid motion of the shaft in ux, uy, "
     "uz, rx, ry)"
@@ -224,7 +231,7 @@ PULLED = (
 
 
 def _part_cases(base: Scene) -> Iterator[StabilityCase]:
-    """Yield cases of other materials, one large ball, four balls and a long shaft."""
+    """Yield scenes of a screw with other materials, one large ball, four balls and a long shaft."""
     nut = replace(base, nut=replace(base.nut, material=POLYMER))
     balls = replace(base, balls=replace(base.balls, material=CERAMIC))
     for name, scene in (("polymer nut", nut), ("ceramic balls", balls)):
@@ -251,22 +258,22 @@ def _part_cases(base: Scene) -> Iterator[StabilityCase]:
 
 
 def shipped_axis(name: str) -> Assembly:
-    """Return a shipped scene with several sets."""
+    """Return a shipped scene of a shaft with several nuts and bearings by name; TypeError for a scene with a single one."""
     found = catalogue.shipped(name)
     if not isinstance(found, Assembly):
-        raise TypeError(f"{name} is one set")
+        raise TypeError(f"{name} has a single nut or bearing, not several on a shaft")
     return found
 
 
 def axis_of_balls_and_rollers() -> Assembly:
-    """Return the shipped axis with Smith's tapered rows as right bearing, preloaded by offsets."""
+    """Return the shipped ball-screw axis with Smith's tapered roller rows as right bearing, preloaded by offsets."""
     axis, row = _axis_preloaded_by_offsets(), shipped_axis("smith-axis-taper").sets[0].parts
     right = tuple(replace(s, kind="tapered roller bearing", parts=row) for s in axis.sets[3:])
     return replace(axis, sets=(*axis.sets[:3], *right))
 
 
 def _axis_preloaded_by_offsets() -> Assembly:
-    """Return the shipped axis with bearings preloaded by offsets, so that all formulations solve identical equations."""
+    """Return the shipped axis with bearings preloaded by axial offsets, so that all formulations solve equal equations."""
     towards = {"+z": -OFFSET, "-z": OFFSET, "both": 0.0}
     return _change_each_row(
         shipped_axis("axis-fixed-fixed"), lambda s: replace(s, preload=0.0, offset=towards.get(s.thrust, 0.0))
@@ -274,7 +281,10 @@ def _axis_preloaded_by_offsets() -> Assembly:
 
 
 def _with_axis_loads(axis: Assembly, along: float, across: float = 0.0, moment: float = 0.0) -> Assembly:
-    """Return an axis with other loads [N, N m]: axial on the carriage (else shaft), others on the shaft."""
+    """Return an axis with other loads: an axial force on the carriage (on the shaft without one), the rest on the shaft.
+
+    Units are N and N m. ``across`` is the lateral force along x, half of which also acts along y; ``moment`` is about x.
+    """
     at = axis.screw.length / 3.0
     carriage = tuple(h for h in axis.housings if h.name == "carriage")
     side = Load(at, (across, 0.5 * across, 0.0 if carriage else along), (moment, 0.0, 0.0))
@@ -283,59 +293,59 @@ def _with_axis_loads(axis: Assembly, along: float, across: float = 0.0, moment: 
 
 
 def _change_each_row(axis: Assembly, change: Callable[[RollingSet], RollingSet]) -> Assembly:
-    """Return an axis with each rolling set replaced by ``change(set)``."""
+    """Return an axis with each nut and bearing row replaced by ``change(row)``."""
     return replace(axis, sets=tuple(change(s) for s in axis.sets))
 
 
 def _change_ball_rows(axis: Assembly, change: Callable[[Scene], Scene]) -> Assembly:
-    """Return an axis with ``change`` applied to the parts of its sets of balls."""
+    """Return an axis with ``change`` applied to the parts of each ball nut and row of balls."""
     return _change_each_row(axis, lambda s: replace(s, parts=change(s.parts)) if isinstance(s.parts, Scene) else s)
 
 
 def _change_roller_rows(axis: Assembly, **changes: Any) -> Assembly:
-    """Return an axis with the fields ``changes`` of every row of rollers replaced."""
+    """Return an axis with some fields of each row of rollers replaced by the values ``changes``."""
     return _change_each_row(
         axis, lambda s: replace(s, parts=replace(s.parts, **changes)) if isinstance(s.parts, RollerRow) else s
     )
 
 
 def _without_preload(axis: Assembly) -> Assembly:
-    """Return an axis without preload, offsets and oversize."""
+    """Return an axis without preload, axial offsets and geometric errors."""
     bare = _change_each_row(axis, lambda s: replace(s, preload=0.0, offset=0.0))
     return _change_ball_rows(bare, lambda p: replace(p, errors=Errors()))
 
 
 def _with_ball_count(scene: Scene, count: int) -> Scene:
-    """Return a nut with its first ``count`` balls, or a bearing with ``count`` evenly spaced balls."""
+    """Return a nut with only its first ``count`` balls, or a bearing with ``count`` evenly spaced balls."""
     ring = tuple(2.0 * math.pi * i / count for i in range(count))
     azimuths = ring if scene.track.lead == 0.0 else scene.balls.azimuths[:count]
     return replace(scene, balls=replace(scene.balls, azimuths=azimuths))
 
 
 def _lengthen_axis(axis: Assembly, length: float) -> Assembly:
-    """Return the axis with a longer shaft: its right end moves out, and its carriage to the middle."""
+    """Return an axis with a longer shaft [m]: its right end moves out, and its carriage to the middle."""
     more = length - axis.screw.length
 
-    def moved(z: float) -> float:
+    def moved_position(z: float) -> float:
         return z + (more if z > 0.6 * axis.screw.length else 0.5 * more if z > 0.4 * axis.screw.length else 0.0)
 
-    def placed(s: RollingSet) -> RollingSet:
-        at = moved(s.position)
+    def moved_row(s: RollingSet) -> RollingSet:
+        at = moved_position(s.position)
         if isinstance(s.parts, Scene):
             screw, nut = replace(s.parts.screw, length=length), replace(s.parts.nut, position=at)
             s = replace(s, parts=replace(s.parts, screw=screw, nut=nut))
         return replace(s, position=at)
 
     return replace(
-        _change_each_row(axis, placed),
+        _change_each_row(axis, moved_row),
         screw=replace(axis.screw, length=length),
-        housings=tuple(replace(h, at=moved(h.at)) for h in axis.housings),
-        segments=tuple(replace(x, start=moved(x.start), end=moved(x.end)) for x in axis.segments),
+        housings=tuple(replace(h, at=moved_position(h.at)) for h in axis.housings),
+        segments=tuple(replace(x, start=moved_position(x.start), end=moved_position(x.end)) for x in axis.segments),
     )
 
 
 def _axis_load_cases(axis: Assembly) -> Iterator[tuple[str, Assembly]]:
-    """Yield names and axes with other loads, without preload, and warmed or cooled."""
+    """Yield names and variants of an axis: other loads, no preload, and a warmer or colder shaft."""
     for force in (0.0, 0.01, 3000.0, -3000.0, 1e6):
         yield f"axial {force:g} N", _with_axis_loads(axis, force)
     for force in (1.0, 1e3, 1e5):
@@ -351,14 +361,14 @@ def _axis_load_cases(axis: Assembly) -> Iterator[tuple[str, Assembly]]:
 
 
 def _axis_part_cases(axis: Assembly) -> Iterator[tuple[str, Assembly]]:
-    """Yield names and axes with other materials, conformity, balls, and a long shaft."""
+    """Yield names and variants of an axis: other materials, conformity and balls, and a long shaft."""
 
-    def nut_of(p: Scene) -> bool:
+    def is_nut(p: Scene) -> bool:
         return p.track.lead > 0.0
 
     yield (
         "polymer nut",
-        _change_ball_rows(axis, lambda p: replace(p, nut=replace(p.nut, material=POLYMER)) if nut_of(p) else p),
+        _change_ball_rows(axis, lambda p: replace(p, nut=replace(p.nut, material=POLYMER)) if is_nut(p) else p),
     )
     yield "ceramic balls", _change_ball_rows(axis, lambda p: replace(p, balls=replace(p.balls, material=CERAMIC)))
     yield "conformity 0.505", _change_ball_rows(axis, lambda p: with_conformity(p, 1.01))
@@ -374,7 +384,7 @@ def _axis_part_cases(axis: Assembly) -> Iterator[tuple[str, Assembly]]:
 
 
 def _roller_cases(axis: Assembly) -> Iterator[tuple[str, Assembly]]:
-    """Yield names and axes with other slices, crown, count, angles and material of the rollers."""
+    """Yield names and variants of an axis: other slices, crown, number, angles and material of its rollers."""
     crossed = _with_axis_loads(axis, 2000.0, 2000.0)
     yield "1 slice, across", _change_roller_rows(crossed, slices=1)
     yield "101 slices, across", _change_roller_rows(crossed, slices=101)
@@ -386,7 +396,7 @@ def _roller_cases(axis: Assembly) -> Iterator[tuple[str, Assembly]]:
 
 
 def _axis_cases() -> Iterator[StabilityCase]:
-    """Yield cases of nuts, ball bearings and tapered roller bearings on one shaft."""
+    """Yield scenes of shafts with a ball nut, ball bearings and tapered roller bearings."""
     mixed, rollers, balls = axis_of_balls_and_rollers(), shipped_axis("smith-axis-taper"), _axis_preloaded_by_offsets()
     for kind, axis, groups in (
         ("balls and rollers", mixed, (_axis_load_cases, _axis_part_cases, _roller_cases)),
@@ -407,7 +417,7 @@ def _axis_cases() -> Iterator[StabilityCase]:
 
 
 def extreme_cases() -> list[StabilityCase]:
-    """Return all hard scenes in a fixed order: a screw, variants of ``lin-case1``, then shipped axes."""
+    """Return all hard scenes in a fixed order: variants of the screw ``lin-case1``, then shafts with several bearings."""
     base = catalogue.scene("lin-case1")
     groups = (_load_cases, _fit_cases, _stiffness_cases, _geometry_cases, _mechanism_cases, _part_cases)
     found = [*(c for group in groups for c in group(base)), *_axis_cases()]

@@ -1,12 +1,13 @@
 """Numerical stability: hard scenes solved by several formulations, each converged or with the reason why not.
 
-The scenes are in `extreme_cases`. A second formulation, in contact loads with the compliance of the same beam, must find
-the same loads. It does not solve rows of rollers without balls; of these the law of every slice is checked.
+The scenes are in `extreme_cases`. A second formulation, whose unknowns are the contact loads and which uses the compliance
+of the same beam, must find the same loads. It does not solve rows of rollers without balls; for these the load-displacement
+law of every roller slice is checked instead.
 
-The source's Newton starts (``lowfi.as_source``) are: the nominal state; a good guess, the screw moved along its axis as if
-all balls shared the axial load equally; ten load steps from there.
+Newton's method as in Lin's thesis (``lowfi.as_source``) starts from: the nominal state; a good guess, in which the screw is
+moved along its axis as if all balls shared the axial load equally; or ten load steps from that guess.
 
-Random campaigns are run by ``python -m tests.campaign`` of the repository; here their records are read.
+Campaigns of random scenes are run by ``python -m tests.campaign`` of the repository; this module reads their records.
 """
 
 from __future__ import annotations
@@ -53,21 +54,22 @@ SOURCE: dict[str, Start] = {
     "source, load steps": "load steps",
 }
 
-#: The force formulation (`lowfi.statics.elastic`) of the same equations: beam, rigid nut, Hertz contacts.
+#: Name of the formulation in contact loads (`lowfi.statics.elastic`) of the same equations: beam, rigid nut, Hertz
+#: contacts.
 FORCES = "contact loads, same equations"
 
-#: Models with elastic bodies by label: the same scenes must be solved with their backends.
+#: Models of elastic bodies by the name of their formulation; all must solve the hard scenes.
 BACKENDS = {FORCES: "lin"} | {m.label: m.name for m in MODELS.values() if m.extremes}
 
 FORMULATIONS = (ENERGY, *BACKENDS, *SOURCE)
 
-#: Largest number of unknowns for which the source's dense Jacobian is attempted.
+#: Largest number of unknowns for which the dense Jacobian of Lin's thesis is attempted.
 DENSE_LIMIT = 2000
 
-#: Largest number of balls for which elastic bodies are attempted.
+#: Largest number of balls for which formulations with elastic bodies are attempted.
 ELASTIC_LIMIT = 250
 
-#: Allowed difference of a slice's line load from its law, over the largest line load.
+#: Allowed difference between a roller slice's line load and its load-displacement law, over the largest line load.
 SLICES = 1e-9
 
 #: Loads of two formulations that differ by less than this share of the largest load [%] are the same solution.
@@ -76,11 +78,11 @@ SAME = 1e-4
 
 @dataclass(frozen=True)
 class Attempt:
-    """One case solved by one formulation."""
+    """Outcome of solving one hard scene by one formulation."""
 
-    #: Name of the case.
+    #: Name of the scene.
     case: str
-    #: Group of the case.
+    #: Group of the scene.
     group: str
     #: Name of the formulation.
     formulation: str
@@ -99,39 +101,38 @@ class Attempt:
     seconds: float = 0.0
     #: Number of unknowns.
     unknowns: int = 0
-    #: Largest difference of a load from the energy solver on the same partition [% of the largest load]; None unless both
-    #: converged.
+    #: Largest difference of a contact load from the energy solver's with the same beam nodes [% of the largest load]; None
+    #: unless both converged.
     difference_percent: float | None = None
     #: Short form of the status, with remarks.
     reason: str = ""
 
     @property
-    def tried(self) -> bool:
-        """Whether a solution was attempted."""
+    def was_tried(self) -> bool:
+        """Whether the formulation was applied to the scene at all."""
         return not self.status.startswith("not attempted")
 
 
-# --- solving
+# --- solution of the hard scenes
 
 
 def attempt_case(case: StabilityCase, formulation: str) -> Attempt:
-    """Solve one case by one formulation; a failure of a solver is a row, never an exception.
+    """Solve one hard scene by one formulation; a failure of the solver is recorded in the result, never raised.
 
-    The energy solver uses the scene's partition (a node at every contact). The source's formulation uses its partition of
-    15 mm, with the rigid arcs of the energy solver for the flanks (``kinematics="arc"``), so that both solve the same
-    equations.
+    The energy solver has a beam node at every contact. Newton's method as in Lin's thesis has its nodes every 15 mm, with
+    the energy solver's rigid arcs for the flanks (``kinematics="arc"``), so that both solve the same equations.
 
     Parameters
     ----------
     case
-        The case.
+        The hard scene.
     formulation
         One of ``FORMULATIONS``.
 
     Returns
     -------
     Attempt
-        The row.
+        Status, residual, time and differences of the solution.
     """
     if formulation == ENERGY:
         return _attempt_by_energy_solver(case)
@@ -144,12 +145,12 @@ def attempt_case(case: StabilityCase, formulation: str) -> Attempt:
 
 @cache
 def _load_kernels() -> None:
-    """Load or compile the kernels of this process before anything is timed."""
+    """Load or compile the numerical kernels in this process, before anything is timed."""
     solve_static(shipped("lin-case1"), engine="compiled")
 
 
 def _solve_by_energy(scene: Scene | Assembly) -> StaticResult | AxisResult:
-    """Solve a scene by the energy solver, with compiled kernels."""
+    """Solve a scene by the energy solver with compiled kernels."""
     _load_kernels()
     if isinstance(scene, Assembly):
         return solve_assembly(scene, engine="compiled")
@@ -157,7 +158,7 @@ def _solve_by_energy(scene: Scene | Assembly) -> StaticResult | AxisResult:
 
 
 def _attempt_by_energy_solver(case: StabilityCase, result: StaticResult | AxisResult | None = None) -> Attempt:
-    """Return the row of a case by the energy solver; ``result``: its result if known."""
+    """Return the outcome of the energy solver for a hard scene; ``result``: its result, if already known."""
     begin = perf_counter()
     row = _attempt_of_result(case, ENERGY, result or _solve_by_energy(case.scene), begin)
     return replace(row, difference_percent=0.0 if row.converged else None)
@@ -166,17 +167,17 @@ def _attempt_by_energy_solver(case: StabilityCase, result: StaticResult | AxisRe
 def _attempt_by_force_formulation(
     case: StabilityCase, formulation: str, ours: StaticResult | AxisResult | None = None
 ) -> Attempt:
-    """Solve a case by the force formulation.
+    """Solve a hard scene by a formulation in contact loads; ``ours``: the energy solver's result, if already known.
 
-    Not attempted if its dimensions leave no body (no land, no wall), or above `ELASTIC_LIMIT` balls, which would take
-    minutes.
+    Not attempted are scenes whose dimensions leave no solid body (no land, no wall), scenes with more than `ELASTIC_LIMIT`
+    balls, which would take minutes, and scenes with rollers only.
     """
     begin, backend = perf_counter(), BACKENDS[formulation]
     try:
         if case.scene.ball_count > ELASTIC_LIMIT:
             raise ValueError(f"{case.scene.ball_count} balls")
         if not case.scene.ball_count:
-            raise ValueError("rollers alone leave nothing but the beam to be elastic")
+            raise ValueError("a shaft with roller bearings only has no elastic body but its beam")
         solve: Any = solve_refined if isinstance(case.scene, Assembly) else solve_elastic
         result = solve(case.scene, backend=LADDER[backend], engine="compiled")
     except ValueError as error:
@@ -191,12 +192,15 @@ def _attempt_by_force_formulation(
 
 
 def _all_loads(result: StaticResult | AxisResult) -> Array:
-    """Return the loads of all contacts and rollers [N]."""
+    """Return the loads of all ball contacts and rollers of a result, as one array (n,) or (N, 4) [N]."""
     return np.concatenate([s.loads.ravel() for s in result.sets]) if isinstance(result, AxisResult) else result.load
 
 
 def _attempt_of_result(case: StabilityCase, formulation: str, result: StaticResult | AxisResult, begin: float) -> Attempt:
-    """Return the row of a solver's result, with the time since ``begin`` and no difference from the energy solver."""
+    """Return the outcome of a formulation from the solver's result, with the time since ``begin`` [s].
+
+    Its difference from the energy solver is left open.
+    """
     status, s = _false_convergence_reason(result) or result.status, result.solver
     return _make_attempt(
         case,
@@ -212,17 +216,20 @@ def _attempt_of_result(case: StabilityCase, formulation: str, result: StaticResu
 
 
 def _make_attempt(case: StabilityCase, formulation: str, status: str, **found: Any) -> Attempt:
-    """Return the row of a case and formulation, with fields of the solution."""
+    """Return the outcome of a formulation from its status and further fields of `Attempt`."""
     return Attempt(case.name, case.group, formulation, status, case.expected, status == CONVERGED, **found)
 
 
 def _false_convergence_reason(result: StaticResult | AxisResult) -> str:
-    """Return why a result that claims convergence is wrong; empty if it is right or claims none."""
+    """Return why a result that is reported as converged is wrong; empty if it is right, or not reported as converged.
+
+    Checked are finite numbers, the residual, the balance of forces and moments, and the law of the roller slices.
+    """
     if not result.converged:
         return ""
     s, balance = result.solver, result.equilibrium
     if not (np.all(np.isfinite(_all_loads(result))) and np.all(np.isfinite(result.centreline))):
-        return "claims convergence, but loads or motions are not finite"
+        return "claims convergence, but loads or displacements are not finite"
     if not s.residual <= max(ACCEPTED, s.round_off_bound):
         return f"claims convergence, but the residual is {s.residual:.1e}"
     if balance is None or not balance.largest <= BALANCE:
@@ -232,14 +239,15 @@ def _false_convergence_reason(result: StaticResult | AxisResult) -> str:
             return "claims convergence, but forces and moments on a housing do not balance"
         for row in result.sets if result.model == "lin" else ():
             if slice_load_error(row, result) > SLICES:
-                return f"claims convergence, but slices of {row.of.name} have not the loads of their approach"
+                return f"claims convergence, but slice loads of {row.of.name} do not follow from their approach"
     return ""
 
 
 def slice_load_error(row: SetResult, result: AxisResult) -> float:
-    """Return the largest difference of a roller slice's line load from its law, over the largest line load.
+    """Return the largest difference between a roller slice's line load and its law, over the largest line load.
 
-    The round-off of the motions of cone and cup is deducted; zero for balls and without load.
+    The approach of each slice is computed from the displacements of cone and cup, whose round-off is deducted. Zero for a
+    row of balls, and for rollers without load.
     """
     parts, lines = row.of.parts, row.line_loads
     if not isinstance(parts, RollerRow) or lines is None or not lines.any():
@@ -265,23 +273,24 @@ def slice_load_error(row: SetResult, result: AxisResult) -> float:
 
 
 def _with_source_partition(scene: Scene) -> Scene:
+    """Return a scene whose beam has its nodes where Lin's thesis has them."""
     return replace(scene, ingredients=replace(scene.ingredients, partition="source"))
 
 
 def source_unknowns(scene: Scene) -> int:
-    """Return the number of unknowns of the source's formulation.
-
-    Two per ball centre, four contact angles per ball, and the free nodal motions.
-    """
+    """Return the number of unknowns of the equations of Lin's thesis."""
     layout = ball_layout(scene)
     problem = build(scene, specimen(scene, layout), layout, np.ones(4, dtype=bool))
     return 6 * layout.z.size + problem.unknowns
 
 
 def _attempt_by_source_newton(case: StabilityCase, formulation: str, ours: StaticResult | None = None) -> Attempt:
-    """Solve a case by the source's Newton; ``ours``: result of the energy solver on the source's partition."""
+    """Solve a hard scene by Newton's method as in Lin's thesis.
+
+    ``ours`` is the energy solver's result with the same beam nodes, if already known.
+    """
     if isinstance(case.scene, Assembly):
-        status = "not attempted: the source has one set"
+        status = "not attempted: Lin's thesis has a single nut on its shaft"
         return _make_attempt(case, formulation, status, reason=status)
     scene = _with_source_partition(case.scene)
     unknowns = source_unknowns(scene)
@@ -289,7 +298,7 @@ def _attempt_by_source_newton(case: StabilityCase, formulation: str, ours: Stati
     if unknowns > DENSE_LIMIT:
         status = f"not attempted: dense Jacobian of {unknowns} unknowns"
     elif scene.ingredients.screw == "rigid":
-        status = "not attempted: the source's equations are those of a beam"
+        status = "not attempted: the screw of Lin's thesis is a beam, not rigid"
     else:
         found = solve_source(scene, kinematics="arc", start=SOURCE[formulation])
         status, iterations, residual, seconds = found.status, found.iterations, found.residual, found.seconds
@@ -310,7 +319,7 @@ def _attempt_by_source_newton(case: StabilityCase, formulation: str, ours: Stati
 
 
 def _difference_clause(difference: float | None) -> str:
-    """Return a clause on loads that differ from the energy solver's [%]; empty if they are the same."""
+    """Return a clause on loads that differ from the energy solver's by ``difference`` [%]; empty if they are the same."""
     if difference is None or difference <= SAME:
         return ""
     root = "another root of the contact conditions (beyond the arc)"
@@ -318,25 +327,25 @@ def _difference_clause(difference: float | None) -> str:
 
 
 def _finite_or_none(value: float) -> float | None:
-    """Return the value, or None if it is not finite."""
+    """Return a value, or None (for JSON) if it is not finite."""
     return float(value) if math.isfinite(value) else None
 
 
 def _largest_load_difference(load: Array, ours: Array) -> float:
-    """Return the largest difference of a load from the energy solver's, in per cent of the largest load."""
+    """Return the largest difference between two solutions' contact loads [% of the largest load ``ours``]."""
     top = float(ours.max(initial=0.0))
     change = float(np.abs(load - ours).max())
     return float(np.abs(error_percent(change, 0.0, top))) if top > 0.0 else 0.0
 
 
 def _short_status(status: str) -> str:
-    """Return the first clause of a status; the first two if it begins with "not held"."""
+    """Return the first clause of a solver's status; the first two if it begins with "not held"."""
     parts = status.split(": ")
     return ": ".join(parts[:2]) if parts[0] == "not held" else status.split(" (")[0]
 
 
 def _attempt_all_formulations(case: StabilityCase) -> list[Attempt]:
-    """Solve a case by every formulation and return the rows."""
+    """Solve a hard scene by every formulation and return the outcomes, the energy solver's first."""
     found, ours = _solve_by_energy(case.scene), None
     if isinstance(case.scene, Scene):
         scene = _with_source_partition(case.scene)
@@ -346,19 +355,19 @@ def _attempt_all_formulations(case: StabilityCase) -> list[Attempt]:
 
 
 def solve_cases(progress: Callable[[int, int, str], None] = lambda *_: None, *, n_jobs: int = 2) -> list[Attempt]:
-    """Solve every case by every formulation, in two processes.
+    """Solve every hard scene by every formulation, in several processes.
 
     Parameters
     ----------
     progress
-        Called with the number of cases done, their total, and the name of the last one.
+        Called with the number of scenes done, their total, and the name of the last one.
     n_jobs
         Number of processes.
 
     Returns
     -------
     list of Attempt
-        Rows in the order of ``extreme_cases``.
+        Outcomes in the order of `extreme_cases`.
     """
     from joblib import Parallel, delayed
 
@@ -372,19 +381,20 @@ def solve_cases(progress: Callable[[int, int, str], None] = lambda *_: None, *, 
 
 
 def unexpected_attempts(rows: Sequence[Attempt]) -> list[Attempt]:
-    """Return the rows with an unexpected status, and those of `FORCES` whose loads differ from the energy solver's.
+    """Return the outcomes of this program's formulations that are not as expected.
 
-    Expected is convergence, or the mechanism by name.
+    Expected is convergence, or the status that names the free rigid motion. Outcomes whose loads differ from the energy
+    solver's are returned, too.
     """
     ours = [r for r in rows if r.formulation == ENERGY or r.formulation in BACKENDS]
-    return [r for r in ours if (r.status != r.expected and r.tried) or (r.difference_percent or 0.0) > SAME]
+    return [r for r in ours if (r.status != r.expected and r.was_tried) or (r.difference_percent or 0.0) > SAME]
 
 
-# --- the table
+# --- rows of the report's table
 
 
 def rows_by_case(rows: Sequence[Attempt]) -> list[dict[str, Cell]]:
-    """Return one row for each case, with the status by each formulation."""
+    """Return the rows of the stability table: one for each hard scene, with the status by each formulation."""
     by_case: dict[str, dict[str, Cell]] = {}
     for row in rows:
         line = by_case.setdefault(row.case, {"case": row.case, "group": row.group})
@@ -398,7 +408,7 @@ def rows_by_case(rows: Sequence[Attempt]) -> list[dict[str, Cell]]:
 
 
 def status_cell(row: Attempt) -> str:
-    """Return the status for a table, with iterations and residual if it converged."""
+    """Return an outcome as text for a table cell: iterations if it converged, else the solver's status."""
     if row.status == CONVERGED:
         apart = row.difference_percent
         other = f", another root ({apart:.2g} % off)" if apart is not None and apart > SAME else ""
@@ -407,18 +417,21 @@ def status_cell(row: Attempt) -> str:
 
 
 def count_outcomes(rows: Sequence[Attempt]) -> dict[str, tuple[int, int, int]]:
-    """Count, by formulation, the cases solved (or whose mechanism was named), the cases tried, and all cases."""
+    """Count the outcomes of each formulation: as expected, tried, and all.
+
+    As expected are scenes that converged, or whose free rigid motion was named.
+    """
     out = {}
     for formulation in FORMULATIONS:
         attempts = [r for r in rows if r.formulation == formulation]
-        tried = [r for r in attempts if r.tried]
+        tried = [r for r in attempts if r.was_tried]
         out[formulation] = (sum(r.status == r.expected for r in tried), len(tried), len(attempts))
     return out
 
 
 Record = dict[str, Any]
 
-#: Possible outcomes of a scene, the good ones first.
+#: Possible outcomes of a random scene, the good ones first.
 RIGHT, REFUSED, PROVEN, NOT_UNIQUE = "right", "refused as input", "refused, proven", "refused, contacts not unique"
 
 WRONG, UNPROVEN, SILENT, CRASHED = "wrong", "refused, unproven", "refused without a mechanism", "traceback"
@@ -429,7 +442,7 @@ GOOD, BAD = (RIGHT, REFUSED, PROVEN, NOT_UNIQUE), (WRONG, UNPROVEN, SILENT, CRAS
 
 
 def read_campaigns(path: Path) -> list[Record]:
-    """Return the records of campaigns in a file; empty if the file is missing or holds something else."""
+    """Return the records of campaigns of random scenes from a file; empty if it is missing or holds something else."""
     try:
         records = json.loads(path.read_text(encoding="utf-8"))
     except (OSError, ValueError, RecursionError):
@@ -441,14 +454,14 @@ def read_campaigns(path: Path) -> list[Record]:
 
 
 def shipped_campaigns() -> list[Record]:
-    """Return the shipped records."""
+    """Return the records of the campaigns of random scenes that are part of the package."""
     return read_campaigns(Path(__file__).with_name("campaign.json"))
 
 
 def campaign_rows(records: Sequence[Record]) -> list[Row]:
-    """Return rows of the report's table, one for each campaign.
+    """Return the rows of the report's table of campaigns: one for each campaign of random scenes.
 
-    Each has its command and version, and how many scenes, damaged files and killed processes ended in which way.
+    A row has the command and version, and how many scenes, damaged files and killed processes ended in which way.
     """
     out = []
     for r in records:

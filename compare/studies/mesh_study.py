@@ -1,4 +1,4 @@
-"""Mesh study of the 3D reference (``rollbench mesh-study``): loads and displacements level by level."""
+"""Mesh study of the 3D reference (``rollbench mesh-study``): contact loads and displacements on each mesh level."""
 
 from __future__ import annotations
 
@@ -29,28 +29,30 @@ from rollbench.meshes.parts import SIDES, Scene
 
 Take = partial[float]
 
-#: A level is worth its time if its uncertainty is at most this share of that of the level before.
+#: A mesh level is worth its time if its uncertainty is at most this share of the uncertainty of the next coarser level.
 CLEARLY = 0.8
 
-#: Why a contact's load has no order.
+#: Remark on contact loads, for which no order of convergence is given.
 SCATTERS = "no order: contact loads scatter from mesh to mesh"
 
 
 def _extreme_load(side: int, sign: float, run: Run) -> float:
+    """Return the largest (``sign`` 1) or smallest (``sign`` -1) contact load on one flank [N]."""
     return float(sign * (sign * run.load[:, side]).max())
 
 
 def _ball_load(ball: int, side: int, run: Run) -> float:
+    """Return the contact load of one ball on one flank [N]."""
     return float(run.load[ball, side])
 
 
 def _centreline_displacement(station: int, axis: int, run: Run) -> float:
-    """Return the displacement at one of the stations that all levels share [um]."""
+    """Return the displacement of the screw's centreline along one axis, at an axial position that all levels share [um]."""
     return float(1e6 * run.centreline[station, 1 + axis])
 
 
 def study_quantities(run: Run) -> list[tuple[str, str, Take]]:
-    """Return the quantities of a mesh study: name, unit, function that takes it from a run."""
+    """Return the quantities that a mesh study tabulates: name, unit, and the function that takes the value from a run."""
     out: list[tuple[str, str, Take]] = []
     for s, side in enumerate(SIDES):
         if (run.load[:, s] > 0.0).any():
@@ -69,12 +71,12 @@ def study_quantities(run: Run) -> list[tuple[str, str, Take]]:
 def reference_from_stored_runs(
     scene: Scene, stores: Sequence[Path] | None, levels: Sequence[int] = tuple(LEVELS)
 ) -> Reference | None:
-    """Return the reference of all stored runs on some levels; None without any.
+    """Return the 3D reference with its uncertainty from all stored runs on some mesh levels; None without any run.
 
     Parameters
     ----------
     scene
-        Scene with one set.
+        Scene of one nut or bearing.
     stores
         Folders with runs; None: those of the package.
     levels
@@ -85,18 +87,19 @@ def reference_from_stored_runs(
 
 
 def level_rows(reference: Reference) -> list[dict[str, Any]]:
-    """Return a row for each level, coarsest first.
+    """Return a table row for each mesh level, coarsest first: size, time and accuracy.
 
     Parameters
     ----------
     reference
-        The reference.
+        3D reference with its runs.
 
     Returns
     -------
     list of dict
-        Relative cell size, unknowns of the equivalent single mesh, seconds without cached parts and the conditions of their
-        measurement, largest difference of a contact load from the finest level, and `load_uncertainty_percent` [% of the
+        Cell size over that of the finest level, unknowns of the equivalent single mesh, seconds without cached parts and
+        the conditions of their measurement, largest difference of a contact load from the finest level, and
+        `load_uncertainty_percent` [% of the
         mean load].
     """
     return [
@@ -114,18 +117,18 @@ def level_rows(reference: Reference) -> list[dict[str, Any]]:
 
 
 def load_uncertainty_percent(reference: Reference, k: int) -> float:
-    """Return the uncertainty of the contact loads by run ``k`` and the coarser runs [% of the mean load].
+    """Return the uncertainty of the contact loads from run ``k`` and the coarser runs [% of the mean load].
 
-    RMS over the contacts; that of the first run alone is from experience with other scenes.
+    It is the root mean square over the contacts. For the first run alone it is estimated from other scenes' runs.
     """
     loads = {run.level: run.load for run in reference.runs[max(0, k + 1 - FITTED) : k + 1]}
     return parts(loads, read_experience(shipped_store())).bar
 
 
 def accuracy_sentence(reference: Reference) -> str:
-    """Return a sentence on the accuracy of each level, and on levels that are not worth their time.
+    """Return a sentence on the accuracy that each mesh level reaches, and on levels that are not worth their time.
 
-    Percentages are rounded up. Times are given if all are of one measuring run.
+    Percentages are rounded up. Times are given if all were measured in one measuring run.
     """
     stamps = {run.measured for run in reference.runs}
     steps, idle = list[tuple[str, float]](), list[int]()
@@ -145,7 +148,7 @@ def accuracy_sentence(reference: Reference) -> str:
 
 
 def _rounded_up(percent: float) -> str:
-    """Return a percentage rounded up to two digits.
+    """Return a percentage as text, rounded up to two digits.
 
     Examples
     --------
@@ -157,15 +160,16 @@ def _rounded_up(percent: float) -> str:
 
 
 def study_table(scene: Scene, stores: Sequence[Path] | None, levels: Sequence[int] = tuple(LEVELS)) -> list[dict[str, Any]]:
-    """Return the table of a mesh study.
+    """Return the table of a mesh study of a scene: each quantity on each level, with its uncertainty.
 
-    Contact loads, extremes included, have the uncertainty of their contact on the finest level, and no order; displacements
-    that of their order of convergence, or with two levels that of all displacements together.
+    Contact loads have the uncertainty of their contact on the finest level and no order of convergence, because they
+    scatter from mesh to mesh. The uncertainty of a displacement follows from its order of convergence; with two levels
+    only, from the order of all displacements together.
 
     Parameters
     ----------
     scene
-        Scene with one set.
+        Scene of one nut or bearing.
     stores
         Folders with runs; None: those of the package.
     levels
@@ -174,9 +178,9 @@ def study_table(scene: Scene, stores: Sequence[Path] | None, levels: Sequence[in
     Returns
     -------
     list of dict
-        For each quantity that is not fixed at zero: value on each level, order, extrapolated value, grid uncertainty, why
-        it has an order or none; modelling uncertainty (root of squares over the varied choices) and the effect of choices
-        that belong to the scene.
+        For each quantity that is not fixed at zero: value on each level, order of convergence, extrapolated value, grid
+        uncertainty, and why there is an order or none. If modelling choices were varied: their effect (root of summed
+        squares), and the effect of choices that belong to the scene.
     """
     reference = reference_from_stored_runs(scene, stores, levels)
     if reference is None:
@@ -190,16 +194,16 @@ def study_table(scene: Scene, stores: Sequence[Path] | None, levels: Sequence[in
 
 
 def quantity_table(reference: Reference, base: Run | None, changed: Mapping[str, Run]) -> list[dict[str, Any]]:
-    """Return the table that `study_table` describes, from a reference and its runs.
+    """Return the table that `study_table` describes, from a 3D reference and runs with other modelling choices.
 
     Parameters
     ----------
     reference
-        The reference.
+        3D reference with its runs.
     base
-        Run with which variants of modelling choices are compared; None: without these.
+        Run with the usual modelling choices, with which the variants are compared; None: no variants.
     changed
-        Run of each variant.
+        Runs with one modelling choice changed, by the name of the variant.
     """
     runs, table = reference.runs, []
     shown = [(name, unit, take) for name, unit, take in study_quantities(runs[-1]) if any(take(r) for r in runs)]
@@ -237,9 +241,9 @@ def quantity_table(reference: Reference, base: Run | None, changed: Mapping[str,
 
 
 def _contact_of_quantity(take: Take, finest: Run) -> tuple[int, int] | None:
-    """Return ball and flank of the contact whose load the quantity gives on the finest level.
+    """Return the ball and flank of the contact whose load a quantity gives on the finest level.
 
-    None if it is not a contact load.
+    None for a displacement.
     """
     if take.func is _ball_load:
         return take.args[0], take.args[1]
@@ -250,14 +254,17 @@ def _contact_of_quantity(take: Take, finest: Run) -> tuple[int, int] | None:
 
 
 def _percent_of(value: float | None, of: float) -> float | None:
-    """Return ``value`` in per cent of ``of``; None without a value, or if only ``of`` is zero."""
+    """Return ``value`` in per cent of ``of``; None without a value, or if ``of`` is zero and ``value`` is not."""
     if value is None or (of == 0.0 and value != 0.0):
         return None
     return float(error_percent(value, 0.0, of))
 
 
 def _root_of_squares(moves: Mapping[str, float]) -> float | None:
-    """Return the root of summed squares over modelling choices, by the largest variant of each; None without any."""
+    """Return the root of the summed squares of the effects of modelling choices; None without any.
+
+    A choice with several variants counts with the largest effect. ``moves``: change of the quantity by each variant.
+    """
     by_choice: dict[str, float] = {}
     for name, move in moves.items():
         variant = VARIANTS[name]
@@ -267,16 +274,18 @@ def _root_of_squares(moves: Mapping[str, float]) -> float | None:
 
 
 def chosen_levels(count: int | None) -> tuple[int, ...]:
-    """Return the levels of a mesh study: `ADVISED`, or 1 to ``count``; InputError if ``count`` is out of range."""
+    """Return the mesh levels of a study: `ADVISED`, or 1 to ``count``; InputError if ``count`` is out of range."""
     if count is None:
         return ADVISED
     if not 1 <= count <= len(LEVELS):
-        raise ArgumentError("levels", str(count), f"1 to {len(LEVELS)}", "three levels give an order")
+        raise ArgumentError(
+            "levels", str(count), f"1 to {len(LEVELS)}", "take three levels, which give an order of convergence"
+        )
     return tuple(range(1, count + 1))
 
 
 def table_of_reference(one: Referenced, stores: Sequence[Path], levels: Sequence[int]) -> list[dict[str, Any]]:
-    """Return the table of a mesh study; of one of several sets without the effect of modelling choices."""
+    """Return the mesh-study table of a nut or bearing; for one of several on a shaft without varied modelling choices."""
     return study_table(one.scene, stores, levels) if one.of is None else quantity_table(one.found, None, {})
 
 
@@ -291,7 +300,7 @@ def compute_study(
     source: bool = False,
     fresh: bool = False,
 ) -> list[Referenced]:
-    """Compute references of scenes from runs on ``levels``; new runs are stored in the first store.
+    """Compute the 3D references of scenes from runs on several mesh levels; new runs are stored in the first store.
 
     Parameters
     ----------
@@ -308,36 +317,37 @@ def compute_study(
     spread
         Whether modelling choices are varied.
     source
-        Whether the source's mesh is added.
+        Whether the mesh of the publication is added.
     fresh
         Whether stored runs are computed again.
 
     Returns
     -------
     list of Referenced
-        Reference of each set.
+        3D reference of each nut or bearing.
 
     Raises
     ------
     InputError
-        For ``spread`` of several sets on one shaft; as Refusal if no run of a scene converged.
+        For ``spread`` and a shaft with several nuts and bearings; as Refusal if no run of a scene converged.
     """
     tasks = plan(scenes, levels, source=source)
     several = next((s.name for s in scenes if isinstance(s, Assembly)), None) if spread else None
     if several is not None:
-        raise ArgumentError("spread", f"with {several}", "scenes of one set", "leave it out")
+        allowed = "only for scenes with a single nut or bearing"
+        raise ArgumentError("spread", f"a study of {several}", allowed, "leave `spread` out")
     if spread:
         tasks += [t for s in scenes for t in plan([s], (), all_variants())]
 
-    def first(task: Task) -> None:
-        """Say what the coarsest level found while finer ones are computed."""
+    def report_coarsest_level(task: Task) -> None:
+        """Report the loads of the coarsest level while finer ones are computed."""
         for scene in task.scenes if task.level == min(LEVELS) and not task.variant else ():
             for one in stored_references(scene, stores[:1], (task.level,)):
                 table = terminal_rows(table_of_reference(one, stores[:1], (task.level,)))
                 values = (f"{row['quantity']} {row[f'level {task.level}']:.4g} {row['unit']}" for row in table)
                 step(f"{one.found.scene}, by level {task.level} alone: {'; '.join(values)}")
 
-    failed = ensure(tasks, stores[0], engine, step, stores[1:], fresh=fresh, stored=first)
+    failed = ensure(tasks, stores[0], engine, step, stores[1:], fresh=fresh, stored=report_coarsest_level)
     references = []
     for scene in scenes:
         sets = stored_references(scene, stores, tuple(levels), fitted=len(levels))
@@ -348,7 +358,7 @@ def compute_study(
 
 
 def terminal_rows(table: Sequence[dict[str, Any]]) -> list[dict[str, Any]]:
-    """Return the table for the terminal: without rows of single balls and uncertainty in per cent."""
+    """Return the table for the terminal: without rows of single balls, and without columns in per cent and remarks."""
     return [
         {k: v for k, v in row.items() if k not in ("uncertainty_percent", "kind")}
         for row in table
@@ -359,12 +369,12 @@ def terminal_rows(table: Sequence[dict[str, Any]]) -> list[dict[str, Any]]:
 def mesh_study_for_library(
     target: Solvable, levels: int | None, step: Callable[[str], None], *, spread: bool, store: Path
 ) -> tuple[dict[str, Any], str, tuple[str, ...]]:
-    """Run a mesh study for `rollbench.mesh_study`.
+    """Run a mesh study of one scene for `rollbench.mesh_study`.
 
     Parameters
     ----------
     target
-        Scene with one set or several.
+        Scene of one nut or bearing, or of a shaft with several.
     levels
         Number of levels; None: `ADVISED`.
     step

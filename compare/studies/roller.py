@@ -1,8 +1,8 @@
-"""Tapered rollers of a scene in 3D, level by level, and what low-order laws say of them (``rollbench mesh-study``).
+"""Tapered rollers of a scene in 3D on several mesh levels, compared with low-order laws (``rollbench mesh-study``).
 
-Each different roller of a scene is pressed between its races with the largest load that a roller of its kind carries in the
-scene, a half and a quarter of it. The 3D model is `rollbench.hifi.contact.roller`. Low-order laws: the slices that every
-solve uses (`rollbench.lowfi.rollers`), and the spring of ISO/TS 16281.
+Each kind of roller of a scene is pressed between its races with the largest load that a roller of this kind carries in the
+scene, with half of it and with a quarter. The 3D model is `rollbench.hifi.contact.roller`. The low-order laws are the slice
+model that every solution uses (`rollbench.lowfi.rollers`), and the load-deflection law of ISO/TS 16281.
 """
 
 from __future__ import annotations
@@ -34,9 +34,9 @@ from rollbench.lowfi.rollers import (
 from rollbench.meshes.axis import Assembly, RollerRow
 from rollbench.meshes.canonical import digest
 
-#: Version of the mechanics; bump it when they change.
+#: Version of the 3D roller model in the names of stored runs; raise it when the mechanics change.
 SCHEMA = 1
-#: Loads over the largest one of the scene; the first has the pressures.
+#: Loads over the largest roller load of the scene; pressures are stored for the first.
 SHARES = (1.0, 0.5, 0.25)
 #: Mesh levels.
 LEVELS = (1, 2, 3)
@@ -49,31 +49,31 @@ HIDDEN = ("order", "extrapolated", "low_order", "norm", "line_contact")
 
 @dataclass(frozen=True)
 class RollerRun:
-    """Stored result of one roller on one mesh level; SI, races in the order outer, inner."""
+    """Stored 3D result of one roller on one mesh level, in SI units; lists over the races are in the order outer, inner."""
 
     #: Mesh level.
     level: int
-    #: Cells across half of the zone that may touch, of all meshes, and their degrees of freedom.
+    #: Cells across half of the possible contact zone; cells of all meshes; degrees of freedom.
     across: int
     cells: int
     unknowns: int
-    #: Loads, approaches, stiffnesses.
+    #: Loads [N], approaches of the races [m], stiffnesses [N/m].
     load: list[float]
     approach: list[float]
     stiffness: list[float]
-    #: Load per length in the middle for each load.
+    #: Load per length in the middle of the roller, for each load and race [N/m].
     middle_line_load: list[list[float]]
-    #: Under the first load: pressure in the middle, and the largest one, which stands at the ends of a straight roller.
+    #: Under the first load: pressure in the middle, and the largest pressure, which a straight roller has at its ends [Pa].
     middle_pressure: list[float]
     largest_pressure: list[float]
-    #: Under the first load, along the roller: places, line loads and largest pressures across.
+    #: Under the first load, along the roller: positions, line loads, and largest pressure across the contact.
     along: list[float]
     line_load: list[list[float]]
     along_pressure: list[list[float]]
-    #: Across the middle: places where the roller has its mean diameter, and pressures.
+    #: Across the contact at the roller's mean diameter: positions, and pressures.
     across_place: list[float]
     across_pressure: list[list[float]]
-    #: Largest difference of the sum of the pressures from a load, over the load.
+    #: Largest difference between the integral of the pressure and the load, over the load.
     imbalance: float
     #: Wall and processor time.
     seconds: float
@@ -87,33 +87,35 @@ class RollerRun:
 
 @dataclass(frozen=True)
 class LoadedRoller:
-    """A kind of roller of a scene, and its load."""
+    """Kind of roller of a scene, with the largest load on a roller of this kind."""
 
-    #: Its row, without what does not matter to a roller between its races.
+    #: Its bearing row, without fields that do not affect one roller between its races.
     row: RollerRow
-    #: Sets that have it.
+    #: Names of the bearing rows that have this kind of roller.
     sets: tuple[str, ...]
     #: Largest load of the scene on a roller of the kind, to four digits [N].
     load: float
 
 
 def has_rollers(scene: Described) -> bool:
-    """Whether a scene, or the first of its load cases, has rows of rollers."""
+    """Return whether a scene, or the first load case of a duty cycle, has rows of rollers."""
     one = scene.cases[0].scene if isinstance(scene, DutyCycle) else scene
     return isinstance(one, Assembly) and any(isinstance(s.parts, RollerRow) for s in one.sets)
 
 
 def loaded_rollers(assembly: Assembly) -> list[LoadedRoller]:
-    """Return the kinds of rollers of a scene with their largest loads; empty without rollers.
+    """Return the kinds of rollers of a shaft with the largest load on each; empty without rollers.
 
-    Raises Refusal where the scene has no equilibrium, or loads no roller.
+    Raises Refusal if the shaft has no equilibrium, or no roller of a kind carries load.
     """
     rows = {s.name: _without_irrelevant_fields(s.parts) for s in assembly.sets if isinstance(s.parts, RollerRow)}
     if not rows:
         return []
     result = run_model(assembly)
     if not result.converged:
-        raise Refusal(assembly.name, "3D roller", f"the scene has no equilibrium: {result.status}", "see `solve`")
+        raise Refusal(
+            assembly.name, "3D roller", f"the scene has no equilibrium: {result.status}", "see the result of `solve`"
+        )
     loads = {s.of.name: float(s.loads.max()) for s in result.sets if s.of.name in rows}
     out = []
     for row in dict.fromkeys(rows.values()):
@@ -126,12 +128,12 @@ def loaded_rollers(assembly: Assembly) -> list[LoadedRoller]:
 
 
 def _without_irrelevant_fields(row: RollerRow) -> RollerRow:
-    """Return the row without the fields that do not affect the 3D roller, such as phase and rib."""
+    """Return a row of rollers without the fields that do not affect the 3D model of one roller, such as phase and rib."""
     return replace(row, phase=0.0, end_radius=None, rib_height=None, rib_friction=None, torque_factor=None)
 
 
 def run_file_name(roller: LoadedRoller, level: int) -> str:
-    """Return the name of the file of a run in a store."""
+    """Return the file name of a roller's stored run on a mesh level."""
     key = digest("roller", SCHEMA, replace(roller.row, slices=1), roller.load, SHARES)[:16]
     return f"roller-level{level}-{key}.json"
 
@@ -147,12 +149,12 @@ def stored_run(roller: LoadedRoller, level: int, stores: Sequence[Path]) -> Roll
 
 
 def load_or_compute_run(roller: LoadedRoller, level: int, stores: Sequence[Path], *, fresh: bool = False) -> RollerRun:
-    """Return the run of a roller on a mesh level: a stored one, else a new one, saved in the first store.
+    """Return the run of a roller on a mesh level: a stored one, else a new one, which is saved in the first store.
 
     Raises
     ------
     Refusal
-        A straight roller with sharp ends, or a contact that leaves what the model describes.
+        For a straight roller with sharp ends, or a contact zone that outgrows the model.
     """
     if not fresh and (known := stored_run(roller, level, stores)) is not None:
         return known
@@ -194,18 +196,18 @@ def load_or_compute_run(roller: LoadedRoller, level: int, stores: Sequence[Path]
 
 @dataclass(frozen=True)
 class LowOrderStiffness:
-    """Approach and stiffness of a roller under a load by low-order laws; SI."""
+    """Approach and stiffness of one roller between its races under a load by two low-order laws, in SI units."""
 
-    #: Approach and stiffness of the slices' law, which every solve uses.
+    #: Approach and stiffness by the slice model, which every solution uses.
     approach: float
     stiffness: float
-    #: The same of the spring of ISO/TS 16281, for steel.
+    #: Approach and stiffness by the load-deflection law of ISO/TS 16281 for steel.
     norm_approach: float
     norm_stiffness: float
 
 
 def low_order_stiffness(row: RollerRow, load: float) -> LowOrderStiffness:
-    """Return approach and stiffness by low-order laws of a roller that its races press with a load [N]."""
+    """Return approach and stiffness of a roller pressed between its races by a load [N], by two low-order laws."""
     roller = slice_roller(tapered_bearing(row), row.slices, circular_crown(row.crown))
     approach = approach_under_force(roller, load)
     norm = 1e-3 * (load / (NORM * (1e3 * row.length) ** (8.0 / 9.0))) ** 0.9
@@ -213,7 +215,7 @@ def low_order_stiffness(row: RollerRow, load: float) -> LowOrderStiffness:
 
 
 def line_contact_pressures(row: RollerRow, line_loads: Sequence[float]) -> list[float]:
-    """Return Hertz's largest pressure [Pa] in mid-roller at outer and inner contact, from loads per length [N/m]."""
+    """Return Hertz's largest line-contact pressure [Pa] in mid-roller on outer and inner race, by load per length [N/m]."""
     bearing = tapered_bearing(row)
     roller, cone, cup = (float(r) for r in bearing.radii())
     modulus = contact_modulus(bearing.young, bearing.poisson, bearing.young, bearing.poisson)
@@ -222,28 +224,28 @@ def line_contact_pressures(row: RollerRow, line_loads: Sequence[float]) -> list[
 
 
 def _value_at_load(name: str, k: int, run: RollerRun) -> float:
-    """Return a field's value at load number ``k`` of a run."""
+    """Return the value of a run's field at load number ``k``."""
     return float(getattr(run, name)[k])
 
 
 def _value_at_race(name: str, race: int, run: RollerRun) -> float:
-    """Return a field's value at one race under the first load of a run."""
+    """Return the value of a run's field on one race under the first load."""
     return float(getattr(run, name)[0][race])
 
 
 def quantity_rows(roller: LoadedRoller, runs: Sequence[RollerRun]) -> list[dict[str, Any]]:
-    """Return a row for each quantity: its value on every level, uncertainty, low-order values and their errors [%].
+    """Return a table row for each quantity of a roller: its value on every mesh level, and the errors of low-order laws.
 
     Parameters
     ----------
     roller
-        The roller.
+        Kind of roller with its load.
     runs
-        Its runs, coarsest first.
+        Runs of this roller, coarsest first.
     """
     rows = []
 
-    def add(name: str, unit: str, scale: float, take: Callable[[RollerRun], float], **low: float) -> None:
+    def add_row(name: str, unit: str, scale: float, take: Callable[[RollerRun], float], **low: float) -> None:
         values = [scale * take(run) for run in runs]
         found = run_convergence(values, runs)
         row: dict[str, Any] = {"quantity": name, "unit": unit}
@@ -258,7 +260,7 @@ def quantity_rows(roller: LoadedRoller, runs: Sequence[RollerRun]) -> list[dict[
     for k, load in enumerate(runs[-1].load):
         low = low_order_stiffness(roller.row, load)
         at = f"under {load:.4g} N"
-        add(
+        add_row(
             f"approach {at}",
             "um",
             1e6,
@@ -267,33 +269,35 @@ def quantity_rows(roller: LoadedRoller, runs: Sequence[RollerRun]) -> list[dict[
             norm=low.norm_approach,
         )
         both = {"low_order": low.stiffness, "norm": low.norm_stiffness}
-        add(f"stiffness {at}", "N/um", 1e-6, partial(_value_at_load, "stiffness", k), **both)
+        add_row(f"stiffness {at}", "N/um", 1e-6, partial(_value_at_load, "stiffness", k), **both)
     hertz = line_contact_pressures(roller.row, runs[-1].middle_line_load[0])
     for i, race in enumerate(RACES):
-        add(f"middle line load, {race}", "N/mm", 1e-3, partial(_value_at_race, "middle_line_load", i))
-        add(f"middle pressure, {race}", "MPa", 1e-6, partial(_value_at_load, "middle_pressure", i), line_contact=hertz[i])
-        add(f"largest pressure, {race}", "MPa", 1e-6, partial(_value_at_load, "largest_pressure", i))
+        add_row(f"middle line load, {race}", "N/mm", 1e-3, partial(_value_at_race, "middle_line_load", i))
+        add_row(
+            f"middle pressure, {race}", "MPa", 1e-6, partial(_value_at_load, "middle_pressure", i), line_contact=hertz[i]
+        )
+        add_row(f"largest pressure, {race}", "MPa", 1e-6, partial(_value_at_load, "largest_pressure", i))
     return rows
 
 
 def terminal_rows(rows: Sequence[dict[str, Any]]) -> list[dict[str, Any]]:
-    """Return `quantity_rows` for the terminal, without the columns ``HIDDEN``."""
+    """Return the rows of `quantity_rows` for the terminal, without the columns ``HIDDEN``."""
     return [{k: v for k, v in row.items() if k not in HIDDEN} for row in rows]
 
 
 def run_convergence(values: Sequence[float], runs: Sequence[RollerRun]) -> Convergence:
-    """Return the convergence of a quantity over runs on finer and finer meshes."""
+    """Return order and uncertainty of a quantity from its values in runs on finer and finer meshes."""
     return grid_convergence(values, [1.0 / run.across for run in runs])
 
 
 def approach_uncertainty_percent(runs: Sequence[RollerRun]) -> float | None:
-    """Return the grid uncertainty of the finest run's approach [%]; None with a single run."""
+    """Return the grid uncertainty of the approach in the finest run [%]; None with a single run."""
     bar = run_convergence([run.approach[0] for run in runs], runs).uncertainty
     return None if bar is None else float(error_percent(bar, 0.0, runs[-1].approach[0]))
 
 
 def level_rows(runs: Sequence[RollerRun]) -> list[dict[str, Any]]:
-    """Return a row for each level: cells, time, the approach against the finest level, its uncertainty, balance."""
+    """Return a table row for each mesh level: cells, time, balance, uncertainty, and approach against the finest level."""
     return [
         {
             "level": run.level,
@@ -313,16 +317,18 @@ def level_rows(runs: Sequence[RollerRun]) -> list[dict[str, Any]]:
 def study_rollers(
     assembly: Assembly, count: int | None, stores: Sequence[Path], step: Callable[[str], None], *, fresh: bool = False
 ) -> list[tuple[LoadedRoller, list[RollerRun]]]:
-    """Return runs of every kind of roller of a scene on levels 1 to ``count``, all unless given.
+    """Return the runs of every kind of roller of a shaft on mesh levels 1 to ``count``; None: on all levels.
 
     Raises
     ------
     InputError
-        Other levels; as Refusal where a roller cannot be solved.
+        For a number of levels out of range; as Refusal if a roller cannot be solved.
     """
     count = len(LEVELS) if count is None else count
     if not 1 <= count <= len(LEVELS):
-        raise ArgumentError("levels", str(count), f"1 to {len(LEVELS)} of rollers", "three levels give an order")
+        raise ArgumentError(
+            "levels", str(count), f"1 to {len(LEVELS)} for rollers", "take three levels, which give an order of convergence"
+        )
     out = []
     for roller in loaded_rollers(assembly):
         runs = []
@@ -334,7 +340,7 @@ def study_rollers(
 
 
 def low_order_sentence(roller: LoadedRoller, runs: Sequence[RollerRun]) -> str:
-    """Return what the study says of the low-order law."""
+    """Return sentences on the errors of the low-order laws for one roller against its finest 3D run."""
     low, best = low_order_stiffness(roller.row, roller.load), runs[-1]
     off = float(error_percent(low.stiffness, best.stiffness[0]))
     norm = float(error_percent(low.norm_stiffness, best.stiffness[0]))
@@ -348,7 +354,7 @@ def low_order_sentence(roller: LoadedRoller, runs: Sequence[RollerRun]) -> str:
 
 
 def study_json(roller: LoadedRoller, runs: Sequence[RollerRun]) -> dict[str, Any]:
-    """Return the JSON of a roller's study."""
+    """Return the JSON values of the mesh study of one kind of roller: levels, quantities, and profiles along the roller."""
     best = runs[-1]
     profile = [
         {"along_mm": 1e3 * x, **{f"line_load_{r}_N_per_mm": 1e-3 * best.line_load[i][k] for i, r in enumerate(RACES)}}
@@ -367,7 +373,10 @@ def study_json(roller: LoadedRoller, runs: Sequence[RollerRun]) -> dict[str, Any
 def roller_study_for_library(
     assembly: Assembly, levels: int | None, step: Callable[[str], None], store: Path
 ) -> tuple[dict[str, Any], str, tuple[str, ...]]:
-    """Return JSON, the key of the table to show, and closing lines for `rollbench.mesh_study`."""
+    """Run the mesh study of a shaft's rollers for `rollbench.mesh_study`.
+
+    Returns JSON values, the key of the table to show, and closing lines.
+    """
     found = study_rollers(assembly, levels, (store, shipped_store()), step)
     sets = [{"scene": assembly.name} | study_json(one, runs) for one, runs in found]
     return {"scene": assembly.name, "sets": sets}, "sets", tuple(low_order_sentence(one, runs) for one, runs in found)

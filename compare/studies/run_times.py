@@ -1,11 +1,11 @@
 """Run times of models, of the 3D reference and of commands: measured in new processes, and stored.
 
-Cold is the time for a first use: a new interpreter, all imports, the set-up of the geometry and one solution, in a process
-with empty folders for meshes and machine code; compiled kernels include their compilation. Warm is a further solution in
-the same process: bodies of the geometry known, kernels compiled.
+Cold is the time of a first use: a new interpreter, all imports, the set-up of the geometry and one solution, in a process
+with empty folders for meshes and machine code; compiled kernels include their compilation. Warm is the time of a further
+solution in the same process, with the geometry prepared and the kernels compiled.
 
-A store holds the times of one measuring run, and the processor time of cold set-ups (by ``tests/set_up_costs.py``), so that
-a report need not start every process again.
+A store holds the times of one measuring run, and the processor times of cold set-ups (measured by
+``tests/set_up_costs.py``), so that a report need not start every process again.
 """
 
 from __future__ import annotations
@@ -36,9 +36,9 @@ from rollbench.meshes.processes import VARIABLES
 
 @dataclass(frozen=True)
 class Job:
-    """Row of a table of run times."""
+    """Row of a table of run times (``rollbench bench``)."""
 
-    #: Description.
+    #: Description of what was timed.
     job: str
     #: Wall clock [s]; None: not measured.
     seconds: float | None
@@ -50,14 +50,14 @@ class Job:
     peak_MB: float | None = None
     #: Largest error of a contact load [% of the mean load].
     error_percent: float | None = None
-    #: Explanation.
+    #: Remark on how the time was measured.
     note: str = ""
 
 
 def median_seconds(work: Callable[[], object], repeats: int, reset: Callable[[], object] | None = None) -> float:
-    """Return the median wall clock of ``work`` [s], after one run that is not counted.
+    """Return the median wall-clock time of ``work`` over ``repeats`` runs [s], after one run that is not counted.
 
-    ``reset`` runs before each, untimed.
+    ``reset`` is called before each run and is not timed.
     """
     seconds = []
     gc.collect()
@@ -77,30 +77,30 @@ def median_seconds(work: Callable[[], object], repeats: int, reset: Callable[[],
 
 
 def user_environment(extra: dict[str, str] | None = None) -> dict[str, str]:
-    """Return the environment for a timed process: no variables that set thread counts, ``extra`` added."""
+    """Return the environment variables of a timed process: without those that set thread counts, with ``extra`` added."""
     return {name: value for name, value in os.environ.items() if name not in VARIABLES} | (extra or {})
 
 
 @dataclass(frozen=True)
 class FinishedProcess:
-    """Finished process: times, exit code and output."""
+    """Times, exit code and output of a process that has ended."""
 
     #: Wall clock to its end [s].
     seconds: float
     #: Wall clock to its first line of output [s]; None without output.
     first_line: float | None
-    #: CPU time of it and its child processes [s].
+    #: CPU time of the process and its child processes [s].
     cpu: float
     #: Exit code.
     code: int
-    #: Output, as on a terminal.
+    #: Output and error messages, in the order of a terminal.
     output: str
 
 
 def launch_process(arguments: list[str], extra: dict[str, str] | None = None, folder: str | None = None) -> FinishedProcess:
     """Run a Python process as a user would on a terminal; it is killed after `PATIENCE` seconds.
 
-    It imports nothing from its working folder.
+    The process imports no module from its working folder.
     """
     environment = user_environment({"PYTHONUNBUFFERED": "1"} | (extra or {}))
     before, begin = os.times(), perf_counter()
@@ -129,12 +129,13 @@ def _child_cpu_seconds(before: os.times_result, after: os.times_result) -> float
     return sum(y - x for x, y in zip(before[2:4], after[2:4], strict=True))
 
 
-#: Longest wait for a process [s].
+#: Longest time to wait for a process [s].
 PATIENCE = 1200.0
 
 #: Number of solutions, the fastest of which gives the warm time.
 REPEATS = 5
 
+#: Program that times a model on a scene: its first solution and further ones.
 CHILD = """
 import sys
 sys.path[:] = {path!r}
@@ -161,7 +162,7 @@ print(json.dumps({{"done": done, "first": spent[0], "warm": min(spent[1:]), "mem
 """
 
 
-#: Program that times a call, after imports that only the first time includes.
+#: Program that times a call: the first time with its imports, then repeatedly.
 CALL_CHILD = """
 import sys
 sys.path[:] = {path!r}
@@ -184,7 +185,7 @@ print(json.dumps({{"done": done, "warm": min(spent[1:]), "memory": memory}}))
 """
 
 
-#: Program that times a level as `compare` computes it, without cache and store.
+#: Program that times a mesh level of the 3D reference as `compare` computes it, without stored meshes and runs.
 LEVEL_CHILD = """
 import sys
 sys.path[:] = {path!r}
@@ -206,7 +207,10 @@ print(json.dumps({{"done": time(), "stages": run.stages, **own}}))
 
 @dataclass(frozen=True)
 class ColdLevelTime:
-    """Time of a level of the 3D reference, from the start of the interpreter to its loads; None: not measured."""
+    """Time of a mesh level of the 3D reference, from the start of the interpreter to its contact loads.
+
+    None: not measured.
+    """
 
     #: Mesh level.
     level: int
@@ -230,7 +234,7 @@ class ColdLevelTime:
 
 @dataclass(frozen=True)
 class ColdModelTime:
-    """Time of a model on a scene in a new process."""
+    """Times of a model on a scene, measured in a new process."""
 
     #: Seconds of interpreter, imports and first solution.
     process: float
@@ -240,7 +244,7 @@ class ColdModelTime:
     warm: float
     #: Peak memory of the process [MB]; None: not measured.
     memory: float | None
-    #: Kernels: interpreted or compiled.
+    #: Kind of kernels: interpreted or compiled.
     engine: str
     #: Status of the solution.
     status: str
@@ -264,13 +268,16 @@ def measure_model(
 
 
 def measure_call(imports: str, call: str, what: str, repeats: int = REPEATS) -> RunTime:
-    """Measure a call and its repetitions in a new process with empty caches; RuntimeError if the process fails."""
+    """Measure a Python call and its repetitions in a new process with empty caches; RuntimeError if the process fails.
+
+    ``imports`` are executed before the call; ``what`` names the call in the error.
+    """
     begin, printed = _run_with_empty_caches(CALL_CHILD, {"imports": imports, "call": call, "repeats": repeats}, what)
     return RunTime(printed["done"] - begin, printed["warm"], printed["memory"])
 
 
 def measure_level(scene: str, level: int) -> ColdLevelTime:
-    """Measure a level of the 3D reference in a new process with empty caches, on all cores.
+    """Measure a mesh level of the 3D reference in a new process with empty caches, on all cores.
 
     RuntimeError if the process fails.
     """
@@ -283,7 +290,10 @@ def measure_level(scene: str, level: int) -> ColdLevelTime:
 
 
 def _run_with_empty_caches(child: str, ask: dict[str, Any], what: str) -> tuple[float, dict[str, Any]]:
-    """Run a program in a new process with empty caches; return its start time [s] and its JSON output."""
+    """Run a program in a new process with empty caches; return its start time [s] and the JSON values that it prints.
+
+    ``ask`` are the program's arguments; ``what`` names the measurement in the RuntimeError of a process that fails.
+    """
     with tempfile.TemporaryDirectory() as folder:
         caches = {name: str(Path(folder) / name.lower()) for name in ("ROLLBENCH_CACHE", "NUMBA_CACHE_DIR")}
         for place in caches.values():
@@ -312,7 +322,7 @@ T = TypeVar("T")
 
 @dataclass(frozen=True)
 class RunTime:
-    """Time of a model on a scene."""
+    """Cold and warm run time of a model on a scene."""
 
     #: Seconds of a new process with empty caches to its first solution.
     cold: float
@@ -324,23 +334,23 @@ class RunTime:
 
 @dataclass(frozen=True)
 class Kept:
-    """Stored times of one measuring run."""
+    """Stored run times of one measuring run."""
 
     #: Conditions of the measurement.
     measured: Measured
     #: Date of the measurement.
     date: str
-    #: Times by scene and model.
+    #: Run times by scene and model.
     times: Mapping[tuple[str, str], RunTime]
-    #: Times of a first process by model and kind of kernels.
+    #: Times of the first process by model and kind of kernels.
     first: Mapping[tuple[str, str], ColdModelTime]
     #: Cold times of levels of the 3D reference.
     levels: Sequence[ColdLevelTime] = ()
-    #: Times of commands.
+    #: Times of commands typed on a terminal.
     typed: Sequence[CommandTime] = ()
 
     def __str__(self) -> str:
-        """Return the conditions of the measurement in words."""
+        """Return a sentence on machine, version and date of the measurement."""
         older = (
             ""
             if self.measured == measuring_conditions()
@@ -351,7 +361,7 @@ class Kept:
 
 @dataclass(frozen=True)
 class SetUpCost:
-    """Processor time of a cold set-up in one process with one thread."""
+    """Processor time of a cold set-up of the 3D reference, in one process with one thread."""
 
     #: Name of the scene.
     scene: str
@@ -364,13 +374,13 @@ class SetUpCost:
     stages: Mapping[str, Mapping[str, float]]
 
     def seconds_of(self, kind: str) -> float:
-        """Return the seconds of a kind of work in all stages."""
+        """Return the processor time of a kind of work, such as "meshing", summed over all stages [s]."""
         return sum(stage.get(kind, 0.0) for stage in self.stages.values())
 
 
 @dataclass(frozen=True)
 class SetUpVariant:
-    """Cheaper variant of a set-up on level 1: time saved and change of the loads."""
+    """Cheaper variant of a set-up on level 1: time saved and change of the contact loads."""
 
     #: Name of the scene.
     scene: str
@@ -378,13 +388,13 @@ class SetUpVariant:
     way: str
     #: Processor time saved [s].
     saved: float
-    #: Largest change of a load [% of the mean load].
+    #: Largest change of a contact load [% of the mean load].
     moved: float
 
 
 @dataclass(frozen=True)
 class SetUpCosts:
-    """Costs of set-ups, with machine, date and version of the measurement."""
+    """Processor times of set-ups and of cheaper variants, with machine, date and version of the measurement."""
 
     machine: str
     date: str
@@ -399,7 +409,7 @@ def today() -> str:
 
 
 def load_first_valid(stores: Sequence[Path], file: str, made: Callable[[Any], T]) -> T | None:
-    """Return ``made`` of the JSON file in the first store where it is valid; None without a valid file."""
+    """Return the object that ``made`` makes of a JSON file, from the first store where this succeeds; None if nowhere."""
     for store in stores:
         with suppress(OSError, ValueError, KeyError, TypeError):
             return made(json.loads((store / file).read_text(encoding="utf-8")))
@@ -407,21 +417,24 @@ def load_first_valid(stores: Sequence[Path], file: str, made: Callable[[Any], T]
 
 
 def save_records(store: Path, file: str, records: Sequence[Any]) -> None:
-    """Write records to a JSON file in a store, one per line; InputError if it cannot be written."""
+    """Write records to a JSON file in a store, one record per line; InputError if the file cannot be written."""
     replace_file(store / file, f"[{_json_lines([asdict(one) for one in records])}]\n")
 
 
 def _json_lines(rows: Sequence[Any]) -> str:
-    """Return JSON of rows, a row per line."""
+    """Return rows as JSON text with one row per line."""
     return ",\n ".join(json.dumps(row) for row in rows)
 
 
-#: In place of the name of a case: commands typed in an empty home.
+#: Name, in place of a publication's, for the times of commands typed in an empty home directory.
 TYPED = "typed"
 
 
 def times_file_name(source: str) -> str:
-    """Return the file name of run times: of a case's page, commands (`TYPED`), or (empty) all compared scenes."""
+    """Return the file name of stored run times.
+
+    ``source`` names the page of a publication, or is `TYPED` for commands; empty: the times of all compared scenes.
+    """
     return f"run_times_{source}.json" if source else RUN_TIMES
 
 
@@ -439,15 +452,15 @@ def save_times(store: Path, kept: Kept, source: str = "") -> None:
 
 
 def times_of_page(study: Study, source: str) -> Kept | None:
-    """Return the times of a case's page from one measuring run, else those of all compared scenes; None without any."""
+    """Return the run times for the page of a publication, else those of all compared scenes; None if neither is stored."""
     stores = (*(study.stores or ()), shipped_store())
     return load_times(stores, source) or load_times(stores)
 
 
 def load_times(stores: Sequence[Path], source: str = "") -> Kept | None:
-    """Return the run times from the first store with a valid file, else None; ``source`` as in `times_file_name`."""
+    """Return the run times from the first store with a valid file; None without one. ``source`` as in `times_file_name`."""
 
-    def made(data: dict[str, Any]) -> Kept:
+    def times_from_json(data: dict[str, Any]) -> Kept:
         times = {(r["scene"], r["model"]): RunTime(r["cold"], r["warm"], r["memory"]) for r in data["times"]}
         first = {(r.pop("model"), r["engine"]): ColdModelTime(**r) for r in data["first"]}
         levels = tuple(ColdLevelTime(**r) for r in data.get("levels", []))
@@ -455,23 +468,24 @@ def load_times(stores: Sequence[Path], source: str = "") -> Kept | None:
         commands = tuple(CommandTime(**r) for r in data.get("typed", []))
         return Kept(measured, data["date"], times, first, levels, commands)
 
-    return load_first_valid(stores, times_file_name(source), made)
+    return load_first_valid(stores, times_file_name(source), times_from_json)
 
 
 def load_costs(stores: Sequence[Path]) -> SetUpCosts | None:
-    """Return the set-up costs from the first store with a valid file; None without one."""
+    """Return the processor times of set-ups from the first store with a valid file; None without one."""
 
-    def made(data: dict[str, Any]) -> SetUpCosts:
+    def costs_from_json(data: dict[str, Any]) -> SetUpCosts:
         jobs, ways = [SetUpCost(**row) for row in data["jobs"]], [SetUpVariant(**row) for row in data["ways"]]
         return SetUpCosts(data["machine"], data["date"], jobs, ways, data.get("version", ""))
 
-    return load_first_valid(stores, SET_UP_COSTS, made)
+    return load_first_valid(stores, SET_UP_COSTS, costs_from_json)
 
 
-#: A new catalogue screw.
+#: Command that writes the scene of a catalogue screw to ``my.toml``.
 NEW = "new my.toml --like 40x10"
 
-#: Commands that are timed, and what they are to take from an empty home on two cores; those of ``my.toml`` after `NEW`.
+#: Commands that are timed, with the longest time that they should take in an empty home directory on two cores. Commands on
+#: ``my.toml`` are typed after `NEW`.
 COMMANDS = {
     "list": "",
     "solve lin-case1": "",
@@ -485,7 +499,7 @@ COMMANDS = {
     "report": "120 s",
 }
 
-#: Program that keeps a core busy.
+#: Program that keeps a processor core busy.
 BUSY = "while True: pass"
 
 #: Number of specimens of an ensemble, and numbers of threads.
@@ -494,7 +508,7 @@ MEMBERS, THREADS = 1000, (1, 2)
 
 @dataclass(frozen=True)
 class CommandTime:
-    """Time of a command typed in an empty home directory; None: not measured."""
+    """Times of a command typed in an empty home directory; None: not measured."""
 
     #: The command.
     command: str
@@ -508,16 +522,16 @@ class CommandTime:
     again: float | None = None
     #: CPU time when typed a second time [s].
     again_cpu: float | None = None
-    #: Wall clock from an empty home next to one busy process [s].
+    #: Wall clock in an empty home directory while another process keeps a core busy [s].
     beside: float | None = None
-    #: CPU time from an empty home next to one busy process [s].
+    #: CPU time in an empty home directory while another process keeps a core busy [s].
     beside_cpu: float | None = None
     #: Remark, such as why it was not measured.
     note: str = ""
 
     @property
     def job(self) -> Job:
-        """Return the time as a row of the bench."""
+        """Return the times as a row of the table of run times."""
         if self.seconds is None:
             return Job(f"{self.command}, from an empty home", None, note=self.note)
         first = "" if self.first_line is None else f"first line {self.first_line:.3g} s, "
@@ -528,7 +542,10 @@ class CommandTime:
 
 
 def time_command(command: str) -> CommandTime:
-    """Measure a command in an empty home, again, and next to a busy process; only a note if it fails."""
+    """Measure a command in an empty home directory, a second time, and while another process keeps a core busy.
+
+    If the command fails, only the note is set.
+    """
     found = _run_in_empty_home(command, 2)
     busy = subprocess.Popen([sys.executable, "-c", BUSY])
     try:
@@ -546,7 +563,7 @@ def time_command(command: str) -> CommandTime:
 
 
 def _run_in_empty_home(command: str, times: int) -> list[FinishedProcess]:
-    """Run a command several times in one new home directory, with ``my.toml`` if the command names it."""
+    """Run a command several times in one new home directory, with ``my.toml`` there if the command names it."""
     with tempfile.TemporaryDirectory() as home:
         places = {"XDG_CACHE_HOME": "cache", "ROLLBENCH_CACHE": "cache/rollbench", "NUMBA_CACHE_DIR": "cache/numba"}
         own = {name: str(Path(home) / place) for name, place in places.items()} | {"HOME": home}
@@ -556,15 +573,15 @@ def _run_in_empty_home(command: str, times: int) -> list[FinishedProcess]:
 
 
 def time_threads(count: int = MEMBERS, repeats: int = 3) -> Iterator[Job]:
-    """Measure an ensemble of ``lin-random`` by the model lin in one and in two threads."""
+    """Measure an ensemble of ``count`` specimens of ``lin-random`` by the model lin, in one and in two threads."""
     parts = scene("lin-random")
     alone = 0.0
     for threads in THREADS:
 
-        def work(threads: int = threads) -> object:
+        def solve_specimens(threads: int = threads) -> object:
             return run_ensemble(parts, count, threads=threads)
 
-        seconds = median_seconds(work, repeats)
+        seconds = median_seconds(solve_specimens, repeats)
         alone = alone or seconds
         name = f"{count} members of lin-random, threads: {threads}"
         yield Job(name, seconds, alone / seconds, note="model lin, compiled; ratio: one thread's time over this")

@@ -1,7 +1,7 @@
-"""Survey: ball screws drawn at random from the range of catalogues, solved by the 3D reference and the models.
+"""Survey: ball screws drawn at random from the range of catalogues, solved by the 3D reference and by the models.
 
-Size, starts, hand, preload, errors, offsets and moments are drawn. The record of a scene has its features, the status of
-the reference, and the errors of the models.
+Size, starts, hand, preload, errors, offsets and moments are drawn. The record of a screw has its features, the status of
+the 3D reference, and the errors of the models.
 """
 
 from __future__ import annotations
@@ -51,7 +51,7 @@ from rollbench.meshes.units import toml_text
 #: Seed of the survey.
 SEED = 20360
 
-#: Number of screws without flange, which come first, and of all.
+#: Number of screws whose nut has no flange, which are drawn first, and number of all screws.
 TUBES, SCENES = 200, 300
 
 #: Nominal diameters with their leads [mm].
@@ -72,7 +72,7 @@ OVERSIZE = 4.7e-4
 #: Circuits and turns per circuit, smallest first, with the allowed number of balls.
 CIRCUITS, BALLS = ((1, 1.0), (1, 1.5), (2, 1.0), (1, 2.5), (2, 1.5), (3, 1.0), (2, 2.5)), 40
 
-#: Kinds of preload of a single nut: preload, none, or clearance.
+#: Kinds of preload or clearance of a single nut, each drawn as often as it is listed.
 PRELOADS = ("none", "oversize", "oversize", "force", "lead offset", "clearance")
 
 #: Standard deviations [um] of ball radius, pitch (once per turn) and roundness (twice per turn) for classes 1, 3 and 5.
@@ -82,7 +82,7 @@ HELD = ("left face", "left face", "right face", "both faces", "outer surface")
 
 
 def scene_text(seed: int, number: int) -> str:
-    """Return the TOML text of scene ``number`` of a survey, which depends only on seed and number."""
+    """Return the TOML scene file of screw ``number`` of a survey; it depends on seed and number only."""
     rng = np.random.default_rng([seed, number])
     outer = int(rng.choice(list(SIZES)))
     lead = int(rng.choice(SIZES[outer]))
@@ -135,7 +135,10 @@ def scene_text(seed: int, number: int) -> str:
 
 
 def _draw_flange(rng: np.random.Generator, length: float, wall: float) -> dict[str, dict[str, str]]:
-    """Return a flange for a nut of a length and an outer diameter [mm], with the annulus of its face that is fixed."""
+    """Draw a flange for a nut, and the annulus of its face that is fixed.
+
+    ``length`` and ``wall`` are the nut's length and outer diameter [mm].
+    """
     wide, thick = wall * rng.uniform(1.3, 1.8), min(wall * rng.uniform(0.15, 0.3), 0.4 * length)
     room, fit = wide - wall, rng.uniform(0.05, 0.5) * (length - thick)
     low, high = wall + room * rng.uniform(0.0, 0.3), wide - room * rng.uniform(0.0, 0.3)
@@ -152,30 +155,36 @@ def _draw_flange(rng: np.random.Generator, length: float, wall: float) -> dict[s
 
 
 def _draw_log_uniform(rng: np.random.Generator, low: float, high: float) -> float:
+    """Draw a number from ``low`` to ``high`` whose logarithm is uniformly distributed."""
     return float(np.exp(rng.uniform(np.log(low), np.log(high))))
 
 
 def _draw_conformity(rng: np.random.Generator) -> float:
+    """Draw a conformity: groove radius over ball diameter, 0.515 to 0.54."""
     return round(float(rng.uniform(0.515, 0.54)), 3)
 
 
 def _draw_balls(
     rng: np.random.Generator, starts: int, ball: float, touching: float, *, halved: bool
 ) -> tuple[dict[str, Any], int]:
-    """Return the keys of the balls and their number; ``halved``: in an even number of circuits, none in the middle."""
+    """Draw the filling and the circuits of a nut; return the keys of the scene's balls, and their number.
+
+    ``ball``: ball diameter [mm]. ``touching``: angle between neighbours that touch [rad]. ``halved``: the nut is preloaded
+    by a lead offset, so that circuits come in pairs.
+    """
     filling = round(float(rng.uniform(0.8, 0.95)), 2)
 
-    def count(circuits: int, turns: float) -> int:
+    def balls_in_circuits(circuits: int, turns: float) -> int:
         return starts * circuits * max(1, floor(filling * turns * 2.0 * pi / touching))
 
     allowed = [c for c in CIRCUITS if not (halved and c[0] % 2)]
-    circuits, turns = allowed[int(rng.integers(max(1, sum(count(*c) <= BALLS for c in allowed))))]
+    circuits, turns = allowed[int(rng.integers(max(1, sum(balls_in_circuits(*c) <= BALLS for c in allowed))))]
     keys = {"diameter": f"{ball:g} mm", "filling": filling, "turns": turns, "circuits": circuits}
-    return keys | ({"circuit_gap": 0.5} if circuits > 1 else {}), count(circuits, turns)
+    return keys | ({"circuit_gap": 0.5} if circuits > 1 else {}), balls_in_circuits(circuits, turns)
 
 
 def _draw_preload(rng: np.random.Generator, kind: str, ball: float, force: float) -> dict[str, str]:
-    """Return the keys of a preload or clearance for balls of a diameter [mm] and a typical axial load [N]."""
+    """Draw the preload or clearance of a kind, for balls of a diameter [mm] and a typical axial load [N]."""
     size = 1e3 * OVERSIZE * ball * _draw_log_uniform(rng, 0.3, 2.5)
     if kind == "force":
         return {"force": f"{force * _draw_log_uniform(rng, 0.1, 0.6):.3g} N"}
@@ -185,7 +194,7 @@ def _draw_preload(rng: np.random.Generator, kind: str, ball: float, force: float
 
 
 def _draw_errors(rng: np.random.Generator) -> dict[str, Any]:
-    """Return random errors of a tolerance class, or none."""
+    """Draw random geometric errors of a tolerance class, or none; return the keys of the scene's errors."""
     chosen = int(rng.integers(len(CLASSES) + 1))
     if chosen == len(CLASSES):
         return {}
@@ -195,7 +204,10 @@ def _draw_errors(rng: np.random.Generator) -> dict[str, Any]:
 
 
 def _draw_supports(rng: np.random.Generator, length: int) -> list[dict[str, Any]]:
-    """Return a fixed bearing on the left; on the right a floating or clamped one, offset or tilted or not, or none."""
+    """Draw the supports of a screw of a length [mm].
+
+    The left end is fixed. The right end is floating or clamped, with or without offset or tilt, or it is free.
+    """
     left = {"at": "0 mm", "fix": ["ux", "uy", "rx", "ry", "rz"]}
     right = str(rng.choice(["floating", "floating", "clamped", "none"]))
     offset, tilt = rng.random() < 0.35, rng.random() < 0.25
@@ -217,7 +229,10 @@ def _draw_supports(rng: np.random.Generator, length: int) -> list[dict[str, Any]
 
 
 def _draw_loads(rng: np.random.Generator, force: float, radius: float, at: str) -> list[dict[str, Any]]:
-    """Return an axial load at the left end, around a typical one [N]; at the nut a moment, a radial force or none."""
+    """Draw an axial load on the left end, and at the nut a moment and a radial force, each in three of ten screws.
+
+    ``force``: typical axial load [N]; ``radius``: pitch radius [mm]; ``at``: axial position of the nut, as text.
+    """
     axial = force * _draw_log_uniform(rng, 0.15, 1.6) * rng.choice([-1.0, 1.0])
     moment = force * radius * 1e-3 * rng.uniform(0.05, 0.5) * (rng.random() < 0.3)
     radial, turn = force * rng.uniform(0.02, 0.2) * (rng.random() < 0.3), rng.uniform(0.0, 2.0 * pi)
@@ -230,14 +245,14 @@ def _draw_loads(rng: np.random.Generator, force: float, radius: float, at: str) 
 
 
 def _draw_nut_length(scene: Mapping[str, Any], rng: np.random.Generator) -> float:
-    """Return the length [mm] of a nut that ends 1 to 6 ball radii beyond its last balls, in whole micrometres."""
+    """Draw the length of a nut that ends 1 to 6 ball radii beyond its outermost balls [mm], in whole micrometres."""
     read = scene_file.scene_of_text(_toml_text({k: v for k, v in scene.items() if k != "preload"}), "survey.toml")
     reach = float(np.abs(ball_layout(read).z - read.nut.position).max())
     return round(1e3 * 2.0 * (reach + read.balls.radius * _draw_log_uniform(rng, 1.0, 6.0)) + 5e-4, 3)
 
 
 def _toml_text(scene: Mapping[str, Any]) -> str:
-    """Return keys of a scene as TOML: plain values and lists, then tables and lists of tables."""
+    """Return the keys of a scene as TOML text: plain values and lists first, then tables and lists of tables."""
     plain = {k: v for k, v in scene.items() if not isinstance(v, Mapping) and not _is_list_of_tables(v)}
     lines = [f"{k} = {toml_text(v)}" for k, v in plain.items()]
     for name, value in scene.items():
@@ -250,37 +265,39 @@ def _toml_text(scene: Mapping[str, Any]) -> str:
 
 
 def _is_list_of_tables(value: Any) -> bool:
+    """Return whether a value is a list of TOML tables."""
     return isinstance(value, list) and bool(value) and isinstance(value[0], Mapping)
 
 
-#: Models that are compared, and the mesh level.
+#: Models that are compared with the 3D reference, and its mesh level.
 MODELS, LEVEL = ("refined", "lin"), 1
 
-#: Cell size for cut ends of the shaft, over that of the level: half of the time, for 0.02 % of the mean load.
+#: Cell size at the cut ends of the shaft, over that of the mesh level: it halves the time and changes loads by 0.02 % of
+#: the mean load.
 CUT_CELLS = 2.0
 
-#: Factor on the loads for the tangent rigidity.
+#: Factor on the loads for a second solution, from which the tangent rigidity follows.
 RAISED = 1.05
 
 Record = dict[str, Any]
 
 
 def survey_screw(seed: int, number: int, runs: Path | None = None) -> Record:
-    """Draw a scene, solve it and compare; any failure is part of the record, never an exception.
+    """Draw a screw, solve it and compare the models; any failure becomes part of the record, never an exception.
 
     Parameters
     ----------
     seed
         Seed of the survey.
     number
-        Number of the scene.
+        Number of the screw.
     runs
-        Folder that keeps runs of the reference, which are not computed again; None: none.
+        Folder of stored runs of the 3D reference, which are not computed again; None: nothing is stored.
 
     Returns
     -------
     dict
-        JSON values.
+        Record of the screw as JSON values.
     """
     begin = process_time()
     text, name = scene_text(seed, number), f"survey-{seed}-{number}"
@@ -297,7 +314,7 @@ def survey_screw(seed: int, number: int, runs: Path | None = None) -> Record:
         record |= compare_models(scene, raised, found)
     except InputError as error:
         record["status"] = one_line(str(error), 400)
-    except Exception as error:  # a traceback is what the survey looks for
+    except Exception as error:  # the survey looks for programming errors too
         record["status"] = one_line(f"{type(error).__name__}: {error}", 400)
     return record | {"seconds": round(process_time() - begin, 1)}
 
@@ -309,18 +326,19 @@ def load_cases(text: str, name: str) -> tuple[Scene, Scene]:
 
 
 def stored_run(runs: Path | None, scene: Scene) -> Run | None:
-    """Return the stored run of a scene in a folder; None without one."""
+    """Return the stored run of the 3D reference for a scene from a folder; None without one."""
     paths = [] if runs is None else sorted(runs.glob(f"{scene.name}-level{LEVEL}-*.json"))
     return next((run for path in paths if (run := read_run(path, scene, LEVEL, "")) is not None), None)
 
 
 def _raised_load(load: Any) -> Any:
+    """Return a load with its force and moment multiplied by `RAISED`."""
     force, moment = (tuple(RAISED * x for x in values) for values in (load.force, load.moment))
     return replace(load, force=force, moment=moment)
 
 
 def scene_features(scene: Scene) -> Record:
-    """Return the features of a scene that determine a model's error and need no solution."""
+    """Return the features of a scene on which the error of a model depends, as far as they need no solution."""
     z, half, r = ball_layout(scene).z - scene.nut.position, scene.nut.length / 2.0, scene.balls.radius
     given: dict[str, float] = {}
     for support in scene.supports:
@@ -350,7 +368,10 @@ def scene_features(scene: Scene) -> Record:
 
 
 def compare_models(scene: Scene, raised: Scene, runs: Sequence[Run]) -> Record:
-    """Return the status of the runs of a scene and of it under raised loads, its loads, and the models' errors."""
+    """Return status and loads of the 3D reference on a drawn screw, and the errors of the models.
+
+    ``raised``: the same screw with raised loads; ``runs``: the 3D reference of both.
+    """
     run, raised_run = runs
     state = {
         "status": run.status,
@@ -391,11 +412,12 @@ def compare_models(scene: Scene, raised: Scene, runs: Sequence[Run]) -> Record:
 
 
 def _rounded_or_none(value: float | None, factor: float = 1.0) -> float | None:
+    """Return a value times a factor with five decimal places; None for None."""
     return None if value is None else round(factor * value, 5)
 
 
 def _model_record(scene: Scene, result: StaticResult, run: Run, point: Point) -> Record:
-    """Return a model's errors [%] on a drawn screw, and the errors expected from the other compared scenes."""
+    """Return a model's errors on a drawn screw [%], and the errors that other compared scenes let expect."""
     error = load_error(result.load, run.load, nominal_contacts(scene))
     expected = estimate(scene, result, [p for p in shipped_points() if p.scene != point.scene])
     return {
@@ -408,7 +430,7 @@ def _model_record(scene: Scene, result: StaticResult, run: Run, point: Point) ->
     }
 
 
-#: Status of a scene with an answer, columns of the table, and the errors that it sums up, with their unit.
+#: Status of a solved screw; columns of the table of errors; errors in the table, by their names in the records.
 ANSWERED = "converged"
 
 SUMS = ("model", "error", "scenes", "median", "p95", "largest")
@@ -417,7 +439,7 @@ ERRORS = ("largest_percent", "gate_percent", "rms_percent", "displacement_percen
 
 
 def _solve_and_append(folder: Path, token: str, seed: int, number: int) -> Record | None:
-    """Solve a drawn screw and append its record; None, without solving, if the folder belongs to a later run."""
+    """Solve a drawn screw and append its record to a folder; None, without solving, if a later run has taken the folder."""
     if not sample.is_current_run(folder, token):
         return None
     with sample.hold_lock(folder):
@@ -429,27 +451,27 @@ def _solve_and_append(folder: Path, token: str, seed: int, number: int) -> Recor
 def run_survey(
     seed: int, count: int, folder: Path, workers: int, step: Callable[[str], None], kept: Path | None = None
 ) -> list[Record]:
-    """Return the records of the first ``count`` scenes of a survey; those already stored are not solved again.
+    """Return the records of the first ``count`` screws of a survey; screws with a stored record are not solved again.
 
     Parameters
     ----------
     seed
         Seed of the survey.
     count
-        Number of scenes.
+        Number of screws.
     folder
         Folder of the records.
     workers
         Number of parallel processes.
     step
-        Called for every scene.
+        Called with a line of progress for every screw.
     kept
-        Record of an earlier survey, taken if its seed, level and version fit.
+        File of an earlier survey, whose records are used if seed, mesh level and version are the same.
 
     Returns
     -------
     list of dict
-        Records by number.
+        Records in the order of their numbers.
 
     Raises
     ------
@@ -472,7 +494,7 @@ def run_survey(
 
 
 def _stored_answers(path: Path | None, seed: int) -> list[Record]:
-    """Return the stored records of this seed, level and version of rollbench; empty without any."""
+    """Return the records of a survey's file that have this seed, mesh level and version of rollbench; empty without any."""
     if path is None or not path.exists():
         return []
     found = json.loads(path.read_text(encoding="utf-8"))
@@ -481,12 +503,12 @@ def _stored_answers(path: Path | None, seed: int) -> list[Record]:
 
 
 def unsolved_records(records: Sequence[Record]) -> list[Record]:
-    """Return the records without loads, or whose loads did not converge."""
+    """Return the records of screws without converged 3D loads."""
     return [r for r in records if r["status"] != ANSWERED or r.get("raised_status", ANSWERED) != ANSWERED]
 
 
 def survey_json(seed: int, records: Sequence[Record]) -> str:
-    """Return the survey's JSON text, one scene per line, with the numbers of scenes requested and solved."""
+    """Return the JSON text of a survey, one screw per line, with the numbers of screws requested and solved."""
     asked = 1 + max((r["number"] for r in records), default=-1)
     head = {"command": f"rollbench stability --survey {asked}", "seed": seed, "level": LEVEL, "solved": len(records)}
     rows = ",\n".join(json.dumps(r, ensure_ascii=False) for r in records)
@@ -494,7 +516,7 @@ def survey_json(seed: int, records: Sequence[Record]) -> str:
 
 
 def shipped_survey() -> dict[str, Any]:
-    """Return the shipped record of the survey; one without scenes if the file is missing."""
+    """Return the survey that is stored with the package; one without screws if the file is missing."""
     path = shipped_store() / SURVEY
     found: dict[str, Any] = json.loads(path.read_text(encoding="utf-8")) if path.exists() else {"scenes": []}
     return found
@@ -505,12 +527,13 @@ def known_screws() -> list[Record]:
     return [record for record in shipped_survey()["scenes"] if record["number"] < KNOWN_SCREWS]
 
 
-#: Aims for the refined model on drawn screws: worst contact and root mean square [% of the mean load].
+#: Aims for the errors of the refined model on drawn screws: of the worst contact, and root mean square [% of the mean
+#: load].
 WORST_AIM, RMS_AIM = 1.5, 0.5
 
 
 class ModelAccuracy(NamedTuple):
-    """Accuracy of a model on drawn screws."""
+    """Accuracy of a model on the drawn screws of a survey."""
 
     #: Number of screws.
     screws: int
@@ -523,7 +546,7 @@ class ModelAccuracy(NamedTuple):
 
 
 def model_accuracy(records: Sequence[Record], model: str = "refined") -> ModelAccuracy:
-    """Return a model's accuracy on the drawn screws with recorded errors."""
+    """Return a model's accuracy over the drawn screws of a survey with recorded errors."""
     errors = [r["models"][model] for r in records if model in r.get("models", {})]
     worst = [abs(e["largest_percent"]) for e in errors]
     within = sum(w <= WORST_AIM and e["rms_percent"] <= RMS_AIM for w, e in zip(worst, errors, strict=True))
@@ -532,7 +555,7 @@ def model_accuracy(records: Sequence[Record], model: str = "refined") -> ModelAc
 
 
 def summary_rows(records: Sequence[Record]) -> list[dict[str, Any]]:
-    """Return rows of the report's table: model, error, and its median, 95th percentile and maximum over the scenes."""
+    """Return table rows with median, 95th percentile and maximum of each error of each model over the drawn screws."""
     rows = []
     for model in MODELS:
         for error in ERRORS:

@@ -1,7 +1,7 @@
-"""Errors of models, users' included, on the drawn screws of the survey, by stored loads of the 3D reference.
+"""Errors of models, users' own included, on randomly drawn ball screws (see `survey`), against stored 3D contact loads.
 
-The loads of the survey's runs are stored next to its record (`store_loads`), each with a digest of its screw: if it differs
-from the screw that is drawn now, nothing is judged.
+The contact loads of the survey's runs are stored next to its record (`store_loads`), each with a digest of its screw. If
+the digest differs from that of the screw that is drawn now, the model is not judged on this screw.
 """
 
 from __future__ import annotations
@@ -38,9 +38,10 @@ from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import Scene
 from rollbench.reports.content import Figure, Panel, Series
 
-#: File of the loads, next to the survey's record.
+#: Name of the file with the contact loads, next to the survey's record.
 LOADS = "survey-loads.json"
-#: Errors that are summarised, by their names in the survey's record, with descriptions; of loads in % of the mean load.
+#: Errors that are summarised, by their names in the survey's record, with descriptions; errors of loads are in % of the
+#: mean load.
 ERRORS = {"largest_percent": "worst load", "rms_percent": "loads, RMS", "pressure_percent": "largest pressure"}
 #: Number of screws that are tried first; a model that fails on each of them is not tried on the others.
 FIRST = 5
@@ -51,19 +52,20 @@ Row = dict[str, Any]
 
 
 def drawn_screw(number: int) -> Scene:
-    """Return screw ``number`` of the survey."""
+    """Return the scene of drawn screw ``number`` of the survey."""
     return scene_file.scene_of_text(survey.scene_text(survey.SEED, number), f"{screw_name(number)}.toml")
 
 
 def screw_name(number: int) -> str:
-    """Return the name of a drawn screw, and of its files."""
+    """Return the name of drawn screw ``number``, which is also the name of its files."""
     return f"survey-{survey.SEED}-{number}"
 
 
 def store_loads(path: Path, runs: Path, count: int) -> int:
-    """Write the loads of the first ``count`` screws to a file, from runs in a folder and from the file's contents.
+    """Write the 3D contact loads of the first ``count`` drawn screws to a file.
 
-    Returns the number of screws in the file. InputError if it cannot be written.
+    They are taken from runs in a folder, else from the present contents of the file. Returns the number of screws in the
+    file. InputError if it cannot be written.
     """
     before = _read_loads(path)
     for number in range(count):
@@ -78,11 +80,12 @@ def store_loads(path: Path, runs: Path, count: int) -> int:
 
 
 def _scene_digest(scene: Scene) -> str:
+    """Return the digest of a scene's content and of the version of the 3D reference, 16 hexadecimal digits."""
     return digest(SCHEMA, replace(scene, **UNSAID))[:16]
 
 
 def _read_loads(path: Path) -> dict[int, Row]:
-    """Return the rows of a file of loads; empty if it is missing or of another seed or level."""
+    """Return the stored loads of screws by number; empty if the file is missing or of another seed or mesh level."""
     if not path.exists():
         return {}
     found = json.loads(path.read_text(encoding="utf-8"))
@@ -92,14 +95,14 @@ def _read_loads(path: Path) -> dict[int, Row]:
 
 @cache
 def stored_loads() -> dict[int, Row]:
-    """Return the shipped loads, by the number of the screw."""
+    """Return the contact loads of drawn screws that are stored with the package, by the number of the screw."""
     return _read_loads(place(f"references/{LOADS}"))
 
 
 def stored_reference(scene: Scene, number: int) -> Reference | None:
-    """Return the reference of a drawn screw from its stored loads, with the uncertainty of its level from experience.
+    """Return the 3D reference of a drawn screw from its stored loads; None if none are stored for this screw.
 
-    None if none are stored for this screw.
+    Its uncertainty is that of the mesh level by experience with other scenes.
     """
     row = stored_loads().get(number)
     if row is None or row["of"] != _scene_digest(scene):
@@ -110,7 +113,7 @@ def stored_reference(scene: Scene, number: int) -> Reference | None:
 
 
 def judge_model(model: str, number: int, limit: float = LIMIT, engine: str = "interpreted") -> Row:
-    """Solve a screw with a model and judge it.
+    """Solve a drawn screw with a model, and compare its contact loads with the stored 3D reference.
 
     Parameters
     ----------
@@ -119,14 +122,14 @@ def judge_model(model: str, number: int, limit: float = LIMIT, engine: str = "in
     number
         Number of the screw.
     limit
-        Limit of the gate [%].
+        Largest allowed error of a contact load [% of the mean load].
     engine
-        Kernels: interpreted or compiled.
+        Kind of kernels: interpreted or compiled.
 
     Returns
     -------
     dict
-        Errors in per cent and the verdict, or the reason why there is none, with the exception if one was raised.
+        Errors in per cent and the verdict, or the reason why there is no verdict, with the exception if one was raised.
     """
     scene = drawn_screw(number)
     row: Row = {"screw": number, "title": scene.title.partition(": ")[2], "balls": scene.ball_count, "status": ""}
@@ -163,7 +166,7 @@ def judge_model(model: str, number: int, limit: float = LIMIT, engine: str = "in
 def run_models(
     models: Sequence[str], count: int, workers: int | None, limit: float, step: Callable[[str], None]
 ) -> dict[str, Any]:
-    """Judge models on the first ``count`` screws of the survey, next to refined and lin from its record.
+    """Compare models with the 3D reference on the first ``count`` drawn screws, next to refined and lin from the record.
 
     Parameters
     ----------
@@ -174,7 +177,7 @@ def run_models(
     workers
         Number of parallel processes.
     limit
-        Limit of the gate [%].
+        Largest allowed error of a contact load [% of the mean load].
     step
         Called with lines of progress.
 
@@ -186,12 +189,12 @@ def run_models(
     Raises
     ------
     InputError
-        If a model or number is not valid, or a model fails on each of the first screws.
+        If a model or number is not valid, or a model fails on each of the screws that are tried first.
     """
     if not 1 <= count <= survey.SCENES:
         raise ArgumentError("count", str(count), f"1 to {survey.SCENES}", "choose a number in that range")
     if not 0.0 < limit < float("inf"):
-        raise ArgumentError("max_error", f"{limit:g}", "above 0 %", "7 is the gate's")
+        raise ArgumentError("max_error", f"{limit:g}", "above 0 %", "take 7, the limit of `check`")
     for name in models:
         known_model(name, without=("condensed",))
     numbers = [number for number in range(count) if number in stored_loads()]
@@ -225,7 +228,10 @@ def run_models(
 def _judge_screws(
     model: str, numbers: Sequence[int], workers: int | None, limit: float, step: Callable[[str], None]
 ) -> list[Row]:
-    """Return a model's rows in the order of ``numbers``; raise its error if it fails on all of the first screws."""
+    """Return the rows of `judge_model` for a model on several screws, in the order of ``numbers``.
+
+    Raises the model's error if it fails on each of the screws that are tried first.
+    """
     engine = "compiled" if len(numbers) >= COMPILE_FROM else "interpreted"
     first = [judge_model(model, number, limit, engine) for number in numbers[:FIRST]]
     errors = [row["error"] for row in first if "error" in row]
@@ -242,7 +248,7 @@ def _judge_screws(
 
 
 def summary_rows(model: str, rows: Sequence[Row]) -> list[Row]:
-    """Return a row for each error of a model: median, 95th percentile and maximum over the solved screws."""
+    """Return a row for each kind of error of a model: median, 95th percentile and maximum over the solved screws."""
     out = []
     for error, words in ERRORS.items():
         sizes = [abs(r[error]) for r in rows if r["status"] == survey.ANSWERED and r.get(error) is not None]
@@ -265,7 +271,7 @@ WHERE: dict[str, Callable[[Mapping[str, Any]], bool]] = {
 
 
 def median_errors_by_kind(models: Mapping[str, Sequence[Row]]) -> list[Row]:
-    """Return a row for each kind of screw: every model's median of the largest load error [% of the mean load]."""
+    """Return a row for each kind of drawn screw: the median of each model's largest load error [% of the mean load]."""
     known = {r["number"]: r for r in survey.shipped_survey()["scenes"]}
     out = []
     for words, fits in WHERE.items():
@@ -281,7 +287,7 @@ def median_errors_by_kind(models: Mapping[str, Sequence[Row]]) -> list[Row]:
 
 
 def survey_figure(data: Mapping[str, Any]) -> Figure:
-    """Draw the share of screws within an error, and every screw in the order of the first model's error."""
+    """Draw the share of screws below an error, and every screw's error in the order of the first model's errors."""
     models = {title_of(name): [r for r in rows if r["status"] == survey.ANSWERED] for name, rows in data["models"].items()}
     lines, points = [], []
     main = next(iter(models))
@@ -312,13 +318,13 @@ def survey_figure(data: Mapping[str, Any]) -> Figure:
 
 
 def write_screw(number: int, folder: Path) -> tuple[Path, Path]:
-    """Write a drawn screw as a scene file, and its stored loads as a reference file for `check` and `compare`.
+    """Write a drawn screw as a scene file, and its stored 3D loads as a reference file for `check` and `compare`.
 
-    InputError for a screw without stored reference, and if a file cannot be written.
+    InputError for a screw without stored loads, and if a file cannot be written.
     """
     allowed = f"0 to {survey.SCENES - 1}, with a stored reference"
     if not 0 <= number < survey.SCENES or (found := stored_reference(scene := drawn_screw(number), number)) is None:
-        raise ArgumentError("screw", str(number), allowed, "choose another one")
+        raise ArgumentError("screw", str(number), allowed, "choose the number of another screw")
     text, loads = folder / f"{screw_name(number)}.toml", folder / f"{screw_name(number)}-reference.csv"
     layout = ball_layout(scene)
     rows = loads_csv(found.load, layout.azimuth, layout.z)

@@ -1,7 +1,7 @@
-"""Table of a scene over given values of its keys: stiffness, preload, pressure, life, and the error to expect.
+"""Table of a scene over several values of its keys: stiffness, preload, pressure, life, and the errors to expect.
 
 Keys are read like those of a sweep; ``load`` stands for the axial component of the scene's only axial load. A combination
-that the scene or the model refuses, or that has no equilibrium, is a row whose status says why.
+of values that the scene or the model refuses, or without equilibrium, becomes a row whose status gives the reason.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ from rollbench.meshes.axis import Assembly
 from rollbench.meshes.parts import FREEDOMS, Scene
 from rollbench.meshes.units import number_and_unit
 
-#: Quantities of a table, with descriptions and the fields of a row.
+#: Quantities that a table can have, with descriptions and the fields of a row that hold them.
 QUANTITIES: dict[str, tuple[str, tuple[str, ...]]] = {
     "stiffness": ("6 x 6 tangent stiffness and axial rigidity", ("stiffness", "axial_rigidity_N_per_um")),
     "displacement": ("displacement at the load", ("displacement_um",)),
@@ -42,9 +42,10 @@ QUANTITIES: dict[str, tuple[str, tuple[str, ...]]] = {
     "pressure": ("largest Hertz pressure", ("largest_pressure_MPa",)),
     "life": ("life L10", ("life_million_revolutions",)),
 }
+#: Quantities of a table unless others are requested.
 USUAL = ("stiffness", "preload", "pressure", "life")
 
-#: Largest number of rows, and the number from which on kernels are compiled.
+#: Largest number of rows, and number of rows from which on numerical kernels are compiled.
 MOST, COMPILE_FROM = 100_000, 4
 
 #: Key that stands for the scene's axial load.
@@ -53,23 +54,24 @@ LOAD = "load"
 
 @dataclass(frozen=True)
 class TableRequest:
-    """Request for a table."""
+    """Checked request for a table: scene, varied keys, model and quantities."""
 
     #: Text of the scene file.
     text: str
-    #: Name for errors.
+    #: File or scene that error messages name.
     origin: str
     #: Name of the scene.
     scene: str
     #: Keys with their values.
     keys: tuple[Vary, ...]
-    #: Columns of these keys in the table.
+    #: Columns for these keys in the table.
     over: tuple[Over, ...]
     #: Name of the model.
     model: str
     #: Quantities of each row.
     quantities: tuple[str, ...]
-    #: Station [m] of the stiffness, or name of a set; None: nut's centre, or where a scene with several sets says.
+    #: Axial position [m] of the stiffness, or name of a nut or bearing; None: centre of the nut, or as the scene of a shaft
+    #: says.
     station: float | str | None
     #: Description of the body whose stiffness it is.
     stiffness_of: str
@@ -85,17 +87,17 @@ def check_request(
     scene
         Name or file of the scene.
     over
-        Keys with their values.
+        Keys with their values, such as ``track.contact_angle=40:50:3 deg``.
     quantities
         Quantities of each row; empty: the default.
     model
         Name of the model; empty: the default.
     stiffness_at
-        Station of the stiffness [m], or text with a unit, or name of a set.
+        Axial position of the stiffness [m], or as text with its unit, or the name of a nut or bearing; None: the default.
 
     Returns
     -------
-    Asked
+    TableRequest
         The request.
 
     Raises
@@ -108,7 +110,7 @@ def check_request(
     text, origin = (catalogue.scene_text(scene), f"{scene}.toml") if shipped else (scene_file.read_text(scene), scene)
     for name in quantities:
         if name not in QUANTITIES:
-            raise ArgumentError("quantities", name, ", ".join(QUANTITIES), "names with commas between")
+            raise ArgumentError("quantities", name, ", ".join(QUANTITIES), "give names separated by commas")
     model = model or default_model(described)
     _check_model(described, model, quantities)
     raw = scene_file.read_toml(text, origin)
@@ -118,7 +120,7 @@ def check_request(
         for value in vary.choices:
             scene_tables.keys_of(with_varied_keys(raw, [vary], [value]), origin)
     if math.prod(len(x.choices) for x in keys) > MOST:
-        raise ArgumentError("over", f"more than {MOST} places", f"up to {MOST}", "take fewer values")
+        raise ArgumentError("over", f"more than {MOST} combinations", f"up to {MOST} combinations", "give fewer values")
     columns = tuple(_table_column(x) for x in typed)
     return TableRequest(
         text,
@@ -133,6 +135,7 @@ def check_request(
 
 
 def _check_model(scene: Scene | Assembly, model: str, quantities: Sequence[str]) -> None:
+    """Raise InputError if a model is unknown, does not suit the scene, or has no stiffness matrix when one is requested."""
     if isinstance(scene, Assembly):
         if model not in AXIS_MODELS:
             raise ArgumentError("model", model, ", ".join(AXIS_MODELS), "choose one of these")
@@ -140,15 +143,18 @@ def _check_model(scene: Scene | Assembly, model: str, quantities: Sequence[str])
     known_model(model, without=("condensed",))
     if TANGENT_OF.get(model, model) not in LADDER and "stiffness" in (quantities or USUAL):
         allowed = ", ".join((*LADDER, *TANGENT_OF))
-        advice = "it has no stiffness matrix: leave stiffness out of `quantities`, or choose another model"
+        advice = "leave stiffness out of `quantities`, as the model has no stiffness matrix, or choose another model"
         raise ArgumentError("model", model, allowed, advice)
 
 
 def _stiffness_place(given: str | float | None, scene: Scene | Assembly) -> tuple[float | str | None, str]:
-    """Return the station [m] or set whose stiffness is asked for, and a text on the body that it belongs to."""
+    """Return the place whose stiffness is requested, and a description of the body to which the stiffness belongs.
+
+    The place is an axial position [m], the name of a nut or bearing, or None for the default.
+    """
     names = [x.name for x in scene.sets] if isinstance(scene, Assembly) else []
     if given in names:
-        return given, f"set {given}, its inner part moved and its outer one held"
+        return given, f"set {given}, its inner part moved and its outer part fixed"
     of = "shaft with all bearings and supports" if names else "screw's section against the held nut, without its shaft"
     if given is None or given == "":
         return None, of
@@ -165,24 +171,29 @@ def _stiffness_place(given: str | float | None, scene: Scene | Assembly) -> tupl
 
 
 def axial_load_key(raw: dict[str, Any], origin: str) -> str:
-    """Return the key of the axial component of a scene's only axial load; ArgumentError if there are several or none."""
+    """Return the key of the axial component of a scene's only axial load, such as ``loads[0].force[2]``.
+
+    ArgumentError if the scene has several axial loads or none.
+    """
     named = ((f"{table}[{k}]", row) for table in ("loads", "housings") for k, row in enumerate(raw.get(table, ())))
     forces = {f"{name}.force[2]": row["force"] for name, row in named if isinstance(row.get("force"), list)}
     axial = [key for key, force in forces.items() if len(force) == 3 and _number_without_unit(force[2])] or list(forces)
     if len(axial) != 1:
         advice = 'name the key, such as "loads[0].force[2]"'
-        raise ArgumentError("over", LOAD, f"a scene with one axial load, this has {len(axial)}", advice, origin)
+        raise ArgumentError(
+            "over", LOAD, f"only for a scene with one axial load; this one has {len(axial)}", advice, origin
+        )
     return axial[0]
 
 
 def _number_without_unit(text: Any) -> float:
-    """Return the number in a text such as "5 kN", without its unit; zero for another text."""
+    """Return the number in a text such as "5 kN" as it stands, 5; zero for a text without number."""
     found = number_and_unit(str(text))
     return 0.0 if found is None else float(found[0])
 
 
 def _table_column(vary: Vary) -> Over:
-    """Return the table column of a varied key: numbers if all its values share one unit, else the values as given."""
+    """Return the table column of a varied key: numbers if all its values share one unit, else the values as written."""
     split = [number_and_unit(str(x)) if not isinstance(x, bool) else None for x in vary.choices]
     spelt = {x[1] for x in split if x is not None}
     if None in split or len(spelt) > 1:
@@ -192,7 +203,7 @@ def _table_column(vary: Vary) -> Over:
 
 
 def solve_row(asked: TableRequest, values: Sequence[Any], engine: str) -> TableRow:
-    """Solve one combination of the keys' values; a refusal by scene or model becomes the status of the row."""
+    """Solve one combination of the keys' values; if scene or model refuse it, the status of the row gives the reason."""
     try:
         raw = with_varied_keys(scene_file.read_toml(asked.text, asked.origin), asked.keys, values)
         scene = scene_file.scene_or_assembly(scene_tables.read_tables(raw, asked.origin), asked.origin)
@@ -204,13 +215,13 @@ def solve_row(asked: TableRequest, values: Sequence[Any], engine: str) -> TableR
 
 
 def _row_of_scene(scene: Scene | Assembly, asked: TableRequest, engine: str) -> TableRow:
-    """Solve a scene and return its row with the requested quantities."""
+    """Solve a scene and return the table row with the requested quantities."""
     names = {name for quantity in asked.quantities for name in QUANTITIES[quantity][1]}
     result, found = sample.solve_case(scene, asked.model, engine, names)
     if not result.converged:
         return TableRow(str(result.status))
     matrix, rigidity, status = None, None, CONVERGED
-    errors: dict[str, Any] = {"error_words": "no scene of several sets was compared with the 3D reference"}
+    errors: dict[str, Any] = {"error_words": "no shaft with several sets was compared with the 3D reference"}
     tangent: Tangent | None = None
     if isinstance(scene, Scene) and isinstance(result, StaticResult):
         errors = _expected_errors(scene, result)
@@ -219,7 +230,7 @@ def _row_of_scene(scene: Scene | Assembly, asked: TableRequest, engine: str) -> 
             tangent = tangent_stiffness_at(scene, station, asked.model, Options())
     elif isinstance(result, AxisResult) and "stiffness" in asked.quantities:
         of_set = next((s.stiffness for s in result.sets if s.of.name == asked.station), result.stiffness)
-        none = "the place is held, or no contact there is loaded"
+        none = "the place cannot move, or no contact there carries load"
         known = of_set is not None and np.isfinite(of_set).any()
         tangent = Tangent(0.0, np.full((6, 6), np.nan) if of_set is None else of_set, CONVERGED if known else none)
     if tangent is not None and tangent.status != CONVERGED:
@@ -244,7 +255,7 @@ def _row_of_scene(scene: Scene | Assembly, asked: TableRequest, engine: str) -> 
 
 
 def _contact_pressures(scene: Scene | Assembly, result: StaticResult | AxisResult) -> Iterator[float]:
-    """Yield the largest pressure of each loaded set [Pa]."""
+    """Yield the largest Hertz pressure of each loaded nut or bearing row [Pa]."""
     if isinstance(result, StaticResult):
         sets: list[Any] = [(scene, result, None)]
     else:
@@ -259,7 +270,7 @@ def _contact_pressures(scene: Scene | Assembly, result: StaticResult | AxisResul
 
 
 def _expected_errors(scene: Scene, result: StaticResult) -> dict[str, Any]:
-    """Return the expected errors of a scene's result, by the fields of the row."""
+    """Return the errors to expect of a result, estimated from compared scenes, by the fields of a table row [%]."""
     form = estimate(scene, result)
     return {
         "load_error": form.percent,
@@ -277,16 +288,16 @@ def solve_table(asked: TableRequest, engine: Engine, step: Callable[[str], None]
     Parameters
     ----------
     asked
-        The request.
+        Checked request.
     engine
-        Where they are computed.
+        Where the rows are computed: number of processes or cluster.
     step
         Called with lines of progress.
 
     Returns
     -------
     Table
-        All rows.
+        The table, rows in the order of the keys' values.
 
     Raises
     ------
@@ -306,7 +317,7 @@ def solve_table(asked: TableRequest, engine: Engine, step: Callable[[str], None]
 
 
 def _table_json(asked: TableRequest, rows: Sequence[TableRow]) -> dict[str, Any]:
-    """Return the JSON of ``rollbench table``; quantities that were not requested have no key."""
+    """Return the JSON values of ``rollbench table``; quantities that were not requested have no key."""
     names = {name for quantity in asked.quantities for name in QUANTITIES[quantity][1]}
     without = {name for _, of in QUANTITIES.values() for name in of} - names
     places = product(*(x.values for x in asked.over))

@@ -1,7 +1,8 @@
-"""A table (`rollbench.compare.studies.table`) as files: CSV, JSON, Parquet, netCDF, figure, ROSS and Modelica.
+"""Table of stiffness, preload and life (`rollbench.compare.studies.table`) as files for other programs.
 
-ROSS takes five of the 36 terms of the tangent stiffness, a CombiTable all of them. Both hold constants for each combination
-of values, without damping.
+Formats are CSV, JSON, Parquet, netCDF, a figure, a module for ROSS and a table file for Modelica. ROSS takes five of the 36
+terms of the tangent stiffness, a Modelica CombiTable all of them. Both hold constant values without damping for each
+combination of the keys' values.
 """
 
 from __future__ import annotations
@@ -38,16 +39,16 @@ ROSS_DROPS = (
 
 
 def check_format(path: Path) -> None:
-    """Raise InputError for an unknown file format, or one whose package is missing."""
+    """Raise InputError for an unknown file format, or one whose Python package is missing."""
     if path.suffix not in FORMATS:
-        raise ArgumentError("out", str(path), f"a name ending in {', '.join(FORMATS)}", "choose one of these")
+        raise ArgumentError("out", str(path), f"a name ending in {', '.join(FORMATS)}", "choose one of these endings")
     package = FORMATS[path.suffix]
     if package and (reason := import_fault(package)):
         raise ArgumentError("out", str(path), f"{package} for {path.suffix} ({reason})", pip_command(package))
 
 
 def write_table(path: Path, table: Table) -> None:
-    """Write all rows, in the format of the file's suffix; InputError if it cannot be written."""
+    """Write all rows of a table in the format of the file's suffix; InputError if the file cannot be written."""
     columns = table.columns()
     if path.suffix == ".csv":
         rows = zip(*columns.values(), strict=True)
@@ -66,7 +67,7 @@ def write_table(path: Path, table: Table) -> None:
 
 
 def _netcdf_dataset(table: Table, columns: dict[str, list[Any]]) -> Any:
-    """Return the table as an xarray Dataset: one dimension per varied key, two more for the stiffness."""
+    """Return the table as an xarray Dataset: one dimension per varied key, and two more for the stiffness matrix."""
     import xarray
 
     dims = [x.column for x in table.over]
@@ -84,9 +85,9 @@ def _netcdf_dataset(table: Table, columns: dict[str, list[Any]]) -> Any:
 
 
 def table_figure(table: Table) -> Figure | None:
-    """Draw each quantity over the numeric key with most values; one curve per combination of the other keys' values.
+    """Draw each quantity over the numeric key with most values, a curve for each combination of the other keys' values.
 
-    Error bars are the errors to expect, if they are of that quantity. None without such a key.
+    Error bars are the errors to expect, for quantities that have one. None without a numeric key of two values or more.
     """
     over = [k for k, x in enumerate(table.over) if x.numbers is not None and len(x.values) > 1]
     columns = table.columns()
@@ -120,7 +121,7 @@ def table_figure(table: Table) -> Figure | None:
 
 
 def _error_bars(table: Table, name: str, at: Sequence[int]) -> tuple[list[float], list[float]] | None:
-    """Return lower and upper ends of a quantity's error bars in the rows ``at``; None without known errors."""
+    """Return the lower and upper ends of a quantity's error bars in the rows ``at``; None if an error is not known."""
     errors = [getattr(table.rows[k], ERROR_OF[name]) for k in at]
     if ERROR_OF[name] == "load_error" or None in errors:
         return None
@@ -130,25 +131,26 @@ def _error_bars(table: Table, name: str, at: Sequence[int]) -> tuple[list[float]
 
 
 def read_table(path: str) -> Table:
-    """Read the table of a JSON file of ``rollbench table``; InputError for another file."""
+    """Read a table from a JSON file that ``rollbench table`` wrote; InputError for another file."""
     text = read_text(path)
     try:
         return table_from_json(json.loads(text))
     except (KeyError, TypeError, ValueError, AttributeError):
-        allowed = "the JSON of rollbench table"
-        raise InputError(path, "file", "something else", allowed, "write it by --out FILE.json") from None
+        allowed = "a JSON file that rollbench table wrote"
+        raise InputError(path, "file", "other content", allowed, "write the table by --out FILE.json") from None
 
 
 def ross_text(table: Table) -> str:
-    """Return a Python module for ROSS with ``PLACES`` and ``bearing(n, place)``, a BearingElement.
+    """Return a Python module for the rotor-dynamics program ROSS, with the stiffness for each combination of values.
 
-    InputError if no row has a stiffness.
+    It holds ``PLACES`` and a function ``bearing(n, place)`` that returns a BearingElement. InputError if no row has a
+    stiffness.
     """
     matrices = table.stiffness
     kept = [k for k, matrix in enumerate(matrices) if all(np.isfinite(matrix[at]) for at in ROSS_TERMS.values())]
     if not kept:
         advice = "make the table with the quantity stiffness, at a place whose ux, uy and uz are not held"
-        raise InputError(table.scene, "stiffness", "none", "a table with a stiffness at one place or more", advice)
+        raise InputError(table.scene, "stiffness", "no stiffness", "a table with a stiffness in one row or more", advice)
     places, lines = table.places, []
     for k in kept:
         terms = {name: float(f"{matrices[k][at]:.9e}") for name, at in ROSS_TERMS.items()}
@@ -176,26 +178,31 @@ def bearing(n, place, cxx=0.0, **others):
 
 
 def _rows_without_answer(table: Table) -> list[str]:
-    """Return a line for each reason why rows have no answer, with their places."""
+    """Return a line for each reason why rows of a table have no answer, with the keys' values in these rows."""
     return [f"{'; '.join(places)}: {reason}" for reason, places in table.failures.items()]
 
 
 def _comment_lines(lines: Iterable[str]) -> str:
-    """Return lines as comments of Python or Modelica's table file."""
+    """Return lines as comments of Python or of a Modelica table file."""
     return "\n".join(f"# {one_line(line, 10_000)}" for line in lines)
 
 
 def modelica_text(table: Table) -> tuple[str, list[str]]:
-    """Return a file for Modelica.Blocks.Tables, and sentences on what it leaves out."""
+    """Return a table file for Modelica.Blocks.Tables, and sentences on what it leaves out.
+
+    InputError for a table over other than one or two numeric keys, or with too few answers.
+    """
     axes = [x.numbers for x in table.over]
     if not 1 <= len(axes) <= 2 or any(x is None or len(x) < 2 for x in axes):
         allowed = "a table over one or two keys, each of two numbers or more"
-        raise InputError(table.scene, "over", count_of(len(axes), "key"), allowed, "make another table")
+        raise InputError(
+            table.scene, "over", count_of(len(axes), "key"), allowed, "make a table over one or two numeric keys"
+        )
     kept = [k for k, row in enumerate(table.rows) if row.converged]
     if len(axes) == 2 and len(kept) < len(table.rows):
         reason, places = next(iter(table.failures.items()))
-        advice = "a CombiTable2D has no gaps: make the table without such places"
-        raise InputError(table.scene, places[0], reason, "an answer at each place", advice)
+        advice = "make the table without such values, as a CombiTable2D has no gaps"
+        raise InputError(table.scene, places[0], reason, "an answer in each row", advice)
     grid = [np.array(x, dtype=float) for x in axes]
     rows = {name: [column[k] for k in kept] for name, column in table.columns().items()}
     left = _rows_without_answer(table)
@@ -227,5 +234,6 @@ def modelica_text(table: Table) -> tuple[str, list[str]]:
 
 
 def _modelica_block(name: str, values: Array) -> str:
+    """Return a matrix as text of a Modelica table file."""
     rows: Sequence[str] = ["  ".join(f"{x:.9e}" for x in row) for row in values]
     return f"double {name}({values.shape[0]},{values.shape[1]})\n" + "\n".join(rows) + "\n"

@@ -1,8 +1,8 @@
-"""Bearings of a shaft as a REXS model, with the results of one load case or several.
+"""Export of a shaft with its bearings as a REXS model, with the results of one load case or several.
 
-The arrangement stands in the components as `rollbench.compare.scenes.from_rexs` reads it; results stand in the load
-cases. Axes: u, v, w of REXS are z, x, y of a scene. A ball nut, of which REXS has no component, is written as the load
-that it puts on the shaft.
+Components describe the arrangement as `rollbench.compare.scenes.from_rexs` reads it; load cases hold the results. The axes
+u, v, w of REXS are z, x, y of a scene. A ball nut, for which REXS has no component, is written as the load that it exerts
+on the shaft.
 """
 
 from __future__ import annotations
@@ -32,17 +32,18 @@ from rollbench.meshes.axis import Assembly, Housing, RollerRow, RollingSet
 from rollbench.meshes.one_arc import clearance_of
 from rollbench.meshes.parts import Errors, Material, Scene
 
-#: Direction of an axial force on the inner ring that a row takes, by the thrust that it carries.
+#: REXS name for the direction of the axial force on the inner ring that a bearing row supports, by the scene's name.
 TAKES = {"+z": "positive", "-z": "negative", "both": "both_directions", "deep groove": "both_directions"}
 
+#: Results of one load case: attributes by the id of a component.
 CaseAttributes = dict[int, dict[str, Value]]
 
 
 class RexsWriter:
-    """The model that is written, and ids of what is referred to."""
+    """REXS model of a shaft while it is written, with the ids of components that others refer to."""
 
     def __init__(self, shaft: Assembly) -> None:
-        """Begin with the unit, its casing and the shaft."""
+        """Add the gear unit, its casing and the shaft."""
         self.model, self.steels = RexsModel(), dict[Material, int]()
         self.notes: list[str] = []
         self.unit = self.model.add("gear_unit", shaft.title)
@@ -52,21 +53,24 @@ class RexsWriter:
         self.shaft = self.model.add("shaft", shaft.name, **_position_attributes(0.0, self.unit), rotational_speed=speed)
         for part in (self.casing, self.shaft):
             self.model.relate("assembly", assembly=self.unit, part=part)
-        self.steel(self.shaft, shaft.screw.material)
-        #: Housings that let an outer ring slide.
-        self.seats = {h.name for h in shaft.housings if _is_sliding_housing(h)}
-        #: Of each row the ids of its bearing and of its rolling elements' contacts.
+        self.assign_material(self.shaft, shaft.screw.material)
+        #: Names of the housings in which an outer ring can slide.
+        self.sliding_housings = {h.name for h in shaft.housings if _is_sliding_housing(h)}
+        #: For each bearing row: id of the bearing, and for each rolling element the ids of its contacts.
         self.rows: list[tuple[int, list[list[int]]]] = []
 
-    def steel(self, part: int, material: Material) -> None:
-        """Let a part refer to a material, which is added at its first use."""
+    def assign_material(self, part: int, material: Material) -> None:
+        """Assign a material to a component; the material is added at its first use."""
         if material not in self.steels:
             constants = {"elastic_modulus": 1e-6 * material.youngs_modulus, "poisson_ratio": material.poissons_ratio}
             self.steels[material] = self.model.add("material", f"material {len(self.steels) + 1}", **constants)
         self.model.relate("reference", origin=part, referenced=self.steels[material])
 
-    def part(self, whole: int, type: str, name: str = "", order: int | None = None, **attributes: Value | None) -> int:
-        """Add a component as a part of the component ``whole``, and return its id."""
+    def add_part(self, whole: int, type: str, name: str = "", order: int | None = None, **attributes: Value | None) -> int:
+        """Add a component as a part of the component ``whole``, and return its id.
+
+        With ``order`` the part is numbered among its neighbours.
+        """
         k = self.model.add(type, name, **attributes)
         self.model.relate("assembly" if order is None else "ordered_assembly", order, assembly=whole, part=k)
         return k
@@ -79,24 +83,25 @@ def _is_sliding_housing(housing: Housing) -> bool:
 
 
 def _to_rpm(speed: float) -> float:
+    """Return a speed [rad/s] in revolutions per minute."""
     return speed * 30.0 / pi
 
 
 def _position_attributes(u: float, unit: int) -> dict[str, Value]:
-    """Return the attributes of a position on the shaft [m], in the coordinates of the gear unit."""
+    """Return the attributes of a component at a position on the shaft [m], in the coordinates of the gear unit."""
     vectors: dict[str, Value] = {"support_vector": (1e3 * u, 0.0, 0.0), "u_axis_vector": (1.0, 0.0, 0.0)}
     return vectors | {"w_axis_vector": (0.0, 0.0, 1.0), "reference_component_for_position": unit}
 
 
 def rexs_text(described: Assembly | DutyCycle, solved: Sequence[SolvedAxis]) -> tuple[str, list[str]]:
-    """Return the text of a REXS file with a scene and its results.
+    """Return the text of a REXS file with a shaft, its bearings and the results.
 
     Parameters
     ----------
     described
-        The shaft, or the duty cycle of one.
+        Scene of a shaft, or duty cycle of load cases on a shaft.
     solved
-        Solution of the shaft, or of each load case in order; all have converged.
+        Converged solution of the shaft, or of each load case in order.
 
     Returns
     -------
@@ -106,7 +111,7 @@ def rexs_text(described: Assembly | DutyCycle, solved: Sequence[SolvedAxis]) -> 
     Raises
     ------
     Refusal
-        For supports that REXS has no attribute for.
+        For supports that REXS cannot describe.
     """
     shaft = described.parts if isinstance(described, DutyCycle) else described
     assert isinstance(shaft, Assembly)
@@ -138,7 +143,7 @@ def rexs_text(described: Assembly | DutyCycle, solved: Sequence[SolvedAxis]) -> 
 
 
 def _write_sections(writer: RexsWriter, shaft: Assembly) -> None:
-    """Add the plain sections of the shaft; the thread and gaps between them get the outer diameter of the screw."""
+    """Add the plain cylinders of the shaft; its thread and gaps between cylinders get the outer diameter of the screw."""
     screw = shaft.screw
     plain = sorted((p.start, p.end, p.diameter, p.bore) for p in shaft.segments)
     ends = [0.0, *(p[1] for p in plain)]
@@ -146,7 +151,7 @@ def _write_sections(writer: RexsWriter, shaft: Assembly) -> None:
     rest = [(a, b, screw.outer_diameter, screw.bore) for a, b in gaps if b - a > 1e-9]
     for start, end, diameter, bore in sorted([*plain, *rest]):
         outer, inner, at = 1e3 * diameter, 1e3 * bore, 1e3 * start
-        writer.part(
+        writer.add_part(
             writer.shaft,
             "shaft_section",
             u_coordinate_on_shaft=at,
@@ -161,12 +166,12 @@ def _write_sections(writer: RexsWriter, shaft: Assembly) -> None:
 
 
 def _write_bearing(writer: RexsWriter, row: RollingSet, kind: str, **attributes: Value | None) -> int:
-    """Add a bearing of one row between the shaft and the casing, and return its id."""
+    """Add a bearing with one row between the shaft and the casing, and return its id."""
     at, shift = 1e3 * row.position, 1e6 * row.offset * (-1.0 if row.thrust == "+z" else 1.0)
     common: dict[str, Value | None] = {
         "bearing_type": kind,
         "number_of_bearing_rows": 1,
-        "axial_force_absorption": "no_direction" if row.housing in writer.seats else TAKES[row.thrust],
+        "axial_force_absorption": "no_direction" if row.housing in writer.sliding_housings else TAKES[row.thrust],
         "radial_force_absorption": True,
         "u_coordinate_on_shaft_inner_side": at,
         "u_coordinate_on_shaft_outer_side": at,
@@ -182,19 +187,19 @@ def _write_bearing(writer: RexsWriter, row: RollingSet, kind: str, **attributes:
 def _write_elements(
     writer: RexsWriter, row: int, azimuths: Iterable[float], kinds: Sequence[str], material: Material, **size: Value | None
 ) -> list[list[int]]:
-    """Add the rolling elements of a row with their contacts, and return the ids of the contacts of each element."""
+    """Add the rolling elements of a row with their contacts; return for each element the ids of its contacts."""
     found = []
     for k, azimuth in enumerate(azimuths, 1):
         at: dict[str, Value] = {"angular_position_around_u": degrees(azimuth)}
-        one = writer.part(row, "rolling_element", str(k), k, **size, **at)
-        writer.steel(one, material)
+        one = writer.add_part(row, "rolling_element", str(k), k, **size, **at)
+        writer.assign_material(one, material)
         contact = "rolling_element_contact"
-        found.append([writer.part(one, contact, rolling_element_contact_type=kind) for kind in kinds])
+        found.append([writer.add_part(one, contact, rolling_element_contact_type=kind) for kind in kinds])
     return found
 
 
 def _write_ball_bearing(writer: RexsWriter, row: RollingSet, parts: Scene) -> tuple[int, list[list[int]]]:
-    """Add a ball bearing, and return its id and those of the contacts of each ball."""
+    """Add a ball bearing; return its id, and for each ball the ids of its contacts."""
     nut, pitch, found = parts.nut, 2e3 * parts.track.pitch_radius, clearance_of(parts)
     thrust = "axial_" if is_thrust(parts) else ""
     kind = {"deep groove": "radial_grooved_ball_bearing", "both": f"{thrust}four_point_contact_ball_bearing"}
@@ -206,8 +211,8 @@ def _write_ball_bearing(writer: RexsWriter, row: RollingSet, parts: Scene) -> tu
         ("inner_ring", parts.screw.outer_diameter, parts.screw.material),
         ("outer_ring", nut.outer_diameter, nut.material),
     ):
-        one = writer.part(bearing, "bearing_ring", ring, bearing_ring_type=ring, outer_diameter=1e3 * outer)
-        writer.steel(one, material)
+        one = writer.add_part(bearing, "bearing_ring", ring, bearing_ring_type=ring, outer_diameter=1e3 * outer)
+        writer.assign_material(one, material)
     of_row: dict[str, Value | None] = {
         "number_of_rolling_elements": parts.ball_count,
         "axial_force_absorption_of_row": TAKES[row.thrust],
@@ -216,7 +221,7 @@ def _write_ball_bearing(writer: RexsWriter, row: RollingSet, parts: Scene) -> tu
         "raceway_radius_of_inner_ring": 1e3 * parts.screw.groove_radius,
         "raceway_radius_of_outer_ring": 1e3 * nut.groove_radius,
     }
-    k, balls = writer.part(bearing, "rolling_bearing_row", row.name, 1, **of_row), parts.balls
+    k, balls = writer.add_part(bearing, "rolling_bearing_row", row.name, 1, **of_row), parts.balls
     sides = ("left_", "right_") if row.thrust == "both" else ("",)
     kinds = [f"{side}{race}_raceway_contact" for race in ("inner", "outer") for side in sides]
     diameter = 2e3 * balls.radius
@@ -224,7 +229,7 @@ def _write_ball_bearing(writer: RexsWriter, row: RollingSet, parts: Scene) -> tu
 
 
 def _write_roller_bearing(writer: RexsWriter, row: RollingSet, parts: RollerRow) -> tuple[int, list[list[int]]]:
-    """Add a tapered roller bearing, and return its id and those of the contacts of each roller."""
+    """Add a tapered roller bearing; return its id, and for each roller the ids of its contacts."""
     kind = f"{'axial' if is_thrust_row(parts) else 'radial'}_tapered_roller_bearing"
     bearing = _write_bearing(writer, row, kind)
     of_row: dict[str, Value | None] = {
@@ -233,7 +238,7 @@ def _write_roller_bearing(writer: RexsWriter, row: RollingSet, parts: RollerRow)
         "pressure_angle": degrees(parts.cup_angle),
         "reference_diameter": 1e3 * tapered_bearing(parts).pitch_diameter,
     }
-    k = writer.part(bearing, "rolling_bearing_row", row.name, 1, **of_row)
+    k = writer.add_part(bearing, "rolling_bearing_row", row.name, 1, **of_row)
     crown = None if np.isinf(parts.crown) else 1e3 * parts.crown
     size: dict[str, Value | None] = {
         "diameter_of_rolling_element": 1e3 * parts.diameter,
@@ -248,13 +253,18 @@ def _write_roller_bearing(writer: RexsWriter, row: RollingSet, parts: RollerRow)
 
 
 def _write_supports(writer: RexsWriter, shaft: Assembly) -> None:
-    """Add supports as rigid concept bearings, without the rotation that the drive holds; raise Refusal for others."""
+    """Add the supports of the shaft as rigid concept bearings, without the rotation that the drive prevents.
+
+    Raises Refusal for supports that a concept bearing cannot describe.
+    """
     for s in shaft.supports:
         fixed = {name for name, value in s.fixed if value == 0.0}
         across, tilt = fixed & {"ux", "uy"}, fixed & {"rx", "ry"}
         if fixed != {name for name, _ in s.fixed} or len(across) == 1 or len(tilt) == 1:
-            reason = f"a support at {1e3 * s.at:g} mm that holds {', '.join(n for n, _ in s.fixed)}"
-            advice = "a concept bearing of REXS holds ux with uy, uz, rx with ry, at zero: use bearings"
+            reason = (
+                f"REXS has no component for a support at {1e3 * s.at:g} mm that fixes {', '.join(n for n, _ in s.fixed)}"
+            )
+            advice = "fix ux together with uy, rx together with ry, all at zero, or model the support by bearings"
             raise Refusal(shaft.name, "supports", reason, advice)
         if fixed - {"rz"}:
             axial = "both_directions" if "uz" in fixed else "no_direction"
@@ -265,9 +275,9 @@ def _write_supports(writer: RexsWriter, shaft: Assembly) -> None:
 
 
 def _write_loads(writer: RexsWriter, shaft: Assembly, solved: Sequence[SolvedAxis]) -> list[CaseAttributes]:
-    """Add the loads on the shaft, with those from ball nuts, and return their attributes in each load case.
+    """Add the loads on the shaft and those exerted by ball nuts; return their attributes in each load case.
 
-    With a single case the components themselves get these attributes, too.
+    With a single load case the components themselves get these attributes, too.
     """
     names, acting = list[tuple[str, float]](), list[dict[tuple[str, float], np.ndarray]]()
     for one in solved:
@@ -282,7 +292,7 @@ def _write_loads(writer: RexsWriter, shaft: Assembly, solved: Sequence[SolvedAxi
         acting.append(found)
     ids = {}
     for name, at in names:
-        ids[name, at] = writer.part(writer.shaft, "external_load", name, u_coordinate_on_shaft=1e3 * at)
+        ids[name, at] = writer.add_part(writer.shaft, "external_load", name, u_coordinate_on_shaft=1e3 * at)
     cases = [{ids[x]: _wrench_attributes(found.get(x, np.zeros(6))) for x in names} for found in acting]
     if len(solved) == 1:
         for k, attributes in cases[0].items():
@@ -296,13 +306,17 @@ def _write_loads(writer: RexsWriter, shaft: Assembly, solved: Sequence[SolvedAxi
 
 
 def _wrench_attributes(wrench: np.ndarray) -> dict[str, Value]:
+    """Return force [N] and moment [N m] (6,) as REXS attributes; moments of zero are left out."""
     force = {f"force_{axis}_direction": float(F) for axis, F in zip("vwu", wrench[:3], strict=True)}
     moment = {f"torque_around_{axis}_axis": float(M) for axis, M in zip("vwu", wrench[3:], strict=True) if M}
     return {**force, **moment}
 
 
 def _result_attributes(writer: RexsWriter, one: SolvedAxis, speed: float | None) -> CaseAttributes:
-    """Return the results of one load case for shaft, bearings and contacts; speed [rad/s], None: that of the scene."""
+    """Return the results of one load case for shaft, bearings and contacts.
+
+    ``speed``: speed of the shaft in the load case [rad/s]; None: that of the scene.
+    """
     result, motion = one.result, one.scene.motion
     assert one.answers is not None
     place: dict[str, Value] = {"u_coordinates_of_beam_nodes": tuple(1e3 * result.centreline_z)}
@@ -327,7 +341,10 @@ def _result_attributes(writer: RexsWriter, one: SolvedAxis, speed: float | None)
 
 
 def _bearing_results(result: AxisResult, s: SetResult, answers: SetAnswers, speed: float | None) -> dict[str, Value]:
-    """Return the results of one bearing as attributes."""
+    """Return forces, deflections, stiffness, ratings and life of one bearing as REXS attributes.
+
+    ``speed``: speed of the shaft [rad/s], for the life in hours; None: not known.
+    """
     at = [float(np.interp(s.of.position, result.centreline_z, x)) for x in result.centreline.T]
     relative = np.array(at) - s.outer
     relative[2] += s.of.offset
@@ -356,7 +373,7 @@ def _bearing_results(result: AxisResult, s: SetResult, answers: SetAnswers, spee
 
 
 def _life_attributes(life: ReferenceLife | None, speed: float | None) -> dict[str, Value]:
-    """Return the life by ISO/TS 16281 as attributes, with hours if a speed [rad/s] is given."""
+    """Return the rating life by ISO/TS 16281 as REXS attributes, with hours if a speed [rad/s] is given."""
     if life is None:
         return {}
     name = "nominal_reference_rating_life"
@@ -367,7 +384,10 @@ def _life_attributes(life: ReferenceLife | None, speed: float | None) -> dict[st
 
 
 def _ball_contact_results(contacts: list[list[int]], s: SetResult) -> CaseAttributes:
-    """Return force, angle and pressure of each contact; of a groove of one arc those of its loaded flank."""
+    """Return force, contact angle and pressure of each ball contact.
+
+    A groove of a single arc has one contact in REXS but two flanks in the scene: the flank with the larger load is taken.
+    """
     assert s.balls is not None
     assert isinstance(s.of.parts, Scene)
     load, angle = s.balls.load, np.degrees(s.balls.contact_angle)
@@ -387,7 +407,7 @@ def _ball_contact_results(contacts: list[list[int]], s: SetResult) -> CaseAttrib
 
 
 def _roller_contact_results(contacts: list[list[int]], s: SetResult, row: RollerRow) -> CaseAttributes:
-    """Return force, loads of the laminae and largest pressure of each contact."""
+    """Return force, lamina (slice) loads and largest pressure of each roller contact."""
     assert s.line_loads is not None
     assert s.roller_load is not None
     places = tuple(1e3 * slice_middles(row.length, row.slices))
@@ -405,14 +425,14 @@ def _roller_contact_results(contacts: list[list[int]], s: SetResult, row: Roller
 
 
 def _note_left_out(writer: RexsWriter, shaft: Assembly) -> None:
-    """Note what the file does not hold."""
-    moving = [h.name for h in shaft.housings if not h.stands and h.name not in writer.seats]
+    """Add sentences on what the file does not hold to the writer's notes."""
+    moving = [h.name for h in shaft.housings if not h.stands and h.name not in writer.sliding_housings]
     if moving:
-        writer.notes.append(f"{', '.join(moving)}: a housing that moves is a casing that stands")
+        writer.notes.append(f"{', '.join(moving)}: a housing that moves is written as a casing at rest")
     if any(s.carrier for s in shaft.sets):
         writer.notes.append("bearings around a nut are written as bearings of the shaft")
     wrong = [s.name for s in shaft.sets if isinstance(s.parts, Scene) and replace(s.parts.errors, seed=0) != Errors()]
     if wrong:
-        writer.notes.append(f"{', '.join(wrong)}: errors of grooves and balls")
+        writer.notes.append(f"{', '.join(wrong)}: geometric errors of grooves and balls")
     if shaft.thermal_strain:
-        writer.notes.append("the warming of the shaft")
+        writer.notes.append("the thermal expansion of the shaft")

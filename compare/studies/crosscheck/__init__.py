@@ -1,1 +1,1 @@
-"""Comparison of the 3D reference with CalculiX."""
+"""Comparison of the 3D reference with the finite-element program CalculiX."""

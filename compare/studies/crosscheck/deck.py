@@ -1,6 +1,7 @@
-"""Contact problem of a small scene as a deck for another program: bodies, contacts, supports and loads.
+"""Contact problem of a small scene as an input deck for another finite-element program.
 
-For each contact: where it is expected, how large, and which faces of balls and grooves belong to it.
+The deck has the bodies, contacts, supports and loads. For each contact it is estimated where it lies and how large it is,
+so that meshes are refined there and the faces of balls and grooves that may touch are known.
 """
 
 from __future__ import annotations
@@ -41,32 +42,33 @@ from rollbench.meshes.parts import FREEDOMS, SIDES, Scene
 from rollbench.meshes.sockets import SocketSize, socket_coordinates
 from rollbench.meshes.solid import Dimensions, solid_dimensions
 
-#: Semi-axes of the refined zone and of the slave's and master's faces, over those of the expected ellipse; the zones of the
-#: faces are also wider by some elements.
+#: Semi-axes over those of the expected contact ellipse: of the refined zone, and of the contact faces of slave (ball) and
+#: master (groove) with the number of elements by which these are wider.
 FINE, SLAVE, MASTER = 1.1, (1.6, 2.0), (2.0, 4.0)
 
-#: Smallest load for which a zone is sized, over the mean load.
+#: Smallest load for which the size of a contact is estimated, over the mean load.
 LEAST = 0.1
 
 
 @dataclass(frozen=True)
 class ExpectedContact:
-    """Expected contact."""
+    """Expected contact of a ball with a flank of a groove: place and size."""
 
     #: Number of the ball, from 0.
     ball: int
-    #: Flank.
+    #: Flank: number in SL, SR, NL, NR.
     side: int
     #: Azimuth [rad], axial position [m], flank.
     at: tuple[float, float, int]
-    #: Semi-axes across and along the groove [m].
+    #: Semi-axes of the contact ellipse across and along the groove [m].
     half: tuple[float, float]
 
 
 def unit_load_semi_axes(scene: Scene, side: int) -> tuple[float, float]:
     """Return the semi-axes of the contact ellipse at 1 N, across and along the groove [m/N^(1/3)].
 
-    By Hertz on the nominal geometry. The long one lies across the groove, where ball and groove conform.
+    They follow from Hertz's theory on the nominal geometry. The longer one lies across the groove, where ball and groove
+    conform. ``side``: flank.
     """
     track, balls = scene.track, scene.balls
     part = scene.screw if side < 2 else scene.nut
@@ -81,7 +83,10 @@ def unit_load_semi_axes(scene: Scene, side: int) -> tuple[float, float]:
 
 
 def contact_places(scene: Scene, load: Array, sides: tuple[int, ...]) -> tuple[list[ExpectedContact], float]:
-    """Return the expected contacts on ``sides``, and the minor semi-axis of a screw contact of mean load [m]."""
+    """Return the expected contacts on the flanks ``sides``, and the minor semi-axis of a screw contact of mean load [m].
+
+    ``load``: contact loads of a low-order solution, (N, 4) [N].
+    """
     layout, mean = ball_layout(scene), float(load[load > 0.0].mean())
     unit = {s: unit_load_semi_axes(scene, s) for s in sides}
     places = []
@@ -94,28 +99,31 @@ def contact_places(scene: Scene, load: Array, sides: tuple[int, ...]) -> tuple[l
 
 
 def ball_face_name(place: ExpectedContact) -> str:
-    """Return the name of the ball's faces at a contact."""
+    """Return the name in the deck for the faces of a ball at a contact."""
     return f"BALL{place.ball + 1}_{SIDES[place.side]}"
 
 
 def groove_face_name(place: ExpectedContact) -> str:
-    """Return the name of the groove's faces at a contact."""
+    """Return the name in the deck for the faces of a groove at a contact."""
     return f"{'SCREW' if place.side < 2 else 'NUT'}_{SIDES[place.side]}_{place.ball + 1}"
 
 
 def _widened_semi_axes(place: ExpectedContact, fine: float, wide: tuple[float, float]) -> tuple[float, float]:
-    """Return the semi-axes of the faces of a contact [m]."""
+    """Return the semi-axes of the zone that holds the contact faces [m].
+
+    ``wide``: factor on the semi-axes of the contact, and number of elements of size ``fine`` [m] added to it.
+    """
     across, along = (wide[0] * x + wide[1] * fine for x in place.half)
     return across, along
 
 
 def refined_zone_points(place: ExpectedContact, fine: float) -> Array:
-    """Return points that fill the refined zone of a contact, (k, 2) across and along [m]."""
+    """Return points that fill the refined zone of a contact, (k, 2), across and along the groove [m]."""
     return grid_in_ellipse((FINE * place.half[0], FINE * place.half[1]), 0.7 * fine)
 
 
 def flank_contact_faces(m: GrooveMap, mesh: WholeBody, place: ExpectedContact, fine: float) -> Index:
-    """Return the faces of a flank within the master's zone of a contact."""
+    """Return the mesh faces of a groove's flank that may touch the ball at a contact (master faces)."""
     flank = mesh.named[f"flank {SIDES[place.side]}"]
     x, radius = mesh.points[flank], float(m.radius[place.side])
     xi = socket_coordinates(
@@ -127,7 +135,10 @@ def flank_contact_faces(m: GrooveMap, mesh: WholeBody, place: ExpectedContact, f
 
 
 def ball_contact_faces(m: GrooveMap, mesh: WholeBody, place: ExpectedContact, radius: float, fine: float) -> Index:
-    """Return the faces of a ball within the slave's zone of a contact; the ball is meshed in the frame of azimuth 0."""
+    """Return the mesh faces of a ball that may touch the groove at a contact (slave faces).
+
+    The ball is meshed in the frame of azimuth zero. ``radius``: radius of the ball [m].
+    """
     (n, t1, t2), sphere, half = directions(m, place.side), mesh.named["sphere"], _widened_semi_axes(place, fine, SLAVE)
     x = mesh.points[sphere]
     height = np.where(x @ n > 0.0, x @ n, 1e-9 * radius)  # nodes behind are far outside
@@ -137,25 +148,23 @@ def ball_contact_faces(m: GrooveMap, mesh: WholeBody, place: ExpectedContact, ra
 
 
 def _faces_within(mesh: WholeBody, nodes: Index) -> Index:
-    """Return the corners of the outer faces all of whose corners are among ``nodes``; not those of the cut of a half.
+    """Return the outer faces whose corner nodes are all among ``nodes``, without the faces in the cut plane of a half body.
 
     ValueError if there is none.
     """
     faces = outer_faces(mesh.cells)
     within = faces[np.isin(faces, nodes).all(axis=1) & ~np.isin(faces, mesh.named.get("cut", [])).all(axis=1)]
     if not len(within):
-        raise ValueError(
-            "no face of the mesh lies within an expected contact: take more elements across it, or less growth"
-        )
+        raise ValueError("no face of the mesh lies within an expected contact: raise `b_over_h`, or lower `growth`")
     return within
 
 
-#: Largest number of balls and nodes of a deck, for a direct solver in minutes.
+#: Largest numbers of balls and nodes of a deck, so that a direct solver takes minutes.
 MOST_BALLS = 4
 
 MOST_NODES = 120_000
 
-#: Fixed surfaces of the nut.
+#: Fixed surfaces of the nut by the scene's name of its mounting.
 HELD = {
     "left face": ("low end",),
     "right face": ("high end",),
@@ -171,7 +180,7 @@ FAR_SIZES = (2.0, 0.6)
 
 @dataclass(frozen=True)
 class DeckOptions:
-    """Choices of mesh and contact of a deck."""
+    """Mesh sizes and contact options of a deck."""
 
     #: Elements across the minor semi-axis of a contact of mean load; all contacts have this element size.
     b_over_h: float = 1.5
@@ -179,20 +188,20 @@ class DeckOptions:
     growth: float = 0.4
     #: Contact pressure per overclosure [Pa/m].
     stiffness: float = 2e17
-    #: Weak springs at every ball and free degree of freedom of the screw [N/m].
+    #: Stiffness of weak springs that hold every ball and every free degree of freedom of the screw [N/m].
     spring: float = 1e3
     #: Whether displacements are large.
     nlgeom: bool = False
-    #: Whether only y >= 0 of a ring pair is meshed, if this is a plane of symmetry.
+    #: Whether only the half y >= 0 of a pair of rings is meshed, y = 0 being a plane of symmetry.
     half: bool = False
-    #: Whether all balls of one radius have the same mesh, so that differences of meshes do not scatter their loads (halves:
-    #: always).
+    #: Whether all balls of one radius have the same mesh, so that loads do not scatter by differences between meshes
+    #: (halves always have).
     alike: bool = False
 
 
 @dataclass(frozen=True)
 class MeshedDeck:
-    """A deck with data of its mesh."""
+    """Deck with data on its mesh."""
 
     #: The deck.
     deck: Deck
@@ -205,17 +214,20 @@ class MeshedDeck:
 
 
 def raise_first_fault(where: str, faults: Iterable[tuple[bool, str, str, str, str]]) -> None:
-    """Raise InputError for the first fault that applies: condition, key, value, allowed values and advice."""
+    """Raise InputError for the first fault that applies.
+
+    ``where``: scene or file. Each fault has condition, key, value, allowed values and advice.
+    """
     for there, key, value, allowed, advice in faults:
         if there:
             raise InputError(where, key, value, allowed, advice)
 
 
 def _refuse_unlike_decks(scene: Scene, half: bool) -> None:
-    """Raise InputError if a deck cannot describe a scene, or it has too many balls for whole bodies.
+    """Raise InputError if a deck cannot describe a scene, or the scene has too many balls for meshes of whole bodies.
 
-    With ``half`` also if the plane y = 0 is no plane of symmetry: because of a helix, balls next to the plane, loads, or a
-    screw that is not fixed along y and about x and z.
+    With ``half`` also if y = 0 is no plane of symmetry: because of a helix, balls next to the plane, loads, or a screw that
+    is not fixed along y and about x and z.
     """
     balls, solid = scene.ball_count, scene.solid
     large = f"1 to {MOST_BALLS} balls in a deck of whole bodies"
@@ -223,24 +235,27 @@ def _refuse_unlike_decks(scene: Scene, half: bool) -> None:
     half_face = solid.nut_held is not None and solid.nut_held not in HELD
     bolts = scene.nut.flange is not None and bool(scene.nut.flange.bolts)
     at = f'"{solid.nut_held}"' if half_face else "single bolts"
-    groove, whole = f'"{solid.nut_groove}"', "leave it out: a deck has whole grooves"
+    groove, whole = f'"{solid.nut_groove}"', "leave the key out: grooves of a deck run through the whole nut"
     azimuth = ball_layout(scene).azimuth
     held = {n for s in scene.supports for n, v in s.fixed if v == 0.0}
     beside = bool(np.abs(np.sin(azimuth)).max() > 1e-9) or not {"uy", "rx", "rz"} <= held
     unlike = bool(scene.track.lead or scene.loads) or beside
-    pair = "a ring pair with balls at 0 and 180 deg, moved by supports that hold uy, rx, rz"
+    pair = "a pair of rings with balls at 0 and 180 deg, moved by supports that fix uy, rx and rz"
     faults = (
         (balls > MOST_BALLS, "balls", str(balls), large, cut),
-        (solid.nut == "rigid", "solid.nut", '"rigid"', '"elastic"', "leave it out: a deck holds whole bodies"),
-        (half_face or bolts, "nut.held.at", at, ", ".join(HELD), "a deck holds whole surfaces"),
+        (solid.nut == "rigid", "solid.nut", '"rigid"', '"elastic"', "leave the key out: bodies of a deck are elastic"),
+        (half_face or bolts, "nut.held.at", at, ", ".join(HELD), "choose one of these: a deck can only fix whole surfaces"),
         (solid.nut_groove != "through", "solid.nut_groove", groove, '"through"', whole),
-        (half and unlike, "half", "not its own mirror image", pair, "mesh whole bodies"),
+        (half and unlike, "half", "a scene that is not symmetric to y = 0", pair, "mesh whole bodies"),
     )
     raise_first_fault(scene.name, faults)
 
 
 def representable_errors(scene: Scene) -> Specimen:
-    """Return the errors of a scene if real geometry can have them: radii of balls and of grooves; else InputError."""
+    """Return the geometric errors of a scene, if a deck can describe them; else raise InputError.
+
+    Errors of ball radii and of groove radii can be described, which are meshed as real geometry.
+    """
     drawn = specimen(scene, ball_layout(scene))
     moved = bool(np.abs(drawn.centre - nominal_groove_centres(scene)).max() > 0.0 or drawn.centre_slopes.any())
     uneven = bool(drawn.radius[0] != drawn.radius[1] or drawn.radius[2] != drawn.radius[3])
@@ -255,38 +270,42 @@ def representable_errors(scene: Scene) -> Specimen:
 
 
 def real_groove_map(m: GrooveMap, drawn: Specimen, scene: Scene, screw: bool) -> GrooveMap:
-    """Return the map of the real groove of screw or nut.
+    """Return the geometry of a groove with its real radius, of screw or nut.
 
-    The centres of the arcs stay; the radius, and that of the ball that would fit, change by the same amount.
+    The centres of the arcs stay; the groove radius, and the radius of a ball that would fit, change by the same amount.
     """
     change = drawn.radius - groove_radii(scene)
     return replace(m, radius=drawn.radius, ball=m.ball + float(change[0 if screw else 2]))
 
 
 def solve_expected_loads(scene: Scene) -> StaticResult:
-    """Solve a scene by the refined low-order model; InputError if it has no equilibrium or nothing is loaded."""
+    """Solve a scene by the refined low-order model, whose loads show where contacts are expected.
+
+    InputError if the scene has no equilibrium or no contact carries load.
+    """
     found = run_model(scene, "refined", Options(discretisation=False))
     allowed = "a scene with loaded contacts that the model refined solves"
-    advice = "meshes are refined at the contacts it finds: load or preload the scene"
+    advice = "load or preload the scene: meshes are refined where that model finds contacts"
     idle = not found.converged or not (found.load > 0.0).any()
-    raise_first_fault(scene.name, [(bool(idle), "loads", found.status, allowed, advice)])
+    value = "no loaded contact" if found.converged else found.status
+    raise_first_fault(scene.name, [(bool(idle), "loads", value, allowed, advice)])
     return found
 
 
 def build_deck(scene: Scene, options: DeckOptions | None = None) -> MeshedDeck:
-    """Mesh the whole bodies of a scene and make its deck.
+    """Mesh the whole bodies of a scene and build its deck.
 
     Parameters
     ----------
     scene
-        Scene with one set.
+        Scene of one nut or bearing.
     options
-        Choices of mesh and contact.
+        Mesh sizes and contact options; None: the defaults.
 
     Returns
     -------
     MeshedDeck
-        The deck.
+        Deck, expected loads and quality of the meshes.
 
     Raises
     ------
@@ -305,12 +324,12 @@ def build_deck(scene: Scene, options: DeckOptions | None = None) -> MeshedDeck:
         meshed += _mesh_balls(scene, drawn, m, layout, places, fine, options)
     except ValueError as error:
         raise InputError(
-            scene.name, "deck", str(error), "a scene that can be meshed", "see solid.* and the nut's length in the scene"
+            scene.name, "deck", str(error), "a scene that can be meshed", "check solid.* and the nut's length in the scene"
         ) from error
     bodies = tuple(body for body, _ in meshed)
     quality = {body.name: smallest for body, smallest in meshed}
     count = sum(len(b.points) for b in bodies)
-    smaller = "lower `b_over_h`, raise `growth`, or cut the screw: `balls`"
+    smaller = "lower `b_over_h`, raise `growth`, or cut the screw by `balls`"
     raise_first_fault(scene.name, [(count > MOST_NODES, "deck", f"{count} nodes", f"at most {MOST_NODES} nodes", smaller)])
     contacts = tuple(Contact(ball_face_name(p), groove_face_name(p)) for p in places)
     deck = Deck(
@@ -329,6 +348,7 @@ def build_deck(scene: Scene, options: DeckOptions | None = None) -> MeshedDeck:
 
 
 def _deck_refinement(points: list[Array], fine: float, coarse: float, options: DeckOptions) -> Refinement:
+    """Return the element sizes of a body: ``fine`` at the points of the contacts, up to ``coarse`` away from them [m]."""
     return Refinement(np.concatenate(points), fine, options.growth, max(coarse, fine))
 
 
@@ -341,7 +361,7 @@ def _mesh_screw_and_nut(
     fine: float,
     options: DeckOptions,
 ) -> list[tuple[DeckBody, float]]:
-    """Mesh screw (its 3D stretch) and nut; return each with the smallest scaled Jacobian of its cells."""
+    """Mesh the 3D piece of the screw and the nut; return each with the smallest scaled Jacobian of its elements."""
     low, high = dims.ends(scene)
     half, z = scene.nut.length / 2.0, scene.nut.position
     unused = SocketSize(1.0, m.ball, 1.0)
@@ -383,7 +403,7 @@ def _mesh_balls(
     fine: float,
     options: DeckOptions,
 ) -> list[tuple[DeckBody, float]]:
-    """Mesh every ball with its radius at its position."""
+    """Mesh every ball with its real radius at its position; return each with the smallest scaled Jacobian of its cells."""
     bodies, meshed, shared = [], dict[tuple[float, float], WholeBody](), options.half or options.alike
     for i, radius in enumerate(drawn.ball_radius.tolist()):
         on_ball, side = [p for p in places if p.ball == i], float(np.sign(np.cos(layout.azimuth[i])))
@@ -413,20 +433,21 @@ def _mesh_balls(
 
 
 def half_ball_turning_constraint(points: Array, pair: Index) -> Index:
-    """Return the row (1, 3) of two nodes and an axis along which they move alike, so that a half ball cannot turn about y.
+    """Return the constraint (1, 3) that keeps a half ball from turning about y: two nodes that move alike along an axis.
 
-    Its cut stays in the plane y = 0.
+    The cut of the half ball stays in the plane y = 0, so that no other rotation is possible. ``pair``: numbers of two
+    nodes.
     """
     arms = [abs(float(np.cross(points[pair[0]] - points[pair[1]], np.eye(3)[k])[1])) for k in range(3)]
     return np.array([(*pair, int(np.argmax(arms)))], dtype=np.int64)
 
 
 def turning_constraints(points: Array, pairs: Index) -> Index:
-    """Return rows (3, 3) of two nodes and an axis along which they move alike, so that a body cannot turn.
+    """Return constraints (3, 3) that keep a ball from turning: each has two nodes that move alike along an axis.
 
-    A rotation theta moves the nodes of a pair, d apart, by theta x d relative to each other: along axis k by
-    theta . (d x e_k). Three such rows that are as independent as possible leave no rotation; their forces are couples, so
-    that the balance of forces is not affected. ``pairs``: nodes (p, 2).
+    A rotation theta [rad] moves two nodes at a distance vector d by theta x d relative to each other: along axis k by
+    theta . (d x e_k). Three constraints that are as independent as possible allow no rotation. Their forces are couples, so
+    that the balance of forces is not affected. ``pairs``: numbers of nodes (p, 2).
     """
     found = [(int(a), int(b), k) for a, b in pairs for k in range(3)]
     arms = np.array([np.cross(points[a] - points[b], np.eye(3)[k]) for a, b, k in found])
@@ -435,19 +456,21 @@ def turning_constraints(points: Array, pairs: Index) -> Index:
 
 
 def _rigid_sections(scene: Scene, dims: Dimensions) -> tuple[RigidSection, ...]:
-    """Return rigid sections of the screw with supports and loads; InputError if they act elsewhere."""
+    """Return the rigid sections of the screw at which supports and loads act; InputError if these act elsewhere."""
     stations = sorted({s.at for s in scene.supports} | {x.at for x in scene.loads})
     if dims.screw_held == "bore":
         ends = {"SCREW_BORE": stations[0] if stations else scene.nut.position}
-        allowed = "one station"
+        allowed = "supports and loads at one axial position"
     else:
         low, high = dims.ends(scene)
         ends = {"SCREW_LOW": low, "SCREW_HIGH": high}
         allowed = f"the ends of the 3D stretch, {1e3 * low:.6g} mm and {1e3 * high:.6g} mm"
-    advice = "a deck has no beams: cut the screw (`balls=3:5`), or set solid.shaft and the stations to match"
+    advice = "cut the screw (`balls=3:5`), or set solid.shaft to these positions: a deck has no beams"
     for z in stations:
         away = min(abs(z - end) for end in ends.values()) > 1e-9
-        raise_first_fault(scene.name, [(away, "supports, loads", f"a station at {1e3 * z:.6g} mm", allowed, advice)])
+        raise_first_fault(
+            scene.name, [(away, "supports, loads", f"a support or load at {1e3 * z:.6g} mm", allowed, advice)]
+        )
     free = [k for k, name in enumerate(FREEDOMS) if not any(name == n for s in scene.supports for n, _ in s.fixed)]
     sections: list[RigidSection] = []
     for name, z in ends.items():
@@ -464,7 +487,7 @@ def _rigid_sections(scene: Scene, dims: Dimensions) -> tuple[RigidSection, ...]:
 def _deck_heading(
     scene: Scene, dims: Dimensions, found: StaticResult, fine: float, count: int, options: DeckOptions
 ) -> tuple[str, ...]:
-    """Return comment lines of a deck: scene, choices, expected loads."""
+    """Return the comment lines at the top of a deck: scene, mesh sizes, contact options, expected loads."""
     load = found.load
     mean = float(load[load > 0.0].mean())
     return (
@@ -486,8 +509,8 @@ def _deck_heading(
 
 
 def _expected_error_clause(scene: Scene, found: StaticResult) -> str:
-    """Return a sentence on the error to expect of the loads."""
+    """Return a clause on the error to expect of the low-order contact loads."""
     form = estimate(scene, found)
     if not found.converged or form.percent is None:
-        return "nothing like the scene was compared with a 3D reference"
+        return "no similar scene was compared with the 3D reference"
     return f"error to expect {form.percent:.1f} % of the mean load on the worst contact (nearest compared: {form.nearest})"

@@ -1,7 +1,8 @@
-"""Compliance of a nut by the reference's finite elements and by CalculiX: the same cells, forces and fixed face.
+"""Compliance of a nut by the elements of the 3D reference and by CalculiX: the same mesh, forces and fixed face.
 
-Around every expected contact the corners of the groove's faces move as a rigid section that can turn freely; a unit force
-pushes one section after the other along the contact normal. Without contact: one linear solution per force.
+Around every expected contact the corner nodes of the groove's faces move as a rigid section that can turn freely. A unit
+force pushes one section after the other along the contact normal. There is no contact: each force takes one linear
+solution.
 """
 
 from __future__ import annotations
@@ -28,16 +29,17 @@ from rollbench.meshes.fem import mesh_of
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import Scene
 
-#: Scene whose nut is compared, and options of the mesh.
+#: Scene whose nut is compared, and mesh sizes.
 SCENE, MESH = "lin-case1-cut", DeckOptions(b_over_h=0.7, growth=0.8)
 #: Target of the agreement [%].
 TARGET = 0.1
+#: Force on one section in CalculiX [N].
 FORCE = 1000.0
 
 
 @dataclass(frozen=True)
 class NutCheck:
-    """Compliance of a nut by two programs.
+    """Compliance of a nut between its contacts by two finite-element programs.
 
     Entry [i][j] is the displacement along the normal of contact i by a unit force on contact j.
     """
@@ -48,7 +50,7 @@ class NutCheck:
     key: str
     #: Number of nodes.
     nodes: int
-    #: Compliances by the elements of the reference [m/N].
+    #: Compliances by the elements of the 3D reference [m/N].
     ours: list[list[float]]
     #: Compliances by CalculiX [m/N].
     theirs: list[list[float]]
@@ -59,12 +61,12 @@ class NutCheck:
 
     @property
     def difference(self) -> float:
-        """Largest difference, over the smallest compliance of a contact under its own force [%]."""
+        """Largest difference of a compliance between both programs, over the smallest one under its own force [%]."""
         ours, theirs = np.array(self.ours), np.array(self.theirs)
         return float(100.0 * np.abs(ours - theirs).max() / np.diag(theirs).min())
 
     def sentence(self) -> str:
-        """Return the result in a sentence."""
+        """Return a sentence on the agreement of both programs."""
         met = "within" if self.difference <= TARGET else "NOT within"
         return (
             f"{self.scene}: the nut's compliance between {len(self.ours)} contacts on one mesh of {self.nodes} nodes "
@@ -74,7 +76,7 @@ class NutCheck:
 
 
 def nut_decks(scene: Scene, options: DeckOptions = MESH) -> tuple[list[Deck], Array]:
-    """Return decks of the nut with a force on one contact each, and the contact normals (k, 3).
+    """Return one deck of the nut for each contact, with a force on that contact only, and the contact normals (k, 3).
 
     InputError as `build_deck`.
     """
@@ -103,9 +105,10 @@ def nut_decks(scene: Scene, options: DeckOptions = MESH) -> tuple[list[Deck], Ar
 
 
 def section_translations(decks: list[Deck]) -> Array:
-    """Return translations of the sections (decks, sections, 3) [m] by the reference's elements and solver.
+    """Return the translations of the rigid sections under each deck's force, (decks, sections, 3) [m].
 
-    The decks differ only in loads, and have one body, no contacts, and sections without fixed degrees of freedom.
+    They are computed by the elements and the solver of the 3D reference. The decks differ only in loads; they have one
+    body, no contacts, and sections without fixed degrees of freedom.
     """
     body, sections = decks[0].bodies[0], decks[0].sections
     mesh, number = mesh_of(body.points, body.cells, "P2")
@@ -122,7 +125,11 @@ def section_translations(decks: list[Deck]) -> Array:
 def _section_transform(
     body: DeckBody, sections: tuple[RigidSection, ...], number: NDArray[np.int64], fixed: tuple[str, ...]
 ) -> sp.csc_array:
-    """Return the matrix from the free degrees of freedom and six of each section (last) to those of the body."""
+    """Return the matrix from the free degrees of freedom of a body with rigid sections to all nodal displacements.
+
+    The last columns are the six degrees of freedom of each section. ``number``: numbers of the nodes in the mesh;
+    ``fixed``: names of fixed node sets.
+    """
     free = np.ones(3 * len(body.points), dtype=bool)
     for name in (*fixed, *(s.nodes for s in sections)):
         free[(3 * number[body.nodes[name]][:, None] + np.arange(3)).ravel()] = False
@@ -135,9 +142,10 @@ def _section_transform(
 
 
 def compare_nut_compliance(scene: Scene, work: Path, options: DeckOptions = MESH, key: str = "") -> NutCheck:
-    """Compute the compliance of a scene's nut by both programs on one mesh.
+    """Compute the compliance of a scene's nut by the 3D reference's elements and by CalculiX on one mesh.
 
-    InputError if CalculiX is missing or fails.
+    ``work``: folder for the runs of CalculiX; ``key``: digest of the scene's content. InputError if CalculiX is missing or
+    fails.
     """
     decks, normals = nut_decks(scene, options)
     ours = section_translations(decks)
@@ -146,7 +154,9 @@ def compare_nut_compliance(scene: Scene, work: Path, options: DeckOptions = MESH
         try:
             found = run_calculix(deck_text(deck, "mm"), work / f"{scene.name}-nut-{k + 1}")
         except ValueError as error:
-            raise InputError(scene.name, "nut", str(error), "a deck that CalculiX solves", "see its folder") from None
+            raise InputError(
+                scene.name, "nut", str(error), "a deck that CalculiX solves", f"see the files in {work}"
+            ) from None
         date, version = found.date, found.version
         for i, s in enumerate(deck.sections):
             (moved,) = found.moved[f"{s.name}_MOVE"].values()
@@ -156,7 +166,7 @@ def compare_nut_compliance(scene: Scene, work: Path, options: DeckOptions = MESH
 
 
 def save_nut(folder: Path, found: NutCheck) -> Path:
-    """Write the result; InputError if that fails."""
+    """Write the compliance of a nut to ``nut.json`` in a folder; InputError if that fails."""
     plain = asdict(found)
     for key in ("ours", "theirs"):
         plain[key] = [[float(f"{x:.8g}") for x in row] for row in plain[key]]
@@ -166,6 +176,6 @@ def save_nut(folder: Path, found: NutCheck) -> Path:
 
 
 def load_nut(folder: Path) -> NutCheck | None:
-    """Return the stored result; None if there is none, InputError for a damaged file."""
-    found = "a result of rollbench crosscheck", "make it again: `run=True`"
+    """Return the stored compliance of a nut from a folder; None if there is none, InputError for a damaged file."""
+    found = "a result of rollbench crosscheck", "compute the result again by `run=True`"
     return read_json(folder / "nut.json", lambda plain: NutCheck(**plain), *found)

@@ -1,11 +1,11 @@
-"""Stored results of another program against the 3D reference, contact by contact, with the errors of both.
+"""Stored contact loads by CalculiX, compared with the 3D reference contact by contact, with the errors of both.
 
-The other program's loads are extrapolated to zero element size and to rigid contact, with their uncertainty.
+CalculiX's loads are extrapolated to zero element size and to rigid contact, with their uncertainty.
 
-Elements of a deck are h at the contacts and grow by g per distance d from them. With c the length over which the field of
-a contact changes, their size over the distance in which the field changes there is (h + g d) / (c + d), and the energy
-of the field, F^2 / (c + d)^2 per distance, is spread evenly over x = c / (c + d). An error of order p of the elements'
-relative size thus changes a load in proportion to
+Elements of a deck have size h at the contacts and grow by g per distance d from them. With c the length over which the
+field of a contact changes, their size over the distance in which the field changes there is (h + g d) / (c + d), and the
+energy of the field, F^2 / (c + d)^2 per distance, is spread evenly over x = c / (c + d). An error of order p of the
+elements' relative size thus changes a load in proportion to
 
     e = int_0^1 (x h / c + (1 - x) g)^p dx,
 
@@ -46,7 +46,7 @@ T = TypeVar("T")
 
 @dataclass(frozen=True)
 class BodyMesh:
-    """Mesh of one body."""
+    """Size and quality of the mesh of one body."""
 
     #: Name of the body.
     name: str
@@ -54,13 +54,13 @@ class BodyMesh:
     nodes: int
     #: Number of cells.
     cells: int
-    #: Smallest scaled Jacobian.
+    #: Smallest scaled Jacobian of an element.
     smallest: float
 
 
 @dataclass(frozen=True)
 class CrossRun:
-    """One run of the other program."""
+    """One run of CalculiX: mesh, contact options and contact loads."""
 
     #: Elements across the minor semi-axis at mean load.
     b_over_h: float
@@ -68,7 +68,7 @@ class CrossRun:
     growth: float
     #: Contact pressure per overclosure [Pa/m].
     stiffness: float
-    #: Weak springs [N/m].
+    #: Stiffness of the weak springs that hold the balls [N/m].
     spring: float
     #: Whether displacements are large.
     nlgeom: bool
@@ -82,7 +82,7 @@ class CrossRun:
     load: Array
     #: Largest force of a weak spring on a ball [N].
     weak: float
-    #: Largest unbalanced force of a ball beyond it [N].
+    #: Largest unbalanced force of a ball beyond the weak springs' [N].
     unbalanced: float
     #: Number of iterations.
     iterations: int
@@ -94,7 +94,7 @@ class CrossRun:
     date: str
     #: Version of the program.
     program: str
-    #: Whether only y >= 0 was meshed (numbers of nodes are of the half, loads of the whole).
+    #: Whether only the half y >= 0 was meshed; numbers of nodes are then of the half, loads of the whole.
     half: bool = False
     #: Whether the balls have the same mesh.
     alike: bool = False
@@ -107,7 +107,7 @@ class CrossRun:
 
 @dataclass(frozen=True)
 class CrossData:
-    """All runs of one scene."""
+    """All runs of CalculiX for one scene."""
 
     #: Name of the scene.
     scene: str
@@ -122,12 +122,12 @@ class CrossData:
 
 
 def shipped_results() -> Path:
-    """Return the folder of the shipped results."""
+    """Return the folder of the results that are part of the package."""
     return Path(__file__).parent
 
 
 def result_path(folder: Path, scene: str) -> Path:
-    """Return the file of a scene's results."""
+    """Return the path of a scene's stored results."""
     return folder / f"{scene}.json"
 
 
@@ -142,8 +142,8 @@ def save_results(folder: Path, data: CrossData) -> Path:
 
 
 def load_results(folder: Path, scene: str) -> CrossData | None:
-    """Return the results of a scene; None if there are none, InputError for a damaged file."""
-    found = "results that rollbench crosscheck wrote", "make them again: `run=True`"
+    """Return the stored results of a scene; None if there are none, InputError for a damaged file."""
+    found = "results that rollbench crosscheck wrote", "compute the results again by `run=True`"
     return read_json(
         result_path(folder, scene),
         lambda x: CrossData(**{**x, "runs": tuple(_run_from_json(r) for r in x["runs"])}),
@@ -152,7 +152,7 @@ def load_results(folder: Path, scene: str) -> CrossData | None:
 
 
 def read_json(path: Path, made: Callable[[dict[str, Any]], T], allowed: str, advice: str) -> T | None:
-    """Return the object made of a stored JSON value; None without a file. Raises InputError for a damaged one."""
+    """Return the object that ``made`` makes of a JSON file; None without a file, InputError for a damaged one."""
     try:
         return made(json.loads(path.read_text(encoding="utf-8")))
     except FileNotFoundError:
@@ -162,27 +162,29 @@ def read_json(path: Path, made: Callable[[dict[str, Any]], T], allowed: str, adv
 
 
 def _run_from_json(plain: dict[str, Any]) -> CrossRun:
+    """Return a run from its stored JSON values; ValueError for contact loads of a wrong shape."""
     load = np.array(plain["load"], dtype=float)
     if load.ndim != 2 or load.shape[1] != len(SIDES):
         raise ValueError(f"loads of shape {load.shape}")
     return CrossRun(**{**plain, "load": load, "meshes": tuple(BodyMesh(**m) for m in plain["meshes"])})
 
 
-#: Orders tried: second-order elements have 4 where the field is smooth and 3 at the rim of a contact, whose pressure falls
-#: like a root; coarse ones may show as little as first-order elements have, 2.
+#: Orders of convergence that are tried. Second-order elements have 4 where the field is smooth, and 3 at the rim of a
+#: contact, where the pressure falls like a square root; coarse meshes may show as little as 2, the order of first-order
+#: elements.
 ORDERS = tuple(np.arange(2.0, 4.01, 0.125).tolist())
 
-#: Lengths tried, over the minor semi-axis: up to the long one of a slender ellipse.
+#: Lengths c that are tried, over the minor semi-axis: up to the major semi-axis of a slender ellipse.
 LENGTHS = tuple(np.geomspace(0.5, 6.0, 26).tolist())
 
-#: Order and length of the weights.
+#: Order p and length lambda with which the weights of the meshes are computed.
 WEIGHING = (3.0, 1.7)
 
 #: Misfits below this share of the largest load count as zero.
 EXACT = 1e-9
 
-#: Standard errors of a limit that its uncertainty covers; share of what is extrapolated beyond the finest mesh that it has
-#: at least.
+#: Number of standard errors of a limit in its uncertainty; smallest uncertainty over the extrapolated change from the
+#: finest mesh to the limit.
 COVERED, LEAST = 2.0, 0.1
 
 
@@ -194,22 +196,22 @@ class Extrapolation:
     load: Array
     #: Uncertainty of these loads, (n, 4) [N].
     uncertainty: Array
-    #: Order p.
+    #: Order p of the elements' error.
     order: float
-    #: Length lambda.
+    #: Length lambda over which the field changes, over the minor semi-axis.
     length: float
     #: RMS misfit at the finest mesh [N].
     misfit: float
-    #: Effect of the elements in the run nearest to the limit, (n, 4) [N].
+    #: Effect of the finite element size in the run nearest to the limit, (n, 4) [N].
     by_elements: Array
-    #: Effect of the contact law in that run, (n, 4) [N].
+    #: Effect of the contact stiffness in that run, (n, 4) [N].
     by_stiffness: Array
-    #: Choices that no run varies.
+    #: Names of mesh sizes and contact options that no run varies.
     fixed: tuple[str, ...]
 
 
 def element_error(size: Array, growth: Array, order: float) -> Array:
-    """Return the relative error e of the elements (see the top of the module) by Gauss' rule.
+    """Return the relative error e of the elements (see the top of the module), integrated by Gauss' rule.
 
     Parameters
     ----------
@@ -231,7 +233,10 @@ def element_error(size: Array, growth: Array, order: float) -> Array:
 
 
 def contact_law_effect(runs: Sequence[CrossRun]) -> Array | None:
-    """Return B (contacts,) [N Pa/m] of the contact law, a mean over pairs of runs on one mesh; None without such a pair."""
+    """Return the factor B of the contact stiffness (see the top of the module), (contacts,) [N Pa/m].
+
+    It is the mean over pairs of runs on one mesh; None without such a pair.
+    """
     pairs = [
         (a, b) for a, b in combinations(runs, 2) if mesh_identity(a) == mesh_identity(b) and a.stiffness != b.stiffness
     ]
@@ -243,18 +248,22 @@ def contact_law_effect(runs: Sequence[CrossRun]) -> Array | None:
 
 
 def mesh_identity(run: CrossRun) -> tuple[float, float, bool, bool]:
-    """Return what identifies a run's mesh: elements across, growth, whether half, whether balls are equal."""
+    """Return the options that determine a run's mesh: elements across, growth, whether half, whether balls are equal."""
     return run.b_over_h, run.growth, run.half, run.alike
 
 
 def extrapolate_loads(runs: Sequence[CrossRun]) -> Extrapolation:
-    """Extrapolate the runs with small displacements.
+    """Extrapolate the contact loads of CalculiX to zero element size and rigid contact, from runs with small displacements.
 
-    The uncertainty of a contact is the largest change of its limit over all pairs of order and length whose sum of squares
-    is within two standard deviations of the best pair's (four times the variance of a residual, of the contact or of all
-    contacts, whichever is larger), combined by root of squares with two standard errors of the limit (from the residuals of
-    the contact or of all, whichever are larger), and with a tenth of the difference between finest mesh and limit. With two
-    meshes only, every pair fits, and the uncertainty is the whole range of limits.
+    Many pairs of order and length are fitted. The uncertainty of a contact load combines three parts by root of squares:
+
+    - the largest change of the limit over all pairs that fit well: their sum of squares is within two standard
+      deviations of the best pair's (four times the variance of a residual, of the contact or of all contacts, whichever
+      is larger);
+    - two standard errors of the limit, from the residuals of the contact or of all contacts, whichever are larger;
+    - a tenth of the difference between finest mesh and limit.
+
+    With two meshes only, every pair fits, and the uncertainty covers the whole range of limits.
 
     Parameters
     ----------
@@ -264,7 +273,7 @@ def extrapolate_loads(runs: Sequence[CrossRun]) -> Extrapolation:
     Returns
     -------
     Extrapolation
-        The limit.
+        Extrapolated loads with their uncertainty.
 
     Raises
     ------
@@ -312,14 +321,18 @@ def extrapolate_loads(runs: Sequence[CrossRun]) -> Extrapolation:
 
 
 def _element_errors(h: Array, g: Array, half: Array, order: float, length: float) -> Array:
-    """Return the relative element error e of every mesh and contact, (meshes, contacts)."""
+    """Return the relative element error e of every mesh and contact, (meshes, contacts).
+
+    ``h``: element size over the minor semi-axis at mean load; ``g``: growth; ``half``: minor semi-axis of a contact over
+    that at mean load.
+    """
     size = h[:, None] / (length * half)
     return element_error(size, np.broadcast_to(g[:, None], size.shape), order)
 
 
 @dataclass(frozen=True)
 class _LoadFit:
-    """Weighted least-squares fit of all contact loads for one order and length."""
+    """Weighted least-squares fit of all contact loads over the element error, for one order and length."""
 
     order: float
     length: float
@@ -331,7 +344,10 @@ class _LoadFit:
 
 
 def _fit_loads(loads: Array, e: Array, weight: Array, order: float, length: float) -> _LoadFit:
-    """Fit each contact's load by a straight line over e; weights of residuals are relative to the finest mesh."""
+    """Fit each contact's load by a straight line over the element error e.
+
+    ``loads``: (meshes, contacts) [N]; ``weight``: weights of the residuals relative to the finest mesh.
+    """
     w = weight**2 / (weight**2).sum(axis=0)
     middle, mean = (w * e).sum(axis=0), (w * loads).sum(axis=0)
     wide = (w * (e - middle) ** 2).sum(axis=0)
@@ -349,9 +365,10 @@ def _fit_loads(loads: Array, e: Array, weight: Array, order: float, length: floa
 #: Target of the agreement [% of the mean load].
 TARGET = 0.5
 
+#: Columns that name a contact.
 PLACE = (Quantity("ball", "ball", "", "s"), Quantity("side", "side", "", "s"))
 
-#: The comparison of a contact: the reference's finest level, the other program extrapolated.
+#: Columns that compare a contact's load: finest level of the 3D reference, and extrapolated load of CalculiX.
 COMPARED = (
     Quantity("ours", "reference", "N", ".2f"),
     Quantity("ours_percent", "uncertainty, reference", "% of mean", ".2f"),
@@ -365,27 +382,27 @@ COLUMNS = (*PLACE, *COMPARED)
 
 @dataclass(frozen=True)
 class ContactRow:
-    """One contact's loads by the 3D reference and by CalculiX, and their difference."""
+    """Loads of one contact by the 3D reference and by CalculiX, and their difference."""
 
     #: Ball, from 1.
     ball: int
     #: Flank: SL, SR, NL, NR.
     side: str
-    #: Loads on every mesh of both programs by name [N].
+    #: Loads on every mesh of both programs, by the name of the mesh [N].
     meshes: Mapping[str, float]
-    #: Load on the finest level of the reference [N].
+    #: Load on the finest level of the 3D reference [N].
     ours: float
-    #: Its uncertainty [% of the mean load of the reference].
+    #: Uncertainty of that load [% of the mean load of the 3D reference].
     ours_percent: float
-    #: Extrapolated load of the other program [N].
+    #: Extrapolated load of CalculiX [N].
     theirs: float
-    #: Its uncertainty [% of the mean load of the reference].
+    #: Uncertainty of that load [% of the mean load of the 3D reference].
     theirs_percent: float
-    #: Difference of both [% of the mean load of the reference].
+    #: Difference of both [% of the mean load of the 3D reference].
     difference: float
 
     def cells(self) -> dict[str, Cell]:
-        """Return the cells of a row of a table."""
+        """Return the cells of the contact's table row, by column."""
         compared: dict[str, Cell] = {q.key: getattr(self, q.key) for q in COMPARED}
         return {"ball": str(self.ball), "side": self.side, **self.meshes, **compared}
 
@@ -399,12 +416,15 @@ def comparable_runs(data: CrossData) -> list[CrossRun]:
 
 
 def deck_label(run: CrossRun) -> str:
-    """Return a short name of a deck in a series: elements across the minor semi-axis, growth, half or equal balls."""
+    """Return a short name of a run's mesh: elements across the minor semi-axis, growth, whether half, equal balls."""
     return f"b/h {run.b_over_h:g}, g {run.growth:g}" + ", half" * run.half + ", equal balls" * run.alike
 
 
 def contact_rows(data: CrossData, ours: Reference, limit: Extrapolation | None = None) -> list[ContactRow]:
-    """Return a row for each contact that carries load in the 3D reference or CalculiX."""
+    """Return a row for each contact that carries load in the 3D reference or in CalculiX.
+
+    ``limit``: extrapolated loads of CalculiX, if already known.
+    """
     limit = limit or extrapolate_loads(data.runs)
     best, mean, rows = ours.load, ours.mean, []
     meshes = {f"level {r.level}": r.load for r in ours.runs} | {deck_label(r): r.load for r in comparable_runs(data)}
@@ -426,7 +446,7 @@ def contact_rows(data: CrossData, ours: Reference, limit: Extrapolation | None =
 
 
 def mesh_columns(data: CrossData, ours: Reference) -> list[Quantity]:
-    """Return the table's columns: contact, then its load on every mesh of the 3D reference and CalculiX."""
+    """Return the columns of the table of loads: contact, then its load on every mesh of the 3D reference and CalculiX."""
     return [
         *PLACE,
         *(Quantity(f"level {r.level}", f"reference, level {r.level}", "N", ".2f") for r in ours.runs),
@@ -435,7 +455,7 @@ def mesh_columns(data: CrossData, ours: Reference) -> list[Quantity]:
 
 
 def agreement_sentence(name: str, rows: Sequence[ContactRow]) -> str:
-    """Return a sentence on worst and RMS difference, and whether they exceed the uncertainties of both programs."""
+    """Return a sentence on the worst and RMS difference of contact loads, and whether they exceed both uncertainties."""
     worst = max(rows, key=lambda r: abs(r.difference))
     rms = float(np.sqrt(np.mean([r.difference**2 for r in rows])))
     met = "within" if abs(worst.difference) <= TARGET else "NOT within"

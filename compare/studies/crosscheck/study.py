@@ -1,4 +1,4 @@
-"""Checking scenes with CalculiX: decks, running them, and reading the results."""
+"""Solution of small scenes with CalculiX: writing the decks, running them, and reading the results."""
 
 from __future__ import annotations
 
@@ -38,6 +38,7 @@ from rollbench.meshes.parts import SIDES, Scene
 #: Name of the files of deck and results in their folder.
 NAME = "deck"
 
+#: Longest time that a run of CalculiX may take [s].
 LONGEST = 7200.0
 
 #: Components along x, y, z.
@@ -48,13 +49,13 @@ Triple = tuple[float, ...]
 class CalculixResult:
     """Results of CalculiX for one deck."""
 
-    #: Resultant on the faces of each contact, by slave set [N].
+    #: Resultant contact force on the ball, by the name of the ball's faces [N].
     forces: dict[str, Triple]
-    #: Displacements of the printed nodes, by set and node (unit of the deck).
+    #: Displacements of the printed nodes, by node set and node, in the unit of the deck.
     moved: dict[str, dict[int, Triple]]
     #: Number of iterations.
     iterations: int
-    #: Last correction of the displacements over the largest [%].
+    #: Last correction of the displacements over the largest displacement [%].
     correction: float
     #: Processor time [s].
     seconds: float
@@ -65,23 +66,23 @@ class CalculixResult:
 
 
 def find_ccx() -> str:
-    """Return the path of CalculiX; InputError if it is not installed."""
+    """Return the path of the program CalculiX (ccx); InputError if it is not installed."""
     found = shutil.which("ccx")
     if found is None:
         advice = "install it (Debian: apt-get install calculix-ccx), or leave `run` out"
-        raise InputError("this machine", "ccx", "not found", "CalculiX on the path", advice)
+        raise InputError("this machine", "ccx", "no such program", "CalculiX on the path", advice)
     return found
 
 
 def ccx_version(program: str) -> str:
-    """Return the version that CalculiX reports."""
+    """Return the version that CalculiX reports, or "unknown"."""
     text = subprocess.run([program, "-v"], capture_output=True, text=True, check=False).stdout
     found = re.search(r"[Vv]ersion\s+(\S+)", text)
     return found.group(1) if found else "unknown"
 
 
 def deck_digest(text: str) -> str:
-    """Return the digest of a deck without comments and solver controls, 16 hexadecimal digits."""
+    """Return the digest of a deck's text without comments and solver controls, 16 hexadecimal digits."""
     content, control = [], False
     for line in text.splitlines():
         if line.startswith("*") and not line.startswith("**"):
@@ -92,7 +93,7 @@ def deck_digest(text: str) -> str:
 
 
 def run_calculix(text: str, folder: Path) -> CalculixResult:
-    """Run a deck in a folder with one thread, or read the result of the same deck that is already there.
+    """Solve a deck with CalculiX on one thread in a folder, or read the result of the same deck that is already there.
 
     InputError if CalculiX is missing; ValueError with its last output if it does not converge.
     """
@@ -111,6 +112,10 @@ def run_calculix(text: str, folder: Path) -> CalculixResult:
 
 
 def _solve_deck(program: str, text: str, folder: Path) -> dict[str, Any]:
+    """Run CalculiX on a deck in a folder; return processor time [s], date and version.
+
+    ValueError if it fails or takes longer than `LONGEST`.
+    """
     folder.mkdir(parents=True, exist_ok=True)
     (folder / f"{NAME}.inp").write_text(text, encoding="ascii")
     for old in folder.glob(f"{NAME}.[dcfs]*"):
@@ -133,7 +138,10 @@ def _solve_deck(program: str, text: str, folder: Path) -> dict[str, Any]:
 
 
 def read_dat(text: str) -> tuple[dict[str, Triple], dict[str, dict[int, Triple]]]:
-    """Return contact loads by slave set, and printed displacements by set and node, of the last time in a .dat file."""
+    """Return results of the last time step from the text of a .dat file of CalculiX.
+
+    They are contact forces by the name of the ball's faces, and displacements by node set and node.
+    """
     forces: dict[str, Triple] = {}
     moved: dict[str, dict[int, Triple]] = {}
     head = re.compile(r"(?:statistics for slave set (\S+), master|displacements .* for set (\S+) and time).*")
@@ -150,18 +158,18 @@ def read_dat(text: str) -> tuple[dict[str, Triple], dict[str, dict[int, Triple]]
 def read_cvg(text: str) -> tuple[int, float]:
     """Return the number of iterations of all increments, and the last correction over the largest displacement [%].
 
-    A linear step prints none and counts as one iteration.
+    They are read from the text of a .cvg file of CalculiX. A linear step has no entry there and counts as one iteration.
     """
     rows = [line.split() for line in text.splitlines() if re.match(r"\s+\d+\s+\d+\s+\d+\s+\d+", line)]
     return (len(rows), float(rows[-1][6])) if rows else (1, 0.0)
 
 
-#: Unit of the decks.
+#: Unit of length of the decks.
 UNIT = "mm"
 
 
 def _deck_options(*rows: tuple[float, float, float], half: bool = False, alike: bool = False) -> list[DeckOptions]:
-    """Return rows of elements across, growth and stiffness [N/mm3]."""
+    """Return options of decks from rows of elements across, growth and contact stiffness [N/mm3]."""
     return [DeckOptions(b, g, 1e9 * k, half=half, alike=alike) for b, g, k in rows]
 
 
@@ -182,19 +190,19 @@ STUDIES: dict[str, list[DeckOptions]] = {
 
 
 def deck_folder_name(options: DeckOptions) -> str:
-    """Return the name of a deck's folder."""
+    """Return the name of the folder in which a deck is solved."""
     tail = "-nlgeom" * options.nlgeom + "-half" * options.half + "-alike" * options.alike
     return f"bh{options.b_over_h:g}-g{options.growth:g}-k{1e-9 * options.stiffness:g}{tail}"
 
 
 def scene_key(name: str) -> str:
-    """Return the digest of a shipped scene's content without its remarks, to which stored results belong."""
+    """Return the digest of a shipped scene's content without its remarks, with which stored results are identified."""
     content = {k: v for k, v in tomllib.loads(catalogue.scene_text(name)).items() if k not in ("source", "assumed")}
     return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()[:16]
 
 
 def studied_scene(name: str) -> Scene:
-    """Return a shipped scene that is checked; InputError for others."""
+    """Return a shipped scene that is compared with CalculiX; InputError for other names."""
     if name not in STUDIES:
         raise ArgumentError("scene", name, ", ".join(STUDIES), "choose one of these")
     return catalogue.scene(name)
@@ -229,7 +237,7 @@ def run_study(scene: Scene, work: Path, step: Callable[[str], None], stored: Seq
 
 
 def run_record(meshed: MeshedDeck, options: DeckOptions, deck: str, outcome: CalculixResult) -> CrossRun:
-    """Return the record of a run; ValueError if a contact is missing."""
+    """Return the stored record of a CalculiX run; ValueError if a contact is missing in its results."""
     mirror = np.array([2.0, 0.0, 2.0]) if options.half else np.ones(3)  # with its mirror image
     forces = {slave: mirror * np.array(force) for slave, force in outcome.forces.items()}
     count = len(meshed.expected)
@@ -258,12 +266,15 @@ def run_record(meshed: MeshedDeck, options: DeckOptions, deck: str, outcome: Cal
 
 
 def extrapolated_results() -> tuple[str, dict[str, Array]]:
-    """Return the program, and its extrapolated loads (n, 4) [N] of the scenes whose content has not changed."""
+    """Return the program's name, and its extrapolated contact loads (n, 4) [N] by scene.
+
+    Scenes whose content has changed since the runs are left out.
+    """
     stored = {name: load_results(shipped_results(), name) for name in STUDIES}
     kept = {name: d for name, d in stored.items() if d is not None and d.key == scene_key(name)}
     return "CalculiX", {name: extrapolate_loads(d.runs).load for name, d in kept.items()}
 
 
 def find_references(fresh: bool) -> Iterator[tuple[tuple[str, ...], tuple[int, ...]]]:  # noqa: ARG001 - as every such function
-    """Yield scenes and levels of the 3D reference that the report compares with CalculiX."""
+    """Yield the scenes, and their mesh levels of the 3D reference, that the report compares with CalculiX."""
     yield tuple(STUDIES), STUDIED

@@ -1,1 +1,1 @@
-"""Friction of whole screws and bearings, and of single parts (balls, pairs, chains) for which only friction is computed."""
+"""Friction of ball screws and bearings: torques, losses, motion of the balls, and how friction feeds back on the loads."""

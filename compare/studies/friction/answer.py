@@ -1,4 +1,4 @@
-"""Answers of ``rollbench friction``: JSON values, tables, lines for the terminal, and neglected effects."""
+"""Answers of ``rollbench friction``: JSON values, tables and lines for the terminal, and neglected effects."""
 
 from __future__ import annotations
 
@@ -48,7 +48,8 @@ WHOLE = (
     "torques of a second, jammed state of a ball, which may exist at high coefficients of friction (seen from 0.3 on)",
 )
 
-#: Further neglected effects of an instant, by whether friction moves the balls and whether neighbours push.
+#: Further effects neglected at one instant, by whether friction moves the balls and whether neighbouring balls push each
+#: other.
 BESIDES = {
     (False, False): ("friction that moves a ball across its grooves", "contact between balls at the scene's instant"),
     (True, False): ("contact between balls at the scene's instant",),
@@ -62,7 +63,7 @@ BESIDES = {
     ),
 }
 
-#: Effects that every kind of scene neglects.
+#: Effects that are neglected for every kind of scene.
 _KINDS = (
     LUBRICANT,
     HYSTERESIS,
@@ -73,7 +74,8 @@ _KINDS = (
     "elastic bodies: screw, shaft, nut and rings are rigid but for Hertz's contacts",
 )
 
-_LOADS_GIVEN = "friction in the balance of loads: the contacts carry what they carry without it"
+#: Neglected effects by key word.
+_LOADS_GIVEN = "friction in the balance of loads: the contacts carry the loads that they carry without friction"
 
 _FEW = "the other balls of the track, and how all of them share the load"
 
@@ -81,13 +83,14 @@ _INSTANT = "time: one instant, whose ball motions are steady"
 
 _JAMMED = "a second, jammed state of a ball, which may exist at high coefficients of friction"
 
-#: Further neglected effects of a screw, by the name of its coupling.
+#: Further neglected effects of a screw, by the scene's key for the effect of friction on the loads.
 _COUPLING = {
     "none": (_LOADS_GIVEN,),
     "ball": ("friction in the balance of loads on the screw: it moves the balls only",),
     "ball and screw": (),
 }
 
+#: Further neglected effects by the kind of the scene.
 _OF_KIND = {
     "bearing ball": (_LOADS_GIVEN, _FEW, _INSTANT, "tilt of the rings"),
     "bearing pair": (
@@ -109,29 +112,32 @@ _OF_KIND = {
 
 
 def neglected_effects_of_kind(kind: str, coupling: str | None = None) -> list[str]:
-    """Return the effects that the result of a kind of scene neglects; ``coupling``: of friction to loads, of a screw."""
+    """Return sentences on the effects that the result of a kind of scene neglects.
+
+    ``coupling``: of a screw, whether friction affects the contact loads, as in the scene file.
+    """
     return [*_OF_KIND[kind], *(_COUPLING[coupling] if coupling else ()), *_KINDS]
 
 
-# --- an answer of ``rollbench friction``: JSON-ready values, tables and lines, and how they look on the terminal
+# --- records and JSON values of an answer
 
 
-#: Dissipation over that of full sliding, below which it is an artefact of regularisation and round-off.
+#: Dissipation over that of full sliding, below which it is round-off or an effect of the regularised friction law.
 NOTHING = 1e-6
 
-#: A line of the answers: label and text.
+#: Line of the answers on the terminal: label and text.
 Line = tuple[str, str]
 
-#: Labels of lines with background of the answers.
+#: Labels of the lines on solver and friction law, shown below the results.
 BEHIND = ("solver", "law")
 
-#: Relative difference of a loss by two computations that is round-off.
+#: Relative difference between two computations of a loss that counts as round-off.
 ROUND_OFF = 1e-9
 
 
 @dataclass(frozen=True)
 class FrictionAnswer:
-    """Answer for a solved scene."""
+    """Friction of one scene as JSON values, and as tables and lines for the terminal."""
 
     #: JSON values.
     data: dict[str, Any]
@@ -139,24 +145,27 @@ class FrictionAnswer:
     tables: Sequence[tuple[str, Sequence[Column], Sequence[dict[str, Any]]]]
     #: Lines: label and text.
     lines: Sequence[Line]
-    #: Whether everything converged.
+    #: Whether contact loads and friction converged.
     converged: bool
     #: Tables of every ball, shown on request.
     ball_tables: Sequence[tuple[str, Sequence[Column], Sequence[dict[str, Any]]]] = ()
 
     @property
     def text(self) -> str:
-        """The lines as running text."""
+        """Lines as running text."""
         return "\n".join(f"{label}: {text}" for label, text in self.lines)
 
     @property
     def warning(self) -> str:
-        """Warning above the answers; may be empty."""
+        """Warning that is shown above the results; may be empty."""
         return warning_line(self.data.get("warnings", ()))
 
 
 def common_entries(scene: KindScene, status: str, converged: bool, coupling: str | None = None) -> dict[str, Any]:
-    """Return the entries that answers of every kind have; ``coupling``: of friction to loads, of a screw."""
+    """Return the JSON entries of answers for every kind of scene: names, status, assumptions, neglected effects.
+
+    ``coupling``: of a screw, whether friction affects the contact loads.
+    """
     named = {"scene": scene.name, "title": scene.title, "kind": scene.kind}
     return named | {
         "status": status,
@@ -167,30 +176,35 @@ def common_entries(scene: KindScene, status: str, converged: bool, coupling: str
 
 
 def three_digits(value: float) -> str:
-    """Return a value with three digits, without exponent below a million."""
+    """Return a value as text with three significant digits, without exponent below a million."""
     return f"{float(f'{value:.3g}'):g}"
 
 
 def values_by_contact(sides: Sequence[str], values: Array) -> dict[str, Any]:
-    """Return the JSON of values (n,) or vectors (n, k) at a ball's contacts, by contact name."""
+    """Return the JSON of values (n,) or vectors (n, k) at a ball's contacts, by the names ``sides`` of the contacts."""
     return {side: [number(v) for v in x] if np.ndim(x) else number(x) for side, x in zip(sides, values, strict=True)}
 
 
 def load_json(sides: Sequence[str], force: Array, angle: Array) -> dict[str, Any]:
-    """Return the JSON of a ball's contact loads [N] and angles, (n,) [rad], by contact; no angle without load."""
+    """Return the JSON of a ball's contact loads (n,) [N] and contact angles (n,) [rad]; no angle without load."""
     loaded = np.where(force > 0.0, np.degrees(angle), np.nan)
     return {"load_N": values_by_contact(sides, force), "contact_angle_deg": values_by_contact(sides, loaded)}
 
 
 def motion_json(q: Array) -> dict[str, Any]:
-    """Return the JSON of a ball's motion (4,) [rad/s]: orbit, then rotation."""
+    """Return the JSON of a ball's motion (4,) [rad/s]: orbital speed, then angular velocity about x, y, z."""
     return {"orbit_rad_s": number(q[0]), "rotation_rad_s": [number(w) for w in q[1:]]}
 
 
 def rubbing_json(
     sides: Sequence[str], motion: Array, force: Array, moment: Array, loss: Array, rest: Mask
 ) -> dict[str, Any]:
-    """Return sliding (across and along the groove) and spin at a ball's contacts, friction, losses, and which stick."""
+    """Return the JSON of sliding and friction at a ball's contacts.
+
+    ``motion``: sliding velocity across and along the groove [m/s] and spin [rad/s], (n, 3). ``force``: friction force [N];
+    ``moment``: friction moment about the contact normal [N m]; ``loss``: dissipation [W]; ``rest``: whether a contact
+    sticks.
+    """
     return {
         "sliding_mm_s": values_by_contact(sides, 1e3 * motion[:, :2]),
         "spin_rad_s": values_by_contact(sides, motion[:, 2]),
@@ -202,38 +216,45 @@ def rubbing_json(
 
 
 def terminal_ball_row(sides: Sequence[str], row: dict[str, Any]) -> dict[str, Any]:
-    """Return the row of a ball for the terminal, with a column for each load and rotation."""
+    """Return the table row of a ball for the terminal, with a column for each contact load and component of rotation."""
     flat = row | {f"{side} N": row["load_N"][side] for side in sides}
     return flat | {f"omega {n}": w for n, w in zip("xyz", row["rotation_rad_s"], strict=True)}
 
 
 def without_round_off(difference: float, size: float) -> float:
-    """Return a difference of two computed values of a given size; zero if it is round-off."""
+    """Return the difference of two computed values of a given size; zero if it is round-off."""
     return 0.0 if abs(difference) <= ROUND_OFF * abs(size) else difference
 
 
 def power_balance(power: float, loss: float) -> dict[str, Any]:
-    """Return input power and dissipation [W]."""
+    """Return the JSON of input power, dissipation and their difference [W]."""
     left = without_round_off(power - loss, loss)
     return {"input_power_W": number(power), "loss_W": number(loss), "balance_W": number(left)}
 
 
 def power_balance_with_percent(power: float, loss: float, bound: float) -> dict[str, Any]:
-    """Return `power_balance`, with the imbalance in per cent unless the loss is below ``NOTHING`` times full sliding."""
+    """Return `power_balance`, and the imbalance in per cent of the loss.
+
+    No percentage is given if the loss is below ``NOTHING`` times ``bound``, the loss of full sliding [W].
+    """
     return power_balance(power, loss) | {"balance_percent": loss_increase_percent(power, loss, bound)}
 
 
 def loss_increase_percent(loss: float, before: float, bound: float) -> float | None:
-    """Return the increase of losses [%], zero if it is round-off; None if the loss before was negligible."""
+    """Return the increase of a loss from ``before`` to ``loss`` [%]; zero if it is round-off.
+
+    None if the loss before was below ``NOTHING`` times ``bound``, the loss of full sliding [W].
+    """
     if not before > NOTHING * bound:
         return None
     return number(float(error_percent(before + without_round_off(loss - before, before), before)))
 
 
 def ball_contact_effect(power: float, loss: float, apart: float, balls: float, bound: float) -> dict[str, Any]:
-    """Return the effect of contact between balls on losses [W].
+    """Return the JSON of the effect that contact between balls has on losses [W].
 
-    Losses with it, without it, between balls only, and if all contacts slid fully.
+    ``power``, ``loss``: input power and loss with touching balls. ``apart``: loss with the balls far apart. ``balls``: loss
+    between balls only. ``bound``: loss if all contacts slid fully.
     """
     return {
         "loss_apart_W": number(apart),
@@ -245,18 +266,18 @@ def ball_contact_effect(power: float, loss: float, apart: float, balls: float, b
 
 
 def solver_line(solver: dict[str, Any], suffix: str = "") -> Line:
-    """Return the line on how far loads and friction are out of balance [N]."""
+    """Return the line on how far contact loads and friction are out of balance [N]."""
     loads, friction = solver["load_imbalance_N"], solver["friction_imbalance_N"]
     return "solver", f"loads out of balance by {loads:.1e} N, friction by {friction:.1e} N{suffix}"
 
 
 def hertz_word(hertz: str) -> str:
-    """Return the scene file's name for the kind of Hertz constants."""
+    """Return the scene file's word for the kind of Hertz constants."""
     return "nominal" if hertz == "right" else hertz
 
 
 def energy_line(values: dict[str, Any], digits: int = 6) -> Line:
-    """Return the line on the energy balance."""
+    """Return the line on input power and loss, and their imbalance."""
     power, loss, left = (float(values[f"{name}_W"]) for name in ("input_power", "loss", "balance"))
     if left == 0.0 or loss == 0.0:
         return "energy", f"{loss:.{digits}g} W are put in and lost"
@@ -264,12 +285,12 @@ def energy_line(values: dict[str, Any], digits: int = 6) -> Line:
 
 
 def neglected_effects(friction: Friction) -> list[str]:
-    """Return the effects that the result for one instant neglects."""
+    """Return sentences on the effects that the friction of a whole screw or bearing at one instant neglects."""
     return [*WHOLE, *BESIDES[friction.feedback, friction.neighbours]]
 
 
 def jam_sentence(state: FrictionState) -> str:
-    """Return a sentence on second, jammed states of balls at a high coefficient of friction."""
+    """Return a sentence on second, jammed states of balls, which may exist at a high coefficient of friction."""
     start = "at this coefficient of friction a ball may have a second, jammed state"
     if state.second is None:
         along = "without lead friction runs along the grooves and moves no ball across them"
@@ -283,17 +304,23 @@ def jam_sentence(state: FrictionState) -> str:
 
 
 def slip_warnings(share: float) -> list[Warned]:
-    """Return a warning if Heathcote slip, which is neglected, would add much to the losses."""
+    """Return a warning if the neglected Heathcote slip (over curved contacts) would add much to the losses; else none.
+
+    ``share``: losses by Heathcote slip over all losses.
+    """
     return [Warned("slip", f"the contacts are so wide that {slip_clause(share)}")] if share > WIDE else []
 
 
 def slip_clause(share: float) -> str:
-    """Return a clause on the losses that Heathcote slip, which is neglected, would add."""
+    """Return a clause on the share of the losses that the neglected Heathcote slip would add."""
     return f"their curvature (Heathcote slip, left out) would raise friction by {100.0 * share:.2g} %"
 
 
 def neighbour_json(state: FrictionState) -> dict[str, Any] | None:
-    """Return the forces between touching balls and their effect on the torque; None if neighbours do not push."""
+    """Return the JSON of forces between touching balls and of their effect on the torque.
+
+    None if forces between neighbours are not computed.
+    """
     n, t = state.neighbours, state.torque
     if n is None:
         return None
@@ -307,7 +334,10 @@ def neighbour_json(state: FrictionState) -> dict[str, Any] | None:
 
 
 def ball_rows(result: StaticResult, state: FrictionState) -> list[dict[str, Any]]:
-    """Return one row per ball, with names as in a static result; x and z of a contact lie across and along its groove."""
+    """Return one JSON row per ball, with names as in a static result.
+
+    The axes x and z of a contact lie across and along its groove.
+    """
     at, f, q = state.at, state.balls, state.balls.q
     return [
         {"index": i + 1, "azimuth_deg": number(math.degrees(result.azimuth[i])), "z_mm": number(1e3 * result.z[i])}
@@ -321,7 +351,7 @@ def ball_rows(result: StaticResult, state: FrictionState) -> list[dict[str, Any]
 
 
 def terminal_ball_rows(rows: Sequence[dict[str, Any]]) -> list[dict[str, Any]]:
-    """Return the rows of the balls for the terminal."""
+    """Return the table rows of the balls for the terminal, with loads and losses of the loaded contacts."""
     out = []
     for row in rows:
         flat = {k: row[k] for k in ("index", "azimuth_deg", "orbit_rad_s", "closing_mm_s")}
@@ -352,7 +382,7 @@ LOSS_COLUMNS: tuple[Column, ...] = (
 
 
 def loss_rows(state: FrictionState) -> list[dict[str, Any]]:
-    """Return the losses of all balls by contact and cause [W], the sum last."""
+    """Return the losses of all balls by contact and cause [W]; the last row is the sum over the contacts."""
     table = state.balls.loss.sum(axis=0)
     named = [*zip(SIDES, table, strict=True), ("sum", table.sum(axis=0))]
     return [
@@ -362,7 +392,7 @@ def loss_rows(state: FrictionState) -> list[dict[str, Any]]:
 
 
 def coefficient_row(friction: Friction, state: FrictionState, drag: float | None) -> dict[str, Any]:
-    """Return the sums for one pair of coefficients."""
+    """Return torques and efficiencies for one pair of friction coefficients, of the screw's and of the nut's contacts."""
     found = friction_sums_json(state.torque, drag)
     names = (
         "friction_torque_Nmm",
@@ -377,7 +407,7 @@ def coefficient_row(friction: Friction, state: FrictionState, drag: float | None
 
 
 def coefficient_columns(kind: str) -> tuple[Column, ...]:
-    """Return the columns of a table over the coefficient of friction."""
+    """Return the columns of the table over the coefficient of friction, for a scene of a kind."""
     first: tuple[Column, ...] = (
         ("screw", "coefficient", ".4g"),
         ("friction_torque_Nmm", "friction torque N mm", ".5g"),
@@ -396,12 +426,18 @@ def coefficient_columns(kind: str) -> tuple[Column, ...]:
 
 
 def without_pressure_and_size(warnings: Sequence[Warned]) -> list[Warned]:
-    """Return warnings without those on pressure and size, which are computed again because friction changes the loads."""
+    """Return warnings without those on contact pressure and contact size.
+
+    These are judged again, because friction changes the contact loads.
+    """
     return [w for w in warnings if w.kind not in ("pressure", "size")]
 
 
 def friction_warnings(scene: Scene, friction: Friction, state: FrictionState, static: Sequence[Warned]) -> list[Warned]:
-    """Return warnings if the result is outside its range of validity."""
+    """Return the warnings on a friction result that is outside its range of validity.
+
+    ``static``: warnings on the contact loads.
+    """
     at = state.at
     loaded = at.force > 0.0
     notes = without_pressure_and_size(static)
@@ -425,7 +461,7 @@ def friction_warnings(scene: Scene, friction: Friction, state: FrictionState, st
 
 
 def _driving_line(t: ScrewTorque, motion: Motion, part: str) -> Line:
-    """Return the line on the torque that a motor, or a brake, must provide."""
+    """Return the line on the torque that a motor or a brake must provide on ``part``, the part that turns."""
     needed = 1e3 * t.on_screw * np.sign(t.speed)
     role = "which a motor must give" if needed >= 0.0 else "with which a brake must hold"
     moving = f", which moves {motion_against_load(t)}" if t.translating else ""
@@ -433,14 +469,15 @@ def _driving_line(t: ScrewTorque, motion: Motion, part: str) -> Line:
 
 
 def residual_line(residual: float, left: float) -> Line:
-    """Return the line on the remaining imbalance of loads and friction."""
+    """Return the line on the remaining imbalance of contact loads and of friction."""
     return "solver", f"contact loads with a residual of {residual:.1e}, friction out of balance by {left:.1e} of its bound"
 
 
 def result_lines(motion: Motion, state: FrictionState, drag: tuple[float | None, str]) -> list[Line]:
-    """Return the results in a few lines, the driving torque first.
+    """Return the lines on the friction of a whole screw or bearing, the driving torque first.
 
-    Values that depend on the coefficient, which is hardly known to one digit, have three digits.
+    Values that depend on the coefficient of friction, which is hardly known to one digit, have three digits. ``drag``:
+    torque without loads [N m] and a remark.
     """
     t, ring = state.torque, state.torque.ratio == 0.0
     inner, outer = ("inner ring", "outer ring") if ring else ("screw", "nut")

@@ -1,4 +1,4 @@
-"""Friction of single parts: two balls of a ball screw, a screw in time, one ball of a bearing, two kinds of bearings.
+"""Friction of single parts: two balls of a screw, a screw in time, one ball of a bearing, two designs of a bearing.
 
 Linear bearings are in ``linear_kinds``.
 """
@@ -42,19 +42,23 @@ from rollbench.lowfi.warned import Warned
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.parts import SIDES, Motion
 
-#: Overlap of neighbours [rad] that counts as round-off.
+#: Overlap of neighbouring balls along the track that counts as round-off [rad].
 TOUCHING = 1e-9
 
 
 def full_sliding_loss(groove: ScrewGroove, force: Array) -> float:
-    """Return the dissipation if all contacts slid at full speed [W]; infinite at rest: all of it is then round-off."""
+    """Return the loss of a screw's contacts if all of them slid at the full speed [W]; infinite for a screw at rest.
+
+    A loss is compared with it to tell friction from round-off, which is all that a screw at rest has. ``force``: contact
+    loads [N].
+    """
     if groove.speed == 0.0:
         return np.inf
     return groove.mu * float(force.sum()) * abs(groove.speed) * groove.radius
 
 
 def screw_warnings(groove: ScrewGroove, force: Array) -> list[Warned]:
-    """Return warnings of contacts that are large compared with the ball; forces (..., 4) [N]."""
+    """Return warnings on contacts that are large compared with the ball; ``force``: contact loads (..., 4) [N]."""
     return size_warnings((groove.constants.C_a * np.cbrt(force)).ravel(), groove.ball_radius)
 
 
@@ -62,7 +66,7 @@ def screw_warnings(groove: ScrewGroove, force: Array) -> list[Warned]:
 
 
 def pair_rows(r: PairResult) -> list[dict[str, Any]]:
-    """Return one row per ball and state."""
+    """Return one row per ball and state: two balls far apart, and touching."""
     return [
         {"index": k + 1, "state": state}
         | answer.load_json(SIDES, chain.load.force[k], chain.load.angle[k])
@@ -74,7 +78,7 @@ def pair_rows(r: PairResult) -> list[dict[str, Any]]:
 
 
 def pair_status(r: PairResult) -> str:
-    """Return the status of a pair in words."""
+    """Return whether loads and friction of two balls converged, in words."""
     if r.converged:
         return "converged"
     if all(c.load.converged and c.motion.converged for c in (r.free, r.touching)):
@@ -83,7 +87,7 @@ def pair_status(r: PairResult) -> str:
 
 
 def solve_screw_pair(scene: ScrewPairScene) -> answer.FrictionAnswer:
-    """Solve two balls of a ball screw: forces, losses, and the effect of their contact on friction."""
+    """Solve two balls of a ball screw: forces, losses, and the effect of the contact between the balls on friction."""
     pair = scene.pair
     r = solve_pair(pair)
     m, apart, rows, chains = r.touching.motion, r.free.motion.loss, pair_rows(r), (r.free, r.touching)
@@ -118,7 +122,7 @@ def solve_screw_pair(scene: ScrewPairScene) -> answer.FrictionAnswer:
 
 
 def pair_lines(data: dict[str, Any]) -> list[answer.Line]:
-    """Return the results of two balls in a few lines."""
+    """Return the lines on two balls of a ball screw for the terminal."""
     (pair,), rise, solver = data["pairs"], data["friction_increase_percent"], data["solver"]
     return [
         (
@@ -134,7 +138,7 @@ def pair_lines(data: dict[str, Any]) -> list[answer.Line]:
 
 
 def law_line(data: dict[str, Any]) -> answer.Line:
-    """Return the line on the law of friction, constants of the contacts and the effect of friction on the balls."""
+    """Return the line on friction law, Hertz constants, and whether friction affects the contact loads."""
     return "law", f"coulomb, Hertz constants {data['hertz']}, coupling of friction to loads: {data['coupling']}"
 
 
@@ -152,13 +156,16 @@ PAIR_COLUMNS: tuple[Column, ...] = (
 
 
 def keeps_ball_order(h: History) -> bool:
-    """Return whether no ball ever passes or overlaps the next one, the last and the first included."""
+    """Return whether no ball of a run ever passes or overlaps the next one on its closed track."""
     ahead = np.diff(np.column_stack([h.ends, h.ends[:, 0] + h.setting.ring]), axis=1)
     return bool(ahead.min() >= h.setting.groove.pair.spacing - TOUCHING)
 
 
 def run_summary(h: History) -> dict[str, Any]:
-    """Return a summary of a run: nut angles [deg], torques [N mm], gaps [um], shares [%] of the grooves' torque."""
+    """Return a summary of a screw's run in time: nut angles [deg], torques [N mm], gaps [um] and shares [%].
+
+    The share is the torque by contact between balls over the torque by contact with the grooves.
+    """
     s, touch, nut = summarise(h), np.any(h.contact, axis=1), np.degrees(h.nut_angle)
     met = bool(touch.any())
     torques = {
@@ -184,7 +191,7 @@ def run_summary(h: History) -> dict[str, Any]:
 
 
 def run_series(h: History) -> dict[str, list[Any]]:
-    """Return time series with one entry per time step; time and nut angle in its middle."""
+    """Return the time series of a screw's run, one entry per time step; time and nut angle are of the middle of a step."""
     values = {
         "time_s": h.time,
         "nut_angle_deg": np.degrees(h.nut_angle),
@@ -201,7 +208,7 @@ def run_series(h: History) -> dict[str, list[Any]]:
 
 
 def solve_screw_run(scene: ScrewRunScene) -> answer.FrictionAnswer:
-    """Solve a whole screw in time: contacts, torques and energy."""
+    """Solve a whole screw in time: contacts between balls, torques and energy."""
     run, time = scene.run, scene.time
     in_time = judge_history(*step_through_time(run, Motion(run.groove.speed), time, scene.name), time)
     h, speed = in_time.history, abs(run.groove.speed)
@@ -265,9 +272,10 @@ RUN_LINES = (
 
 
 def ball_motion(scene: BearingBallScene, problem: Problem) -> BallMotion:
-    """Return the motion of a ball under the scene's law.
+    """Return the motion of one ball of a bearing under the scene's friction law.
 
-    Least dissipation for Coulomb friction, else a root of the balance from that start.
+    For Coulomb friction it is the motion of least dissipation; for other laws the root of the balance of friction that is
+    found from there.
     """
     first = least_dissipation(problem)
     if scene.law == "coulomb":
@@ -280,7 +288,11 @@ def ball_motion(scene: BearingBallScene, problem: Problem) -> BallMotion:
 
 
 def ball_status(loaded: bool, balanced: bool, motion: str) -> str:
-    """Return the status of one ball in words."""
+    """Return the status of one ball in words.
+
+    ``loaded``: whether a contact carries load. ``balanced``: whether the loads balance. ``motion``: status of the friction
+    solver.
+    """
     if not loaded:
         return "no contact: nothing presses the ball"
     if not balanced:
@@ -289,9 +301,9 @@ def ball_status(loaded: bool, balanced: bool, motion: str) -> str:
 
 
 def ball_row(load: SettledCell, at: Contacts, motion: BallMotion) -> dict[str, Any]:
-    """Return the row of a ball.
+    """Return the JSON row of one ball of a bearing.
 
-    X of a contact lies across its groove, z along it. Loads and friction lie in planes of symmetry.
+    The axes x and z of a contact lie across and along its groove. Loads and friction lie in planes of symmetry.
     """
     f = motion.friction
     return (
@@ -307,7 +319,7 @@ def ball_row(load: SettledCell, at: Contacts, motion: BallMotion) -> dict[str, A
 
 
 def contact_rows(ball: dict[str, Any]) -> list[dict[str, Any]]:
-    """Return the loaded contacts of a ball for the terminal."""
+    """Return one table row per loaded contact of a ball, for the terminal."""
     size = ("load_N", "contact_angle_deg", "semi_axis_across_um", "semi_axis_along_um")
     rows = []
     for side in (s for s in bearing.SIDES if ball["load_N"][s] > 0.0):
@@ -332,7 +344,7 @@ CONTACT_COLUMNS = (
 
 
 def solve_bearing_ball(scene: BearingBallScene) -> answer.FrictionAnswer:
-    """Solve one ball of a bearing: loads, motion, losses and torque."""
+    """Solve one ball of a bearing: contact loads, motion, losses and torque on the inner ring."""
     b = scene.bearing
     load = bearing.bearing_load(b, scene.force, scene.displacement)
     rough = replace(b, mu=b.mu or 1.0)
@@ -368,7 +380,7 @@ def solve_bearing_ball(scene: BearingBallScene) -> answer.FrictionAnswer:
 
 
 def ball_lines(data: dict[str, Any]) -> list[answer.Line]:
-    """Return the results of one ball in a few lines."""
+    """Return the lines on one ball of a bearing for the terminal."""
     (ball,), torque = data["balls"], data["torque"]
     by_loss = torque["friction_torque_Nmm"]
     return [
@@ -390,16 +402,16 @@ def ball_lines(data: dict[str, Any]) -> list[answer.Line]:
     ]
 
 
-# --- bearings in pairs
+# --- two designs of a bearing
 
 
 def dissipates(case: BearingCase, state: BearingState) -> bool:
-    """Return whether friction dissipates more than round-off."""
+    """Return whether the friction loss of a bearing is more than round-off."""
     return float(state.loss.sum()) > answer.NOTHING * full_sliding_loss(case.groove, state.load.force)
 
 
 def bearing_json(case: BearingCase, states: list[BearingState]) -> dict[str, Any]:
-    """Return the torques of a bearing over the load angles [N mm], and the ratio of largest to smallest."""
+    """Return the friction torques of a bearing over the angle of its load [N mm], and the ratio of largest to smallest."""
     torque = [1e3 * s.torque for s in states]
     all_rub = all(dissipates(case, s) for s in states)
     return {
@@ -411,7 +423,10 @@ def bearing_json(case: BearingCase, states: list[BearingState]) -> dict[str, Any
 
 
 def unresisted_motions(scene: BearingPairScene) -> list[str]:
-    """Return the motions of an inner ring that the force drives and no contact resists, by bearing and load angle."""
+    """Return sentences on motions of the inner ring that the load drives and no contact resists.
+
+    One sentence for each design of the bearing and load angle.
+    """
     out = []
     for name, case in (("four-point", scene.four_point), ("double row", scene.double_row)):
         for angle in scene.angle:
@@ -423,7 +438,10 @@ def unresisted_motions(scene: BearingPairScene) -> list[str]:
 
 
 def solve_bearings(scene: BearingPairScene) -> answer.FrictionAnswer:
-    """Solve both bearings over the angle of the load: friction torque; energy is the mean over all states."""
+    """Solve a four-point and a double-row bearing over the angle of the load: friction torques and energy.
+
+    The energy is the mean over all load angles and both bearings.
+    """
     case, angle = scene.four_point, [number(a) for a in np.degrees(scene.angle)]
     common = {
         "law": "coulomb",
@@ -442,6 +460,7 @@ def solve_bearings(scene: BearingPairScene) -> answer.FrictionAnswer:
 
 
 def _bearing_answer(scene: BearingPairScene, common: dict[str, Any]) -> answer.FrictionAnswer:
+    """Return the answer for both bearings; ``common``: its entries that need no solution."""
     cases = scene.four_point, scene.double_row
     by_case = [bearing_states(case, scene.angle) for case in cases]
     four, double = (bearing_json(case, states) for case, states in zip(cases, by_case, strict=True))
@@ -480,10 +499,10 @@ def _bearing_answer(scene: BearingPairScene, common: dict[str, Any]) -> answer.F
 
 
 def bearing_lines(data: dict[str, Any]) -> list[answer.Line]:
-    """Return the results of both bearings in a few lines."""
+    """Return the lines on both bearings for the terminal."""
     four, double = (cell(data[name]["largest_over_smallest"], ".5g") for name in ("four_point", "double_row"))
     label, text = answer.energy_line(data["energy"])
-    ring = "free to tilt" if data["tilt"] else "held upright"
+    ring = "free to tilt" if data["tilt"] else "kept from tilting"
     return [
         ("torque", f"largest over smallest: four-point {four}, double row {double}"),
         (label, f"{text}, mean over the angles"),
@@ -501,6 +520,7 @@ BEARING_COLUMNS = (
     ("converged", "converged", "s"),
 )
 
+#: Solvers by the kind of the scene.
 SOLVERS: dict[str, Callable[[Any], FrictionAnswer]] = {
     "bearing ball": solve_bearing_ball,
     "bearing pair": solve_bearings,
@@ -512,7 +532,7 @@ SOLVERS: dict[str, Callable[[Any], FrictionAnswer]] = {
 
 
 def solve_kind(scene: KindScene) -> FrictionAnswer:
-    """Solve a scene of single parts.
+    """Solve the friction of a scene of single parts (two balls, one ball, bearings, a linear bearing, a screw in time).
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Friction of linear bearings: two or more balls, far apart and touching."""
+"""Friction of linear ball bearings: two or more balls of a row, far apart and touching."""
 
 from __future__ import annotations
 
@@ -34,20 +34,35 @@ from rollbench.meshes.arrays import Array
 
 #: Largest unbalanced force over the largest force, for loads that count as solved.
 BALANCED = 1e-8
-#: Number of balls from which on loading the compiled kernels is worthwhile.
+#: Number of balls from which on compiled kernels are used.
 LONG = 60
 
 
 def linear_loads(scene: LinearScene) -> tuple[Array, Array, float]:
-    """Return contact angles (N, 4) [rad], loads (N, 4) [N], and the largest unbalanced force over the vertical one.
+    """Return the contact loads of the balls of a linear bearing.
 
-    Equal loads on each diagonal are an approximation of the source: their imbalance is reported, not judged.
+    With distribution "diagonal" both contacts of a diagonal carry equal loads, an approximation of the publication: the
+    imbalance is reported, but not judged.
+
+    Returns
+    -------
+    Array
+        Contact angles, (N, 4) [rad].
+    Array
+        Contact loads, (N, 4) [N].
+    float
+        Largest unbalanced force over the vertical force.
+
+    Raises
+    ------
+    Refusal
+        If elastic loads have no balance.
     """
     if scene.distribution == "elastic":
         try:
             force, angles = elastic_loads(scene.bearing, scene.angles, scene.vertical, scene.side)
         except ArithmeticError as error:
-            advice = 'loads whose balance exists, or distribution = "balanced"'
+            advice = 'change the forces on the balls, or take distribution = "balanced"'
             raise Refusal(scene.name, "load", str(error), advice) from error
     elif scene.distribution == "balanced":
         angles, force = scene.angles, balanced_loads(scene.angles, scene.vertical, scene.side)
@@ -63,7 +78,10 @@ def linear_loads(scene: LinearScene) -> tuple[Array, Array, float]:
 def ball_rows(
     scene: LinearScene, angles: Array, force: Array, apart: ChainResult, near: ChainResult
 ) -> list[dict[str, Any]]:
-    """Return one row per ball; the motion is that of touching balls, unless named as of balls far apart."""
+    """Return one JSON row per ball: contact loads, speed, rotation and loss.
+
+    Speeds are given for balls far apart and for touching balls; rotation and loss are those of touching balls.
+    """
     rows = []
     for k in range(force.shape[0]):
         row: dict[str, Any] = {"index": k + 1, "side_force_ratio": number(scene.side[k])}
@@ -79,7 +97,7 @@ def ball_rows(
 
 
 def pair_rows(scene: LinearScene, near: ChainResult) -> list[dict[str, Any]]:
-    """Return one row per pair of neighbours."""
+    """Return one JSON row per pair of neighbouring balls: gap, force and loss between them."""
     return [
         {
             "balls": f"{k + 1}-{k + 2}",
@@ -92,7 +110,7 @@ def pair_rows(scene: LinearScene, near: ChainResult) -> list[dict[str, Any]]:
 
 
 def solve_linear(scene: LinearScene) -> answer.FrictionAnswer:
-    """Solve motion and forces of two or more balls, far apart and touching."""
+    """Solve motion and friction of two or more balls of a linear bearing, far apart and touching."""
     angles, force, left = linear_loads(scene)
     chains = [prepare_chain(scene.bearing, angles, force, touching) for touching in (False, scene.gap <= 0.0)]
     fast = force.shape[0] > LONG
@@ -131,7 +149,7 @@ def solve_linear(scene: LinearScene) -> answer.FrictionAnswer:
 
 
 def second_state_json(near: ChainResult, second: ChainResult) -> dict[str, Any]:
-    """Return another state of the chain: force on the carriage, and pairs with other contact loads."""
+    """Return the JSON of a second, jammed state: force on the carriage, and the balls between which forces differ."""
     apart = np.abs(second.ball_force - near.ball_force)
     other = np.flatnonzero(apart > ANOTHER * apart.max())
     pairs = [{"balls": f"{k + 1}-{k + 2}", "force_N": number(second.ball_force[k])} for k in other]
@@ -139,7 +157,7 @@ def second_state_json(near: ChainResult, second: ChainResult) -> dict[str, Any]:
 
 
 def second_state_sentence(chain: Chain, second: ChainResult | None) -> str:
-    """Return a sentence on a second state of the chain."""
+    """Return a sentence on whether a second, jammed state of the balls was found."""
     if not may_jam(chain):
         return "one only: no balls in reach of each other, or no friction between them"
     if second is None:
@@ -152,19 +170,20 @@ def second_state_sentence(chain: Chain, second: ChainResult | None) -> str:
 
 
 def jam_warnings(near: ChainResult, second: ChainResult | None) -> list[Warned]:
-    """Return a warning if the balls may also settle in a second, jammed state."""
+    """Return a warning if the balls may also settle in a second, jammed state; else none."""
     if second is None:
         return []
     most, base = second.ball_force.max(), near.ball_force.max()
     text = (
         f"friction between balls allows a second state: they press on each other by up to {most:.4g} N instead of "
-        f"{base:.4g} N, and the carriage needs {second.drive:.6g} N instead of {near.drive:.6g} N; how it got there decides"
+        f"{base:.4g} N, and the carriage needs {second.drive:.6g} N instead of {near.drive:.6g} N; which state occurs "
+        "depends on the motion before"
     )
     return [Warned("jam", text)]
 
 
 def linear_lines(data: dict[str, Any]) -> list[answer.Line]:
-    """Return the results in a few lines."""
+    """Return the lines on the balls of a linear bearing for the terminal."""
     rise, solver = data["friction_increase_percent"], data["solver"]
     return [
         (

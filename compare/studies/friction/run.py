@@ -1,4 +1,4 @@
-"""Friction of a whole screw in time: JSON values, a table of the torque over the angle, and a few lines."""
+"""Friction of a whole screw in time: JSON values, a table of the torque over the angle, and lines for the terminal."""
 
 from __future__ import annotations
 
@@ -24,11 +24,12 @@ from rollbench.meshes.parts import Friction, Motion, Scene, Time
 ROWS = 12
 #: Effects that a run neglects in addition to those of an instant.
 LEFT_OUT = (
-    "travel of the nut along the screw: shaft and supports are those at the scene's station of the nut",
+    "travel of the nut along the screw: shaft and supports are those at the scene's position of the nut",
     "run-in of the grooves: balls take and lose their whole load at the ends of the loaded arc, where the torque jumps",
     "balls in the return: they roll along without friction or weight unless neighbours push them",
     "ball-to-ball forces in the balance of contact loads; inertia of the balls",
 )
+#: Columns of the table of the torque over the angle.
 COLUMNS = (
     ("angle_deg", "angle deg", ".2f"),
     ("torque_Nmm", "torque N mm", ".5g"),
@@ -39,7 +40,7 @@ COLUMNS = (
 )
 
 
-#: Quantities whose error is estimated, in words.
+#: Quantities for which the error of the time steps is estimated, in words.
 QUANTITIES = {
     "torque": "the torque over the angle",
     "mean": "its mean",
@@ -51,7 +52,7 @@ QUANTITIES = {
 
 @dataclass(frozen=True)
 class RunInTime:
-    """Run in time, with the error of its time steps."""
+    """Run of a screw in time, with the estimated error of its time steps."""
 
     #: Time series.
     history: History
@@ -59,35 +60,32 @@ class RunInTime:
     error: StepError | None
     #: Largest error that is allowed.
     goal: float
-    #: Whether the time steps were given.
+    #: Whether the scene states the number of time steps.
     fixed: bool
-    #: "converged" if every step converged and no error is above the goal; else why not.
+    #: "converged" if every step converged and no error is above the goal; else the reason why not.
     status: str
-    #: Whether histories of balls are part of the answer.
+    #: Whether the answer has the history of each ball.
     balls: bool = True
 
     @property
     def converged(self) -> bool:
-        """Whether the run may be used."""
+        """Whether all steps converged and their errors are within the goal."""
         return self.status == "converged"
 
 
 def solve_run(scene: Scene, friction: Friction, motion: Motion, model: str, member: int) -> RunInTime:
-    """Solve a scene in time.
-
-    InputError for models that cannot be solved repeatedly; as Refusal for circuits that are not possible.
-    """
+    """Solve the friction of a scene in time."""
     time = scene.time
     if time is None:
         raise ValueError("the scene has no [time]")
     if model not in AGAIN:
         advice = "take another model, or leave [time] out"
-        raise ArgumentError("model", model, f"{' or '.join(AGAIN)} for a run in time", advice)
+        raise ArgumentError("model", model, f"{' or '.join(AGAIN)} for a scene with [time]", advice)
     drawn = draw_errors(scene, member)
     try:
         balls = balls_of(scene, friction, motion, drawn, member)
     except ValueError as error:
-        advice = "give the circuits more room: see [circulation]"
+        advice = "give the circuits more room by [circulation]"
         raise Refusal(scene.name, "circulation", str(error), advice) from error
     ahead = float(np.sign(balls.grooves.nominal_orbit - balls.grooves.nut_speed)) or 1.0
     loads = in_motion(model, ahead)
@@ -96,13 +94,16 @@ def solve_run(scene: Scene, friction: Friction, motion: Motion, model: str, memb
 
 
 def step_through_time(setting: Any, motion: Motion, time: Time, name: str) -> tuple[History, StepError | None]:
-    """Compute a run with several step sizes, with a progress bar; return the history and its step error."""
+    """Compute a run with several step sizes, with a progress bar; return its history and the error of its steps."""
     with progress_bar(f"{name}, run in time") as progress:
         return resolved(setting, time.span(motion), time.steps, time.goal, progress)
 
 
 def judge_history(history: History, error: StepError | None, time: Time) -> RunInTime:
-    """Return the run with its status: not converged if a step failed or its error is unknown or above the goal."""
+    """Return the run with its status.
+
+    It is not converged if a step failed, or if the error of its steps is not known or above the goal.
+    """
     status = history.status
     if history.good and error is None:
         status = "not converged in the step: the error of fewer than 4 steps is not known; take more steps"
@@ -118,10 +119,10 @@ def judge_history(history: History, error: StepError | None, time: Time) -> RunI
 
 
 def run_json(run: RunInTime) -> dict[str, Any]:
-    """Return the JSON values of a run.
+    """Return the JSON values of a run in time.
 
-    Histories are at the middle of each piece of a step, gaps at its end: events (a ball enters or leaves the loaded arc,
-    neighbours meet) cut steps into shorter pieces.
+    Histories are at the middle of each piece of a time step, gaps at its end. Events (a ball enters or leaves the loaded
+    arc, neighbouring balls meet) cut time steps into pieces.
     """
     h, e = run.history, run.error
     reached, asked = (number(math.degrees(angle)) for angle in h.angles)
@@ -167,7 +168,7 @@ def run_json(run: RunInTime) -> dict[str, Any]:
 
 
 def step_error_json(e: StepError, goal: float) -> dict[str, Any]:
-    """Return the estimated errors of the time steps, and their parts."""
+    """Return the JSON of the estimated errors of the time steps, with order of convergence and numbers of steps."""
     found = e.quantities
     percent = {name: number(100.0 * found[name].error) if name in found else None for name in QUANTITIES}
     return {
@@ -188,7 +189,7 @@ def step_error_json(e: StepError, goal: float) -> dict[str, Any]:
 
 
 def why_no_step_error(run: RunInTime) -> str | None:
-    """Return why a run has no estimate of its time step error; None if it has one."""
+    """Return why the error of a run's time steps is not known; None if it is."""
     if run.error is not None:
         return None
     if run.history.good:
@@ -197,10 +198,10 @@ def why_no_step_error(run: RunInTime) -> str | None:
 
 
 def run_energy_json(h: History) -> dict[str, Any]:
-    """Return energies over the run [J]: work of torque and axial load on the screw, losses; and imbalances.
+    """Return the JSON of energies over the run [J] and of their imbalances.
 
-    The latter are the largest of a step over its losses: of the power that contacts take in, and of torque and load against
-    losses.
+    Energies are the work of torque and axial load on the screw, and the losses. Imbalances are the largest of any time
+    step, over its losses: of the power that the contacts take in, and of the power of torque and axial load.
     """
     turning, along = h.advance
     loss = h.torque * abs(turning)
@@ -216,7 +217,7 @@ def run_energy_json(h: History) -> dict[str, Any]:
 
 
 def run_torque_json(h: History) -> dict[str, Any]:
-    """Return mean, extremes and parts (grooves, ball to ball) of the friction torque over the run [N mm]."""
+    """Return the JSON of the friction torque over the run [N mm]: mean, extremes, parts of grooves and ball contacts."""
     t = h.torques
     return {
         "mean_Nmm": number(1e3 * t["mean"]),
@@ -230,7 +231,10 @@ def run_torque_json(h: History) -> dict[str, Any]:
 
 
 def ball_history_json(h: History, track: ClosedTrack, k: int) -> dict[str, Any]:
-    """Return histories of one ball: azimuth in the nut's frame, gap and force to the next ball of its circuit, loads."""
+    """Return the JSON of the history of ball ``k``: azimuth in the nut's frame, loads, gap and force to the next ball.
+
+    The next ball is that of its circuit ``track``.
+    """
     ahead = k + 1 if k + 1 < track.balls.stop else track.balls.start
     number_of = int(h.setting.number[k])
     return {
@@ -246,12 +250,12 @@ def ball_history_json(h: History, track: ClosedTrack, k: int) -> dict[str, Any]:
 
 
 def _json_list(values: Array) -> list[float | None]:
-    """Return values as a JSON list."""
+    """Return values (n,) as a list for JSON, with None for values that are not finite."""
     return [number(float(v)) for v in values]
 
 
 def run_rows(h: History) -> list[dict[str, object]]:
-    """Return up to ``ROWS`` rows of the torque over the angle, evenly spread over the run."""
+    """Return up to ``ROWS`` table rows of the torque over the angle, evenly spread over the run."""
     which = np.unique(np.linspace(0, h.time.size - 1, min(ROWS, h.time.size)).round().astype(int))
     return [
         {
@@ -267,7 +271,7 @@ def run_rows(h: History) -> list[dict[str, object]]:
 
 
 def run_lines(run: RunInTime) -> list[Line]:
-    """Return lines for the terminal: torque, error of the time steps, status."""
+    """Return the lines on a run in time for the terminal: torque, error of the time steps, and status if not converged."""
     h, e = run.history, run.error
     if not h.begun:
         return [("run", run.status)]
@@ -301,10 +305,13 @@ def run_lines(run: RunInTime) -> list[Line]:
 
 
 def significant_digits(error: float | None) -> int:
-    """Return the number of digits of a value with a relative error (None: unknown): at most two uncertain ones, 3 to 6."""
+    """Return the number of digits to show for a value with a relative error; None: error not known.
+
+    At most two digits are uncertain; there are 3 to 6.
+    """
     return 3 if error is None else int(np.clip(np.ceil(-np.log10(max(error, 1e-6))) + 2, 3, 6))
 
 
 def run_table(run: RunInTime) -> list[tuple[str, Sequence[tuple[str, str, str]], Sequence[dict[str, object]]]]:
-    """Return the table of the torque over the angle; empty if no step was begun."""
+    """Return the table of the torque over the angle; empty if no time step was begun."""
     return [("torque over the angle", COLUMNS, run_rows(run.history))] if run.history.begun else []

@@ -1,7 +1,7 @@
-"""``rollbench friction``: whole screws and bearings, several sets on one shaft, and single parts.
+"""``rollbench friction``: whole screws and bearings, shafts with several of them, and single parts.
 
-Of a shaft with several sets: the friction of each, and the torque of the shaft. Load cases of a duty cycle are separate
-scenes, with the mean torque over all revolutions.
+For a shaft with several nuts and bearings: the friction of each, and the torque of the shaft. Load cases of a duty cycle
+are separate scenes, with the mean torque over all revolutions.
 """
 
 from __future__ import annotations
@@ -32,33 +32,34 @@ from rollbench.lowfi.statics.result import AxisResult, SetResult
 from rollbench.meshes.axis import Assembly
 from rollbench.meshes.parts import Friction, Motion, Scene
 
+#: Function that shows a line of progress.
 Say = Callable[[str], None]
 
 
 def solve_friction(name: str, choices: Choices, say: Say = lambda _: None) -> FrictionAnswer:
-    """Compute the friction of a shipped scene or a file.
+    """Compute the friction of a shipped scene, or of a scene file.
 
     Parameters
     ----------
     name
         Name or file of the scene.
     choices
-        Model, coefficients and so on.
+        Model, coefficients of friction and number of the specimen.
     say
-        Called with the torque as soon as it is known, as in `solve_scene`.
+        Called with a line on the torque as soon as it is known, as in `solve_scene`.
 
     Returns
     -------
     FrictionAnswer
-        The answer.
+        Torques, losses and motion of the balls.
 
     Raises
     ------
     InputError
-        If scene or choices cannot be used.
+        If the scene cannot be read, or the choices do not fit it.
     """
     scene = catalogue.any_scene(name)
-    return solve_any(scene, choices, f"with {name}", say)
+    return solve_any(scene, choices, f"a choice of these for {name}", say)
 
 
 def solve_any(scene: Described, choices: Choices, origin: str, say: Say = lambda _: None) -> FrictionAnswer:
@@ -67,18 +68,18 @@ def solve_any(scene: Described, choices: Choices, origin: str, say: Say = lambda
     Parameters
     ----------
     scene
-        The scene.
+        Scene of a screw, bearing, shaft, duty cycle or of single parts.
     choices
-        Model, coefficients and so on.
+        Model, coefficients of friction and number of the specimen.
     origin
-        Name for errors.
+        Value in the error for choices that do not fit the scene.
     say
-        Called with the torque as soon as it is known, as in `solve_scene`.
+        Called with a line on the torque as soon as it is known, as in `solve_scene`.
 
     Returns
     -------
     FrictionAnswer
-        The answer.
+        Torques, losses and motion of the balls.
 
     Raises
     ------
@@ -92,27 +93,28 @@ def solve_any(scene: Described, choices: Choices, origin: str, say: Say = lambda
     if isinstance(scene, Assembly):
         return solve_axis(scene, choices)
     if choices != Choices():
-        advice = "leave them out: such a scene gives its loads and coefficients itself"
+        advice = "leave them out: a scene of single parts states its loads and coefficients of friction"
         given = "model, mu, member, condensed"
-        raise ArgumentError(given, origin, "with the scene of a whole screw or bearing", advice)
+        raise ArgumentError(given, origin, "only for the scene of a whole screw or bearing", advice)
     from rollbench.compare.studies.friction.kinds import solve_kind
 
     return solve_kind(scene)
 
 
 def friction_for_library(scene: Described, mu: tuple[float, ...], model: str) -> dict[str, Any]:
-    """Compute friction for `rollbench.friction`, as JSON values; ``mu``: coefficients instead of the scene's."""
-    return answer_json(solve_any(scene, Choices(model, mu), f"with {scene.name}"))
+    """Compute friction for `rollbench.friction`, as JSON values; ``mu``: coefficients that replace the scene's."""
+    return answer_json(solve_any(scene, Choices(model, mu), f"a choice of these for {scene.name}"))
 
 
 def answer_json(found: FrictionAnswer) -> dict[str, Any]:
-    """Return JSON values, with the warning above the answer."""
+    """Return the JSON values of an answer, with the warning that is shown above it."""
     return found.data | {"warning": found.warning or None}
 
 
-#: Note if no set of balls has a coefficient of friction.
+#: Note if the scene states no coefficient of friction for its balls.
 NO_COEFFICIENT = "No coefficient of friction is given: torques of bearings are those of the formulas."
 
+#: Columns of the table of nuts and ball bearings.
 SET_COLUMNS: tuple[Column, ...] = (
     ("set", "set", "s"),
     ("name", "name", "s"),
@@ -123,30 +125,34 @@ SET_COLUMNS: tuple[Column, ...] = (
     ("loss_W", "loss W", ".5g"),
 )
 
+#: Columns of the table of torques that turn the shaft.
 DRIVE_COLUMNS: tuple[Column, ...] = (
     ("name", "name", "s"),
     ("running_Nmm", "at constant speed N mm", "s"),
     ("starting_Nmm", "from rest N mm", "s"),
     ("seals_Nmm", "seals as given N mm", ".4g"),
 )
+#: Columns of the table over the coefficient of friction.
 OVER_COLUMNS: tuple[Column, ...] = (
     ("screw", "coefficient", ".4g"),
     ("friction_torque_Nmm", "friction torque N mm", ".5g"),
     ("driving_torque_on_screw_Nmm", "torque on the shaft N mm", ".5g"),
 )
 
+#: Nuts and ball bearings of a shaft: number from 0, static result and friction.
 Solved = list[tuple[int, SetResult, FrictionState]]
 
 
 def solve_axis(assembly: Assembly, choices: Choices) -> FrictionAnswer:
-    """Compute the friction of every set of balls on a shaft; InputError for choices that do not fit."""
+    """Compute the friction of every nut and ball bearing on a shaft; InputError for choices that do not fit the scene."""
     if choices.condensed is not None:
-        raise ArgumentError("condensed", f"with {assembly.name}", "one set on the shaft", "leave it out")
+        allowed = "only for a single nut or bearing, not several sets on a shaft"
+        raise ArgumentError("condensed", str(choices.condensed), allowed, "leave `condensed` out")
     pairs = _friction_coefficients(assembly, choices.mu)
     motion = assembly.motion or ONE_TURN
     if motion.turns != "screw":
         raise InputError(
-            assembly.name, "motion.turns", '"nut"', '"screw"', "several outer parts stand while the shaft turns"
+            assembly.name, "motion.turns", '"nut"', '"screw"', "let the shaft turn: several outer parts stand still"
         )
     result, answers = solve_sets(assembly, choices.model, choices.member)
     head = {"scene": assembly.name, "title": assembly.title, "kind": assembly.kind, "model": result.model}
@@ -168,17 +174,22 @@ def solve_axis(assembly: Assembly, choices: Choices) -> FrictionAnswer:
 
 
 def _friction_coefficients(assembly: Assembly, mu: Sequence[float]) -> list[Friction]:
-    """Return the coefficients given, or the scene's; none if there are only bearings. InputError for a nut without one."""
+    """Return the coefficients of friction: those given, else the scene's.
+
+    None are needed for a shaft with bearings only. InputError for a nut without coefficient, and for a coefficient without
+    balls.
+    """
     balls = [s.parts for s in assembly.sets if isinstance(s.parts, Scene)]
     if not mu and (not balls or (assembly.friction is None and not any(parts.track.lead for parts in balls))):
         return []
     if not balls:
-        raise ArgumentError("mu", f"with {assembly.name}", "a set of balls", "leave it out: its sets are rollers")
+        allowed = "only with a set of balls on the shaft"
+        raise ArgumentError("mu", ", ".join(f"{x:g}" for x in mu), allowed, "leave `mu` out: all bearings have rollers")
     return friction_coefficients(replace(balls[0], name=assembly.name, friction=assembly.friction), mu)
 
 
 def _friction_states(result: AxisResult, friction: Friction, motion: Motion) -> Solved:
-    """Return the friction of every set of balls, with its number."""
+    """Return the friction of every nut and ball bearing on a shaft, with its number from 0."""
     out: Solved = []
     for i, s in enumerate(result.sets):
         if s.balls is None or not isinstance(s.of.parts, Scene):
@@ -188,7 +199,10 @@ def _friction_states(result: AxisResult, friction: Friction, motion: Motion) -> 
 
 
 def _drag_torques(assembly: Assembly, loaded: AxisResult, friction: Friction, motion: Motion) -> dict[int, float]:
-    """Return friction torques [N m] with all loads on shaft and housings removed, by set; unsolved sets left out."""
+    """Return the friction torques with all loads on shaft and housings removed [N m], by the number of the nut or bearing.
+
+    Those that are not solved are left out.
+    """
     idle = tuple(replace(h, force=(0.0, 0.0, 0.0), moment=(0.0, 0.0, 0.0)) for h in assembly.housings)
     bare = replace(assembly, loads=(), housings=idle)
     result = run_model(bare, loaded.model, Options(member=loaded.member))
@@ -198,7 +212,7 @@ def _drag_torques(assembly: Assembly, loaded: AxisResult, friction: Friction, mo
 
 
 def _set_row(i: int, s: SetResult, state: FrictionState, drag: float | None) -> dict[str, Any]:
-    """Return the row of a set: torques and loss."""
+    """Return the JSON row of a nut or ball bearing: its number and name, torques, and loss."""
     return (
         {"set": i + 1, "name": s.of.name} | friction_sums_json(state.torque, drag) | {"loss_W": number(state.torque.power)}
     )
@@ -211,6 +225,11 @@ def _axis_answer(
     answers: AxisAnswers,
     found: tuple[Friction, Motion, Solved, dict[int, float]],
 ) -> FrictionAnswer:
+    """Return the answer for a shaft from static results and friction.
+
+    ``head``: entries on scene and model. ``found``: coefficients of friction, motion, friction of the nuts and ball
+    bearings, drag torques.
+    """
     friction, motion, solved, drag = found
     nuts = {i: (friction_sums_json(x.torque, None) if x.settled else None, "") for i, s, x in solved if _set_lead(s)}
     drive = quantities.as_json(axis_drive(assembly, result, answers, nuts))
@@ -266,14 +285,15 @@ def _axis_answer(
 
 
 def _set_lead(s: SetResult) -> float:
-    """Return the lead of a set of balls [m]; zero for rollers."""
+    """Return the lead of a nut [m]; zero for a bearing."""
     return s.of.parts.track.lead if isinstance(s.of.parts, Scene) else 0.0
 
 
 def _summed_powers(solved: Solved) -> dict[str, Any]:
-    """Return powers [W] summed over all sets: contact input and loss, power of driving torque and of axial loads.
+    """Return the JSON of powers summed over all nuts and ball bearings of a shaft [W], and the efficiency.
 
-    Also the efficiency, if one of the latter two drives the other.
+    Powers are input and loss of the contacts, power of the driving torque, and power of the axial loads. The efficiency is
+    None unless torque drives the load, or the load drives the torque.
     """
     torques = [x.torque for _, _, x in solved]
     turning = float(np.sum([t.on_screw * t.speed for t in torques]))
@@ -288,7 +308,10 @@ def _summed_powers(solved: Solved) -> dict[str, Any]:
 
 
 def _summed_torques(solved: Solved, drag: dict[int, float]) -> dict[str, Any]:
-    """Return friction, drag and driving torque summed over all sets [N mm]; drag None unless known for every set."""
+    """Return friction, drag and driving torque summed over all nuts and ball bearings of a shaft [N mm].
+
+    The drag torque is None unless it is known for each of them.
+    """
     known = len(drag) == len(solved)
     return {
         "friction_torque_Nmm": number(1e3 * float(np.sum([x.torque.friction for _, _, x in solved]))),
@@ -297,6 +320,7 @@ def _summed_torques(solved: Solved, drag: dict[int, float]) -> dict[str, Any]:
     }
 
 
+#: Columns of the table of load cases.
 COLUMNS = (
     ("case", "case", "s"),
     ("share", "share", ".4g"),
@@ -308,7 +332,7 @@ COLUMNS = (
 
 
 def solve_cycle(cycle: DutyCycle, choices: Choices) -> FrictionAnswer:
-    """Compute the friction of every load case; the mean torque is the work of friction over all revolutions.
+    """Compute the friction of every load case of a duty cycle, and the mean torque: work of friction over all revolutions.
 
     A load case that does not converge leaves the others as they are, and the cycle without a mean. InputError as
     `solve_scene` and `solve_axis`.
@@ -333,7 +357,7 @@ def solve_cycle(cycle: DutyCycle, choices: Choices) -> FrictionAnswer:
     for case, one in each:
         lines += [("", ""), ("case", f"{case.name}, share {case.share:.4g}: {one.data['status']}"), *one.lines]
 
-    def every(key: str) -> list[Any]:
+    def entries_of_all_cases(key: str) -> list[Any]:
         return list(dict.fromkeys(line for _, one in each for line in one.data.get(key, ())))
 
     data: dict[str, Any] = {
@@ -349,8 +373,8 @@ def solve_cycle(cycle: DutyCycle, choices: Choices) -> FrictionAnswer:
             "mean_words": words or None,
         },
         "cases": [{"case": c.name, "share": c.share} | one.data | {"scene": cycle.name} for c, one in each],
-        "assumed": every("assumed"),
-        "left_out": every("left_out"),
+        "assumed": entries_of_all_cases("assumed"),
+        "left_out": entries_of_all_cases("left_out"),
         "warnings": [w.prefixed(f"case {case.name}") for case, one in each for w in one.data.get("warnings", ())],
     }
     tables = [(f"case {c.name}: {title}", heads, body) for c, one in each for title, heads, body in one.tables]

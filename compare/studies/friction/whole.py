@@ -1,6 +1,7 @@
-"""Friction of a whole screw or bearing: static loads by a model, then friction of every ball and the torques.
+"""Friction of a whole screw or bearing: contact loads by a static model, then friction of every ball and the torques.
 
-Also the effect of inputs that decide a torque and may not be stated: coefficient, preload, and play of the balls.
+Also shown is the effect of inputs that decide a torque and may not be stated: coefficient of friction, preload, and play of
+the balls.
 """
 
 from __future__ import annotations
@@ -36,7 +37,7 @@ from rollbench.meshes.helix import lead_angle
 from rollbench.meshes.kept import kept
 from rollbench.meshes.parts import SIDES, BallErrors, Friction, Motion, Scene, SideErrors, Support
 
-#: Smallest and largest coefficient of friction of rolling contacts measured with lubricants.
+#: Smallest and largest coefficient of friction measured on lubricated rolling contacts.
 MEASURED = (0.003, 0.1)
 
 #: Factor of the makers' formula of a preloaded nut's drag torque (THK, general catalogue; Rexroth, HIWIN alike).
@@ -45,7 +46,7 @@ MAKERS = 0.05
 #: Reduction of the ball radius [m] to show the effect of a play that is not stated.
 SMALLER = 5e-6
 
-#: Factor on the torque by friction moving the balls, from which on a warning is given.
+#: Factor by which the torque grows as friction moves the balls, from which on a warning is given.
 FED_BACK = 1.5
 
 
@@ -55,14 +56,14 @@ _friction_state_on_disk = kept(FrictionState)(friction_state)
 def cached_friction_state(
     scene: Scene, result: StaticResult, friction: Friction, motion: Motion, member: int
 ) -> FrictionState:
-    """Return `friction_state`, cached on disk for equal scenes and loads."""
+    """Return the friction of a screw or bearing (`friction_state`), cached on disk for equal scenes and loads."""
     loads = replace(result, solver=replace(result.solver, seconds=0.0, setup_seconds=0.0), warnings=())
     return _friction_state_on_disk(scene, loads, friction, motion, member)
 
 
 @dataclass(frozen=True)
 class StaticallySolved:
-    """Statically solved scene, with the model, coefficients and motion that friction needs."""
+    """Statically solved screw or bearing, with the model, coefficients and motion that friction needs."""
 
     #: The scene.
     scene: Scene
@@ -74,11 +75,14 @@ class StaticallySolved:
     friction: Friction
     #: Motion of screw or nut.
     motion: Motion
-    #: Result without the loads of the scene.
+    #: Static result without the loads of the scene.
     bare: StaticResult
 
     def torque(self, result: StaticResult, friction: Friction, scene: Scene | None = None) -> float:
-        """Return the friction torque at a result's contact loads [N m]; nan if loads or friction did not converge."""
+        """Return the friction torque at the contact loads of ``result`` [N m]; nan if loads or friction did not converge.
+
+        ``scene``: scene of that result, if it is another one.
+        """
         if not result.converged:
             return float("nan")
         state = cached_friction_state(scene or self.scene, result, friction, self.motion, self.options.member)
@@ -86,12 +90,12 @@ class StaticallySolved:
 
 
 def makers_drag_torque(scene: Scene, force: float) -> float:
-    """Return the drag torque of a screw by the makers' formula, 0.05/sqrt(tan(lead angle)) F l/(2 pi).
+    """Return the drag torque of a screw by the makers' formula, 0.05/sqrt(tan(lead angle)) F l/(2 pi), l being the lead.
 
     Parameters
     ----------
     scene
-        Scene with one set.
+        Scene of a ball screw.
     force
         Axial preload F [N].
 
@@ -104,9 +108,9 @@ def makers_drag_torque(scene: Scene, force: float) -> float:
 
 
 def torque_range(solved: StaticallySolved, result: StaticResult) -> dict[str, Any]:
-    """Return friction torques at both coefficients of ``MEASURED``, with and without the scene's loads.
+    """Return friction torques at both coefficients of ``MEASURED``, with and without the scene's loads, as JSON values.
 
-    Also the drag torque by the makers' formula (null without preload).
+    Also the drag torque by the makers' formula; null without preload.
     """
     scene, held = solved.scene, preload(solved.scene, solved.bare) if solved.bare.converged else None
     ends = [replace(solved.friction, screw=mu, nut=mu, balls=None) for mu in MEASURED]
@@ -122,13 +126,13 @@ def torque_range(solved: StaticallySolved, result: StaticResult) -> dict[str, An
 
 
 def drag_lines(data: dict[str, Any]) -> list[Line]:
-    """Return the line on the drag torque over the coefficients and by the makers' formula; empty without preload."""
+    """Return the line on the drag torque at both coefficients and by the makers' formula; none without preload."""
     if data["makers_formula_Nmm"] is None:
         return []
     text = (
-        f"without load {_range_text(data['drag_torque_Nmm'])} N mm at coefficients {MEASURED[0]:g} to {MEASURED[1]:g}; "
-        f"makers' formula 0.05/sqrt(tan(lead angle)) F l/(2 pi) for the preload of {data['preload_N']:.4g} N: "
-        f"{three_digits(data['makers_formula_Nmm'])} N mm"
+        f"without load {_range_text(data['drag_torque_Nmm'])} N mm at coefficients of friction from {MEASURED[0]:g} "
+        f"to {MEASURED[1]:g}; makers' formula 0.05/sqrt(tan(lead angle)) F l/(2 pi) for the preload of "
+        f"{data['preload_N']:.4g} N: {three_digits(data['makers_formula_Nmm'])} N mm"
     )
     return [("drag", text)]
 
@@ -139,12 +143,15 @@ def _range_text(values: list[float | None]) -> str:
 
 
 def states_no_play(scene: Scene) -> bool:
-    """Return whether the file of a screw states neither the sizes of its balls nor a preload."""
+    """Return whether the scene of a screw states neither the sizes of its balls nor a preload."""
     return scene.track.lead > 0.0 and scene.errors.balls == BallErrors() and not scene.errors.lead_offset
 
 
 def torque_with_play(solved: StaticallySolved, state: FrictionState) -> dict[str, Any] | None:
-    """Return a screw's torque with balls smaller by ``SMALLER``; None if play is stated, or with preload or no load."""
+    """Return a screw's friction torque with balls smaller by ``SMALLER``, next to the torque as given, as JSON values.
+
+    None for a scene that states play or preload, or carries no load.
+    """
     scene = solved.scene
     if not states_no_play(scene) or not state.loaded or (solved.bare.load > 0.0).any():
         return None
@@ -160,7 +167,7 @@ def torque_with_play(solved: StaticallySolved, state: FrictionState) -> dict[str
 
 
 def play_warning(data: dict[str, Any]) -> Warned:
-    """Return a warning that the file states neither play nor preload, with the torques with and without play."""
+    """Return a warning that the scene states neither play nor preload, with the torques with and without play."""
     value = data["friction_torque_Nmm"]
     other = "none found" if value is None else f"{value:.4g} N mm"
     text = (
@@ -171,14 +178,14 @@ def play_warning(data: dict[str, Any]) -> Warned:
     return Warned("play", text, text)
 
 
-#: Factors on the errors that are tried to find where neighbours touch, and halvings of the step between two.
+#: Factors on the geometric errors that are tried to find where neighbouring balls touch; number of bisections between two.
 FACTORS, HALVINGS = tuple(2.0**k for k in range(-4, 5)), 4
 
 
 def with_scaled_errors(scene: Scene, factor: float) -> Scene:
-    """Return the scene with errors of grooves and single balls times a factor; preload and play stay."""
+    """Return a scene with the errors of grooves and of single balls times a factor; preload and play stay."""
 
-    def times(side: SideErrors) -> SideErrors:
+    def scaled_errors(side: SideErrors) -> SideErrors:
         pitch, roundness = (
             tuple(replace(t, sin=factor * t.sin, cos=factor * t.cos, sigma=factor * t.sigma) for t in terms)
             for terms in (side.pitch, side.roundness)
@@ -189,17 +196,18 @@ def with_scaled_errors(scene: Scene, factor: float) -> Scene:
     errors = scene.errors
     listed = tuple((number, factor * x) for number, x in errors.balls.listed)
     balls = replace(errors.balls, listed=listed, sigma=factor * errors.balls.sigma)
-    sides: dict[str, Any] = {side: times(errors.side(side)) for side in SIDES}
+    sides: dict[str, Any] = {side: scaled_errors(errors.side(side)) for side in SIDES}
     return replace(scene, errors=replace(errors, balls=balls, **sides))
 
 
 def onset_of_touching(solved: StaticallySolved, result: StaticResult) -> FrictionOnset | None:
-    """Return whether neighbouring balls touch at the loads of a result, and from which errors on.
+    """Return when neighbouring balls come to touch at the contact loads of a result, and from which geometric errors on.
 
-    None if balls overlap or their circuits are not possible.
+    None if balls overlap, or if their circuits are not possible.
     """
 
-    def found(factor: float) -> bool:
+    def touch_with_errors(factor: float) -> bool:
+        """Return whether neighbouring balls touch if the scene's geometric errors are multiplied by a factor."""
         scene = with_scaled_errors(solved.scene, factor)
         options = solved.options if scene.errors.random else replace(solved.options, member=0)
         loads = run_model(scene, solved.model, options)
@@ -207,16 +215,20 @@ def onset_of_touching(solved: StaticallySolved, result: StaticResult) -> Frictio
 
     try:
         standing, rolling = (contact_onset(solved.scene, result, idle, solved.motion) for idle in (0.0, 1.0))
-    except ValueError:  # overlapping balls, or arcs that cannot be: of neighbours nothing is asked then
+    except ValueError:  # overlapping balls or impossible circuits: no statement on neighbours
         return None
     factor = None
     if with_scaled_errors(solved.scene, 0.0) != solved.scene:
-        factor = 0.0 if found(0.0) else next((x for x in FACTORS if (standing.touch if x == 1.0 else found(x))), None)
+        factor = (
+            0.0
+            if touch_with_errors(0.0)
+            else next((x for x in FACTORS if (standing.touch if x == 1.0 else touch_with_errors(x))), None)
+        )
     if factor:
         low = 0.5 * factor if factor > FACTORS[0] else 0.0
         for _ in range(HALVINGS):
             middle = 0.5 * (low + factor)
-            low, factor = (low, middle) if found(middle) else (middle, factor)
+            low, factor = (low, middle) if touch_with_errors(middle) else (middle, factor)
     meets = bool(np.isfinite(standing.first))
     return FrictionOnset(
         touch=standing.touch,
@@ -231,21 +243,23 @@ def onset_of_touching(solved: StaticallySolved, result: StaticResult) -> Frictio
 
 
 def onset_line(of: FrictionOnset, turns: str, errors: bool) -> Line:
-    """Return the line on touching neighbours; ``turns``: turning part; ``errors``: whether the scene has errors."""
+    """Return the line on neighbouring balls that come to touch.
 
-    def angle(value: float | None) -> str:
+    ``turns``: name of the turning part; ``errors``: whether the scene has geometric errors.
+    """
+
+    def angle_text(value: float | None) -> str:
         return "never" if value is None else f"after {three_digits(np.degrees(value))} deg of the {turns}"
 
     text = f"neighbours {'touch' if of.touch else 'do not touch'}"
     if of.first is None:
         text += ": none close in"
     else:
-        text += f": {of.closing} of {of.pairs} pairs close in, balls {of.ball} and the next meet {angle(of.first)}"
+        text += f": {of.closing} of {of.pairs} pairs close in, balls {of.ball} and the next meet {angle_text(of.first)}"
         text += "" if of.touch else ", when they have left their loaded arc or gone round"
     if of.unloaded:
-        text += (
-            f"; that is where the {count_of(of.unloaded, 'unloaded ball')} stand, {angle(of.rolling)} where they roll along"
-        )
+        stand, roll = count_of(of.unloaded, "unloaded ball"), angle_text(of.rolling)
+        text += f"; that is where the {stand} stand, {roll} where they roll along"
     if errors:
         from_on = (
             "not up to 16 times the scene's errors"
@@ -279,56 +293,56 @@ NO_SPEED = (
 
 @dataclass(frozen=True)
 class Choices:
-    """Choices of a computation of friction."""
+    """Choices of a user for a computation of friction."""
 
     #: Name of the model; empty: the default.
     model: str = ""
-    #: Coefficients of friction instead of the scene's.
+    #: Coefficients of friction instead of the scene's; empty: the scene's.
     mu: tuple[float, ...] = ()
     #: Number of the specimen.
     member: int = 0
-    #: File with condensed bodies.
+    #: File with condensed bodies, for the model condensed; None: none.
     condensed: Path | None = None
 
 
 @dataclass(frozen=True)
 class DragTorque:
-    """Friction torque with the loads of the scene removed."""
+    """Friction torque of a screw or bearing with the loads of the scene removed."""
 
-    #: Torque [N m]; None if there is no meaningful one.
+    #: Torque [N m]; None if it has no meaning or was not found.
     torque: float | None
-    #: Why there is none.
+    #: Reason why there is no torque.
     reason: str = ""
     #: Note on how the screw was released axially, if its supports would preload it.
     note: str = ""
 
 
 def friction_coefficients(scene: Scene, mu: Sequence[float]) -> list[Friction]:
-    """Return the coefficients to solve for: those given, else the scene's; InputError if there are none."""
+    """Return the pairs of friction coefficients to solve for: those given, else the scene's; InputError without any."""
     for value in mu:
         if not 0.0 <= value <= MOST:
-            raise ArgumentError("mu", str(value), f"0 to {MOST:g}", "a usual one is 0.1")
+            raise ArgumentError("mu", str(value), f"0 to {MOST:g}", "give a smaller coefficient, such as 0.1")
     if mu:
         given = Friction(0.0, 0.0) if scene.friction is None else scene.friction
         assumed = ("The coefficient of friction is that of the command line.",)
         return [Friction(value, value, assumed, given.feedback, neighbours=given.neighbours) for value in mu]
     if scene.friction is None:
         advice = "add a [friction] table with e.g. coefficient = 0.1, or give `mu=0.1`"
-        raise InputError(scene.name, "friction", "nothing", "a coefficient of friction", advice)
+        raise InputError(scene.name, "friction", "no coefficient", "a coefficient of friction", advice)
     return [scene.friction]
 
 
 def solve_scene(scene: Scene, choices: Choices, say: Callable[[str], None] = lambda _: None) -> FrictionAnswer:
-    """Compute contact loads by a model, then friction for every coefficient.
+    """Compute the contact loads of a screw or bearing by a static model, then its friction for every coefficient.
 
     Parameters
     ----------
     scene
-        Scene with one set.
+        Scene of one nut or bearing.
     choices
-        Model, coefficients and so on; the balls are shown for the first coefficient.
+        Model, coefficients of friction and number of the specimen; single balls are shown for the first coefficient.
     say
-        Called with the torque at the loads as soon as it is known, if the rest (drag and band) takes long.
+        Called with a line on the torque as soon as it is known, if the rest (drag torque and range) takes long.
 
     Returns
     -------
@@ -338,14 +352,14 @@ def solve_scene(scene: Scene, choices: Choices, say: Callable[[str], None] = lam
     Raises
     ------
     InputError
-        If the model does not cover the scene, or there is no coefficient of friction.
+        If the model does not cover the scene, or the scene has no coefficient of friction.
     """
     pairs = friction_coefficients(scene, choices.mu)
     if not 0 <= choices.member < 10**9:
         raise ArgumentError("member", str(choices.member), "0 to 999999999", "give the specimen's number")
     model = choices.model or (DEFAULT if choices.condensed is None else "condensed")
     if choices.condensed is not None and model != "condensed":
-        allowed = "the model condensed"
+        allowed = "only together with the model condensed"
         raise ArgumentError("condensed", str(choices.condensed), allowed, "leave `model` out")
     options = Options(member=choices.member, condensed=choices.condensed, discretisation=False)
     begin = monotonic()
@@ -374,7 +388,7 @@ def solve_scene(scene: Scene, choices: Choices, say: Callable[[str], None] = lam
 
 
 def _with_run(answer: FrictionAnswer, run: RunInTime) -> FrictionAnswer:
-    """Return the answer for the scene's instant followed by the run in time."""
+    """Return the answer for the scene's instant with the run in time added."""
     data = answer.data | {"run": run_json(run)}
     good = answer.converged and run.converged
     if answer.converged and not good:
@@ -384,53 +398,54 @@ def _with_run(answer: FrictionAnswer, run: RunInTime) -> FrictionAnswer:
 
 
 def has_loads(scene: Scene) -> bool:
-    """Return whether a scene has loads."""
+    """Return whether a scene has loads other than zero."""
     return any(np.any(load.force) or np.any(load.moment) for load in scene.loads)
 
 
 def drag_torques(
     scene: Scene, states: Sequence[FrictionState], pairs: Sequence[Friction], unloaded: StaticResult, options: Options
 ) -> list[DragTorque]:
-    """Compute the friction torque without the scene's loads, for each pair of coefficients.
+    """Compute the friction torque without the scene's loads, for each pair of friction coefficients.
 
-    Supports and their prescribed displacements stay. If these press the screw axially, which is an axial load too, the
-    supports release it along the axis: drag is the friction torque at zero axial load.
+    Supports and their prescribed displacements stay. If they press the screw axially, which is an axial load too, the
+    supports release it along the axis: the drag torque is the friction torque at zero axial load.
 
     Parameters
     ----------
     scene
-        Scene with one set.
+        Scene of one nut or bearing.
     states
-        Friction under the loads.
+        Friction under the loads, for each pair of coefficients.
     pairs
-        Coefficients of friction.
+        Coefficients of friction of screw and nut.
     unloaded
-        Result without the loads.
+        Static result without the loads.
     options
         Options of the model.
 
     Returns
     -------
-    list of Drag
-        Torque for each pair.
+    list of DragTorque
+        Drag torque for each pair of coefficients.
     """
     bare, motion = replace(scene, loads=()), scene.motion or ONE_TURN
 
-    def solved(changed: Scene, result: StaticResult) -> list[FrictionState] | str:
+    def friction_of(changed: Scene, result: StaticResult) -> list[FrictionState] | str:
+        """Return the friction of a scene for each pair of coefficients; the status as text without equilibrium."""
         if not result.converged:
             return result.status
         return [cached_friction_state(changed, result, pair, motion, options.member) for pair in pairs]
 
     without: Sequence[FrictionState] | str = states
     if has_loads(scene):
-        without = solved(bare, unloaded)
+        without = friction_of(bare, unloaded)
     if isinstance(without, str):
         return [DragTorque(None, without)] * len(pairs)
     if not any(state.torque.translating for state in without):
         return [drag_of_state(state) for state in without]
     pressed = f"its supports press it with {without[0].torque.load:.4g} N along its axis"
     freed = replace(bare, supports=without_axial_supports(scene.supports))
-    let_go = solved(freed, run_model(freed, unloaded.model, options))
+    let_go = friction_of(freed, run_model(freed, unloaded.model, options))
     if isinstance(let_go, str):
         return [DragTorque(None, f"{pressed}, and without them: {let_go}")] * len(pairs)
     note = f"the screw left free along its axis: {pressed}"
@@ -444,12 +459,12 @@ def without_axial_supports(supports: Sequence[Support]) -> tuple[Support, ...]:
 
 
 def drag_of_state(state: FrictionState) -> DragTorque:
-    """Return the drag torque of a state without axial load; none if a ball failed."""
+    """Return the drag torque from the friction of a screw without axial load; none if friction of a ball has no balance."""
     return DragTorque(state.torque.friction) if state.settled else DragTorque(None, "no balance of friction found")
 
 
 def friction_status(state: FrictionState) -> str:
-    """Return the status as text."""
+    """Return the status of the friction of a screw or bearing in words."""
     failed = [str(i + 1) for i, word in enumerate(state.balls.status) if word == "failed"]
     if failed:
         return f"no balance of friction found on {count_of(len(failed), 'ball')}: {', '.join(failed[:8])}"
@@ -462,17 +477,25 @@ def friction_status(state: FrictionState) -> str:
 
 
 def _friction_assumptions(scene: Scene, result: StaticResult) -> list[str]:
-    """Return assumptions on scene and contact loads; the latter are marked, as they are of a model without friction."""
+    """Return the assumptions of scene and contact loads.
+
+    Those of the contact loads are marked, as they are of a model without friction.
+    """
     return [line if line in scene.assumed else f"contact loads: {line}" for line in result.assumed]
 
 
+#: Pairs of friction coefficients, and for each the friction and the drag torque.
 States = tuple[list[Friction], list[FrictionState], list[DragTorque]]
 
 
 def _whole_answer(
     scene: Scene, result: StaticResult, head: dict[str, object], solved: States, besides: StaticallySolved
 ) -> FrictionAnswer:
-    """Return JSON values and tables for the terminal."""
+    """Return JSON values, tables and lines on the friction of a whole screw or bearing.
+
+    ``head``: entries on scene and model. ``solved``: coefficients, friction and drag torque for each pair of coefficients.
+    ``besides``: static solutions for the effect of inputs that may not be stated.
+    """
     (friction, *_), (state, *_), (drag, *_) = solved
     motion = scene.motion or ONE_TURN
     good = all(s.settled for s in solved[1])

@@ -1,1 +1,1 @@
-"""Ensembles: many specimens (members) of a scene with random errors."""
+"""Ensembles: many specimens of a scene with randomly drawn geometric errors."""

@@ -1,11 +1,11 @@
-"""Loads of many specimens (members) of a scene with random errors, solved in blocks.
+"""Contact loads of many specimens of a scene with randomly drawn errors (members of an ensemble), solved in blocks.
 
-If balls, pitch and roundness are random and flanks are exact arcs, one system serves all members: they are drawn and packed
-at once, and compiled kernels run through them. Other scenes are solved member by member by ``solve_static``.
+If ball sizes, pitch and roundness are random and flanks are exact arcs, all specimens share one system of equations: they
+are drawn at once, and compiled kernels run through them. Other scenes are solved specimen by specimen by ``solve_static``.
 
-Several sets draw independent errors. Kept for the whole: largest load, axial tangent rigidity, lost contacts. Of each set:
-largest and mean load, axial force on the shaft, lost contacts, life. Rollers have no random errors, but are affected by
-those of the balls.
+On a shaft with several nuts and ball bearings, these have independent errors. Stored for the whole shaft are largest load,
+axial tangent rigidity and lost contacts; for each nut or bearing, largest and mean load, axial force on the shaft, lost
+contacts and life. Rollers have no random errors, but their loads change with the errors of the balls.
 """
 
 from __future__ import annotations
@@ -41,70 +41,70 @@ from rollbench.meshes.helix import BallLayout, ball_layout, nominal_groove_centr
 from rollbench.meshes.loads import mean_load
 from rollbench.meshes.parts import Scene
 
-#: Kernels: many solutions are worth compiling them.
+#: Kind of kernels: for many solutions compiling them is worthwhile.
 ENGINE: Engine = "compiled"
 
-#: Distance [m] at which a flank that was left out counts as touched; the member is then solved with all four.
+#: Distance between ball and flank at which a flank that was left out counts as touched [m]; the specimen is then solved
+#: with all four flanks.
 MARGIN = 1e-7
 
-#: Relative residual of the members of a batch: one step of Newton's method fewer than a single solution, and far below what
-#: its loads are used for.
+#: Relative residual at which the specimens of a batch count as solved. It takes one step of Newton's method fewer than a
+#: single solution, and is far below the accuracy for which the loads are used.
 ENOUGH = 1e-11
 
-#: Number of members tried first with fewer flanks; the rest only if at least half of them pass.
+#: Number of specimens tried first with fewer flanks; the others only if at least half of these pass the check.
 TRIAL = 32
 
-#: Members per call of the kernels, which let other threads run: so few that the memory of a call is not given back in
-#: between.
+#: Specimens per call of the kernels, which let other threads run: so few that memory is reused from call to call.
 CHUNK = 96
 
 
 @dataclass(frozen=True)
 class EnsembleResult:
-    """Loads of M members of a scene with random errors."""
+    """Contact loads of M specimens of a scene with random errors."""
 
     #: Contact loads, (M, N, 4) [N]; nan without equilibrium.
     loads: Array
-    #: Status of each member, as in ``StaticResult``.
+    #: Status of each specimen, as in ``StaticResult``.
     statuses: tuple[str, ...]
-    #: Relative residual of each member, (M,).
+    #: Relative residual of each specimen, (M,).
     residuals: Array
-    #: Loads times the displacements of their stations, (M,) [J].
+    #: Sum of the scene's loads times the displacements of their points of action, (M,) [J].
     works: Array
-    #: Number of members that needed all four flanks.
+    #: Number of specimens that needed all four flanks.
     all_sides: int
-    #: Number of members that were solved by ``solve_static``.
+    #: Number of specimens that were solved by ``solve_static``.
     general: int
 
     @property
     def converged(self) -> NDArray[np.bool_]:
-        """Members with equilibrium, (M,)."""
+        """Whether each specimen has an equilibrium, (M,)."""
         return np.array([s == "converged" for s in self.statuses], dtype=bool)
 
 
 def is_solved_in_one_pass(scene: Scene) -> bool:
-    """Return whether one pass of the solver on exact arcs finishes each member, so that batches can be solved."""
+    """Return whether one pass of the solver on exact arcs finishes each specimen, as batches of specimens need."""
     return alike_in_shape(scene) and scene.ingredients.hertz != "actual"
 
 
 def run_ensemble(scene: Scene, members: int | None = None, first: int = 0, *, threads: int = 1) -> EnsembleResult:
-    """Solve samples of a scene with random errors; loads agree with those of ``solve_static``.
+    """Solve specimens of a scene with random errors; contact loads agree with those of ``solve_static``.
 
     Parameters
     ----------
     scene
-        Scene with one set.
+        Scene of one nut or bearing.
     members
-        Number of members; None: as the scene states.
+        Number of specimens; None: as the scene states.
     first
-        Number of the first member.
+        Number of the first specimen.
     threads
         Number of threads, which does not affect the result.
 
     Returns
     -------
     EnsembleResult
-        Loads; ``statuses`` gives the members without solution.
+        Contact loads; ``statuses`` shows which specimens have no solution.
     """
     count = scene.members if members is None else members
     batch = _SpecimenBatch(scene, count, first, threads)
@@ -118,9 +118,9 @@ def run_ensemble(scene: Scene, members: int | None = None, first: int = 0, *, th
 
 
 def work_of_loads(scene: Scene, result: StaticResult) -> float:
-    """Return the loads of a scene times the displacements of their stations [J].
+    """Return the sum of a scene's loads times the displacements of their points of action [J].
 
-    Nan if the result has no axis of the screw.
+    Nan if the result has no displacements of the screw.
     """
     if result.centreline_z.size < 2:
         return float("nan")
@@ -132,9 +132,10 @@ def work_of_loads(scene: Scene, result: StaticResult) -> float:
 
 
 class _SpecimenBatch:
-    """State of one run: drawn specimens, common system and results."""
+    """Specimens of one ensemble: drawn errors, common system of equations, and results."""
 
     def __init__(self, scene: Scene, count: int, first: int, threads: int) -> None:
+        """Draw the errors of ``count`` specimens from number ``first`` on."""
         self.scene, self.threads = scene, threads
         self.layout = ball_layout(scene)
         self.mean = specimen(without_draws(scene), self.layout)
@@ -143,48 +144,55 @@ class _SpecimenBatch:
         self.loads, self.solved = np.full((count, scene.ball_count, 4), np.nan), np.zeros(count, dtype=bool)
         self.residuals, self.works = np.full(count, np.nan), np.full(count, np.nan)
 
-    def _of(self, members: NDArray[np.int64]) -> Specimens:
+    def _drawn_errors(self, members: NDArray[np.int64]) -> Specimens:
+        """Return the drawn errors of the specimens with the numbers ``members``."""
         centre = self.drawn.centre[members] if len(self.drawn.centre) > 1 else self.drawn.centre
         return Specimens(self.drawn.ball_radius[members], centre, self.drawn.radius)
 
     def solve(self) -> int:
-        """Solve all members, none if the scene cannot carry its loads; return how many were tried with all four flanks."""
-        # sides that the loads would leave idle if no ball were tight: tried, then verified member by member
+        """Solve all specimens; return how many were tried with all four flanks.
+
+        None is solved if the scene cannot carry its loads.
+        """
+        # flanks that carry no load if no ball is too large are left out, which is then verified specimen by specimen
         few = choose_sides(self.scene, replace(self.mean, ball_radius=self.drawn.ball_radius.min(axis=0)))
-        whole = self._held(all_sides(self.scene))
+        whole = self._problem_with_flanks(all_sides(self.scene))
         if whole is None:
             return 0
         if not np.all(few):
-            self._solve(self._held(few), np.arange(self.solved.size))
+            self._solve_with_flanks(self._problem_with_flanks(few), np.arange(self.solved.size))
         rest = np.flatnonzero(~self.solved)
         if rest.size:
-            self._solve(whole, rest)
+            self._solve_with_flanks(whole, rest)
         return int(rest.size)
 
-    def _held(self, use: NDArray[np.bool_]) -> Problem | None:
-        """Return the problem without random errors; None if the screw can move freely."""
+    def _problem_with_flanks(self, use: NDArray[np.bool_]) -> Problem | None:
+        """Return the static problem without random errors, with the flanks ``use``; None if the screw can move freely."""
         problem = build(self.scene, self.mean, self.layout, use)
         if scale_of(problem).force == 0.0:  # only the random errors press anything together
-            tightest = self._of(np.array([centre_distances(self.scene, self.drawn)[1].max(axis=(1, 2)).argmax()]))
+            tightest = self._drawn_errors(np.array([centre_distances(self.scene, self.drawn)[1].max(axis=(1, 2)).argmax()]))
             drawn = replace(self.mean, ball_radius=tightest.ball_radius[0], centre=tightest.centre[0])
             problem = build(self.scene, drawn, self.layout, use)
         mechanism = free_motions(problem)
         return None if mechanism.driven else pin(problem, mechanism)
 
-    def _system(self, problem: Problem) -> Beam:
-        """Return the common system, solved without random errors."""
+    def _solved_system(self, problem: Problem) -> Beam:
+        """Return the common system of equations, solved without random errors."""
         prepared = prepare(problem, pick_engine(ENGINE, self.scene.ball_count))
         prepared.iterate()
         prepared.options = prepared.options._replace(tolerance=ENOUGH)
         return prepared
 
-    def _solve(self, problem: Problem | None, members: NDArray[np.int64]) -> None:
-        """Solve samples with the flanks of a problem; a sample counts only if no ball comes near a flank left out."""
+    def _solve_with_flanks(self, problem: Problem | None, members: NDArray[np.int64]) -> None:
+        """Solve specimens with the flanks of a problem.
+
+        A solution counts only if no ball comes near a flank that was left out.
+        """
         if problem is None:
             return
-        prepared = self._system(problem)
+        prepared = self._solved_system(problem)
         near = None if np.all(problem.use) else _LeftOutFlankCheck(prepared, self.layout)
-        some = partial(self._follow, prepared, near)
+        some = partial(self._solve_in_kernel, prepared, near)
         trial, rest = members[:TRIAL], [members[k : k + CHUNK] for k in range(TRIAL, members.size, CHUNK)]
         some(trial)
         if near is not None and 2 * np.count_nonzero(self.solved[trial]) < trial.size:
@@ -192,24 +200,24 @@ class _SpecimenBatch:
         with ThreadPoolExecutor(self.threads) as pool:
             list((map if self.threads == 1 else pool.map)(some, rest))
 
-    def _follow(self, prepared: Beam, near: _LeftOutFlankCheck | None, members: NDArray[np.int64]) -> None:
-        """Solve members in the compiled kernel."""
+    def _solve_in_kernel(self, prepared: Beam, near: _LeftOutFlankCheck | None, members: NDArray[np.int64]) -> None:
+        """Solve some specimens in the compiled kernel, and store the accepted solutions."""
         state, k = prepared.state, members.size
-        arrays = self._arrays(prepared.problem, members)
+        arrays = self._kernel_arrays(prepared.problem, members)
         forces, status, residual = np.empty(arrays.geometry.shape[:3]), np.empty(k, dtype=np.int64), np.empty(k)
         states = MemberStates(forces, status, residual, np.empty((k, *state.q.shape)), np.empty((k, *state.p.shape)))
         prepared.engine.ensemble(prepared.given, state, prepared.options, arrays, states)
         good = (states.status <= 1) & (states.residual <= ACCEPTED)
         if near is not None:
             shift = states.q.reshape(k, -1) @ near.rows.T
-            good &= near.clear(shift, states.p, arrays.geometry, states.force)
+            good &= near.keeps_clear(shift, states.p, arrays.geometry, states.force)
         kept, works = members[good], np.tensordot(states.q, prepared.given.shaft.load, axes=2)
         self.loads[kept], self.residuals[kept], self.works[kept] = states.force[good], states.residual[good], works[good]
         self.solved[kept] = True
 
-    def _arrays(self, problem: Problem, members: NDArray[np.int64]) -> MemberArrays:
-        """Return the arrays of members for the kernels."""
-        drawn = self._of(members)
+    def _kernel_arrays(self, problem: Problem, members: NDArray[np.int64]) -> MemberArrays:
+        """Return the geometry of some specimens as arrays for the kernels."""
+        drawn = self._drawn_errors(members)
         offset, closure = centre_distances(self.scene, drawn)
         geometry = np.empty((members.size, *problem.geometry.shape))
         geometry[..., :4], geometry[..., 4], geometry[..., 5:] = offset, self.C[members], problem.geometry[..., 5:]
@@ -218,30 +226,31 @@ class _SpecimenBatch:
 
 
 class _LeftOutFlankCheck:
-    """Check whether flanks that were left out could carry load, for many members at once.
+    """Check of many specimens for flanks that were left out although they could carry load.
 
-    A member with such a flank nearer than ``MARGIN`` to its ball is solved with all four.
+    A specimen with such a flank nearer than ``MARGIN`` to its ball is solved again with all four flanks.
     """
 
     def __init__(self, prepared: Beam, layout: BallLayout) -> None:
+        """Prepare the check for a solved system of equations whose problem leaves some flanks out."""
         problem = prepared.problem
         self.use = problem.use
         rows = [_flank_motion(problem, layout, s) for s in range(2)]
         self.rows = np.stack(rows, axis=1).reshape(-1, problem.nodes.size * 6)
 
-    def clear(self, motions: Array, centres: Array, geometry: Array, loads: Array) -> NDArray[np.bool_]:
-        """Return the members without such a flank, (k,).
+    def keeps_clear(self, motions: Array, centres: Array, geometry: Array, loads: Array) -> NDArray[np.bool_]:
+        """Return whether each specimen has no flank that was left out near a ball, (k,).
 
         Parameters
         ----------
         motions
-            Displacements of the screw's flanks, (k, 4 N).
+            Displacements of the screw's two flanks in each ball's section, (k, 4 N) [m].
         centres
-            Ball centres, (k, N, 2).
+            Ball centres in their sections, (k, N, 2) [m].
         geometry
             Geometry of the flanks, (k, N, 4, 4 or more).
         loads
-            Contact loads, (k, N, 4).
+            Contact loads, (k, N, 4) [N].
         """
         k, n = centres.shape[:2]
         shift = np.zeros((k, n, 4, 2))
@@ -269,15 +278,19 @@ def _flank_motion(problem: Problem, layout: BallLayout, side: int) -> Array:
 
 
 def ensemble_of_study(study: Study, name: str) -> EnsembleResult:
-    """Solve the specimens of a shipped scene with random errors, as many as the study states."""
+    """Return the loads of the specimens of a shipped scene with random errors, as many as the study states.
+
+    They are computed once for each study.
+    """
     return study.once(_run_study_ensemble, name)
 
 
 def _run_study_ensemble(study: Study, name: str) -> EnsembleResult:
+    """Solve the specimens of a shipped scene, as many as the study states."""
     return run_ensemble(study.scene(name), study.members)
 
 
-#: Outputs of each member: key and heading.
+#: Outputs of each specimen of one nut or bearing: key and heading.
 KEPT = {
     "largest_load_N": "largest contact load / N",
     "mean_load_N": "mean contact load / N",
@@ -287,7 +300,7 @@ KEPT = {
     "residual": "relative residual",
 }
 
-#: The same for several sets: of the whole, and of each set.
+#: Outputs of each specimen of a shaft with several nuts and bearings: for the whole shaft.
 WHOLE = {
     "largest_load_N": "largest load of a contact or roller / N",
     "tangent_N_per_um": "tangent rigidity along the axis / (N/um)",
@@ -295,6 +308,7 @@ WHOLE = {
     "residual": "relative residual",
 }
 
+#: Outputs of each specimen of a shaft: for each nut or bearing.
 OF_SET = {
     "largest_load_N": "largest load / N",
     "mean_load_N": "mean load of those above 1 % of the largest / N",
@@ -304,33 +318,34 @@ OF_SET = {
 }
 
 
-#: Exponents of the equivalent load of a raceway that turns under the load, of one that does not, and of all raceways.
+#: Exponents of ISO/TS 16281: of the load for a raceway that turns relative to the load and for one at rest, and of the life
+#: of all raceways together.
 TURNING, STANDING, SYSTEM = 3.0, 10.0 / 3.0, 10.0 / 9.0
 
-#: Relative change of the load for the stiffness.
+#: Relative change of the loads from which the stiffness is computed.
 STEP = 1e-3
 
-#: Models with elastic bodies, whose members may share one system.
+#: Models with elastic bodies, whose specimens may share one system of equations.
 ELASTIC = tuple(name for name in LADDER if name != "lin")
 
 
 @dataclass(frozen=True)
 class Block:
-    """Results of a block of k members."""
+    """Results of a block of k specimens."""
 
     #: Contact loads, (k, N, 4) [N].
     loads: Array
-    #: Outputs, (k, number of outputs).
+    #: Outputs of each specimen, (k, number of outputs).
     kept: Array
-    #: Status of each member.
+    #: Status of each specimen.
     statuses: tuple[str, ...]
 
 
 def raceway_life_sum(load: Array) -> Array:
     """Return L^(-10/9) of all raceways together, up to a factor, from contact loads (..., N, 4) [N] (ISO/TS 16281).
 
-    The screw's grooves turn under the load (cubic mean over the balls), the nut's do not (power 10/3); the raceways are
-    taken as equally strong, and every position of a ball as equally frequent.
+    L is the life. The screw's grooves turn relative to the load (cubic mean over the balls), the nut's do not (power 10/3).
+    The raceways are taken as equally strong, and every position of a ball as equally frequent.
     """
     turning = (load[..., :2] ** TURNING).mean(axis=-2) ** (SYSTEM * 3.0 / TURNING)
     standing = (load[..., 2:] ** STANDING).mean(axis=-2) ** (SYSTEM * 3.0 / STANDING)
@@ -338,20 +353,20 @@ def raceway_life_sum(load: Array) -> Array:
 
 
 def relative_life(load: Array, nominal: Array) -> Array:
-    """Return the life under loads (..., N, 4) over that under the loads (N, 4) without random errors."""
+    """Return the life under contact loads (..., N, 4) over that under the loads (N, 4) without random errors."""
     with np.errstate(divide="ignore", invalid="ignore"):
         return np.asarray((raceway_life_sum(load) / raceway_life_sum(nominal)) ** (-1.0 / SYSTEM))
 
 
 def output_names(scene: Scene | Assembly) -> list[str]:
-    """Return the names of the outputs of a member (specimen), in the order of its values."""
+    """Return the names of the outputs of a specimen, in the order of its values."""
     if isinstance(scene, Scene):
         return [*KEPT]
     return [*WHOLE, *(f"set {i + 1} {key}" for i in range(len(scene.sets)) for key in OF_SET)]
 
 
 def ball_slices(scene: Scene | Assembly) -> tuple[slice | None, ...]:
-    """Return, for each set, the slice of its balls in an array over all sets' balls; None for rollers."""
+    """Return, for each nut or bearing, the slice of its balls in an array over all balls of the scene; None for rollers."""
     if isinstance(scene, Scene):
         return (slice(0, scene.ball_count),)
     slices: list[slice | None] = []
@@ -364,7 +379,7 @@ def ball_slices(scene: Scene | Assembly) -> tuple[slice | None, ...]:
 
 
 def _change_ball_rows(scene: Scene | Assembly, change: Callable[[Scene, int], Scene]) -> Scene | Assembly:
-    """Return the scene with each set of balls replaced by ``change(parts, number of the set from 0)``."""
+    """Return a scene with the parts of each nut or ball bearing replaced by ``change(parts, number from 0)``."""
     if isinstance(scene, Scene):
         return change(scene, 0)
     sets = (replace(s, parts=change(s.parts, i)) if isinstance(s.parts, Scene) else s for i, s in enumerate(scene.sets))
@@ -372,21 +387,22 @@ def _change_ball_rows(scene: Scene | Assembly, change: Callable[[Scene, int], Sc
 
 
 def with_seed(scene: Scene | Assembly, seed: int) -> Scene | Assembly:
-    """Return the scene with another seed of its random errors; several sets get consecutive seeds."""
+    """Return a scene with another seed of its random errors; several nuts and bearings get consecutive seeds."""
     return _change_ball_rows(scene, lambda parts, i: replace(parts, errors=replace(parts.errors, seed=seed + i)))
 
 
 def without_random_errors(scene: Scene | Assembly) -> Scene | Assembly:
-    """Return the scene without its random errors."""
+    """Return a scene without its random errors."""
     return _change_ball_rows(scene, lambda parts, _: without_draws(parts))
 
 
 def _solve_specimens(
     scene: Scene, model: str, engine: str, first: int, count: int, factor: float = 1.0
 ) -> tuple[Array, tuple[str, ...], Array, Array]:
-    """Return contact loads, statuses, residuals and works of members under the scene's loads times a factor.
+    """Solve specimens of one nut or bearing under the scene's loads times a factor.
 
-    With a factor other than 1 the members are first solved under the loads themselves.
+    Returns contact loads (k, N, 4) [N], statuses, relative residuals (k,), and works of the loads (k,) [J]. With a factor
+    other than 1 the specimens are first solved under the loads themselves.
     """
     of, scene = scene, scaled(scene, factor) if factor != 1.0 else scene
     if model == "lin" and engine == "compiled":
@@ -406,34 +422,34 @@ def _solve_specimens(
 
 @lru_cache(maxsize=4)
 def _common_system(scene: Scene, model: str, engine: str, factor: float) -> ElasticMembers:
-    """Return the solver of all blocks of a scene in this process, under its loads times a factor."""
+    """Return the system of equations that all specimens of a scene share, under its loads times a factor; cached."""
     like = None if factor == 1.0 else _common_system(scene, model, engine, 1.0)
     loaded = scene if like is None else scaled(scene, factor)
     return ElasticMembers(loaded, LADDER[model], kernels(STATICS, compiled=engine == "compiled"), like)
 
 
 def solve_block(scene: Scene | Assembly, model: str, engine: str, nominal: Array, first: int, count: int) -> Block:
-    """Solve ``count`` members from number ``first`` on.
+    """Solve ``count`` specimens of a scene from number ``first`` on.
 
     Parameters
     ----------
     scene
-        Scene with one set or several.
+        Scene of one nut or bearing, or of a shaft with several.
     model
         Name of the model.
     engine
-        Kernels: interpreted or compiled.
+        Kind of kernels: interpreted or compiled.
     nominal
-        Loads of all balls without random errors, (N, 4) [N].
+        Contact loads of all balls without random errors, (N, 4) [N].
     first
-        Number of the first member.
+        Number of the first specimen.
     count
-        Number of members.
+        Number of specimens.
 
     Returns
     -------
     Block
-        Loads and outputs.
+        Contact loads and outputs.
     """
     if isinstance(scene, Assembly):
         return _solve_axis_block(scene, model, engine, nominal, first, count)
@@ -457,7 +473,7 @@ def solve_block(scene: Scene | Assembly, model: str, engine: str, nominal: Array
 
 
 def _solve_axis_block(assembly: Assembly, model: str, kernels: str, nominal: Array, first: int, count: int) -> Block:
-    """Solve a block of members of a scene with several sets; parameters as `solve_block`."""
+    """Solve a block of specimens of a shaft with several nuts and bearings; parameters as `solve_block`."""
     results = [run_model(assembly, model, Options(engine=kernels, member=m)) for m in range(first, first + count)]
     where = ball_slices(assembly)
     loads = np.stack([contact_loads(r) if r.converged else np.full(nominal.shape, np.nan) for r in results])
@@ -467,12 +483,15 @@ def _solve_axis_block(assembly: Assembly, model: str, kernels: str, nominal: Arr
 
 
 def contact_loads(result: Solved) -> Array:
-    """Return the contact loads of the balls of all sets, (N, 4) [N]."""
+    """Return the contact loads of all balls of a scene, (N, 4) [N]."""
     return np.concatenate([b.load for b in result.of_balls()])
 
 
 def specimen_outputs(result: AxisResult, nominal: Array, where: Sequence[slice | None]) -> Array:
-    """Return the outputs of a member of several sets, in the order of `output_names`."""
+    """Return the outputs of one specimen of a shaft, in the order of `output_names`.
+
+    ``nominal``: contact loads without random errors, (N, 4) [N]; ``where``: balls of each nut or bearing, by `ball_slices`.
+    """
     loads = contact_loads(result)
     lost = (loads == 0.0) & (nominal > 0.0)
     largest = max(float(s.loads.max(initial=0.0)) for s in result.sets)

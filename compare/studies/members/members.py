@@ -1,9 +1,9 @@
-"""Ensemble of a scene with random errors by any model (``rollbench solve SCENE --members N``).
+"""Ensemble of specimens of a scene with random errors, by any model (``rollbench solve SCENE --members N``).
 
-Results are statistics of outputs and bands of the contact loads, with their sampling errors. Members are solved in blocks
-that may run in parallel. A member depends only on the scene's seed and its number, and blocks are combined in order, so the
-results do not depend on the number of workers. Memory: a block of loads in each process, six numbers per member, and one
-histogram per contact.
+Results are statistics of outputs and distributions of the contact loads, with their sampling errors. Specimens are solved
+in blocks that may run in parallel. A specimen depends only on the scene's seed and its number, and blocks are combined in
+order, so that the results do not depend on the number of processes. Memory holds a block of loads in each process, six
+numbers per specimen, and one histogram per contact.
 """
 
 from __future__ import annotations
@@ -44,20 +44,23 @@ from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly
 from rollbench.meshes.parts import SIDES, Scene
 
-#: Largest and smallest number of members of a block; numbers of members from which on kernels are compiled, and used if
-#: they are already compiled.
+#: Largest and smallest number of specimens of a block; numbers of specimens from which on kernels are compiled, and from
+#: which on they are used if they are already compiled.
 BLOCK, LEAST, COMPILE_FROM, USE_FROM = 500, 50, 200, 10
 
-#: Number of bins of the histogram of a contact's load, and its end over the largest load without random errors.
+#: Number of bins of the histogram of a contact load, and upper end of the histogram over the largest load without random
+#: errors.
 BINS, END = 2000, 10.0
 
+#: Levels of the quantiles of an output.
 LEVELS = (0.01, 0.05, 0.5, 0.95, 0.99)
 
+#: Largest number of specimens.
 MOST = 10_000_000
 
 
 class LoadDistributions:
-    """Distribution of each contact load over the members, by running sums and histograms.
+    """Distribution of each contact load over the specimens, from running sums and histograms.
 
     Parameters
     ----------
@@ -68,16 +71,16 @@ class LoadDistributions:
     """
 
     def __init__(self, nominal: Array, width: float) -> None:
-        """Begin without members."""
+        """Begin without specimens."""
         self.nominal, self.width = nominal, width
         self._first, self._second = np.zeros(nominal.shape), np.zeros(nominal.shape)
         self._low, self.largest = np.full(nominal.shape, np.inf), np.zeros(nominal.shape)
         self.counts = np.zeros((*nominal.shape, BINS + 2), dtype=np.int64)
 
-    def add(self, loads: Array) -> None:
-        """Add the loads (k, N, 4) of a block; members without equilibrium are left out.
+    def add_loads(self, loads: Array) -> None:
+        """Add the contact loads of a block of specimens, (k, N, 4) [N]; specimens without equilibrium are left out.
 
-        Member by member, in order: the sums do not depend on how the members are divided into blocks.
+        They are added one after the other in order, so that the sums do not depend on the division into blocks.
         """
         counts, place = self.counts.reshape(-1, BINS + 2), np.arange(self.nominal.size)
         for load in loads[~np.isnan(loads[:, 0, 0])]:
@@ -90,18 +93,19 @@ class LoadDistributions:
             counts[place, bins.ravel()] += 1
 
     @property
-    def _members(self) -> int:
+    def _specimen_count(self) -> int:
+        """Number of specimens that were added."""
         return int(self.counts.reshape(-1, BINS + 2)[0].sum())
 
     @property
     def mean(self) -> Array:
         """Return the mean load of each contact, (N, 4) [N]."""
-        return self.nominal + self._first / max(self._members, 1)
+        return self.nominal + self._first / max(self._specimen_count, 1)
 
     @property
     def deviation(self) -> Array:
         """Return the standard deviation of each contact load, (N, 4) [N]."""
-        n = self._members
+        n = self._specimen_count
         mean = self._first / max(n, 1)
         return np.asarray(np.sqrt(np.maximum(self._second - n * mean**2, 0.0) / max(n - 1, 1)))
 
@@ -112,11 +116,11 @@ class LoadDistributions:
 
     @property
     def loaded(self) -> Array:
-        """Return the share of members in which each contact carries load, (N, 4)."""
-        return 1.0 - self.counts[..., 0] / max(self._members, 1)
+        """Return the share of specimens in which each contact carries load, (N, 4)."""
+        return 1.0 - self.counts[..., 0] / max(self._specimen_count, 1)
 
     def quantile(self, level: float) -> Array:
-        """Return a quantile of each contact load, (N, 4) [N], to within ``width``."""
+        """Return a quantile of each contact load, (N, 4) [N], to within the bin width."""
         below = np.cumsum(self.counts, axis=-1)
         place = (below < level * below[..., -1:]).sum(axis=-1)
         return np.asarray(np.where(place == 0, 0.0, (place - 0.5) * self.width))
@@ -124,19 +128,19 @@ class LoadDistributions:
 
 @dataclass(frozen=True)
 class Members:
-    """Results of all members of a scene."""
+    """Results of all specimens of a scene."""
 
     #: The scene.
     scene: Scene | Assembly
     #: Name of the model.
     model: str
-    #: Outputs named by `member_blocks.columns`, (M, k); nan without equilibrium.
+    #: Outputs of each specimen by `ensemble.output_names`, (M, k); nan without equilibrium.
     kept: Array
-    #: Status of members without equilibrium, by number.
+    #: Status of specimens without equilibrium, by number.
     failed: dict[int, str]
-    #: Distribution of the contact loads, set after set.
+    #: Distributions of the contact loads; balls of one nut or bearing after the other.
     bands: LoadDistributions
-    #: Range of each set's balls in them; None for rollers.
+    #: Range of the balls of each nut or bearing in these distributions; None for rollers.
     balls: tuple[slice | None, ...]
     #: Wall clock [s].
     seconds: float
@@ -150,27 +154,27 @@ def run_members(
     step: Callable[[str], None] = lambda _: None,
     row: Callable[[int, str, Array], None] = lambda *_: None,
 ) -> Members:
-    """Solve the first ``count`` members of a scene.
+    """Solve the first ``count`` specimens of a scene.
 
     Parameters
     ----------
     scene
-        Scene with one set or several.
+        Scene of one nut or bearing, or of a shaft with several.
     model
         Name of the model.
     count
-        Number of members.
+        Number of specimens.
     engine
-        Where blocks are computed.
+        Where blocks of specimens are computed: number of processes or cluster.
     step
         Called with lines of progress.
     row
-        Called with number, status and outputs (k,) of each member, in order.
+        Called with number, status and outputs (k,) of each specimen, in order.
 
     Returns
     -------
     Members
-        The results.
+        Outputs and distributions of the contact loads.
 
     Raises
     ------
@@ -192,7 +196,7 @@ def run_members(
     bands, rows, failed = LoadDistributions(nominal, END * float(nominal.max()) / BINS), list[Array](), dict[int, str]()
     done = 0
     for first, block in _solve_blocks((scene, model, kernels, nominal), count, engine or Engine(), step):
-        bands.add(block.loads)
+        bands.add_loads(block.loads)
         rows.append(block.kept)
         for k, status in enumerate(block.statuses):
             row(first + k, status, block.kept[k])
@@ -204,26 +208,29 @@ def run_members(
 
 
 def _check_request(scene: Scene | Assembly, model: str, count: int) -> None:
+    """Raise InputError for an unknown model, a number of specimens out of range, or a scene without random errors."""
     single = isinstance(scene, Scene)
     if single:
         known_model(model, without=("condensed",))
     if not 2 <= count <= MOST:
-        raise ArgumentError("members", str(count), f"2 to {MOST}", "a thousand give a band of some per cent")
+        raise ArgumentError(
+            "members", str(count), f"2 to {MOST}", "take a thousand, which give bands to within some per cent"
+        )
     if not random_errors(scene):
         where, table = ("errors", "[errors.balls]") if single else ("sets[].errors", "[sets.errors.balls]")
         advice = f'give a sigma to balls, pitch, roundness or profile, e.g. sigma = "0.04 um" under {table}'
-        raise InputError(scene.name, where, "nothing random", "at least one sigma above zero", advice)
+        raise InputError(scene.name, where, "no random error", "at least one sigma above zero", advice)
 
 
 def _solve_blocks(
     arguments: tuple[Scene | Assembly, str, str, Array], count: int, engine: Engine, step: Callable[[str], None]
 ) -> Iterator[tuple[int, Block]]:
-    """Yield blocks in order, in whatever order they are finished.
+    """Yield the number of the first specimen and the results of each block, in order.
 
-    ``arguments``: those of `solve_block` before the members.
+    Blocks may be finished in any order. ``arguments``: those of `solve_block` before ``first``.
     """
     least = LEAST if isinstance(arguments[0], Scene) else 1
-    size = max(least, min(BLOCK, count // 16))  # by the count alone: how members are cut into blocks shows in round-off
+    size = max(least, min(BLOCK, count // 16))  # depends on the count only, as the division into blocks affects round-off
     starts = range(0, count, size)
     jobs: list[parallel.Job] = [(solve_block, (*arguments, first, min(size, count - first))) for first in starts]
     waiting: dict[int, Block] = {}
@@ -238,7 +245,7 @@ def _solve_blocks(
 def _binomial_quantile(p: float, trials: int, chance: float) -> int:
     """Return the smallest count that a binomial variable does not exceed with probability ``p``.
 
-    Sums the probabilities within fifteen deviations of the mean; scipy.special has this too, but takes long to import.
+    Probabilities are summed within fifteen deviations of the mean; scipy.special has this too, but takes long to import.
     """
     mean, reach = trials * chance, 15.0 * (1.0 + np.sqrt(trials * chance * (1.0 - chance)))
     first = max(0, int(mean - reach))
@@ -249,14 +256,12 @@ def _binomial_quantile(p: float, trials: int, chance: float) -> int:
 
 
 def sample_statistics(values: Array) -> dict[str, Any] | None:
-    """Return mean with standard error, deviation, extremes, and quantiles with their 95 % intervals.
-
-    The interval of a quantile lies between order statistics, by the binomial distribution of the number of values below it.
+    """Return mean with standard error, standard deviation, extremes, and quantiles with their 95 % intervals.
 
     Parameters
     ----------
     values
-        Values, (M,); those that are not finite are left out.
+        Values of one output, (M,); values that are not finite are left out.
 
     Returns
     -------
@@ -285,7 +290,7 @@ def ensemble_for_library(
 
 
 def ensemble_json(described: Described, each: Sequence[Members], cases: Sequence[str]) -> dict[str, Any]:
-    """Return the JSON of a scene, or of each of its load cases."""
+    """Return the JSON values of an ensemble, for each load case if the scene has several."""
     data = [members_json(batch) for batch in each]
     by_case = [{"case": case} | x for case, x in zip(cases, data, strict=True)] if cases else []
     return {"scene": described.name, "cases": by_case} if cases else data[0]
@@ -301,12 +306,13 @@ def solve_ensemble(
     step: Callable[[str], None],
     csv_out: Path | None = None,
 ) -> tuple[list[Members], list[str]]:
-    """Solve the members of a scene, or of each of its load cases, and return them with the names of these.
+    """Solve the specimens of a scene for each of its load cases; return the results and the names of the load cases.
 
-    InputError as `run_members`.
+    ``name``: file or name of the scene in errors; ``csv_out``: file for the outputs of each specimen. InputError as
+    `run_members`.
     """
     if seed is not None and not 0 <= seed < 2**62:
-        raise ArgumentError("seed", str(seed), f"0 to {2**62 - 1}", "leave it out for the scene's")
+        raise ArgumentError("seed", str(seed), f"0 to {2**62 - 1}", "leave `seed` out for the seed of the scene")
     cases = [case.name for case in described.cases] if isinstance(described, DutyCycle) else []
     scenes = [scene if seed is None else with_seed(scene, seed) for scene in each_case(described, name)]
     each: list[Members] = []
@@ -318,12 +324,16 @@ def solve_ensemble(
 
 
 def _write_row(write: Callable[[list[Any]], None], head: Sequence[str], member: int, status: str, kept: Array) -> None:
+    """Write one specimen's row of a CSV file: load case if any, number, status, outputs."""
     write([*head, member, status, *("" if np.isnan(v) else repr(float(v)) for v in kept)])
 
 
 @contextmanager
 def _open_csv(path: Path | None, names: Sequence[str]) -> Iterator[Callable[[list[Any]], None]]:
-    """Yield a function that writes rows to a file, which gets its name only when it is complete."""
+    """Yield a function that writes rows to a CSV file with the columns ``names``; without a file it does nothing.
+
+    The file gets its name only when it is complete. ArgumentError if it cannot be written.
+    """
     if path is None:
         yield lambda *_: None
         return
@@ -336,15 +346,17 @@ def _open_csv(path: Path | None, names: Sequence[str]) -> Iterator[Callable[[lis
         os.replace(unfinished, path)
     except OSError as error:
         reason = error.strerror or str(error)
-        raise ArgumentError("csv", reason, "a file that can be written", "check the path", str(path)) from None
+        raise ArgumentError(
+            "csv", reason, "a file that can be written", "check the folder and its permissions", str(path)
+        ) from None
     finally:
         unfinished.unlink(missing_ok=True)
 
 
 def members_json(members: Members) -> dict[str, Any]:
-    """Return JSON values: statistics of the outputs, failures, bands of every loaded contact.
+    """Return the JSON values of an ensemble: statistics of the outputs, failures, distribution of every loaded contact.
 
-    Of several sets their statistics are in ``sets``, and rows of ``balls`` begin with the name of the set.
+    For a shaft, statistics of each nut or bearing are in ``sets``, and rows of ``balls`` begin with its number.
     """
     scene, kept = members.scene, members.kept
     counts: dict[str, Any] = {"members": len(kept), "converged": len(kept) - len(members.failed)}
@@ -369,7 +381,7 @@ def members_json(members: Members) -> dict[str, Any]:
 
 
 def _set_statistics(members: Members, assembly: Assembly) -> list[dict[str, Any]]:
-    """Return the statistics of each set."""
+    """Return the statistics of the outputs of each nut or bearing on a shaft."""
     by_set = np.split(members.kept[:, len(WHOLE) :], len(assembly.sets), axis=1)
     return [
         {"set": i + 1, "name": s.name, "statistics": {key: sample_statistics(kept[:, k]) for k, key in enumerate(OF_SET)}}
@@ -378,7 +390,7 @@ def _set_statistics(members: Members, assembly: Assembly) -> list[dict[str, Any]
 
 
 def _ball_bands(bands: LoadDistributions) -> list[list[dict[str, Any]]]:
-    """Return rows of the loaded contacts of every ball."""
+    """Return for every ball the rows of its loaded contacts, with the distribution of their loads [N]."""
     found = {
         "without_random_errors_N": bands.nominal,
         "mean_N": bands.mean,

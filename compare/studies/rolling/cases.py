@@ -1,4 +1,4 @@
-"""Friction scenes as the 3D model of rolling takes them: positions of balls and grooves, and loads."""
+"""Friction scenes as input for the 3D model of rolling balls: positions of balls and grooves, and contact loads."""
 
 from __future__ import annotations
 
@@ -27,25 +27,26 @@ from rollbench.hifi.rolling.scenes import (
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.parts import SIDE_SIGNS
 
-#: Largest number of balls of a scene.
+#: Largest number of balls that the 3D model of rolling takes.
 MOST = 4
-#: Senses of the contacts' directions (x, y): BL, BR, TR, TL of a linear bearing; IL, IR, OR, OL of a ring.
+#: Signs of the contact directions (x, y): contacts BL, BR, TR, TL of a linear bearing; IL, IR, OR, OL of a rotary one.
 LINEAR = np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
 RING = LINEAR
+#: Whether each contact of a linear bearing is on the part that moves.
 MOVING = np.array([False, False, True, True])
 
 
 @dataclass(frozen=True)
 class RollingCase:
-    """A friction scene for the 3D model."""
+    """Friction scene as the 3D model of rolling takes it, with balls far apart and touching."""
 
     #: Name of the scene.
     name: str
     #: Kind of the scene.
     kind: str
-    #: Balls far apart.
+    #: System with balls far apart.
     apart: Rolling
-    #: Touching balls.
+    #: System with touching balls.
     touching: Rolling
     #: Speed of the driving part (m/s on a straight track, else rad/s).
     speed: float
@@ -56,24 +57,24 @@ class RollingCase:
 
 
 def rolling_case(scene: KindScene, choices: Choices) -> RollingCase:
-    """Return a scene for the 3D model.
+    """Return a friction scene as the 3D model of rolling takes it, with its contact loads solved.
 
     Parameters
     ----------
     scene
-        The scene.
+        Friction scene of one to four balls.
     choices
-        Grid on which friction affects the loads, if it does.
+        Grid of the contacts, for loads that depend on friction.
 
     Returns
     -------
-    Case
-        The scene.
+    RollingCase
+        Positions, speeds and contact loads of the balls.
 
     Raises
     ------
     Refusal
-        If the 3D model does not cover it.
+        If the 3D model does not cover the scene.
     """
     if isinstance(scene, LinearScene):
         return _linear_case(scene)
@@ -81,17 +82,17 @@ def rolling_case(scene: KindScene, choices: Choices) -> RollingCase:
         return _screw_case(scene, choices)
     if isinstance(scene, BearingBallScene):
         return _bearing_case(scene)
-    reason = f"the 3D model of rolling takes one to {MOST} balls under given conditions, not the kind {scene.kind}"
+    reason = f"the 3D model of rolling takes one to {MOST} balls under stated conditions, not the kind {scene.kind}"
     raise Refusal(scene.name, "kind", reason, "take a linear pair, a linear chain, a screw pair or a bearing ball")
 
 
 def _refuse_scene(scene: KindScene, key: str, reason: str, advice: str) -> None:
-    """Raise Refusal for a key of the scene."""
+    """Raise Refusal for a key of a scene that the 3D model of rolling does not cover."""
     raise Refusal(scene.name, key, reason, advice)
 
 
 def _contact_directions(angles: Array, senses: Array) -> Array:
-    """Return unit vectors (..., 2) of contacts at their angles, with the signs ``senses``."""
+    """Return the unit vectors (..., 2) of contact normals at contact angles [rad], with the signs ``senses``."""
     return np.asarray(senses * np.stack([np.sin(angles), np.cos(angles)], axis=-1))
 
 
@@ -124,7 +125,11 @@ def _linear_case(scene: LinearScene) -> RollingCase:
 
 
 def _loads_at_given_angles(scene: LinearScene, normals: Array, rho: float) -> Array:
-    """Return contact loads (4,) [N] that balance a ball at its angles, or (diagonal) at the nominal angle."""
+    """Return the contact loads (4,) [N] that balance a ball of a linear bearing at given contact angles.
+
+    ``normals``: contact normals, (4, 2); with the distribution "diagonal" the nominal contact angle is taken instead.
+    ``rho``: side force over vertical force.
+    """
     if scene.distribution == "diagonal":
         normals = _contact_directions(np.full(4, scene.bearing.contact_angle), LINEAR)
     carriage = scene.vertical * np.array([rho, -1.0])
@@ -135,7 +140,10 @@ def _loads_at_given_angles(scene: LinearScene, normals: Array, rho: float) -> Ar
 def _loads_with_elastic_angles(
     scene: LinearScene, layout: Layout, material: Material, normals: Array, rho: float
 ) -> tuple[Array, Array]:
-    """Return directions (4, 2) and loads (4,) [N] of a ball whose contact angles follow the loads."""
+    """Return contact normals (4, 2) and loads (4,) [N] of a linear bearing's ball whose contact angles follow the loads.
+
+    ``rho``: side force over vertical force.
+    """
     C = hertz_constants(layout, material)
     pull = scene.vertical * np.array([rho, -1.0])
     reach = layout.groove_radius - layout.radius
@@ -143,17 +151,28 @@ def _loads_with_elastic_angles(
     cell = Cell(normals[None], reach, np.zeros((1, 4)), C[None], MOVING, np.eye(2)[None], none, pull, none)
     found = solve_static_cell(cell)
     if not found.converged:
-        _refuse_scene(scene, "load", "contact loads do not balance", 'take loads whose balance exists, or "balanced"')
+        _refuse_scene(
+            scene,
+            "load",
+            "contact loads do not balance",
+            'change the forces on the balls, or take distribution = "balanced"',
+        )
     return found.normal[0], found.force[0]
 
 
 def _screw_case(scene: ScrewPairScene, choices: Choices) -> RollingCase:
+    """Return two balls of a ball screw for the 3D model; Refusal for constants, couplings or speeds beyond the model."""
     pair, g = scene.pair, scene.pair.groove
     if g.hertz != "right":
-        _refuse_scene(scene, "ingredients.hertz", "the 3D model has no constants as printed", 'take "nominal"')
+        _refuse_scene(
+            scene,
+            "ingredients.hertz",
+            "the 3D model of rolling cannot use printed Hertz constants",
+            'take hertz = "nominal"',
+        )
     if pair.coupling == "ball and screw":
-        reason = "the 3D model of rolling holds the screw where it settled"
-        _refuse_scene(scene, "friction.coupling", reason, 'take "none" or "ball"')
+        reason = "friction does not move the screw in the 3D model of rolling"
+        _refuse_scene(scene, "friction.coupling", reason, 'take coupling = "none" or "ball"')
     if g.speed == 0.0:
         _refuse_scene(scene, "motion.speed", "balls at rest do not roll", "let nut or screw turn")
     signs = np.array(SIDE_SIGNS, dtype=float)
@@ -201,10 +220,14 @@ def _screw_case(scene: ScrewPairScene, choices: Choices) -> RollingCase:
 
 
 def _bearing_case(scene: BearingBallScene) -> RollingCase:
+    """Return one ball of a rotary bearing for the 3D model; Refusal for laws or speeds that it does not cover."""
     b = scene.bearing
     if scene.law != "coulomb" or b.hertz != "right":
         _refuse_scene(
-            scene, "friction.law", "the 3D model has Coulomb's law and exact geometry only", 'take law = "coulomb"'
+            scene,
+            "friction.law",
+            "the 3D model of rolling has Coulomb's law and exact geometry only",
+            'take law = "coulomb"',
         )
     if b.screw_speed == 0.0:
         _refuse_scene(scene, "motion.speed", "a ball at rest does not roll", "let the ring turn")

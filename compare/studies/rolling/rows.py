@@ -1,4 +1,4 @@
-"""Rolling balls by low-order models, by the 3D model with its uncertainty, and as printed; and their gate.
+"""Rolling balls: low-order models against the 3D model with its uncertainty and printed values, and the gate on them.
 
 Also the change of ball-to-ball forces with numerical choices, and their development from rest.
 """
@@ -61,7 +61,7 @@ def solve_low_order(scene: KindScene) -> tuple[dict[str, float], float, str]:
 
 
 def _linear_bearing_values(scene: LinearScene) -> tuple[dict[str, float], str]:
-    """Solve the balls of a linear bearing; return values by name, and the status."""
+    """Solve the balls of a linear bearing by the low-order model; return values by name with unit, and the status."""
     angles, force, _ = linear_loads(scene)
     apart, near = (
         solve_linear_chain(prepare_chain(scene.bearing, angles, force, t), fast=False) for t in (False, scene.gap <= 0.0)
@@ -75,7 +75,7 @@ def _linear_bearing_values(scene: LinearScene) -> tuple[dict[str, float], str]:
 
 
 def _screw_pair_values(scene: ScrewPairScene) -> tuple[dict[str, float], str]:
-    """Solve two balls of a screw; return values by name, and the status."""
+    """Solve two balls of a screw by the low-order model; return values by name with unit, and the status."""
     found = solve_pair(scene.pair)
     apart, near = found.free.motion, found.touching.motion
     out = {"force 1-2 N": found.force}
@@ -86,7 +86,7 @@ def _screw_pair_values(scene: ScrewPairScene) -> tuple[dict[str, float], str]:
 
 
 def _bearing_ball_values(scene: BearingBallScene) -> tuple[dict[str, float], str]:
-    """Solve one ball of a rotary bearing; return values by name, and the status."""
+    """Solve one ball of a rotary bearing by the low-order model; return values by name with unit, and the status."""
     found = solve_ball(scene.bearing, scene.force, scene.displacement)
     q, loss = found.motion.q, found.motion.friction.loss
     out = {"orbit rad/s": float(q[0]), "omega x rad/s": float(q[1]), "omega y rad/s": float(q[2])}
@@ -94,10 +94,10 @@ def _bearing_ball_values(scene: BearingBallScene) -> tuple[dict[str, float], str
     return out | {"torque N mm": 1e3 * found.torque}, "converged" if found.motion.status != "failed" else "failed"
 
 
-#: Factor on the scatter of the grids, as grid convergence indices have it for three grids.
+#: Safety factor on the scatter between grids, as in grid convergence indices for three grids.
 SAFETY = 1.25
 
-#: Printed numbers of both sides by scene: (table, low-order entry, ANSYS entry) of the ball-to-ball force.
+#: Printed ball-to-ball force by scene: table of Lin's thesis, entry of the low-order model, entry of ANSYS.
 PRINTED = {
     "lin-pair-a": ("lin-3.5", "a_force_numerical", "a_force_ansys"),
     "lin-pair-b": ("lin-3.5", "b_force_numerical", "b_force_ansys"),
@@ -107,23 +107,23 @@ PRINTED = {
     "lin-screw-pair-b-inferred": ("lin-3.7", "force_b", "ansys_b"),
 }
 
-#: Scenes of the report and the gate: those of Tables 3.5 and 3.7, and the rotary ball of 3.2.2.
+#: Scenes of the report and the gate: those of Tables 3.5 and 3.7 of Lin's thesis, and the rotary ball of its section 3.2.2.
 PAIRS = tuple(PRINTED)
 
 RINGS = ("lin-rotary-1", "lin-rotary-2", "lin-rotary-3")
 
-#: Limit [%] of the low-order model against 3D where the load state is the same.
+#: Largest allowed error of the low-order model against 3D, where the load state is the same [%].
 LIMIT = 2.0
 
-#: Values below this, in the unit of the name, count as round-off.
+#: Values below this, in the unit of the quantity, count as round-off.
 ROUND_OFF = 1e-6
 
-#: Quantities that are gated, and where the low-order model is beyond the limit, and why.
+#: Quantities that the gate checks; quantities for which the low-order model is known to exceed the limit, and why.
 GATED = ("force 1-2", "torque")
 
 KNOWN = {
-    ("lin-rotary-1", "torque"): "two contacts only: the one that rigid bodies let stick creeps by its elasticity, and "
-    "both share the ball's spin"
+    ("lin-rotary-1", "torque"): "two contacts only: the contact that sticks between rigid bodies creeps by its elasticity, "
+    "and both share the ball's spin"
 }
 
 
@@ -134,19 +134,19 @@ class RollingRow:
     scene: str
     quantity: str
     unit: str
-    #: Value of the low-order model; None: none.
+    #: Value of the low-order model; None: it does not have the quantity.
     low: float | None
     #: Value of the 3D model.
     reference: float
     #: Uncertainty of the 3D model.
     uncertainty: float
-    #: Printed value of the source's low-order model.
+    #: Printed value of the low-order model of Lin's thesis.
     printed: float | None
-    #: Printed value of the source's finite elements.
+    #: Printed value of the finite elements of Lin's thesis (ANSYS).
     printed_ansys: float | None
-    #: Value with elastic bodies on flat contacts.
+    #: Value of the 3D model with elastic bodies and flat contacts.
     flat: float
-    #: Value with rigid bodies on curved contacts.
+    #: Value of the 3D model with rigid bodies and curved contacts.
     rigid: float
     #: Error of the low-order model [%]; None for zero.
     error_percent: float | None
@@ -156,11 +156,11 @@ class RollingRow:
     low_seconds: float
     #: Run time of the 3D model [s].
     seconds: float
-    #: Value with half spaces, if the bodies are finite, on the finest grid.
+    #: Value with half spaces on the finest grid, if the bodies of the reference are finite.
     half_space: float | None = None
-    #: "plain" or "inferred" if the source does not print the load state.
+    #: Interpretation of the loads, "plain" or "inferred", if Lin's thesis does not print them.
     load_state: str | None = None
-    #: Conditions of the 3D model's run time.
+    #: Version and machine with which the run time of the 3D model was measured.
     measured_with: str = ""
 
     def as_json(self) -> dict[str, Any]:
@@ -169,19 +169,22 @@ class RollingRow:
 
 
 def split_name_and_unit(name: str) -> tuple[str, str]:
-    """Return quantity and unit of a name."""
+    """Return quantity and unit of a name such as "torque N mm"; KeyError without a known unit."""
     for unit in ("N mm", "rad/s", "mW", "N", "%"):
         if name.endswith(f" {unit}"):
             return name.removesuffix(f" {unit}"), unit
     raise KeyError(name)
 
 
-#: Effect that the uncertainty does not include if the load state of a scene is not printed.
-UNSTATED = ": +- is the scatter of the grids and holds nothing of what that reading of the load leaves open"
+#: Note on an effect that the uncertainty does not include, for scenes whose loads Lin's thesis does not print.
+UNSTATED = ": +- is the scatter of the grids, without the uncertainty of the loads, which are not printed"
 
 
 def load_state(name: str) -> str | None:
-    """Return "plain" or "inferred" for a scene of Table 3.7, which does not print its load state; None for others."""
+    """Return how the loads of a scene of Table 3.7, which Lin's thesis does not print, are interpreted: plain or inferred.
+
+    None for other scenes.
+    """
     table = PRINTED.get(name.removesuffix(".toml"))
     if table is None or table[0] != "lin-3.7":
         return None
@@ -189,10 +192,10 @@ def load_state(name: str) -> str | None:
 
 
 def quantity_uncertainty(runs: Sequence[RollingRun], name: str) -> float:
-    """Return the uncertainty of a quantity of the 3D model; infinite with one grid.
+    """Return the uncertainty of a quantity of the 3D model of rolling, in its unit; infinite with one grid.
 
-    It is the scatter of the grids around the finest, times `SAFETY`, and the difference of the quadratures of the rigid
-    limit.
+    It is the largest difference of a grid from the finest one times `SAFETY`, plus the difference of the quadratures of the
+    rigid limit.
     """
     values = [r.values[name] for r in runs]
     if len(values) < 2:
@@ -201,16 +204,17 @@ def quantity_uncertainty(runs: Sequence[RollingRun], name: str) -> float:
 
 
 def scene_rows(scene: KindScene, runs: Sequence[RollingRun], beside: RollingRun | None = None) -> list[RollingRow]:
-    """Return the rows of a scene.
+    """Return the rows of a scene: each quantity by the low-order model and by the 3D model of rolling.
 
     Parameters
     ----------
     scene
-        The scene.
+        Friction scene of rolling balls.
     runs
-        Runs of rising level; the last is the reference.
+        Runs of the 3D model from coarse to fine; the last is the reference.
     beside
-        Run with half spaces on its grid, if the runs are of finite bodies, whose choices then count as uncertainty.
+        Run with half spaces on the finest grid, if the runs have finite bodies. The modelling choices of finite bodies then
+        count as uncertainty.
     """
     low, low_seconds, _ = solve_low_order(scene)
     finest = runs[-1]
@@ -225,7 +229,7 @@ def scene_rows(scene: KindScene, runs: Sequence[RollingRun], beside: RollingRun 
             printed, ansys = (entry(table[0], key).value for key in table[1:])
         error = float(error_percent(low[name], value)) if name in low else np.nan
         share = float(error_percent(value + total_uncertainty, value))
-        if max(abs(value), abs(low.get(name, value))) < ROUND_OFF:  # both are nothing
+        if max(abs(value), abs(low.get(name, value))) < ROUND_OFF:  # both are round-off
             error, share = 0.0, np.nan
         flat = value + finest.flat[name] - finest.elastic[name]
         out.append(
@@ -253,14 +257,17 @@ def scene_rows(scene: KindScene, runs: Sequence[RollingRun], beside: RollingRun 
 
 
 def is_within_limit(row: RollingRow) -> bool:
-    """Return whether the low-order model is within `LIMIT` of 3D, with the uncertainty (at most the limit) deducted."""
+    """Return whether the low-order model is within `LIMIT` of the 3D model, with the uncertainty of the latter deducted.
+
+    At most the limit itself is deducted.
+    """
     if row.error_percent is None:
         return row.low == row.reference or (row.low is not None and abs(row.low - row.reference) <= row.uncertainty + 1e-9)
     return abs(row.error_percent) - min(row.uncertainty_percent or 0.0, LIMIT) <= LIMIT
 
 
 def stored_rows(name: str, stores: Sequence[Path], bodies: str = HALF_SPACE) -> list[RollingRow]:
-    """Return rows of a shipped scene from stored runs of all levels; empty if one is missing."""
+    """Return the rows of a shipped scene from stored runs of the 3D model on all grids; empty if one is missing."""
     scene = shipped_case(name, KindScene)
     found = [load_run(scene, level, stores, bodies) for level in LEVELS]
     runs = [run for run in found if run is not None and run.converged]
@@ -268,14 +275,14 @@ def stored_rows(name: str, stores: Sequence[Path], bodies: str = HALF_SPACE) -> 
     return scene_rows(scene, runs, beside) if len(runs) == len(LEVELS) else []
 
 
-# --- rows of the gate on rolling: low-order balls against the 3D model's
+# --- rows of the gate: low-order models of rolling balls against the 3D model
 
 
 def rolling_rows(study: Study, max_error: float) -> list[GateRow]:
-    """Check the low-order balls against stored runs of the 3D model of rolling: ball-to-ball forces and torques.
+    """Check low-order models of rolling balls against stored runs of the 3D model: ball-to-ball forces and torques.
 
-    A quantity beyond the limit passes if the list of known ones names it with its cause; one that is listed without being
-    beyond fails.
+    A quantity beyond the limit passes if `KNOWN` lists it with the cause. A quantity that is listed there and is within the
+    limit fails.
     """
     out: list[GateRow] = []
     stores = study.stores or (shipped_store(),)
@@ -297,13 +304,13 @@ def rolling_rows(study: Study, max_error: float) -> list[GateRow]:
     return out
 
 
-#: Time [s], gap at the start [m] and steps (Lin 3.3.5 has ten).
+#: Runs from rest: duration [s], gap between the balls at the start [m], numbers of time steps (ten in Lin's section 3.3.5).
 DURATION, GAP, STEPS = 0.1, 1e-6, (10, 50, 100)
 
 
 @dataclass(frozen=True)
 class RunFromRest:
-    """Run from rest."""
+    """Two balls of a linear bearing that start from rest: force and speeds over time, by the 3D model of rolling."""
 
     #: Number of time steps.
     steps: int
@@ -323,7 +330,7 @@ class RunFromRest:
 
 @lru_cache(maxsize=1)
 def runs_from_rest() -> tuple[RunFromRest, ...]:
-    """Compute runs from rest with each number of steps of ``STEPS``."""
+    """Compute two balls of a linear bearing from rest, with each number of time steps of ``STEPS``; cached."""
     choices = Choices(SHAPE)
     scene = rolling_case(shipped_case("lin-pair-a", LinearPairScene), choices).touching
     steady = float(solve_rolling(scene, choices).force[0])
@@ -336,10 +343,10 @@ def runs_from_rest() -> tuple[RunFromRest, ...]:
     return tuple(out)
 
 
-# --- how far ball-to-ball forces move when a numerical choice changes, beside their stated uncertainty: a grid finer than
+# --- change of ball-to-ball forces with numerical choices, compared with their stated uncertainty
 
 
-#: A grid beyond those of the uncertainty, and other paths: creeping speeds over the largest slip.
+#: A grid finer than those of the uncertainty, and other paths of regularisation: creeping speeds over the largest slip.
 BEYOND = (30, 44)
 
 PATHS = {"by threes": tuple(3.0**-k for k in range(14)), "two steps": (PATH[0], PATH[-1])}
@@ -349,11 +356,11 @@ FORCE = "force 1-2"
 
 @dataclass(frozen=True)
 class ChoiceEffect:
-    """Effect of one numerical choice of the 3D model on the ball-to-ball force."""
+    """Effect of one numerical choice of the 3D model of rolling on the ball-to-ball force."""
 
     #: Name of the scene.
     scene: str
-    #: The choice.
+    #: Name of the choice.
     choice: str
     #: Variants that were tried.
     tried: str
@@ -364,23 +371,23 @@ class ChoiceEffect:
 
     @property
     def within(self) -> bool:
-        """Whether the change is within the uncertainty."""
+        """Whether the change of the force is within its stated uncertainty."""
         return self.change <= self.uncertainty
 
 
 def effects_of_choices(
     stores: Sequence[Path], series: Sequence[RunFromRest], sizes: Sequence[BodyVariant]
 ) -> tuple[ChoiceEffect, ...]:
-    """Return the effects of numerical choices on the force, for each scene of `SCENES` with stored runs.
+    """Return the effects of numerical choices on the ball-to-ball force, for each scene of `SCENES` with stored runs.
 
     Parameters
     ----------
     stores
         Folders with runs.
     series
-        Runs of the linear bearing from rest.
+        Runs of the linear bearing from rest, with several numbers of time steps.
     sizes
-        Variants of finite bodies; empty: left out.
+        Results with other sizes of the finite bodies; empty: this choice is left out.
     """
     return tuple(one for name in SCENES for one in _effects_in_scene(name, stores, series, sizes))
 
@@ -388,7 +395,7 @@ def effects_of_choices(
 def _effects_in_scene(
     name: str, stores: Sequence[Path], series: Sequence[RunFromRest], sizes: Sequence[BodyVariant]
 ) -> Iterator[ChoiceEffect]:
-    """Yield the effects of grid, finite bodies, time step and regularisation on the force in one scene."""
+    """Yield the effects of grid, finite bodies, time step and regularisation on the ball-to-ball force in one scene."""
     scene = shipped_case(name, KindScene)
     half, finite = (_force_uncertainty_percent(name, stores, *bodies) for bodies in ((), (FINITE,)))
     run = load_run(scene, max(LEVELS), stores)
@@ -424,5 +431,5 @@ def _largest_error_percent(values: Sequence[float], reference: float) -> float:
 
 
 def _force_uncertainty_percent(name: str, stores: Sequence[Path], *bodies: str) -> float | None:
-    """Return the stated uncertainty of the force [%]; None without stored runs."""
+    """Return the stated uncertainty of the ball-to-ball force of a scene [%]; None without stored runs."""
     return next((row.uncertainty_percent for row in stored_rows(name, stores, *bodies) if row.quantity == FORCE), None)

@@ -1,13 +1,14 @@
 """Runs of the 3D model of rolling: three grids of a scene, each also with nearly rigid bodies, and their store.
 
-Bodies are half spaces, or finite (`hifi.rolling.bodies`): patches of the static reference; on straight tracks a ball and
-grooved bars.
+Bodies are half spaces, or finite (`hifi.rolling.bodies`): contact patches of the static 3D reference; on straight tracks a
+ball and grooved bars.
 
-The answer of a grid is that of its elastic bodies less that of nearly rigid ones on the same grid, plus the rigid limit by
+The value on a grid is that of elastic bodies minus that of nearly rigid ones on the same grid, plus the rigid limit by
 quadrature (`hifi.rolling.balls`).
 
-The effect of choices for finite bodies on two balls of a linear bearing and of a screw is shipped. Its key is a digest of
-all sources that affect the numbers, and of the scene; a report recomputes one choice and shows the agreement.
+The effect of modelling choices for finite bodies on two balls of a linear bearing and of a screw is stored with the
+package. It is identified by a digest of all sources that affect the numbers, and of the scenes. A report computes one
+choice again and shows the agreement.
 """
 
 from __future__ import annotations
@@ -39,20 +40,22 @@ from rollbench.hifi.rolling.kinematics import Rolling
 from rollbench.hifi.rolling.patch import MARGIN
 from rollbench.meshes.canonical import digest
 
-#: Cells along and across the grooves of the levels; bump SCHEMA when the mechanics or the record change.
+#: Cells of a contact along and across the groove, by level.
 LEVELS = {1: (16, 24), 2: (20, 30), 3: (24, 36)}
 
+#: Version of the mechanics and of the records in the names of stored runs; raise it when either changes.
 SCHEMA = 1
 
-#: Bodies by name, and those of a scene unless others are asked for; bump MESHED when the mechanics of finite ones change.
+#: Version of the mechanics of finite bodies in the names of stored runs; raise it when they change.
 MESHED = 2
 
+#: Sizes of the bodies by kind; None for half spaces.
 BODIES = {HALF_SPACE: None, FINITE: Sizes()}
 
 #: Points of the two quadratures of the rigid limit, whose difference is its uncertainty.
 QUADRATURES = (160, 187)
 
-#: Level of the source's own element size, and that size [m] by kind of scene.
+#: Level of the grid with the element size of Lin's thesis, and that size by kind of scene [m].
 SOURCE_LEVEL = 0
 
 SOURCE_SIZE = {"linear pair": 0.13e-3, "linear chain": 0.13e-3, "screw pair": 0.05e-3}
@@ -60,11 +63,11 @@ SOURCE_SIZE = {"linear pair": 0.13e-3, "linear chain": 0.13e-3, "screw pair": 0.
 
 @dataclass(frozen=True)
 class RollingRun:
-    """Run of the 3D model of rolling on one grid."""
+    """Run of the 3D model of rolling for one scene on one grid."""
 
     #: Name of the scene.
     scene: str
-    #: Level of the grid; 0: the source's element size.
+    #: Level of the grid; 0: element size of Lin's thesis.
     level: int
     #: Cells along and across the grooves.
     shape: tuple[int, int]
@@ -72,15 +75,15 @@ class RollingRun:
     elastic: dict[str, float]
     #: Values with nearly rigid bodies on the same grid.
     near_rigid: dict[str, float]
-    #: Values of the rigid limit.
+    #: Values for rigid bodies, by quadrature over the contacts.
     limit: dict[str, float]
-    #: Difference of its two quadratures.
+    #: Difference between the values of two quadratures.
     limit_spread: dict[str, float]
-    #: Values with bodies on their tangent planes.
+    #: Values with elastic bodies and flat contacts.
     flat: dict[str, float]
     #: Status of the solver.
     status: str
-    #: Power lost by the difference scheme, over the input power.
+    #: Power lost by the upwind difference scheme, over the input power.
     upwind: float
     #: Largest residual of the equations.
     residual: float
@@ -94,14 +97,14 @@ class RollingRun:
     bodies: str = HALF_SPACE
     #: Version with which the times were measured.
     version: str = ""
-    #: Digest of the solvers' sources then (empty before 0.15).
+    #: Digest of the solvers' sources at that time (empty before version 0.15).
     sources: str = ""
-    #: Machine then (empty before 0.15).
+    #: Machine on which the times were measured (empty before version 0.15).
     machine: str = ""
 
     @property
     def measured(self) -> Measured:
-        """Conditions under which its times were measured."""
+        """Version, sources and machine with which the run times were measured."""
         return Measured(self.version, self.sources, self.machine)
 
     @property
@@ -111,25 +114,28 @@ class RollingRun:
 
     @property
     def values(self) -> dict[str, float]:
-        """Values of the grid: effect of elasticity on it, plus the rigid limit."""
+        """Values on the grid by name: effect of elasticity on this grid, plus the rigid limit."""
         return {k: self.limit[k] + self.elastic[k] - self.near_rigid[k] for k in self.elastic}
 
 
 def run_key(scene: KindScene, level: int, bodies: str = HALF_SPACE) -> str:
-    """Return the digest of everything that affects the numbers of a run."""
+    """Return the digest of everything that affects the numbers of a run, 16 hexadecimal digits."""
     content = (SCHEMA, scene, level, LEVELS.get(level), SOURCE_SIZE.get(scene.kind), QUADRATURES, balls.NEARLY_RIGID)
     sizes = BODIES[bodies]
     return digest(*content, *(() if sizes is None else (sizes, MESHED)))[:16]
 
 
 def run_path(store: Path, scene: KindScene, level: int, bodies: str = HALF_SPACE) -> Path:
-    """Return the file of a run."""
+    """Return the file of a run in a store."""
     what = "" if bodies == HALF_SPACE else f"-{bodies}"
     return store / f"rolling-{Path(scene.name).stem}{what}-level{level}-{run_key(scene, level, bodies)}.json"
 
 
 def load_run(scene: KindScene, level: int, stores: Sequence[Path], bodies: str = HALF_SPACE) -> RollingRun | None:
-    """Return the run of the first store that has it, even if the scene had another name when the run was made."""
+    """Return the stored run of a scene on a grid, from the first store that has it; None without one.
+
+    A run is also found if the scene had another name when it was made.
+    """
     for store in stores:
         own = run_path(store, scene, level, bodies)
         for path in (own, *sorted(store.glob(f"rolling-*-level{level}-{KEY}.json"))):
@@ -144,14 +150,17 @@ def load_run(scene: KindScene, level: int, stores: Sequence[Path], bodies: str =
 
 
 def save_run(store: Path, scene: KindScene, run: RollingRun) -> Path:
-    """Write a run and return its file."""
+    """Write a run to a store and return its file."""
     path = run_path(store, scene, run.level, run.bodies)
     replace_file(path, json.dumps(asdict(run), indent=1) + "\n")
     return path
 
 
 def grid_shape(case: RollingCase, level: int) -> tuple[int, int]:
-    """Return the cells of a level; for the source's element size as many as fit into the largest contact."""
+    """Return the cells of a contact along and across the groove on a level.
+
+    With the element size of Lin's thesis as many as fit into the largest contact.
+    """
     if level != SOURCE_LEVEL:
         return LEVELS[level]
     size = SOURCE_SIZE[case.kind]
@@ -161,12 +170,12 @@ def grid_shape(case: RollingCase, level: int) -> tuple[int, int]:
 
 
 def compute_run(scene: KindScene, level: int, bodies: str = HALF_SPACE, processes: int = 1) -> RollingRun:
-    """Run a level.
+    """Compute a scene by the 3D model of rolling on one grid.
 
     Parameters
     ----------
     scene
-        The scene.
+        Friction scene of rolling balls.
     level
         Level of the grid.
     bodies
@@ -177,14 +186,14 @@ def compute_run(scene: KindScene, level: int, bodies: str = HALF_SPACE, processe
     Returns
     -------
     RollingRun
-        The run.
+        Forces, speeds and losses on this grid.
 
     Raises
     ------
     Refusal
         If the 3D model does not cover the scene, or its bodies cannot be meshed.
     InputError
-        If memory does not suffice.
+        If there is not enough memory.
     """
     try:
         return _solve_on_grid(scene, level, bodies, processes)
@@ -197,7 +206,7 @@ def compute_run(scene: KindScene, level: int, bodies: str = HALF_SPACE, processe
 
 
 def _solve_on_grid(scene: KindScene, level: int, bodies: str, processes: int) -> RollingRun:
-    """Solve a scene on one grid with all variants of its bodies, and return the run."""
+    """Solve a scene on one grid with elastic, nearly rigid and flat bodies and in the rigid limit, and return the run."""
     begin, sizes = process_time(), BODIES[bodies]
     case = rolling_case(scene, balls.Choices(LEVELS.get(level, LEVELS[1])))
     shape = grid_shape(case, level)
@@ -232,7 +241,7 @@ def _solve_on_grid(scene: KindScene, level: int, bodies: str, processes: int) ->
 
 
 def _solve_apart_and_touching(case: RollingCase, choices: balls.Choices) -> tuple[balls.RollingResult, balls.RollingResult]:
-    """Solve a case with balls apart and touching; one solution serves both where they are the same system."""
+    """Solve a case with balls far apart and touching; one solution serves both where they are the same system."""
     apart = balls.solve_rolling(case.apart, choices)
     return apart, (apart if case.touching is case.apart else balls.solve_rolling(case.touching, choices))
 
@@ -240,7 +249,7 @@ def _solve_apart_and_touching(case: RollingCase, choices: balls.Choices) -> tupl
 def named_values(
     case: RollingCase, apart: balls.RollingResult | balls.RigidResult, touching: balls.RollingResult | balls.RigidResult
 ) -> dict[str, float]:
-    """Return forces, speeds, losses and torque of a solved case by names that end with the unit."""
+    """Return forces, speeds, losses and torque of a solved case, by names that end with the unit."""
     out: dict[str, float] = {}
     linear = case.kind.startswith("linear")
     for k, force in enumerate(touching.force):
@@ -263,7 +272,7 @@ def named_values(
 
 
 def _loaded_contacts(scene: Rolling) -> list[int]:
-    """Return the contacts of the first ball that carry load, by their index."""
+    """Return the indices of the loaded contacts of the first ball."""
     return [k for k, t in enumerate(scene.balls[0].touches) if t.load > 0.0]
 
 
@@ -274,28 +283,29 @@ def _contact_losses(result: balls.RollingResult | balls.RigidResult) -> list[flo
     return [float(v) for v in np.asarray(result.contact_loss)]
 
 
-#: Scenes: two balls of a linear bearing, on bars, and of a screw, on patches of the static reference.
+#: Scenes for choices of finite bodies: two balls of a linear bearing on bars, two of a screw on patches of the static 3D
+#: reference.
 LINEAR, SCREW = SCENES = ("lin-pair-a", "lin-screw-pair-b-inferred")
 
-#: Cells of the contacts: differences between bodies are taken on one grid, which need not be fine.
+#: Cells of a contact along and across the groove for these choices: differences between bodies need no fine grid.
 SHAPE = (12, 16)
 
-#: Quantities that are shown.
+#: Quantities that are shown for these choices.
 NAMES = ("force 1-2 N", "loss apart mW", "loss touching mW", "increase %")
 
 
 @dataclass(frozen=True)
 class BodyVariant:
-    """Forces and losses with one modelling choice of the bodies changed."""
+    """Forces and losses of rolling balls with one modelling choice of the finite bodies changed."""
 
-    #: Description of the choice; half spaces for none.
+    #: Description of the choice.
     choice: str
     #: Values by name.
     values: dict[str, float]
 
 
 def body_variants() -> dict[str, tuple[str, Sizes | None]]:
-    """Return scene and body sizes of each variant by its description; None for half spaces."""
+    """Return the scene and the body sizes of each variant by its description; sizes None for half spaces."""
     sizes = BODIES[FINITE]
     assert sizes is not None
     return {
@@ -315,7 +325,7 @@ def body_variants() -> dict[str, tuple[str, Sizes | None]]:
 
 
 def compute_variant(choice: str) -> BodyVariant:
-    """Compute the forces and losses of the variant with this description."""
+    """Compute the forces and losses of the variant with a description."""
     name, sizes = body_variants()[choice]
     scene = shipped_case(name, KindScene)
     case = rolling_case(scene, Choices(SHAPE))
@@ -330,23 +340,23 @@ def compute_variant(choice: str) -> BodyVariant:
 
 @lru_cache(maxsize=1)
 def compute_body_variants() -> tuple[BodyVariant, ...]:
-    """Compute all variants of the bodies; cached."""
+    """Compute all variants of the finite bodies; cached."""
     return tuple(compute_variant(choice) for choice in body_variants())
 
 
-# --- what the choices behind finite bodies do, kept with the package: half a minute of every report
+# --- stored variants of the finite bodies, whose computation takes half a minute
 
 
-#: Name of the file of a store with the variants.
+#: Name of the file with the variants in a store.
 FILE = "body_sizes.json"
 
-#: Choice that a report recomputes.
+#: Variant that a report computes again.
 LIVE = "3 x 3 cells in the contact zone instead of 4 x 4"
 
 
 @dataclass(frozen=True)
 class StoredVariants:
-    """Variants of the bodies, and whether they were stored or computed."""
+    """Variants of the finite bodies, with a sentence on whether they were stored or computed."""
 
     #: The variants.
     variants: tuple[BodyVariant, ...]
@@ -355,12 +365,15 @@ class StoredVariants:
 
 
 def variants_key() -> str:
-    """Return the digest of source code and scenes, which validates stored variants."""
+    """Return the digest of source code and scenes, with which stored variants are identified."""
     return sources_hash(("hifi", "meshes", "compare/studies/rolling"), "".join(map(catalogue.scene_text, SCENES)))
 
 
 def find_body_variants(stores: Sequence[Path], *, fresh: bool) -> StoredVariants:
-    """Return the stored variants if their key is valid, else compute them; ``fresh``: compute and store them."""
+    """Return the stored variants of the finite bodies if their digest is valid, else compute them.
+
+    ``fresh``: compute and store them in any case.
+    """
     kept = None if fresh else _load_variants(stores)
     if kept is None:
         found = compute_body_variants()
@@ -370,13 +383,13 @@ def find_body_variants(stores: Sequence[Path], *, fresh: bool) -> StoredVariants
         return StoredVariants(found, "Computed for this report.")
     again, then = compute_variant(LIVE), next(one for one in kept if one.choice == LIVE)
     off = max(abs(float(error_percent(again.values[name], value))) for name, value in then.values.items())
-    return StoredVariants(kept, f'Kept with the package; "{LIVE}" recomputed differs by up to {off:.1g} %.')
+    return StoredVariants(kept, f'Stored with the package; "{LIVE}" computed again differs by up to {off:.1g} %.')
 
 
 def largest_choice_effect(straight: bool) -> float:
-    """Return the largest relative change of a force or loss by one choice of finite bodies, as shipped.
+    """Return the largest relative change of a force or loss by one modelling choice of finite bodies, as stored.
 
-    On straight rails, or on rings and helices, by the scenes of `body_sizes.SCENES`.
+    ``straight``: by the choices for straight rails (linear bearing); else by those for rings and helices (screw).
     """
     found = json.loads((shipped_store() / FILE).read_text(encoding="utf-8"))["variants"]
     values = {row["choice"]: row["values"] for row in found}
@@ -388,7 +401,7 @@ def largest_choice_effect(straight: bool) -> float:
 
 
 def _load_variants(stores: Sequence[Path]) -> tuple[BodyVariant, ...] | None:
-    """Return the variants of the first store whose key is valid; None without one."""
+    """Return the variants of the finite bodies from the first store whose digest is valid; None without one."""
     for store in stores:
         try:
             found = json.loads((store / FILE).read_text(encoding="utf-8"))

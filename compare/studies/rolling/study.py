@@ -1,4 +1,4 @@
-"""Comparisons and mesh studies of scenes of rolling balls: runs that are stored, or else computed and stored."""
+"""Comparisons and grid studies of scenes of rolling balls, from stored runs or from new ones, which are then stored."""
 
 from __future__ import annotations
 
@@ -21,10 +21,7 @@ from rollbench.compare.studies.rolling.runs import SOURCE_LEVEL, SOURCE_SIZE, Ro
 def find_or_compute_runs(
     scene: KindScene, levels: Sequence[int], store: Path, engine: Engine, *, fresh: bool, bodies: str = "half-space"
 ) -> list[RollingRun]:
-    """Return the runs of the levels in order, stored ones where they exist; each new run is stored when it is done.
-
-    Raises Refusal for a scene that the 3D model does not cover, and where a run did not converge.
-    """
+    """Return the runs of a scene on several grids, stored ones where they exist; each new run is stored when it is done."""
     stores = (store, shipped_store())
     found = {} if fresh else {k: run for k in levels if (run := runs.load_run(scene, k, stores, bodies)) is not None}
     missing = [k for k in levels if k not in found]
@@ -40,11 +37,11 @@ def find_or_compute_runs(
 
 
 def check_levels(levels: Sequence[int]) -> list[int]:
-    """Return the levels as a list. Raises InputError for a level that rolling balls do not have."""
+    """Return the levels as a list; InputError for a level that scenes of rolling balls do not have."""
     other = [k for k in levels if k not in runs.LEVELS]
     if other:
         got = ", ".join("source" if k == SOURCE_LEVEL else str(k) for k in other)
-        advice = "mesh-study with `source_mesh=True` shows the source's size"
+        advice = "choose other levels; mesh-study with `source_mesh=True` shows the element size of Lin's thesis"
         raise ArgumentError("levels", got, f"1 to {len(runs.LEVELS)} for scenes of friction", advice)
     return list(levels)
 
@@ -52,9 +49,9 @@ def check_levels(levels: Sequence[int]) -> list[int]:
 def rolling_comparison(
     scenes: Sequence[KindScene], levels: tuple[int, ...] | None, store: Path, engine: Engine, *, fresh: bool, bodies: str
 ) -> list[RollingRow]:
-    """Compare low-order models with the 3D model of rolling; missing runs are computed and kept in the store.
+    """Compare low-order models of rolling balls with the 3D model; missing runs are computed and stored in the store.
 
-    levels: all by default. Raises InputError for an unknown level, Refusal where a run did not converge.
+    ``levels``: levels of the grids; None: all. Raises InputError for an unknown level, Refusal if a run did not converge.
     """
     wanted = check_levels(levels or tuple(runs.LEVELS))
     out: list[RollingRow] = []
@@ -72,11 +69,12 @@ def rolling_study(
 ) -> list[dict[str, Any]]:
     """Return every quantity on every grid, with and without the rigid limit, and its uncertainty from all grids.
 
-    levels: 1 to this one, all by default; source: the grid of the source's size too. Raises as `rolling_comparison`.
+    ``levels``: number of grids, from the coarsest on; None: all. ``source``: whether the grid with the element size of
+    Lin's thesis is added. Raises as `rolling_comparison`.
     """
     levels = len(runs.LEVELS) if levels is None else levels
     if not 1 <= levels <= len(runs.LEVELS):
-        raise ArgumentError("levels", str(levels), f"1 to {len(runs.LEVELS)}", "three levels give a scatter")
+        raise ArgumentError("levels", str(levels), f"1 to {len(runs.LEVELS)}", "take three levels, which show the scatter")
     out: list[dict[str, Any]] = []
     for scene in scenes:
         wanted = [*([SOURCE_LEVEL] if source and scene.kind in SOURCE_SIZE else []), *range(1, levels + 1)]
@@ -89,12 +87,12 @@ def rolling_study(
 
 
 def without_infinity(row: dict[str, Any]) -> dict[str, Any]:
-    """Return a row with None in place of infinity."""
+    """Return a table row with None in place of infinite values."""
     return {k: None if isinstance(v, float) and abs(v) == float("inf") else v for k, v in row.items()}
 
 
 def study_row(name: str, run: RollingRun, key: str) -> dict[str, Any]:
-    """Return one quantity on one grid: value, rigid limit, elasticity, and the value computed on this grid only."""
+    """Return a table row with one quantity of a run: value, rigid limit, and effect of elasticity on the grid."""
     return {
         "scene": name,
         "load_state": load_state(name),

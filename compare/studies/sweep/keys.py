@@ -1,8 +1,8 @@
-"""Keys of a scene that a sweep or a table varies, read from text.
+"""Keys of a scene that a sweep or a table varies, read from text, and designs of samples.
 
-``KEY=A:B`` is a range, ``KEY=A:B:N`` N equal steps of it, ``KEY=v1,v2`` a list, units as in the scene. ``KEY+KEY=...``
-gives several keys the same value. Samples are points of a unit cube (scipy.stats.qmc), with a coordinate for each varied
-key.
+``KEY=A:B`` is a range, ``KEY=A:B:N`` N equally spaced values of it, ``KEY=v1,v2`` a list, with units as in the scene.
+``KEY+KEY=...`` gives several keys the same value. Samples are points of a unit cube (scipy.stats.qmc), with one coordinate
+for each varied key.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ _PATH = re.compile(rf"{_ONE}(\+{_ONE})*")
 
 _FORM = "KEY=A:B, KEY=A:B:N or KEY=v1,v2, units as in the scene"
 
-#: Keys for the same quantity, of which a scene has one: a varied one replaces the others.
+#: Groups of keys for the same quantity, of which a scene has one: a varied key replaces the others of its group.
 _SAME = (
     ("errors.balls.oversize", "preload.oversize", "preload.force"),
     ("preload.lead_offset", "preload.oversize", "preload.force"),
@@ -42,17 +42,17 @@ _SAME = (
     ("time.angle", "time.duration"),
 )
 
-#: Largest number of keys of a sweep, and of values of a list.
+#: Largest number of varied keys, and of values of a list.
 MOST_KEYS, MOST_VALUES = 20, 1000
 
 
 @dataclass(frozen=True)
 class Vary:
-    """One varied key, or several with the same value."""
+    """One varied key with its range or list of values, or several keys that take the same value."""
 
     #: Dotted path with indices from 0, such as ``loads[0].force[2]``; several joined by ``+``.
     key: str
-    #: Text as given.
+    #: Text as the user wrote it.
     text: str
     #: Low end of a range.
     low: float = 0.0
@@ -65,8 +65,8 @@ class Vary:
     #: Values of a list, as in a scene file; empty for a range.
     choices: tuple[Any, ...] = ()
 
-    def at(self, u: float) -> Any:
-        """Return the value at a coordinate ``u`` from 0 to 1 of the range or list, as in a scene file."""
+    def value_at(self, u: float) -> Any:
+        """Return the value at a coordinate ``u`` from 0 to 1 of the range or list, as a scene file holds it."""
         if self.choices:
             return self.choices[min(int(u * len(self.choices)), len(self.choices) - 1)]
         if self.whole:
@@ -74,53 +74,55 @@ class Vary:
         number = float(f"{self.low + u * (self.high - self.low):.12g}")
         return f"{number!r} {self.unit}" if self.unit else number
 
-    def number(self, value: Any) -> float:
-        """Return a value as a number for plots and means: in the range's unit, of a list its position from 1."""
+    def as_number(self, value: Any) -> float:
+        """Return a value as a number for plots and means: in the range's unit, or its position in the list from 1."""
         if self.choices:
             return 1.0 + self.choices.index(value)
         return float(value) if isinstance(value, int | float) else float(_split_quantity(value)[0])
 
     @property
-    def ends(self) -> tuple[Any, ...]:
-        """Values for which the key is tried before anything is computed."""
-        return self.choices or (self.at(0.0), self.at(1.0))
+    def trial_values(self) -> tuple[Any, ...]:
+        """Values with which the key is tried before anything is computed: all of a list, or both ends of a range."""
+        return self.choices or (self.value_at(0.0), self.value_at(1.0))
 
     @property
     def label(self) -> str:
-        """Key with its unit, for tables and axes."""
+        """Key with its unit or list of values, for tables and axes."""
         if self.choices:
             return f"{self.name} ({', '.join(str(c) for c in self.choices[:6])}{', ...' if len(self.choices) > 6 else ''})"
         return f"{self.name} / {self.unit}" if self.unit else self.name
 
     @property
     def paths(self) -> list[str]:
-        """Paths that take the value."""
+        """Paths of the keys that take the value."""
         return self.key.split("+")
 
     @property
     def name(self) -> str:
-        """First path, and how many share its value."""
+        """Path of the first key, and how many others take the same value."""
         first, *others = self.paths
         return f"{first} (+{len(others)})" if others else first
 
 
 def read_over(texts: Sequence[str], argument: str = "over") -> tuple[Vary, ...]:
-    """Read the keys of a table, each with all its values.
+    """Read the varied keys of a table from texts, each with all its values.
 
-    As `read_vary`, but a range needs a number of values, and there may be no keys. InputError for anything else.
+    As `read_vary`, but a range needs a number of values, and no key need be varied. InputError for anything else.
     """
     try:
         keys = read_vary(texts) if texts else ()
         for one in keys:
             if not one.choices:
-                raise _refused_variation(one.text, "a number of values, KEY=A:B:N, or a list", f"such as {one.key}=1:5:9")
+                raise _refused_variation(
+                    one.text, "a number of values, KEY=A:B:N, or a list", f"write for example {one.key}=1:5:9"
+                )
     except ArgumentError as error:
         raise ArgumentError(argument, *error.args[1:]) if error.key == "vary" else error from None
     return keys
 
 
 def read_vary(texts: Sequence[str]) -> tuple[Vary, ...]:
-    """Read the varied keys of the command line; InputError for a text of another form, or a key given twice."""
+    """Read the varied keys of a sweep from texts; InputError for a text of another form, or a key that is named twice."""
     found = tuple(_read_varied_key(text) for text in texts)
     if not 1 <= len(found) <= MOST_KEYS:
         raise ArgumentError("vary", f"{len(found)} keys", f"1 to {MOST_KEYS} keys", f"give {_FORM}")
@@ -132,7 +134,7 @@ def read_vary(texts: Sequence[str]) -> tuple[Vary, ...]:
 
 
 def _refused_variation(value: str, allowed: str, advice: str = f"give {_FORM}") -> ArgumentError:
-    """Return the error for a refused text or value of `vary`."""
+    """Return the error for a text or value of the argument ``vary`` that cannot be used."""
     return ArgumentError("vary", toml_text(value), allowed, advice)
 
 
@@ -140,7 +142,7 @@ def _read_varied_key(text: str) -> Vary:
     """Read one varied key with its list or range of values."""
     key, sign, values = (piece.strip() for piece in text.partition("="))
     if not sign or not _PATH.fullmatch(key) or not values:
-        advice = 'e.g. `vary="errors.balls.oversize=0 um:7 um"` or `vary="loads[0].force[2]=1 kN,5 kN"`'
+        advice = 'write for example `vary="errors.balls.oversize=0 um:7 um"` or `vary="loads[0].force[2]=1 kN,5 kN"`'
         raise _refused_variation(text, _FORM, advice)
     if ":" in values:
         return _read_range(key, text, values)
@@ -165,7 +167,7 @@ def _read_range(key: str, text: str, values: str) -> Vary:
         raise _refused_variation(text, "one unit for both ends", f"write both in {units[-1]}")
     low, high, common = float(first), float(second), "".join(units)
     if not low < high:
-        raise _refused_variation(text, "A below B", "turn them round, or give a list of values")
+        raise _refused_variation(text, "A below B", "exchange A and B, or give a list of values")
     if steps:
         return Vary(key, text, low, high, common, choices=_equal_steps(text, low, high, common, [n for n, _ in steps]))
     whole = not common and all(re.fullmatch(r"[+-]?\d+", end) for end in (first, second))
@@ -175,7 +177,9 @@ def _read_range(key: str, text: str, values: str) -> Vary:
 def _equal_steps(text: str, low: float, high: float, unit: str, count: Sequence[str]) -> tuple[Any, ...]:
     """Return equally spaced values from low to high, both included, as a scene file holds them."""
     if len(count) != 1 or not re.fullmatch(r"\d{1,4}", count[0]) or not 2 <= int(count[0]) <= MOST_VALUES:
-        raise _refused_variation(text, f"A:B:N with N from 2 to {MOST_VALUES}", "e.g. nut.position=100:900:9 mm")
+        raise _refused_variation(
+            text, f"A:B:N with N from 2 to {MOST_VALUES}", "write for example nut.position=100:900:9 mm"
+        )
     numbers = [float(f"{x:.12g}") for x in np.linspace(low, high, int(count[0]))]
     if unit:
         return tuple(f"{x:.12g} {unit}" for x in numbers)
@@ -183,7 +187,7 @@ def _equal_steps(text: str, low: float, high: float, unit: str, count: Sequence[
 
 
 def _split_quantity(text: str) -> tuple[str, str]:
-    """Return number and unit of a quantity as written; ValueError for another text."""
+    """Return number and unit of a quantity, as written; ValueError for another text."""
     found = number_and_unit(text)
     if found is None:
         raise ValueError(text)
@@ -191,7 +195,7 @@ def _split_quantity(text: str) -> tuple[str, str]:
 
 
 def _read_scalar(text: str) -> Any:
-    """Return a text's value as TOML, or the text if it is not valid TOML."""
+    """Return the value that a text has in TOML, or the text if it is not valid TOML."""
     try:
         return tomllib.loads(f"value = {text}")["value"]
     except tomllib.TOMLDecodeError:
@@ -199,7 +203,7 @@ def _read_scalar(text: str) -> Any:
 
 
 def with_varied_keys(raw: dict[str, Any], keys: Sequence[Vary], values: Sequence[Any]) -> dict[str, Any]:
-    """Return a copy of a scene's tables with varied keys set, and other keys for the same quantities removed.
+    """Return a copy of a scene's tables with the values of varied keys, without other keys for the same quantities.
 
     InputError for an entry that a list does not have.
     """
@@ -214,13 +218,13 @@ def with_varied_keys(raw: dict[str, Any], keys: Sequence[Vary], values: Sequence
 
 
 def replaced_keys(raw: dict[str, Any], keys: Sequence[Vary]) -> list[tuple[str, str]]:
-    """Return pairs of a varied path and the scene's key that it replaces."""
+    """Return pairs of the path of a varied key and the scene's key for the same quantity that it replaces."""
     pairs = dict.fromkeys((path, other) for vary in keys for path in vary.paths for other in _equivalent_keys(path))
     return [(path, other) for path, other in pairs if _remove_key(copy.deepcopy(raw), other)]
 
 
 def _equivalent_keys(path: str) -> Iterator[str]:
-    """Yield the other keys that give the same quantity as ``path``, in the same set."""
+    """Yield the other keys for the same quantity as the key ``path``, of the same nut or bearing."""
     prefix, key = re.fullmatch(r"(sets\[\d+\]\.)?(.*)", path).groups(default="")  # type: ignore[union-attr]
     for group in _SAME:
         if key in group:
@@ -228,7 +232,7 @@ def _equivalent_keys(path: str) -> Iterator[str]:
 
 
 def _remove_key(raw: dict[str, Any], key: str) -> bool:
-    """Remove a key, and its table if that becomes empty; return whether the key was there."""
+    """Remove a key from a scene's tables, and its table if that becomes empty; return whether the key was there."""
     above, _, last = key.rpartition(".")
     node: Any = raw
     for step in _path_steps(above):
@@ -250,7 +254,7 @@ def _path_steps(key: str) -> list[str | int]:
 
 
 def _set_key(raw: dict[str, Any], key: str, value: Any) -> None:
-    """Set the value of a key, creating tables on the way.
+    """Set the value of a key in a scene's tables, and create missing tables.
 
     InputError for an entry that a list does not have, or a key below something other than a table.
     """
@@ -264,6 +268,7 @@ def _set_key(raw: dict[str, Any], key: str, value: Any) -> None:
 
 
 def _check_entry(node: Any, step: str | int, key: str) -> None:
+    """Raise InputError if a table or list cannot have the entry ``step`` of a key's path."""
     allowed = "a key of a table, or an entry [0], [1], ... of a list that the scene has"
     if isinstance(node, dict) and isinstance(step, str):
         return
@@ -271,9 +276,10 @@ def _check_entry(node: Any, step: str | int, key: str) -> None:
         if step < len(node):
             return
         allowed = f"entries 0 to {len(node) - 1}" if node else "no entry: the scene's list is empty"
-    raise _refused_variation(key, allowed, "see the scene file, or: rollbench schema")
+    raise _refused_variation(key, allowed, "look up the key in the scene file, or by: rollbench schema")
 
 
+#: Design of a sweep's samples.
 Method = Literal["sobol", "lhs", "grid"]
 
 METHODS: tuple[Method, ...] = ("sobol", "lhs", "grid")
@@ -285,7 +291,7 @@ MOST = 1_000_000
 def base_points(samples: int, keys: int) -> int:
     """Return the number n of base points of a design for Sobol indices.
 
-    It is the power of two whose n (keys + 2) is nearest to ``samples`` by ratio, at least 2.
+    It is the power of two for which the number of samples n (keys + 2) is nearest to ``samples`` by ratio, at least 2.
     """
     return max(2, 1 << max(0, round(math.log2(max(samples, 1) / (keys + 2)))))
 
@@ -293,9 +299,11 @@ def base_points(samples: int, keys: int) -> int:
 def design_points(method: Method, keys: Sequence[Vary], samples: int, seed: int) -> Array:
     """Return the coordinates of all samples of a design, (m, d) in [0, 1]; equal arguments give equal samples.
 
-    sobol: n base points A, n base points B, and for each key the points A with the coordinate of that key from B (Saltelli
-    et al. 2010), n by `base_points`: m = n (d + 2), in that order. lhs: a Latin hypercube. grid: all combinations of the
-    values of lists and of equal steps of ranges, ends included, at most ``samples``.
+    - sobol: n base points A, n base points B, and for each key the points A with the coordinate of that key from B
+      (Saltelli et al. 2010), in that order: m = n (d + 2), n by `base_points`.
+    - lhs: a Latin hypercube.
+    - grid: all combinations of the values of lists and of equally spaced values of ranges, ends included, at most
+      ``samples``.
 
     Parameters
     ----------
@@ -311,7 +319,7 @@ def design_points(method: Method, keys: Sequence[Vary], samples: int, seed: int)
     Returns
     -------
     Array
-        The coordinates.
+        Coordinates of the samples.
 
     Raises
     ------
@@ -319,7 +327,7 @@ def design_points(method: Method, keys: Sequence[Vary], samples: int, seed: int)
         For an unknown design or a number of samples out of range.
     """
     if method not in METHODS:
-        raise ArgumentError("method", str(method), ", ".join(METHODS), "sobol gives indices too")
+        raise ArgumentError("method", str(method), ", ".join(METHODS), "choose one of these; only sobol gives indices")
     if not 2 <= samples <= MOST:
         raise ArgumentError("samples", str(samples), f"2 to {MOST}", "start with a hundred")
     d = len(keys)
@@ -335,16 +343,22 @@ def design_points(method: Method, keys: Sequence[Vary], samples: int, seed: int)
 
 
 def _grid_points(keys: Sequence[Vary], samples: int) -> Array:
+    """Return the coordinates of all combinations of the keys' values, (m, d) in [0, 1].
+
+    InputError if ``samples`` are too few for all values of lists and both ends of ranges.
+    """
     fixed = math.prod(len(v.choices) for v in keys if v.choices)
     ranges = sum(not v.choices for v in keys)
     steps = int((samples / fixed) ** (1.0 / ranges) + 1e-9) if ranges else 1
     if fixed > samples or (ranges and steps < 2):
         least = fixed * 2**ranges
-        raise ArgumentError("samples", str(samples), f"{least} or more for this grid", "or `method=lhs`")
+        raise ArgumentError(
+            "samples", str(samples), f"{least} or more for this grid", "allow more samples, or take `method=lhs`"
+        )
     axes = [(np.arange(len(v.choices)) + 0.5) / len(v.choices) if v.choices else np.linspace(0.0, 1.0, steps) for v in keys]
     return np.array(list(product(*axes)))
 
 
 def values_at(keys: Sequence[Vary], place: Array) -> list[object]:
-    """Return the values of all keys at coordinates (d,), as in a scene file."""
-    return [vary.at(float(u)) for vary, u in zip(keys, place, strict=True)]
+    """Return the values of all keys at the coordinates (d,) of a sample, as a scene file holds them."""
+    return [vary.value_at(float(u)) for vary, u in zip(keys, place, strict=True)]

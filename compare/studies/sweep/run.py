@@ -1,4 +1,4 @@
-"""Running a sweep: missing samples are solved in batches, in parallel if asked for, and every sample is stored."""
+"""Run of a sweep: missing samples are solved in batches, in parallel if requested, and every sample is stored."""
 
 from __future__ import annotations
 
@@ -20,25 +20,26 @@ from rollbench.compare.studies.sweep.sample import MAIN, OUTPUTS, refusal_reason
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly
 
+#: Function that shows a line of progress.
 Step = Callable[[str], None]
-#: Number of samples from which on compiled kernels are used, by the size of the design so that it is always the same. Plain
-#: Python takes about as long for them as compiling the kernels.
+#: Number of samples of a design from which on compiled kernels are used; for so many, plain Python takes about as long as
+#: compiling the kernels.
 COMPILE_FROM = 50
 #: Number of samples that are tried before anything is stored: if all are refused for the same reason, the sweep ends.
 FIRST = 10
-#: Largest number of samples of a job, stored together; smallest number of jobs per worker.
+#: Largest number of samples that one job solves and stores together; smallest number of jobs per worker.
 LARGEST_BATCH, BATCHES = 20, 20
-#: Assumed number of workers of a scheduler if none is given: they can join at any time.
+#: Assumed number of workers of a cluster if none is given, as workers can join at any time.
 MANY = 100
 
 
 @dataclass(frozen=True)
 class Sweep:
-    """Definition of a sweep."""
+    """Definition of a sweep: scene, varied keys, design of the samples, model and outputs."""
 
     #: Text of the scene file.
     text: str
-    #: Name for errors.
+    #: File or scene that error messages name.
     origin: str
     #: Varied keys.
     keys: tuple[Vary, ...]
@@ -54,19 +55,19 @@ class Sweep:
     outputs: tuple[str, ...] = ()
 
     @property
-    def wanted(self) -> tuple[str, ...]:
-        """Outputs that are stored, in the order of `OUTPUTS`: all unless some are named, `MAIN` always."""
+    def wanted_outputs(self) -> tuple[str, ...]:
+        """Outputs that are stored, in the order of `OUTPUTS`: all unless some are named, `MAIN` in any case."""
         return tuple(name for name in OUTPUTS if not self.outputs or name in (MAIN, *self.outputs))
 
-    def places(self) -> Array:
-        """Coordinates of all samples in the unit cube, (m, d)."""
+    def coordinates(self) -> Array:
+        """Return the coordinates of all samples in the unit cube, (m, d)."""
         return design_points(self.method, self.keys, self.samples, self.seed)
 
     def header(self) -> dict[str, Any]:
-        """Everything that the records depend on."""
+        """Return everything on which the records of the samples depend, as JSON values."""
         names = ("samples", "method", "seed", "model")
         what = {"scene": self.origin, "text": self.text, "vary": [vary.text for vary in self.keys]}
-        some: dict[str, Any] = {"outputs_kept": list(self.wanted)} if self.outputs else {}
+        some: dict[str, Any] = {"outputs_kept": list(self.wanted_outputs)} if self.outputs else {}
         if self.model not in MODELS:
             some["model_of"] = user_models.origin_of_model(self.model)
         return {"rollbench": __version__, **what, **{name: getattr(self, name) for name in names}, **some}
@@ -75,7 +76,7 @@ class Sweep:
         """Raise InputError for an unknown model or output, a key that the scene does not have, or values out of range."""
         for name in self.outputs:
             if name not in OUTPUTS:
-                raise ArgumentError("outputs", name, ", ".join(OUTPUTS), "names with commas between")
+                raise ArgumentError("outputs", name, ", ".join(OUTPUTS), "give names separated by commas")
         raw = scene_file.read_toml(self.text, self.origin)
         scene = scene_tables.read_tables(raw, self.origin)
         if not isinstance(scene, Assembly):
@@ -84,28 +85,28 @@ class Sweep:
             raise ArgumentError("model", self.model, ", ".join(AXIS_MODELS), "choose one of these")
         scene_file.each_case(scene, self.origin)
         for vary in self.keys:
-            for value in vary.ends:
+            for value in vary.trial_values:
                 scene_tables.keys_of(with_varied_keys(raw, [vary], [value]), self.origin)
 
 
 def run_samples(sweep: Sweep, folder: Path, engine: Engine, step: Step) -> dict[int, sample.Record]:
-    """Solve all samples that the folder does not hold yet.
+    """Solve all samples of a sweep that its folder does not hold yet.
 
     Parameters
     ----------
     sweep
-        The sweep.
+        Definition of the sweep.
     folder
-        Folder of the samples.
+        Folder with the stored samples.
     engine
-        Where they are computed.
+        Where samples are computed: number of processes or cluster.
     step
         Called with lines of progress.
 
     Returns
     -------
     dict
-        Records by number of the sample.
+        Records of all samples by their numbers.
 
     Raises
     ------
@@ -113,7 +114,7 @@ def run_samples(sweep: Sweep, folder: Path, engine: Engine, step: Step) -> dict[
         If the sweep is not valid, the folder holds something else, or workers are lost.
     """
     sweep.check()
-    places = sweep.places()
+    places = sweep.coordinates()
     if not sample.records_by_sample(folder):
         _refuse_hopeless_sweep(sweep, places)
     for path, other in replaced_keys(scene_file.read_toml(sweep.text, sweep.origin), sweep.keys):
@@ -130,12 +131,18 @@ def run_samples(sweep: Sweep, folder: Path, engine: Engine, step: Step) -> dict[
 
 
 def _refuse_hopeless_sweep(sweep: Sweep, places: Array) -> None:
-    """Raise InputError if the first samples are all refused for one reason."""
+    """Solve the first samples until one is accepted; raise InputError if all are refused for the same reason."""
     refused: list[InputError] = []
     for place in places[:FIRST]:
         try:
             solve_sample_or_refuse(
-                sweep.text, sweep.origin, sweep.keys, values_at(sweep.keys, place), sweep.model, "interpreted", sweep.wanted
+                sweep.text,
+                sweep.origin,
+                sweep.keys,
+                values_at(sweep.keys, place),
+                sweep.model,
+                "interpreted",
+                sweep.wanted_outputs,
             )
             return
         except InputError as error:
@@ -144,14 +151,18 @@ def _refuse_hopeless_sweep(sweep: Sweep, places: Array) -> None:
         return
     if isinstance(refused[-1], ProgramError):
         raise refused[-1]
-    few = f"each of the first {min(FIRST, len(places))} samples is refused for one reason, the last one so"
+    few = f"each of the first {min(FIRST, len(places))} samples is refused for the same reason, the last one as follows"
     raise Refusal(sweep.origin, "vary", f"{few}: {refused[-1]}", "vary other keys, or other ranges")
 
 
 def _solve_missing(sweep: Sweep, folder: Path, engine: Engine, step: Step, work: tuple[str, Array, list[int]]) -> None:
+    """Solve the missing samples in batches and store them.
+
+    ``work``: token of the run, coordinates of all samples, numbers of the missing ones.
+    """
     token, places, left = work
     kernels = "compiled" if len(places) >= COMPILE_FROM else "interpreted"
-    what = (sweep.text, sweep.origin, sweep.keys, sweep.model, kernels, sweep.wanted)
+    what = (sweep.text, sweep.origin, sweep.keys, sweep.model, kernels, sweep.wanted_outputs)
     workers = engine.workers or (MANY if engine.scheduler else 1)
     size = max(1, min(LARGEST_BATCH, len(left) // (BATCHES * workers)))
     batches = [left[k : k + size] for k in range(0, len(left), size)]

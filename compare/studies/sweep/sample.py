@@ -1,10 +1,12 @@
 """Samples of a sweep: the scene with other values, its solution, its outputs, and the folder that stores them.
 
-The folder states the sweep, and has one line per sample, appended when its batch is solved and never changed. Every process
-writes to a separate file, the lines of a batch in one call and each with a checksum, so that at whatever moment a process
-is killed, finished batches are complete and a torn line is recognised. A process that outlives its run stops after its
-batch: the run's token is no longer that of the folder. A new run waits, by a lock that each process holds while it solves,
-until such processes have stopped; only then does it read the folder, so that no sample is solved twice.
+The folder has a file that states the sweep, and one line per sample, which is appended when its batch is solved and never
+changed. Every process writes to a separate file, the lines of a batch in one call and each with a checksum. Whenever a
+process is killed, finished batches are therefore complete, and a torn line is recognised.
+
+A process that outlives its run stops after its batch, because the run's token is no longer that of the folder. A new run
+waits, by a lock that each process holds while it solves, until such processes have stopped; only then does it read the
+folder, so that no sample is solved twice.
 """
 
 from __future__ import annotations
@@ -58,14 +60,14 @@ OUTPUTS = {
     "largest_growth": "largest load over the first case's, of any set",
     "least_growth": "the same, least of any set",
 }
-#: Outputs over load cases; None of a scene without load cases.
+#: Outputs that compare load cases; None for a scene without load cases.
 GROWTH = ("largest_growth", "least_growth")
 
 
-#: Output of worst cases, effects and plots; always kept, with its contact ``at``.
+#: Output that is judged for worst samples, main effects and plots; always stored, with its contact ``at``.
 MAIN = "largest_load_N"
 
-#: Functions that compute outputs, by name; only those wanted are called.
+#: Functions that compute outputs, by name of the output; only those of wanted outputs are called.
 Makers = dict[str, Callable[[], Any]]
 
 
@@ -75,21 +77,21 @@ def sample_outputs(
     """Return the wanted `OUTPUTS` of a converged result, and ``at``: ball and flank with the largest load.
 
     Rigidity (secant, from the unloaded position) and preload need the solution without loads, which is computed only for
-    them; the torque needs [friction] of the scene. None if there is no such quantity.
+    them. The torque needs [friction] of the scene. An output that does not exist for the scene is None.
     """
 
     @cache
-    def bare() -> StaticResult:
+    def unloaded_result() -> StaticResult:
         return solve_scaled(scene, 0.0, model, options)
 
-    def rigidity() -> float | None:
-        moved = axial_displacement(scene, result) - axial_place_without_loads(scene, bare())
+    def secant_rigidity() -> float | None:
+        moved = axial_displacement(scene, result) - axial_place_without_loads(scene, unloaded_result())
         return _secant_rigidity(axial_force(result), moved)
 
     makers: Makers = {
         "displacement_um": lambda: _load_displacement(scene, result),
-        "rigidity_N_per_um": rigidity,
-        "preload_N": lambda: axial_preload(scene, bare()) if bare().converged else None,
+        "rigidity_N_per_um": secant_rigidity,
+        "preload_N": lambda: axial_preload(scene, unloaded_result()) if unloaded_result().converged else None,
     }
     return _outputs_of_sets([("", scene, result)], scene, makers, options, wanted, lambda: nominal_contacts(scene))
 
@@ -103,9 +105,10 @@ def cycle_outputs(
 ) -> dict[str, Any]:
     """Return the outputs of a duty cycle from results and outputs of its load cases.
 
-    They are those of the load case with the largest contact load, which ``at`` names, except: life over the duty cycle of
-    the set with the shortest life; mean torque over the revolutions; growth, the largest load of each set over all load
-    cases over that in the first, of the sets with the largest and the smallest ratio.
+    They are those of the load case with the largest contact load, which ``at`` names, with three exceptions. Life is the
+    shortest life of a nut or bearing over the duty cycle. Torque is the mean over all revolutions. Growth is the largest
+    load of a nut or bearing over all load cases over its largest load in the first; the largest and the smallest growth are
+    given.
 
     Parameters
     ----------
@@ -114,7 +117,7 @@ def cycle_outputs(
     results
         Result of each load case.
     each
-        Outputs of each load case.
+        Outputs of each load case by name.
     wanted
         Names of the outputs.
 
@@ -142,37 +145,43 @@ def cycle_outputs(
 
 
 def _loads_by_set(result: StaticResult | AxisResult) -> list[Array]:
-    """Return the loads of the contacts or rollers of every set [N]."""
+    """Return the loads of the contacts or rollers of every nut and bearing [N]."""
     return [result.load] if isinstance(result, StaticResult) else [s.loads for s in result.sets]
 
 
 def axis_outputs(
     assembly: Assembly, result: AxisResult, engine: str, wanted: Collection[str] = tuple(OUTPUTS)
 ) -> dict[str, Any]:
-    """Return the wanted `OUTPUTS` of several sets on one shaft.
+    """Return the wanted `OUTPUTS` of a converged result of a shaft with several nuts and bearings.
 
-    Loads are of contacts of balls and of rollers; ``at`` begins with the name of the set; displacement: axial, of the
-    station or housing of interest, from the unloaded position; approaches and torque are those of balls, life that of the
-    set with the shortest; preload: the largest axial force of a set without loads.
+    Loads are of ball contacts and rollers; ``at`` begins with the name of the nut or bearing. The displacement is axial,
+    from the unloaded position, of the section or housing that the scene names. Approaches and torque are of balls only.
+    Life is the shortest of a nut or bearing; preload the largest axial force on one of them without loads.
     """
     sets = [(f"{s.of.name}: ", s.of.parts, s.balls) for s in result.sets if s.balls and isinstance(s.of.parts, Scene)]
     force, moved, loads = axial_load(assembly), displacement_of_interest(assembly, result)[2], loads_of(result)
 
     @cache
-    def bare() -> AxisResult:
+    def unloaded_result() -> AxisResult:
         without = run_model(scaled(assembly, 0.0), result.model, Options(engine=engine))
         assert isinstance(without, AxisResult)
         return without
 
-    def preload() -> float | None:
-        return max((abs(float(s.force[2])) for s in bare().sets), default=0.0) if bare().converged else None
+    def largest_preload() -> float | None:
+        return (
+            max((abs(float(s.force[2])) for s in unloaded_result().sets), default=0.0)
+            if unloaded_result().converged
+            else None
+        )
 
     makers: Makers = {
         "displacement_um": lambda: 1e6 * moved if force else None,
         "rigidity_N_per_um": lambda: (
-            _secant_rigidity(force, moved - displacement_of_interest(assembly, bare())[2]) if bare().converged else None
+            _secant_rigidity(force, moved - displacement_of_interest(assembly, unloaded_result())[2])
+            if unloaded_result().converged
+            else None
         ),
-        "preload_N": preload,
+        "preload_N": largest_preload,
         "life_million_revolutions": lambda: _shortest_life([(s.of.parts, loads[s.of.name]) for s in result.sets]),
     }
     rollers = [(f"{s.of.name}: roller ", s.loads) for s in result.sets if s.balls is None]
@@ -188,14 +197,14 @@ def _outputs_of_sets(
     contacts: Callable[[], int],
     rollers: Sequence[tuple[str, Array]] = (),
 ) -> dict[str, Any]:
-    """Return the wanted `OUTPUTS` over all sets of a scene, and ``at``: place of the largest load.
+    """Return the wanted `OUTPUTS` over all nuts and bearings of a scene, and ``at``: place of the largest load.
 
     Parameters
     ----------
     sets
-        Name, parts and result of each set of balls.
+        Name, parts and result of each nut and ball bearing.
     scene
-        The scene.
+        Scene of a nut or bearing, or of a shaft with several.
     whole
         Functions for displacement [um], rigidity [N/um] and preload [N].
     options
@@ -203,9 +212,9 @@ def _outputs_of_sets(
     wanted
         Names of the outputs.
     contacts
-        Function for the number of contacts in the mean load, see `mean_load`.
+        Function that returns the number of contacts over which the mean load is taken, see `mean_load`.
     rollers
-        Name and loads [N] of each row of rollers.
+        Name of each row of rollers, and its loads [N].
     """
     solved, friction = [(parts, balls) for _, parts, balls in sets], scene.friction
     named = [*((name, x.load) for name, _, x in sets), *rollers]
@@ -230,9 +239,9 @@ def _outputs_of_sets(
 
 
 def _load_displacement(scene: Scene, result: StaticResult) -> float | None:
-    """Return the displacement of the loaded stations along their forces, weighted by the forces [um].
+    """Return the displacement of the points of action of the loads along their forces [um]; None without a force.
 
-    None without a force.
+    It is the mean weighted by the forces.
     """
     work = total = 0.0
     for x in scene.loads:
@@ -248,12 +257,15 @@ def _largest_approach(balls: StaticResult) -> float:
 
 
 def _secant_rigidity(force: float, moved: float) -> float | None:
-    """Return axial force [N] over displacement [m] in N/um; None without a force, or with a displacement against it."""
+    """Return axial force [N] over displacement [m], in N/um; None without a force, or if the displacement opposes it."""
     return 1e-6 * force / moved if force * moved > 0.0 else None
 
 
 def _shortest_life(sets: list[tuple[Scene | RollerRow, Array]]) -> float | None:
-    """Return the shortest life of the sets [10^6 revolutions]; None without load, or outside the range of the ratings."""
+    """Return the shortest life of several nuts and bearings [10^6 revolutions].
+
+    None without load, or outside the range of validity of the ratings.
+    """
     try:
         found = [roller_life.life(x, load) if isinstance(x, RollerRow) else life(x, load) for x, load in sets]
     except ValueError:
@@ -264,12 +276,16 @@ def _shortest_life(sets: list[tuple[Scene | RollerRow, Array]]) -> float | None:
 def _friction_torque(
     sets: list[tuple[Scene, StaticResult]], friction: Friction, motion: Motion | None, options: Options
 ) -> float | None:
-    """Return the friction torque of all sets [N mm]; None if it does not converge or a set is not covered."""
+    """Return the friction torque of all nuts and ball bearings [N mm].
+
+    None if friction does not converge, or the friction model does not cover one of them.
+    """
     from rollbench.compare.models.friction_sums import torque
 
     return torque(sets, friction, motion, options)
 
 
+#: Names of files and folders in the folder of a sweep.
 HEADER, TOKEN, LOCKS, RECORDS = "sweep.json", "token", "locks", "records"
 
 #: Longest time to wait for processes of an earlier run [s].
@@ -279,7 +295,10 @@ Record = dict[str, Any]
 
 
 def open_folder(folder: Path, header: Mapping[str, Any]) -> None:
-    """Create or check the folder of this sweep. Raises InputError if it holds another sweep or cannot be written."""
+    """Create the folder of a sweep, or check that it holds this sweep.
+
+    Raises InputError if it holds other files or another sweep.
+    """
     path = folder / HEADER
     text = json.dumps(header, indent=1, ensure_ascii=False) + "\n"
     advice = "choose another folder for another sweep"
@@ -298,9 +317,9 @@ def open_folder(folder: Path, header: Mapping[str, Any]) -> None:
 
 @contextmanager
 def take_folder(folder: Path) -> Iterator[str]:
-    """Take the folder for a run and yield its token, once no process of an earlier run writes any more.
+    """Reserve the folder of a sweep for a run and yield the run's token, once no process of an earlier run writes there.
 
-    InputError if another run is active in it.
+    InputError if another run is active in the folder.
     """
     from filelock import FileLock, Timeout
 
@@ -308,8 +327,10 @@ def take_folder(folder: Path) -> Iterator[str]:
         try:
             held.enter_context(FileLock(folder / "run", timeout=0))
         except Timeout:
-            advice = "wait for it, or end it"
-            raise ArgumentError("out", "a sweep under way", "one run at a time", advice, str(folder)) from None
+            advice = "wait for that run, or end it"
+            raise ArgumentError(
+                "out", "the folder of a sweep that is running", "one run at a time", advice, str(folder)
+            ) from None
         token = uuid4().hex
         replace_file(folder / TOKEN, token)
         _wait_for_others(folder)
@@ -317,7 +338,10 @@ def take_folder(folder: Path) -> Iterator[str]:
 
 
 def _wait_for_others(folder: Path) -> None:
-    """Wait for the processes of earlier runs, and remove their locks."""
+    """Wait for the processes of earlier runs to end their batches, and remove their locks.
+
+    InputError if they take longer than `PATIENCE`.
+    """
     from filelock import FileLock, Timeout
 
     until = monotonic() + PATIENCE
@@ -327,7 +351,9 @@ def _wait_for_others(folder: Path) -> None:
                 path.unlink(missing_ok=True)
         except Timeout:
             advice = "end the processes of the earlier run"
-            raise ArgumentError("out", "processes of an earlier run", "none", advice, str(folder)) from None
+            raise ArgumentError(
+                "out", "a folder in which processes of an earlier run write", "no such process", advice, str(folder)
+            ) from None
 
 
 @contextmanager
@@ -340,12 +366,12 @@ def hold_lock(folder: Path) -> Iterator[None]:
 
 
 def _process_name() -> str:
-    """Return a name for this process on this machine, as part of a file's name."""
+    """Return a name for this process on this machine, as part of a file name."""
     return f"{platform.node()}-{os.getpid()}"
 
 
 def is_current_run(folder: Path, token: str) -> bool:
-    """Return whether the folder exists and belongs to the run of ``token``."""
+    """Return whether the folder exists and belongs to the run with this token."""
     try:
         return (folder / TOKEN).read_text(encoding="utf-8") == token
     except OSError:
@@ -353,14 +379,14 @@ def is_current_run(folder: Path, token: str) -> bool:
 
 
 class RecordWriter:
-    """Appends records to a file of this process."""
+    """Writer that appends records of samples to a file of this process."""
 
     def __init__(self, folder: Path, token: str) -> None:
-        """Prepare; the file is opened with the first record."""
+        """Set the file's path; the file is opened with the first record."""
         self._path = folder / RECORDS / f"{token[:8]}-{_process_name()}.lines"
 
     def append(self, records: Sequence[Record]) -> None:
-        """Append records in one call; OSError if the disk does not take them."""
+        """Append records in one call; OSError if the disk does not take all of them."""
         lines = b"".join(map(pack_record, records))
         handle = os.open(self._path, os.O_WRONLY | os.O_CREAT | os.O_APPEND | getattr(os, "O_BINARY", 0), 0o644)
         try:
@@ -371,13 +397,13 @@ class RecordWriter:
 
 
 def pack_record(record: Record) -> bytes:
-    """Return a record as a line with its checksum."""
+    """Return a record as a line of JSON with its checksum."""
     body = json.dumps(record, ensure_ascii=False, separators=(",", ":"), allow_nan=False).encode()
     return b"%08x %s\n" % (zlib.crc32(body), body)
 
 
 def unpack_record(line: bytes) -> Record | None:
-    """Return the record of a line; None if it is torn or damaged."""
+    """Return the record of a line; None if the line is torn or damaged."""
     checksum, _, body = line.rstrip(b"\n").partition(b" ")
     if not line.endswith(b"\n") or checksum != b"%08x" % zlib.crc32(body):
         return None
@@ -386,7 +412,7 @@ def unpack_record(line: bytes) -> Record | None:
 
 
 def stored_records(folder: Path) -> Iterator[Record]:
-    """Yield all intact records of a folder, file by file."""
+    """Yield all intact records of a sweep's folder, file by file."""
     for path in sorted((folder / RECORDS).glob("*.lines")):
         with path.open("rb") as file:
             for line in file:
@@ -396,7 +422,7 @@ def stored_records(folder: Path) -> Iterator[Record]:
 
 
 def records_by_sample(folder: Path) -> dict[int, Record]:
-    """Return the records by number of the sample, from 0."""
+    """Return the records of a sweep's folder by the number of the sample, from 0."""
     return {int(record["sample"]): record for record in stored_records(folder)}
 
 
@@ -404,12 +430,13 @@ CONVERGED = "converged"
 
 _NUMBER = re.compile(r"[0-9][0-9.]*(e[+-]?[0-9]+)?")
 
-#: Number of balls on one shaft from which on a sample in plain Python takes seconds.
+#: Number of balls on a shaft from which on one solution in plain Python takes seconds.
 AXIS_COMPILED = 40
 
 
 @lru_cache(maxsize=8)
 def _cached_tables(text: str, origin: str) -> dict[str, Any]:
+    """Return the tables of a scene file's text, cached."""
     return scene_file.read_toml(text, origin)
 
 
@@ -422,7 +449,10 @@ def solve_sample(
     engine: str,
     wanted: Collection[str] = tuple(OUTPUTS),
 ) -> dict[str, Any]:
-    """Return status and wanted outputs of one sample; if scene or model refuse the values, the status gives the reason."""
+    """Return status and wanted outputs of one sample.
+
+    If scene or model refuse the sample's values, the status gives the reason.
+    """
     try:
         return solve_sample_or_refuse(text, origin, keys, values, model, engine, wanted)
     except InputError as error:
@@ -447,11 +477,12 @@ def solve_sample_or_refuse(
 
 
 def refusal_reason(error: InputError) -> str:
-    """Return why values are refused, without the numbers, as a range depends on the sample."""
+    """Return why the values of a sample are refused, without numbers, since a stated range may differ between samples."""
     return _NUMBER.sub("#", f"{error.key}: {error.allowed or error.value}")
 
 
 def _solve_cases(cycle: DutyCycle, model: str, engine: str, wanted: Collection[str]) -> dict[str, Any]:
+    """Return status and outputs of a duty cycle; if a load case has no solution, its status."""
     solved = [solve_case(case.scene, model, engine, wanted) for case in cycle.cases]
     for case, (result, _) in zip(cycle.cases, solved, strict=True):
         if not result.converged:
@@ -462,7 +493,10 @@ def _solve_cases(cycle: DutyCycle, model: str, engine: str, wanted: Collection[s
 def solve_case(
     scene: Scene | Assembly, model: str, engine: str, wanted: Collection[str]
 ) -> tuple[StaticResult | AxisResult, dict[str, Any]]:
-    """Return result and outputs of one load case; several sets with `AXIS_COMPILED` balls or more by compiled kernels."""
+    """Return result and outputs of one load case.
+
+    A shaft with `AXIS_COMPILED` balls or more is solved by compiled kernels.
+    """
     if isinstance(scene, Assembly):
         kernels = "compiled" if scene.ball_count >= AXIS_COMPILED else engine
         found = run_model(scene, model, Options(engine=kernels))
@@ -478,9 +512,9 @@ def solve_batch(
     sweep: tuple[str, str, tuple[Vary, ...], str, str, tuple[str, ...]],
     batch: list[tuple[int, list[Any]]],
 ) -> tuple[list[Record], bool]:
-    """Return the records of a batch of samples, and whether they were appended to the folder here.
+    """Return the records of a batch of samples, and whether they were already appended to the sweep's folder.
 
-    A worker that does not see the folder, or whose run is over, does not write there and sends them back.
+    A worker that does not see the folder, or whose run is over, does not write there and only returns the records.
 
     Parameters
     ----------

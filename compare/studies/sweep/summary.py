@@ -27,18 +27,18 @@ from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly
 from rollbench.reports.content import Figure, Panel, Series
 
-#: Number of worst samples listed, of bins of a range in main effects; quantiles of the statistics.
+#: Number of worst samples that are listed; number of parts of a range for main effects; levels of the quantiles.
 WORST, BINS, LEVELS = 10, 8, (0.01, 0.05, 0.5, 0.95, 0.99)
 
-#: Number of resamples for confidence intervals, their level, and smallest number of base points for indices.
+#: Number of resamples for confidence intervals, level of these intervals, smallest number of base points for Sobol indices.
 RESAMPLES, CONFIDENCE, LEAST = 200, 0.95, 8
 
-#: Standard deviation over the mean below which an output is constant up to round-off.
+#: Standard deviation over the mean below which an output counts as constant.
 CONSTANT = 1e-9
 
 
 def summarise_sweep(sweep: Sweep, records: Mapping[int, Record]) -> dict[str, Any]:
-    """Return the summary of a sweep as JSON values; refusals are counted by reason, with one example each."""
+    """Return the summary of a sweep as JSON values; refused samples are counted by reason, with one example each."""
     rows = [records[n] for n in sorted(records)]
     good = converged_records(records)
     failed = [row for row in rows if row["status"] != CONVERGED]
@@ -52,7 +52,7 @@ def summarise_sweep(sweep: Sweep, records: Mapping[int, Record]) -> dict[str, An
         "solved": len(rows),
         "converged": len(good),
         "failures": [{"reason": first[reason], "samples": n} for reason, n in reasons.most_common()],
-        "outputs": {name: output_statistics(output_column(good, name)) for name in sweep.wanted},
+        "outputs": {name: output_statistics(output_column(good, name)) for name in sweep.wanted_outputs},
         "main_effects": main_effects(sweep.keys, good),
         "worst": sorted(good, key=lambda row: -row[MAIN])[:WORST],
         "indices": sobol_indices_by_output(sweep, records),
@@ -60,23 +60,26 @@ def summarise_sweep(sweep: Sweep, records: Mapping[int, Record]) -> dict[str, An
 
 
 def converged_records(records: Mapping[int, Record]) -> list[Record]:
-    """Return the converged records in order."""
+    """Return the records of converged samples in the order of their numbers."""
     return [records[n] for n in sorted(records) if records[n]["status"] == CONVERGED]
 
 
 def output_column(rows: Sequence[Record], name: str) -> Array:
-    """Return an output of all rows, (k,); nan if a row has none."""
+    """Return one output of several samples, (k,); nan for a sample without it."""
     return np.array([np.nan if row[name] is None else row[name] for row in rows], dtype=float)
 
 
 def input_values(keys: Sequence[Vary], rows: Sequence[Record]) -> Array:
-    """Return the values of the keys as numbers, (k, d) (see `Vary.number`)."""
-    found = [[vary.number(v) for vary, v in zip(keys, row["values"], strict=True)] for row in rows]
+    """Return the values of the varied keys in several samples as numbers, (k, d), see `Vary.as_number`."""
+    found = [[vary.as_number(v) for vary, v in zip(keys, row["values"], strict=True)] for row in rows]
     return np.array(found, dtype=float).reshape(len(rows), len(keys))
 
 
 def output_statistics(values: Array) -> dict[str, float] | None:
-    """Return mean with standard error, standard deviation, extremes and quantiles; None with fewer than two values."""
+    """Return mean with standard error, standard deviation, extremes and quantiles of an output.
+
+    None with fewer than two finite values.
+    """
     y = values[np.isfinite(values)]
     if y.size < 2:
         return None
@@ -87,7 +90,7 @@ def output_statistics(values: Array) -> dict[str, float] | None:
 
 
 def main_effects(keys: Sequence[Vary], rows: Sequence[Record]) -> dict[str, list[dict[str, float]]]:
-    """Return, for each key, the mean of `MAIN` in each part of its range, or at each value of its list.
+    """Return, for each varied key, the mean of `MAIN` in each part of its range, or at each value of its list.
 
     Rows have ``at`` (in the key's unit), ``mean``, ``standard_error`` and ``samples``.
     """
@@ -96,6 +99,10 @@ def main_effects(keys: Sequence[Vary], rows: Sequence[Record]) -> dict[str, list
 
 
 def _group_masks(vary: Vary, x: Array) -> list[NDArray[np.bool_]]:
+    """Return masks (k,) of the samples in each part of a key's range, or at each of its values.
+
+    ``x``: values of the key in the samples, (k,).
+    """
     distinct = np.unique(x)
     if distinct.size <= BINS or vary.choices:
         return [x == value for value in distinct]
@@ -104,6 +111,7 @@ def _group_masks(vary: Vary, x: Array) -> list[NDArray[np.bool_]]:
 
 
 def _group_mean(x: Array, y: Array) -> dict[str, float]:
+    """Return mean key value, mean output with its standard error, and number of samples of one group."""
     error = float(y.std(ddof=1) / np.sqrt(y.size)) if y.size > 1 else 0.0
     return {"at": float(x.mean()), "mean": float(y.mean()), "standard_error": error, "samples": int(y.size)}
 
@@ -111,8 +119,8 @@ def _group_mean(x: Array, y: Array) -> dict[str, float]:
 def sobol_indices_by_output(sweep: Sweep, records: Mapping[int, Record]) -> dict[str, Any]:
     """Return the Sobol indices of every output with `CONFIDENCE` intervals, or the reason why there are none.
 
-    For each output and key: first, first_low, first_high, total, total_low, total_high; None for a constant output. Used
-    are base points all of whose samples converged, the first of them that make a power of two.
+    For each output and key: first, first_low, first_high, total, total_low, total_high; None for a constant output. They
+    are computed from base points all of whose samples converged: the first of these, as many as make a power of two.
     """
     if sweep.method != "sobol":
         return {"none": f"a design by {sweep.method} gives no Sobol indices: sobol does"}
@@ -124,13 +132,17 @@ def sobol_indices_by_output(sweep: Sweep, records: Mapping[int, Record]) -> dict
         return {"none": f"{whole.size} base points of {n} have all their samples; {LEAST} are needed"}
     kept = whole[: 2 ** int(np.log2(whole.size))]
     found: dict[str, Any] = {"base_points": int(kept.size), "of": n, "confidence": CONFIDENCE, "outputs": {}}
-    for name in sweep.wanted:
+    for name in sweep.wanted_outputs:
         y = np.array([np.nan if row is None or row.get(name) is None else row[name] for row in rows], dtype=float)
         found["outputs"][name] = _indices_with_intervals(sweep.keys, y.reshape(d + 2, n)[:, kept], sweep.seed)
     return found
 
 
 def _indices_with_intervals(keys: Sequence[Vary], y: Array, seed: int) -> dict[str, dict[str, float]] | None:
+    """Return the Sobol indices of one output for each key, with intervals by resampling; None for a constant output.
+
+    ``y``: output at the base points A, at B, and at the mixtures of both, (d + 2, n).
+    """
     if not np.all(np.isfinite(y)) or y[:2].std() <= CONSTANT * abs(y[:2].mean()):
         return None
     n = y.shape[1]
@@ -149,7 +161,7 @@ def _indices_with_intervals(keys: Sequence[Vary], y: Array, seed: int) -> dict[s
 
 
 def _sobol_estimates(y: Array) -> tuple[Array, Array]:
-    """Return first and total indices (d,) from outputs (d + 2, n): at A, at B, at the mixtures."""
+    """Return first-order and total Sobol indices, each (d,), of an output (d + 2, n) at A, at B, and at their mixtures."""
     d = len(y) - 2
     mixtures = y[2:] if d > 1 else np.repeat(y[2:], 2, axis=0)  # scipy 1.17 fails for a single key: it is given twice
     found = sobol_indices(func={"f_A": y[:1], "f_B": y[1:2], "f_AB": mixtures[:, None, :]}, n=y.shape[1])
@@ -164,7 +176,7 @@ SEED = "errors.seed"
 
 
 def sweep_figures(name: str, keys: Sequence[Vary], found: Mapping[str, Any], rows: Sequence[Record]) -> list[Figure]:
-    """Return the figures of a sweep; none with fewer than two converged records."""
+    """Return the figures of a sweep; none with fewer than two converged samples."""
     if len(rows) < 2:
         return []
     shown, left = _keys_to_show(keys, found)
@@ -174,7 +186,7 @@ def sweep_figures(name: str, keys: Sequence[Vary], found: Mapping[str, Any], row
 def summary_figures(
     name: str, keys: Sequence[Vary], found: Mapping[str, Any], called: Callable[[Vary], str] = lambda vary: vary.name
 ) -> list[Figure]:
-    """Return the figures that need only the summary; ``called``: short names of the keys."""
+    """Return the figures that need only the summary of a sweep; ``called``: function for short names of the keys."""
     shown, left = _keys_to_show(keys, found)
     figures = [
         _effects_figure(name, [keys[k] for k in shown], found, left, called),
@@ -187,7 +199,7 @@ def summary_figures(
 def _keys_to_show(keys: Sequence[Vary], found: Mapping[str, Any]) -> tuple[list[int], str]:
     """Return the keys with the largest effect, as many as a figure has panels, and a sentence if some are left out.
 
-    A seed has no order, so no trend can be seen along it.
+    A seed of random errors is not shown, as there is no trend along it.
     """
     ordered = _keys_with_order(keys)
     shown = sorted(ordered, key=lambda k: -_effect_range(found["main_effects"][keys[k].key]))[:PANELS]
@@ -195,11 +207,12 @@ def _keys_to_show(keys: Sequence[Vary], found: Mapping[str, Any]) -> tuple[list[
 
 
 def _keys_with_order(keys: Sequence[Vary]) -> list[int]:
-    """Return the keys that have an order; a seed only if it is the only key."""
+    """Return the indices of keys whose values have an order; that of a seed only if there is no other key."""
     return [k for k, vary in enumerate(keys) if vary.key != SEED] or list(range(len(keys)))
 
 
 def _effect_range(groups: Sequence[Mapping[str, float]]) -> float:
+    """Return the difference between the largest and the smallest mean of a key's groups."""
     means = [g["mean"] for g in groups]
     return max(means) - min(means)
 
@@ -207,6 +220,7 @@ def _effect_range(groups: Sequence[Mapping[str, float]]) -> float:
 def _effects_figure(
     name: str, keys: Sequence[Vary], found: Mapping[str, Any], left: str, called: Callable[[Vary], str]
 ) -> Figure:
+    """Draw the main effects: mean of `MAIN` over each key, with its standard error."""
     panels = []
     for vary in keys:
         groups = found["main_effects"][vary.key]
@@ -222,6 +236,7 @@ def _effects_figure(
 
 
 def _scatter_figure(name: str, keys: Sequence[Vary], shown: Sequence[int], rows: Sequence[Record], left: str) -> Figure:
+    """Draw `MAIN` of single samples over each key."""
     some = list(rows[:: max(1, len(rows) // POINTS)])
     x, y = input_values(keys, some), output_column(some, MAIN)
     panels = tuple(
@@ -232,6 +247,7 @@ def _scatter_figure(name: str, keys: Sequence[Vary], shown: Sequence[int], rows:
 
 
 def _worst_figure(name: str, keys: Sequence[Vary], worst: Sequence[Record], called: Callable[[Vary], str]) -> Figure:
+    """Draw the positions of the keys in their ranges for the samples with the largest loads."""
     kept = _keys_with_order(keys)
     x, keys = input_values(keys, worst)[:, kept], [keys[k] for k in kept]
     low = np.array([1.0 if v.choices else v.low for v in keys])
@@ -249,6 +265,7 @@ def _worst_figure(name: str, keys: Sequence[Vary], worst: Sequence[Record], call
 def _indices_figure(
     name: str, keys: Sequence[Vary], indices: Mapping[str, Any], called: Callable[[Vary], str]
 ) -> Figure | None:
+    """Draw the Sobol indices of `MAIN` with their intervals; None without indices."""
     main = indices.get("outputs", {}).get(MAIN)
     if main is None:
         return None
@@ -270,7 +287,7 @@ def _indices_figure(
 def make_sweep(
     scene: str, vary: Sequence[str], samples: int, method: Method, seed: int, model: str, outputs: Sequence[str] = ()
 ) -> Sweep:
-    """Define a sweep.
+    """Define a sweep of a scene.
 
     Parameters
     ----------
@@ -288,7 +305,7 @@ def make_sweep(
     Returns
     -------
     Sweep
-        The sweep.
+        Definition of the sweep.
 
     Raises
     ------
@@ -305,7 +322,7 @@ def make_sweep(
 
 
 def solve_sweep(sweep: Sweep, out: Path, engine: Engine, step: Callable[[str], None]) -> dict[str, Any]:
-    """Solve missing samples, write the summary to the folder and return it; InputError as `run_samples`."""
+    """Solve the missing samples of a sweep, write its summary to the folder and return it; InputError as `run_samples`."""
     records = sweeping.run_samples(sweep, out, engine, step)
     found = summarise_sweep(sweep, records)
     write_results(sweep, records, found, out)
@@ -313,7 +330,7 @@ def solve_sweep(sweep: Sweep, out: Path, engine: Engine, step: Callable[[str], N
 
 
 def write_results(sweep: Sweep, records: Mapping[int, Record], found: Mapping[str, Any], out: Path) -> None:
-    """Write samples.csv, summary.json and the figures to the folder."""
+    """Write samples.csv, summary.json and the figures of a sweep to its folder."""
     replace_file(out / "samples.csv", samples_csv(sweep, records))
     replace_file(out / "summary.json", json.dumps(found, indent=1, ensure_ascii=False, allow_nan=False) + "\n")
     for figure in sweep_figures("sweep", sweep.keys, found, converged_records(records)):
@@ -321,13 +338,13 @@ def write_results(sweep: Sweep, records: Mapping[int, Record], found: Mapping[st
 
 
 def samples_csv(sweep: Sweep, records: Mapping[int, Record]) -> str:
-    """Return a row for each sample in order: number, values, status or reason, outputs."""
+    """Return the CSV text of a sweep, a row for each sample: number, values, status or reason, outputs."""
     text = io.StringIO()
     writer = csv.writer(text)
-    writer.writerow(["sample", *(v.key for v in sweep.keys), "status", *sweep.wanted, "at"])
+    writer.writerow(["sample", *(v.key for v in sweep.keys), "status", *sweep.wanted_outputs, "at"])
     for n in sorted(records):
         row = records[n]
-        kept = ["" if row.get(k) is None else row[k] for k in (*sweep.wanted, "at")]
+        kept = ["" if row.get(k) is None else row[k] for k in (*sweep.wanted_outputs, "at")]
         writer.writerow([n, *row["values"], row["status"], *kept])
     return text.getvalue()
 

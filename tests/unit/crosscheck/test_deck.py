@@ -209,8 +209,10 @@ def test_what_a_deck_cannot_say_is_refused(tmp_path):
     (support,) = scene.supports
     aside = replace(scene, balls=replace(scene.balls, azimuths=(0.0, 3.0)))
     loose = replace(scene, supports=(replace(support, fixed=tuple(x for x in support.fixed if x[0] != "uy")),))
-    halved = ((other, DeckOptions(half=True), "not its own mirror image") for other in (cut, aside, loose))
-    stations = r"a station at 0 mm; allowed: the ends of the 3D stretch, 381\.375 mm"
+    halved = (
+        (other, DeckOptions(half=True), "half: got a scene that is not symmetric to y = 0") for other in (cut, aside, loose)
+    )
+    stations = r"a support or load at 0 mm; allowed: the ends of the 3D stretch, 381\.375 mm"
     for bad, options, words in (
         (catalogue.scene("lin-case1"), COARSE, r"1 to 4 balls.*balls=3:5"),
         (replace(scene, errors=displaced), COARSE, "a displaced groove"),

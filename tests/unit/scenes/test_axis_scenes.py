@@ -154,7 +154,7 @@ def test_commands_work_or_say_why_not(command, small, tmp_path):
     by_offset = sorted(rows, key=lambda row: float(row["sets[0].offset"].split()[0]))
     assert float(by_offset[0]["largest_load_N"]) > float(by_offset[-1]["largest_load_N"])
     for tokens, why in (
-        (("solve", small, "--members", "3"), "nothing random"),
+        (("solve", small, "--members", "3"), "no random error"),
         (("solve", small, "--all"), "every set is built as its scene asks"),
         (("solve", small, "--member", "1"), "no set has random errors"),
         (("sweep", small, *vary[:-3], "mei", "--out", tmp_path / "t"), "refined, lin, lin-source-partition, lin-cell"),

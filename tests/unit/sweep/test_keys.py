@@ -11,11 +11,11 @@ def test_forms():
     )
     assert (one.key, one.low, one.high, one.unit, one.whole) == ("errors.balls.oversize", 0.0, 7.0, "um", False)
     assert (two.low, two.high, two.unit) == (1.0, 5.0, "kN")
-    assert [three.at(u) for u in (0.0, 0.34, 0.67, 1.0)] == [3, 4, 5, 5]
-    assert [four.at(u) for u in (0.0, 0.49, 0.5, 1.0)] == ["left", "left", "right", "right"]
-    assert (one.at(0.5), one.number("3.5 um"), four.number("right")) == ("3.5 um", 3.5, 2.0)
+    assert [three.value_at(u) for u in (0.0, 0.34, 0.67, 1.0)] == [3, 4, 5, 5]
+    assert [four.value_at(u) for u in (0.0, 0.49, 0.5, 1.0)] == ["left", "left", "right", "right"]
+    assert (one.value_at(0.5), one.as_number("3.5 um"), four.as_number("right")) == ("3.5 um", 3.5, 2.0)
     assert read_vary(["nut.conformity=0.52,0.56"])[0].choices == (0.52, 0.56), "as TOML reads them"
-    assert [three.number(4), one.number("1e-07 um"), one.number(" 2um ")] == [4.0, 1e-7, 2.0]
+    assert [three.as_number(4), one.as_number("1e-07 um"), one.as_number(" 2um ")] == [4.0, 1e-7, 2.0]
 
 
 @pytest.mark.parametrize(
@@ -65,7 +65,7 @@ def test_a_varied_key_takes_the_place_of_one_that_says_the_same(vary, gone):
     raw = scene_file.read_toml(template.ball_screw_text("40x10"), "my.toml")
     keys = read_vary([vary])
     assert [other for _, other in replaced_keys(raw, keys)] == gone
-    first, second = (scene_tables.read_tables(with_varied_keys(raw, keys, [v]), "my.toml") for v in keys[0].ends)
+    first, second = (scene_tables.read_tables(with_varied_keys(raw, keys, [v]), "my.toml") for v in keys[0].trial_values)
     assert first != second
     assert raw == scene_file.read_toml(template.ball_screw_text("40x10"), "my.toml"), "the scene itself stays"
 

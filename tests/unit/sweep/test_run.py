@@ -124,7 +124,7 @@ def test_what_is_stored_is_not_solved_again_but_torn_and_damaged_lines_are(tmp_p
 def test_a_folder_of_another_sweep_or_in_use_is_refused(tmp_path, monkeypatch):
     monkeypatch.setattr(sample, "PATIENCE", 0.05)
     run(tmp_path / "a")
-    for used, words in ((sample.take_folder, "under way"), (sample.hold_lock, "processes of an earlier run")):
+    for used, words in ((sample.take_folder, "a sweep that is running"), (sample.hold_lock, "processes of an earlier run")):
         with used(tmp_path / "a"), pytest.raises(InputError, match=words):
             run(tmp_path / "a")
     run(tmp_path / "a")
@@ -157,7 +157,9 @@ def test_failures_are_rows_with_their_reason_and_one_failure_a_reason(tmp_path):
 @pytest.mark.parametrize("samples", [4, 40])
 def test_a_sweep_whose_first_samples_are_all_refused_for_one_reason_stops(tmp_path, samples):
     sweep = make_sweep("lin-case1", ["balls.radius=3.3 mm:3.4 mm"], samples, "lhs", 0, "lin")
-    with pytest.raises(InputError, match=r"is refused for one reason, the last one so: lin-case1\.toml: .*allowed"):
+    with pytest.raises(
+        InputError, match=r"is refused for the same reason, the last one as follows: lin-case1\.toml: .*allowed"
+    ):
         sweeping.run_samples(sweep, tmp_path / "a", Engine(), print)
     assert not (tmp_path / "a").exists(), "the folder is free for the next one"
 

@@ -44,7 +44,7 @@ def _low(monkeypatch):
         name = scene.name.removesuffix(".toml")
         return {"torque N mm" if "rotary" in name else "force 1-2 N": LOW[name]}, 1e-3, "converged"
 
-    monkeypatch.setattr(rolling_rows, "low_order", low_order)
+    monkeypatch.setattr(rolling_rows, "solve_low_order", low_order)
 
 
 @pytest.mark.usefixtures("_low")
@@ -59,7 +59,7 @@ def test_section_shows_both_tables_beside_low_order_and_3d(monkeypatch):
     )
     series = (RunFromRest(10, (0.01, 0.02), (0.0, 4.0), ((0.005, 0.004), (0.005, 0.005)), 4.0, 1.0, "converged"),)
     monkeypatch.setattr(rolling, "verifications", lambda **_: proof)
-    monkeypatch.setattr(rolling, "from_rest", lambda: series)
+    monkeypatch.setattr(rolling, "runs_from_rest", lambda: series)
     values = dict.fromkeys(NAMES, 1.0)
     monkeypatch.setattr(
         rolling, "find_body_sizes", lambda _, **__: StoredVariants((BodyVariant("as shipped", values),), "Kept.")
@@ -68,7 +68,7 @@ def test_section_shows_both_tables_beside_low_order_and_3d(monkeypatch):
     field = PatchField("one", at, 1e-2 * at, 1e12 * at, np.array([True, False, False, False]), (1e-5, 1e-5))
     monkeypatch.setattr(rolling, "patch_fields", lambda: (field,))
     beyond = ChoiceEffect("lin-pair-a", "grid", "finer", 0.5, 0.4)
-    monkeypatch.setattr(rolling, "grid_changes", lambda *_: (beyond, replace(beyond, change=0.3)))
+    monkeypatch.setattr(rolling, "effects_of_choices", lambda *_: (beyond, replace(beyond, change=0.3)))
     section = rolling.make_section(Study(), lambda _: None)
     tables = {item.name: item for item in section.items if hasattr(item, "rows")}
     assert tables["rolling-verification"].rows[0]["verdict"] == "reached"
