@@ -193,12 +193,12 @@ from time import time
 from rollbench.meshes.processes import one_thread
 one_thread()
 import json
-from rollbench.compare.reference.computing import compute
+from rollbench.compare.reference.computing import compute_runs
 from rollbench.compare.reference.tasks import Task
 from rollbench.compare.scenes import catalogue
 from rollbench.compare.running import cores
 ask = json.loads({ask!r})
-(run,) = compute(Task((catalogue.scene(ask["scene"]),), ask["level"], processes=cores()))
+(run,) = compute_runs(Task((catalogue.scene(ask["scene"]),), ask["level"], processes=cores()))
 contacts = int((run.load > 0.0).sum())
 own = {{"memory": run.peak_MB, "status": run.status, "contacts": contacts, "load_case": run.solve_seconds}}
 print(json.dumps({{"done": time(), "stages": run.stages, **own}}))

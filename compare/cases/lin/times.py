@@ -42,8 +42,8 @@ CALLS = {
         "from rollbench.compare.running import cores\n"
         "from rollbench.compare.scenes.catalogue import case\n"
         "from rollbench.compare.scenes.friction_kinds.common import KindScene\n"
-        "from rollbench.compare.studies.rolling.runs import compute",
-        "compute(case({name!r}, KindScene), {level}, processes=cores())",
+        "from rollbench.compare.studies.rolling.runs import compute_run",
+        "compute_run(case({name!r}, KindScene), {level}, processes=cores())",
     ),
 }
 

@@ -13,11 +13,11 @@ from rollbench.meshes.shell import RESET, gmsh_session
 #: Sends this process what gmsh resets, in a session and after it, and counts what its own handlers are told.
 PROGRAM = """
 import os, signal
-from rollbench.meshes.shell import RESET, session
+from rollbench.meshes.shell import RESET, gmsh_session
 came, numbers = [], [getattr(signal, name) for name in RESET]
 for number in numbers:
     signal.signal(number, lambda n, _: came.append(n))
-with session():
+with gmsh_session():
     for number in numbers:
         os.kill(os.getpid(), number)
 for number in numbers:

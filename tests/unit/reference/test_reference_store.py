@@ -63,7 +63,7 @@ def test_key_follows_the_content_not_the_name(monkeypatch: pytest.MonkeyPatch) -
     for name, value in (
         ("versions", lambda: {"gmsh": "0", "scikit-fem": "0"}),
         ("SCHEMA", -1),
-        ("dimensions", lambda _: assumed),
+        ("solid_dimensions", lambda _: assumed),
     ):
         with monkeypatch.context() as patch:
             patch.setattr(store, name, value)

@@ -62,7 +62,7 @@ def test_section_shows_both_tables_beside_low_order_and_3d(monkeypatch):
     monkeypatch.setattr(rolling, "runs_from_rest", lambda: series)
     values = dict.fromkeys(NAMES, 1.0)
     monkeypatch.setattr(
-        rolling, "find_body_sizes", lambda _, **__: StoredVariants((BodyVariant("as shipped", values),), "Kept.")
+        rolling, "find_body_variants", lambda _, **__: StoredVariants((BodyVariant("as shipped", values),), "Kept.")
     )
     at = np.array([[0.0, 0.0], [1e-5, 0.0], [0.0, 1e-5], [1e-5, 1e-5]])
     field = PatchField("one", at, 1e-2 * at, 1e12 * at, np.array([True, False, False, False]), (1e-5, 1e-5))
