@@ -120,8 +120,9 @@ def cases(number: int) -> str:
 
 
 def said_of(words: str) -> str:
-    """The beginning of a status or refusal, of one that names a residual no more."""
-    return words.strip().partition(": ")[0] if words.startswith("not converged") else words.strip()[:90]
+    """The beginning of a status without its reason; of a refusal, its file and key."""
+    words = words.strip().partition(": got ")[0]
+    return words.partition(": ")[0] if words.startswith("not converged") else words[:90]
 
 
 def answered(text: str, *words: str) -> Found:

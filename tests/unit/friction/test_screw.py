@@ -110,7 +110,11 @@ def test_loads_are_the_least_energy(rng: np.random.Generator) -> None:
     state = cell_state(arrays)
 
     def energy_at(p, u):
-        return jit.kernels(jit.CONTACT, compiled=True).press(arrays, p, u, state) - np.sum(cell.push * p) - cell.force @ u
+        return (
+            jit.kernels(jit.CONTACT, compiled=True).contact_energy(arrays, p, u, state)
+            - np.sum(cell.push * p)
+            - cell.force @ u
+        )
 
     def energy(x):
         return energy_at(scale * x[:4].reshape(2, 2), scale * x[4:]) / (50.0 * scale)

@@ -13,7 +13,7 @@ from rollbench.compare.scenes import catalogue
 pytestmark = [pytest.mark.slow, pytest.mark.xdist_group("worked examples")]
 
 MODEL = """
-    Model("lin-rigid-screw", "lin with a rigid screw", "the source's model, screw rigid", "screw and nut rigid", _lin,
+    Model("lin-rigid-screw", "lin with a rigid screw", "the source's model, screw rigid", "screw and nut rigid", _solve_lin,
           compared=True, ingredients=(("screw", "rigid"),)),
 """
 PAPER_TEST = """

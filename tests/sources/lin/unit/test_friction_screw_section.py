@@ -47,7 +47,7 @@ def records() -> list[GroupResult]:
     with pytest.MonkeyPatch.context() as patch:
         for name, value in (("BALLS", (2, 5)), ("CHAIN_STARTS", 1), ("STARTS", 3)):
             patch.setattr(extremes, name, value)
-        for name in ("from_linear_starts", "from_pair_starts"):
+        for name in ("linear_solutions_from_starts", "pair_solutions_from_starts"):
             patch.setattr(extremes, name, every_fourth(getattr(extremes, name)))
         return friction_stability.all_group_results()
 
