@@ -77,7 +77,7 @@ def test_a_shaft_in_rollers_alone_answers_without_a_coefficient():
     assert low < 1e3 * sum(x.torque for x in by_hand) < high
     assert solve_axis(replace(axis, motion=None), LIN).data["drive"]["running_torque_Nmm"] is None
     assert solve_axis(replace(axis, friction=Friction(0.1, 0.1)), LIN).data["drive"] == found.data["drive"]
-    with pytest.raises(InputError, match="mu: got 0.1.*rollers"):
+    with pytest.raises(InputError, match=r"mu: got 0\.1.*rollers"):
         solve_axis(axis, Choices(model="lin", mu=(0.1,)))
 
 
@@ -136,7 +136,7 @@ def test_keys_of_an_axis_are_refused_with_what_to_do(tables, key, advice):
 
 def test_a_mass_needs_a_nut_and_a_lubricant_a_bearing():
     text = catalogue.scene_text("double-nut")
-    with pytest.raises(InputError, match="lubricant: got .*bearing"):
+    with pytest.raises(InputError, match=r"lubricant: got .*bearing"):
         scene_file.parse_scene(f'{text}\n[lubricant]\nviscosity = "27 mm2/s"\n', "mine.toml")
     support = catalogue.scene_text("smith-axis")
     with pytest.raises(InputError, match="nuts of one lead"):

@@ -87,7 +87,7 @@ def test_axes_are_solved_by_two_formulations_and_judged_by_what_shares_no_code(n
     ours, other = (extremes.attempt_case(case, f) for f in (extremes.ENERGY, extremes.FORCES))
     assert extremes.unexpected_attempts([ours, other]) == []
     assert ours.converged
-    assert other.converged or other.status.startswith("not attempted")
+    assert other.converged or (other.status.startswith("not attempted") and "roller" in other.status)
     assert check_axes.faults(case.scene, solve_assembly(case.scene, engine="compiled")) == ""
 
 
