@@ -227,7 +227,7 @@ def _render_item(item: Item, page: str, writer: _Writer) -> dict[str, Any]:
         if isinstance(item, Sketch):
             svg = sketch.draw_sketch(item)
         elif isinstance(item, Figure):
-            svg, narrow = figures.draw_figure(item), figures.draw_figure(figures.for_phone(item))
+            svg, narrow = figures.draw_figure(item), figures.draw_figure(figures.narrow_figure(item))
         else:
             svg, narrow = figures.draw_map(item), figures.draw_map(replace(item, columns=1, width=figures.PHONE))
         if narrow:

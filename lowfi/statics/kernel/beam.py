@@ -397,7 +397,7 @@ def move(given: Rows, state: RowState, workspace: RowWorkspace, t: float) -> Non
 
 @kernel
 def finish(given: Rows, state: RowState, options: Options, workspace: RowWorkspace) -> None:
-    """Do nothing: the last evaluation is final. (Minimisation calls this; other systems compute their contacts again.)"""
+    """Do nothing, because the last evaluation is final; other models than the beam complete their final state here."""
 
 
 @kernel

@@ -37,13 +37,11 @@ KEPT: float = system.KEPT
 energy_at = system.energy_at
 #: Write Newton's step to the workspace; return False if stiffness plus added diagonal [N/m] is not positive definite.
 find_step = system.find_step
-#: Return the largest unbalanced force, relative; the slope of the energy along the step [J]; the largest motion of a flank
-#: [m].
+#: Return the largest relative unbalanced force; the energy's slope along the step [J]; the largest motion of a flank [m].
 residual_at, slope_along, reach_of = system.residual_at, system.slope_along, system.reach_of
 #: Store the start of a line search; move to t times the step from there; complete the final state.
 keep, move, finish = system.keep, system.move, system.finish
-#: Return the smallest force [N] to divide residuals by; the largest displacement [m]; the largest net force on a ball,
-#: relative.
+#: Return the smallest force to divide residuals by [N]; the largest displacement [m]; the largest relative net ball force.
 least_force, furthest, unbalanced = system.least_force, system.furthest, system.unbalanced
 
 
