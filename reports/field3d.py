@@ -117,7 +117,7 @@ def _colour_limits(picture: FieldPicture) -> tuple[float, float] | None:
     return min(float(np.nanmin(v)) for v in shown), max(float(np.nanmax(v)) for v in shown)
 
 
-def _add_axes(picture: FieldPicture) -> tuple[Array, Array, Array]:
+def _picture_axes(picture: FieldPicture) -> tuple[Array, Array, Array]:
     """Return the picture's unit vectors to the right, upwards and towards the viewer, (3,) each."""
     sight = np.asarray(picture.sight, float) / np.linalg.norm(picture.sight)
     right = np.cross(np.asarray(picture.up, float), sight)
@@ -147,7 +147,7 @@ def _render_scene(picture: FieldPicture, path: str) -> None:
                 "log_scale": picture.log,
             }
         (_add_section if picture.section else _add_skin)(plotter, part, picture, look)
-    right, up, sight = _add_axes(picture)
+    right, up, sight = _picture_axes(picture)
     lights = ((sight + 0.9 * up - 0.4 * right, 0.75), (sight, 0.35), (sight + 1.5 * right, 0.25))
     set_view(plotter, MM * np.asarray(picture.focus, float), sight, up, MM * picture.height, lights)
     image = plotter.screenshot(None, return_img=True)
@@ -172,7 +172,7 @@ def _compose_picture(picture: FieldPicture, image: Any, limits: tuple[float, flo
     axes = figure.add_axes((0.0, 0.0, columns / SIZE[0], 1.0))
     axes.imshow(image, interpolation="none", aspect="auto", extent=(0.0, columns, 0.0, rows))
     axes.set_axis_off()
-    right, up, _ = _add_axes(picture)
+    right, up, _ = _picture_axes(picture)
     scale = rows / picture.height
     paper = {"facecolor": "white", "edgecolor": "none", "alpha": 0.85, "boxstyle": "round,pad=0.25"}
     for place, text in picture.words:

@@ -192,7 +192,7 @@ def _widen_axes(axes: Any, at: NDArray[np.float64], room: NDArray[np.float64], l
 
 
 @contextmanager
-def report_style(name: str) -> Iterator[None]:
+def own_style(name: str) -> Iterator[None]:
     """Apply the report's matplotlib settings inside a ``with`` block, independent of the user's own settings.
 
     name: name of the figure, from which matplotlib derives the identifiers in the SVG.
@@ -262,11 +262,11 @@ def draw_figure_and_canvas(figure: Figure) -> tuple[str, Canvas]:
             raise ValueError(f"figure {figure.name!r}, panel {panel.title!r}: {faults}")
     columns = max(1, min(figure.columns, len(figure.panels), 3))
     rows = math.ceil(len(figure.panels) / columns)
-    with report_style(figure.name):
+    with own_style(figure.name):
         canvas = Canvas(layout=ConstrainedLayoutEngine(w_pad=0.06, h_pad=0.05, wspace=0.03, hspace=0.05))
         svg = FigureCanvasSVG(canvas)
         orders = _style_numbers(figure.panels)
-        shared = len(figure.panels) > 1 and _have_same_labels(figure.panels)
+        shared = len(figure.panels) > 1 and _same_labels(figure.panels)
         legends = 0
         narrow = figure.size is not None and figure.size[0] < NARROW
         for number, (panel, order) in enumerate(zip(figure.panels, orders, strict=True), start=1):
@@ -304,7 +304,7 @@ def draw_map(item: PressureMap) -> str:
     spans = [max(float(np.ptp(getattr(p, k))) for p in item.panels) for k in ("x", "y")]
     top = max(float(np.max(panel.values)) for panel in item.panels)
     levels = MaxNLocator(nbins=10, steps=[1, 2, 2.5, 5, 10]).tick_values(0.0, top)
-    with report_style(item.name):
+    with own_style(item.name):
         canvas = Canvas(layout=ConstrainedLayoutEngine(w_pad=0.06, h_pad=0.05, wspace=0.03, hspace=0.05))
         FigureCanvasSVG(canvas)
         filled: Any = None
@@ -376,7 +376,7 @@ def _style_numbers(panels: Sequence[Panel]) -> list[dict[str, int]]:
     return orders
 
 
-def _have_same_labels(panels: Sequence[Panel]) -> bool:
+def _same_labels(panels: Sequence[Panel]) -> bool:
     """Return whether the curves of all panels have the same labels, so that one legend is enough."""
     return len({tuple(series.label for series in panel.series) for panel in panels}) == 1
 
@@ -431,8 +431,8 @@ def _draw_series(axes: Any, series: Series, number: int) -> None:
     bars = zip(("lower error bars", "upper error bars"), series.bars or (), strict=False)
     for what, values in (("texts", series.texts), ("names", series.names), *bars):
         if len(values) not in (0, len(series.x)):
-            raise ValueError(f"curve {series.label!r}: got {len(values)} {what}; allowed: one for each of {len(series.x)}
-            points")
+            allowed = f"one for each of the {len(series.x)} points"
+            raise ValueError(f"curve {series.label!r}: got {len(values)} {what}; allowed: {allowed}")
     x, y = np.asarray(series.x, float), np.asarray(series.y, float)
     colour = PALETTE[number % len(PALETTE)]
     marker = MARKERS[(number + number // len(PALETTE)) % len(MARKERS)]

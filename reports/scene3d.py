@@ -181,7 +181,7 @@ def _nut_surfaces(scene: Scene, coarse: float = 1.0) -> tuple[list[Grid], list[G
     return body, [between((0, everywhere)), between((-1, everywhere))]
 
 
-def contact_directions() -> tuple[Array, Array]:
+def viewer_axes() -> tuple[Array, Array]:
     """Return two unit vectors across the axis: towards the viewer, and upwards in the picture."""
     cosine, sine = np.cos(_VIEW), np.sin(_VIEW)
     return np.array([cosine, sine, 0.0]), np.array([sine, -cosine, 0.0])
@@ -189,7 +189,7 @@ def contact_directions() -> tuple[Array, Array]:
 
 def view_direction() -> Array:
     """Return the unit vector from the nut to the viewer: from the open side, slightly above and to the right."""
-    outward, upward = contact_directions()
+    outward, upward = viewer_axes()
     eye: Array = outward + 0.22 * upward + 0.34 * np.array([0.0, 0.0, 1.0])
     return eye / float(np.linalg.norm(eye))
 
@@ -317,7 +317,7 @@ def _add_forces(plotter: Any, picture: LoadedScrew) -> None:
 
 def _set_view(plotter: Any, picture: LoadedScrew) -> None:
     """Set camera and lights of the plotter, and add the triad of axes."""
-    outward, upward = contact_directions()
+    outward, upward = viewer_axes()
     extent = 1e3 * max(picture.scene.nut.outer_diameter, 1.6 * picture.scene.nut.length * SIZE[1] / SIZE[0])
     focus = np.array([0.0, 0.0, picture.scene.nut.position * 1e3]) - 0.05 * extent * upward
     above = outward + 1.4 * upward - np.array([0.0, 0.0, 0.6])

@@ -133,7 +133,7 @@ def _draw_nut(scene: Scene, scale: _Scale) -> Iterator[str]:
     """Draw the nut in section, its flange, hatching where it is fixed, and its length above."""
     ends = drawn_faces(scene)
     low, high = map(scale.x, ends)
-    held, outside = _draw_fixed_faces(scene, *ends)
+    held, outside = _fixed_nut_faces(scene, *ends)
     inner, outer = scene.track.pitch_radius, scene.nut.outer_diameter / 2.0
     thick = scale.per_metre * (outer - inner)
     for side in (-1.0, 1.0):
@@ -179,16 +179,16 @@ def _draw_acting_loads(scene: Scene, scale: _Scale, below: float) -> Iterator[st
         x, hidden = scale.x(support.at), low <= support.at <= high
         if not hidden:
             yield f'<path d="M {x:.1f} {edge:.1f} l -7 12 h 14 z" fill="{FRAME}" stroke="{INK}" stroke-width="0.8"/>'
-        for n, word in enumerate(_draw_support(support.fixed)):
+        for n, word in enumerate(_support_texts(support.fixed)):
             down = n * 1.2 * TEXT
             if hidden:
                 yield _text_element(scale.x(high) + 30.0, scale.middle + 4.0 + down, f"shaft: {word}", "start")
             else:
-                yield _text_element(_background_behind_text(x, word), edge + 25.0 + down, word)
+                yield _text_element(_clamp_text_position(x, word), edge + 25.0 + down, word)
     above = scale.y(scene.screw.outer_diameter / 2.0)
     count: dict[float, int] = {}
     for load in scene.loads:
-        at, words, (lateral, _, axial) = load.at, _draw_load(load.force, load.moment), load.force
+        at, words, (lateral, _, axial) = load.at, _load_text(load.force, load.moment), load.force
         n = count[at] = count.get(at, -1) + 1
         hidden = low <= at <= high
         x, top = (scale.x(low) - 22.0, scale.middle) if hidden else (scale.x(at), above)
@@ -203,13 +203,13 @@ def _draw_acting_loads(scene: Scene, scale: _Scale, below: float) -> Iterator[st
             yield _text_element(x - 40.0, scale.middle + 4.0 + n * 1.2 * TEXT, words, "end", FORCE)
         else:
             up = 40.0 if lateral else 10.0
-            yield _text_element(_background_behind_text(x, words), above - up - n * 1.2 * TEXT, words, colour=FORCE)
+            yield _text_element(_clamp_text_position(x, words), above - up - n * 1.2 * TEXT, words, colour=FORCE)
     shaft = "screw" if scene.track.lead else "inner ring"
     words = f"{shaft} {1e3 * scene.screw.length:.4g} mm, Ø {1e3 * scene.screw.outer_diameter:.4g}"
     yield from _dimension_line(x0, x1, below + 2.0 * TEXT, words)
 
 
-def _draw_fixed_faces(scene: Scene, low: float, high: float) -> tuple[list[tuple[float, float, float]], bool]:
+def _fixed_nut_faces(scene: Scene, low: float, high: float) -> tuple[list[tuple[float, float, float]], bool]:
     """Return rings (station, inner, outer radius) [m] where the nut is fixed, and whether its outside is fixed."""
     solid = solid_dimensions(scene)
     if solid.nut_held.startswith("outer surface"):
@@ -220,7 +220,7 @@ def _draw_fixed_faces(scene: Scene, low: float, high: float) -> tuple[list[tuple
     return [(face, *solid.held_radii) for face in faces], False
 
 
-def _draw_support(fixed: tuple[tuple[str, float], ...]) -> Iterator[str]:
+def _support_texts(fixed: tuple[tuple[str, float], ...]) -> Iterator[str]:
     """Yield texts with a support's fixed freedoms and its prescribed displacements."""
     held = " ".join(freedom for freedom, value in fixed if value == 0.0)
     if held:
@@ -231,7 +231,7 @@ def _draw_support(fixed: tuple[tuple[str, float], ...]) -> Iterator[str]:
             yield f"{freedom} = {1e3 * value:.4g} mrad" if turned else f"{freedom} = {value / MICRO:.4g} µm"
 
 
-def _draw_load(force: tuple[float, float, float], moment: tuple[float, float, float]) -> str:
+def _load_text(force: tuple[float, float, float], moment: tuple[float, float, float]) -> str:
     """Return a text with the components of force and moment of a load that are not zero."""
     forces = [
         f"F{axis} {value / KILO:.4g} kN" if abs(value) >= KILO else f"F{axis} {value:.4g} N"
@@ -241,7 +241,7 @@ def _draw_load(force: tuple[float, float, float], moment: tuple[float, float, fl
     return ", ".join([*forces, *(f"M{axis} {value:.4g} N m" for axis, value in zip("xyz", moment, strict=True) if value)])
 
 
-def _background_behind_text(x: float, words: str) -> float:
+def _clamp_text_position(x: float, words: str) -> float:
     """Return the abscissa [pixels] near ``x`` at which a centred text stays on the drawing."""
     half = 0.27 * TEXT * len(words)
     return min(max(x, half + 2.0), WIDTH - half - 2.0)

@@ -71,7 +71,7 @@ def _viewer_file(name: str) -> str:
 
 def _view_sight() -> dict[str, list[float]]:
     """Return the directions to the viewer and upwards, by the names that the viewer's script uses."""
-    return {"sight": scene3d.view_direction().tolist(), "up": scene3d.contact_directions()[1].tolist()}
+    return {"sight": scene3d.view_direction().tolist(), "up": scene3d.viewer_axes()[1].tolist()}
 
 
 def _case_data(case: CaseView, surfaces: dict[str, int]) -> dict[str, Any]:

@@ -27,7 +27,7 @@ def words_of(svg):
 
 REFUSED = [
     (Series("s", [1], [1], "dots"), "", r"styles \['dots'\]"),
-    (Series("s", [1], [1]), "z", "log is 'z'"),
+    (Series("s", [1], [1]), "z", "log .z."),
     (Series("s", [1.0, 2.0], [1.0, 2.0], "markers", bars=([0.5], [1.5])), "", "error bars"),
 ]
 
