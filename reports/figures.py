@@ -206,16 +206,16 @@ def own_style(name: str) -> Iterator[None]:
 def narrow_figure(figure: Figure) -> Figure:
     """Return a copy of a figure for a phone, `PHONE` inches wide, with panels in one column and long labels wrapped."""
 
-    def lines(text: str, length: int) -> str:
+    def wrap_label(text: str, length: int) -> str:
         return textwrap.fill(text, length, break_long_words=False)
 
     panels = [
         replace(
             panel,
-            title=lines(panel.title, 44),
-            xlabel=lines(panel.xlabel, 44),
-            ylabel=lines(panel.ylabel, 32),
-            series=[replace(series, label=lines(series.label, 40)) for series in panel.series],
+            title=wrap_label(panel.title, 44),
+            xlabel=wrap_label(panel.xlabel, 44),
+            ylabel=wrap_label(panel.ylabel, 32),
+            series=[replace(series, label=wrap_label(series.label, 40)) for series in panel.series],
         )
         for panel in figure.panels
     ]

@@ -77,11 +77,11 @@ class _Writer:
     def linked(self, text: str) -> Markup:
         """Return a text as HTML, in which references such as "table NAME" or "figure NAME" are links."""
 
-        def link(found: re.Match[str]) -> str:
+        def link_reference(found: re.Match[str]) -> str:
             place = self.places.get(found[2])
             return found[0] if place is None else f'{found[1]} <a href="{place}">{found[2]}</a>'
 
-        return Markup(_NAMED.sub(link, str(escape(typeset_text(text)))))
+        return Markup(_NAMED.sub(link_reference, str(escape(typeset_text(text)))))
 
 
 def load_templates() -> Environment:
@@ -349,12 +349,12 @@ def write_report(report: Report, out: Path, progress: Progress | None = None) ->
     """
     _check_names(report)
 
-    def make(folder: Path) -> None:
+    def fill_folder(folder: Path) -> None:
         for name in ("tables", "figures"):
             (folder / name).mkdir()
         write_pages(report, folder, progress or (lambda _: None))
 
-    return replace_folder(out, make) / "index.html"
+    return replace_folder(out, fill_folder) / "index.html"
 
 
 def replace_folder(out: Path, make: Callable[[Path], None]) -> Path:

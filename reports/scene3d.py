@@ -185,16 +185,16 @@ def _nut_surfaces(scene: Scene, coarse: float = 1.0) -> tuple[list[Grid], list[G
     outer = np.full_like(inner, scene.nut.outer_diameter / 2.0)
     share = np.linspace(0.0, 1.0, 8)
 
-    def between(index: Any) -> Grid:
-        """Return the flat face from the bore to the outer diameter along one edge of the grid."""
+    def radial_face(index: Any) -> Grid:
+        """Return the flat face of the nut, from bore to outer diameter, at one edge of its surface grid (``index``)."""
         wall = inner[index][:, None] * (1.0 - share) + outer[index][:, None] * share
         flat = np.zeros_like(wall)
         return wall, phi[index][:, None] + flat, z[index][:, None] + flat
 
     everywhere = slice(None)
     body = [(inner, phi, z), (outer, phi, z)]
-    body += [between((everywhere, 0)), between((everywhere, -1))]
-    return body, [between((0, everywhere)), between((-1, everywhere))]
+    body += [radial_face((everywhere, 0)), radial_face((everywhere, -1))]
+    return body, [radial_face((0, everywhere)), radial_face((-1, everywhere))]
 
 
 def viewer_axes() -> tuple[Array, Array]:

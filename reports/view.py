@@ -182,7 +182,7 @@ def _set_data(one: SetView) -> dict[str, Any]:
 
 
 def _cone_apex(thrust: str) -> float:
-    """Return the direction along z in which the apex of tapered rollers lies: 1 if they carry thrust in +z, otherwise -1."""
+    """Return the direction along z in which the apex of tapered rollers lies: 1 if they carry thrust in +z, else -1."""
     return 1.0 if thrust == "+z" else -1.0
 
 
@@ -226,7 +226,9 @@ def _roller_surfaces(row: RollerRow, position: float, sign: float) -> dict[str, 
 def _packed_numbers(values: Array) -> Any:
     """Return an array as nested lists of numbers with six significant digits; nan and infinity become None."""
 
-    def one(value: Any) -> Any:
-        return [one(x) for x in value] if isinstance(value, list) else float(f"{value:.6g}") if np.isfinite(value) else None
+    def rounded(value: Any) -> Any:
+        if isinstance(value, list):
+            return [rounded(x) for x in value]
+        return float(f"{value:.6g}") if np.isfinite(value) else None
 
-    return one(np.asarray(values).tolist())
+    return rounded(np.asarray(values).tolist())
