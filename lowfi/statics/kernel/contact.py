@@ -58,9 +58,9 @@ def contact_law(delta: float, c: float, e: float, h: float) -> tuple[float, floa
 
 @kernel
 def turning(c: float, e: float, h: float) -> float:
-    """Return the cube root x of the force at which `contact_law` is continued by another law; 0 if there is no such force.
+    """Return the cube root of the force [N^(1/3)] above which `contact_law` is continued by another law; 0 if none.
 
-    It is the smallest x > 0 [N^(1/3)] with 3 e x + 4 h x^2 = -C.
+    It is the smallest x > 0 with 3 e x + 4 h x^2 = -C, where the law is delta = C x^2 + e x^3 + h x^4.
     """
     root = 9.0 * e * e - 16.0 * h * c
     if root < 0.0 or (e >= 0.0 and h >= 0.0):
@@ -107,8 +107,8 @@ def flank(
     centre [m]; r_ball: ball radius [m]; sx, sz: signs of the contact direction.
 
     The approach is delta = r_ball - d, with the signed distance d of the ball's centre from the flank. m is the outward
-    unit normal. The curvature term is kt = 1/(R_c - d), with the radius of curvature R_c of the flank. By w, delta has the
-    gradient m and the Hessian kt t t^T, t normal to m.
+    unit normal. The curvature term is kt = 1/(R_c - d), with the radius of curvature R_c of the flank. The derivatives of
+    delta by w are the gradient m and the Hessian kt t t^T, with the tangent t normal to m.
     """
     ux, uz = sx * (wx0 + mx), sz * (wz0 + mz)
     gamma = atan2(uz, ux)

@@ -60,7 +60,10 @@ def body_motion(bodies: Bodies, phi: Array, out: Array) -> None:
 
 @kernel
 def couple(bodies: Bodies, rows: BallRows, M: Array) -> None:
-    """Write the matrix M (q, q) = I + S G S^T of Newton's equations (1): ball stiffness S^T S and body compliance G."""
+    """Write the matrix M (q, q) = I + S G S^T, with which a Newton step for the contact forces is solved.
+
+    G is the compliance matrix of the elastic bodies. S are the rows by which S^T S is the stiffness matrix of the balls.
+    """
     half = rows.S.shape[2] // (2 if bodies.second.shape[0] else 1)
     M[:] = np.eye(M.shape[0])
     add_body(bodies.first, rows, 0, half, M)
@@ -70,9 +73,10 @@ def couple(bodies: Bodies, rows: BallRows, M: Array) -> None:
 
 @kernel
 def add_body(G: Array, rows: BallRows, first: int, width: int, M: Array) -> None:
-    """Add S G S^T of one body to M: the rows S of the balls' stiffness times the body's compliance G [m/N].
+    """Add S G S^T of one elastic body to the matrix M of the Newton step for the contact forces.
 
-    Of the flank motions of each ball, those with the indices ``first`` to ``first + width - 1`` are motions of this body.
+    G [m/N] is the body's compliance matrix. S are the rows by which S^T S is the stiffness matrix of the balls. Of the
+    flank motions of each ball, those with the indices ``first`` to ``first + width - 1`` are motions of this body.
     """
     S, counts, starts = rows
     moved = np.empty((M.shape[0], G.shape[0]))
@@ -128,11 +132,12 @@ def forces_of_rows(rows: BallRows, u: Array, out: Array) -> None:
 
 @kernel
 def border(R: Array, rows: BallRows, L: Array, u: Array, target: Array, hold: float, out: Array) -> bool:
-    """Solve for the amplitudes of the free motions of the bodies, which only the contacts resist.
+    """Solve for the amplitudes of the free motions of the bodies, which only the contacts resist, in a Newton step.
 
-    Writes the amplitudes a (k,) [m] of the free motions R (N, d, k) to ``out``, such that (S R)^T u = target (k,). On entry
-    u is M^-1 b; on return it is M^-1 (b + S R a). L is the Cholesky factor of M, and ``hold`` [N/m] is a stiffness that is
-    added to the free motions. Returns False if some free motion meets no resistance.
+    M is the matrix of the Newton step without free motions, and S are the rows of the balls' stiffness S^T S. Writes the
+    amplitudes a (k,) [m] of the free motions R (N, d, k) to ``out``, such that (S R)^T u = target (k,). On entry u is M^-1
+    b; on return it is M^-1 (b + S R a). L is the Cholesky factor of M, and ``hold`` [N/m] is a stiffness that is added to
+    the free motions. Returns False if some free motion meets no resistance.
     """
     k, total = R.shape[2], u.shape[0]
     plain, Z = np.empty((k, total)), np.empty((k, total))
@@ -271,7 +276,7 @@ def pair_balls(v: Array, contacts: BallContacts, contact: Array, f: Array) -> tu
 def evaluate_balls(v: Array, contacts: BallContacts, state: BodyState, f: Array) -> tuple[float, float]:
     """Write the forces f [N] of all rolling elements for flank motions v [m]; return energy [J] and largest force [N].
 
-    Uses the closed form `pair_balls` where v has two columns (one pair of flanks a ball), otherwise `full_balls`.
+    Uses the closed form `pair_balls` where v has two columns (one pair of flanks per ball), otherwise `full_balls`.
     """
     if v.shape[1] == 2:
         return pair_balls(v, contacts, state.contact[:, 0], f)
@@ -311,10 +316,16 @@ KEPT = 0.0
 
 @kernel
 def solve_rows(bodies: Bodies, rows: BallRows, target: Array, hold: float, u: Array, a: Array) -> bool:
-    """Solve Newton's equations (1) for u and the amplitudes a (k,) of the free motions.
+    """Solve the equations of a Newton step for the contact forces and the free motions of the elastic bodies.
 
-    The equations are (I + S G S^T) u - S R a = b and (S R)^T u + hold a = target. ``u`` holds b on entry and the solution
-    on return; hold [N/m]: stiffness added to the free motions. Returns False if the matrix is not positive definite.
+    G is the compliance matrix of the bodies, S are the rows of the balls' stiffness S^T S, and R are the free motions with
+    the amplitudes a (k,). The equations are
+
+        (I + S G S^T) u - S R a = b,    (S R)^T u + hold a = target.
+
+    The new contact forces are f - S^T u, where f are the forces of the balls before the step. ``u`` holds b on entry and
+    the solution on return; hold [N/m]: stiffness added to the free motions. Returns False if the matrix is not positive
+    definite.
     """
     M = np.empty((u.shape[0], u.shape[0]))
     couple(bodies, rows, M)
@@ -326,7 +337,7 @@ def solve_rows(bodies: Bodies, rows: BallRows, target: Array, hold: float, u: Ar
 
 @kernel
 def add_free(R: Array, a: Array, out: Array) -> None:
-    """Add to ``out`` (N, d) [m] the flank motions R a that the free motions of amplitudes a (k,) of the bodies cause."""
+    """Add to ``out`` (N, d) [m] the flank motions R a caused by free motions of the bodies with the amplitudes a (k,)."""
     for c in range(a.shape[0]):
         out += a[c] * R[:, :, c]
 
@@ -448,10 +459,11 @@ def move(given: BodySystem, state: BodyState, workspace: BodyWorkspace, t: float
 
 @kernel
 def finish(given: BodySystem, state: BodyState, options: Options, workspace: BodyWorkspace) -> None:
-    """Compute the final contacts once from the forces and once from the summed steps; use the smaller residual.
+    """Compute the final contacts from the flank motions with less round-off.
 
-    The flank motions summed over the Newton steps carry their round-off. Motions computed anew as G phi carry more of it
-    only where the bodies bend much under contact forces that almost cancel.
+    The motions are known in two ways: summed over all Newton steps, and computed anew from the contact forces as G phi. The
+    second has more round-off where the bodies bend much under contact forces that almost cancel. The motions that give the
+    smaller residual are used.
     """
     v, residual = workspace.v.copy(), residual_at(given, state, options, workspace, 1.0)
     place_flanks(given.bodies, state, workspace.g, workspace.v)

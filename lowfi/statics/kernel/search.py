@@ -35,8 +35,8 @@ FALLS = 1e-6
 def first_trial(energy: float, slope: float, limit: float) -> Trial:
     """Return the first trial of a line search: the whole Newton step, or the longest step that ``limit`` allows.
 
-    energy, slope < 0: energy [J] and its slope along the step at the start of the search. limit: largest step length; a
-    longer step would carry flanks past their balls and give no information on the contacts.
+    energy, slope: energy [J] at the start of the search and its negative slope along the step. limit: largest step length;
+    a longer step would carry flanks past their balls and give no information on the contacts.
     """
     return Trial(energy, slope, limit, 0.0, 0.0, min(1.0, limit), 0)
 
