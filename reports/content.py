@@ -18,7 +18,9 @@ from rollbench.reports.quantity import Quantity as Quantity
 
 #: Value of one cell of a table; None for an empty cell.
 Cell = str | float | int | bool | None
+#: One value per node or point, as a list or an array.
 Numbers = Sequence[float] | NDArray[np.float64]
+#: Several values per node or element, as nested lists or an array.
 Rows = Sequence[Sequence[float]] | NDArray[np.float64] | NDArray[np.int64]
 
 
