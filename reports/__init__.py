@@ -1,1 +1,1 @@
-"""Draws and writes reports from plain records; imports no model."""
+"""Draw reports from records of tables, figures and texts, and write them as web pages; imports no model."""

@@ -1,4 +1,4 @@
-"""Text of table cells, for pages and for CSV, and the alignment of columns."""
+"""Convert the values of table cells to text, for web pages and CSV files, and choose the alignment of columns."""
 
 from __future__ import annotations
 
@@ -10,23 +10,23 @@ from typing import Any
 
 from rollbench.reports.content import Cell, Quantity, Table
 
-#: Length of a cell's text [characters] above which it counts as long, and up to which it stays on one line ("31 SL").
+#: Number of characters above which a cell's text gets a wide column, and up to which it is kept on one line ("31 SL").
 LONG, SHORT = 90, 9
 _SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 _NUMBER = re.compile(r"[+−-]?\d[\d., ]*(?:[eE][+-]?\d+)?")
 
 
 def write_csv(table: Table, path: Path) -> None:
-    """Write a table as CSV (RFC 4180).
+    """Write a table to a CSV file (RFC 4180).
 
-    The header is ``label [unit]``, numbers have all digits, ``None`` is empty.
+    The heading of a column is ``label [unit]``. Numbers are written with all digits, and ``None`` as an empty cell.
 
     Parameters
     ----------
     table
-        The table.
+        Table to write.
     path
-        The file.
+        CSV file to write.
     """
     with open(path, "w", encoding="utf-8", newline="") as stream:
         writer = csv.writer(stream)
@@ -36,20 +36,20 @@ def write_csv(table: Table, path: Path) -> None:
 
 
 def format_cell(value: Cell, form: str = "g4") -> str:
-    """Return the text of a cell for a page.
+    """Return the value of a table cell as text for a web page.
 
     Parameters
     ----------
     value
-        ``None`` becomes a dash, booleans yes or no; integers keep all digits.
+        Value of the cell. ``None`` becomes a dash, a boolean "yes" or "no", and an integer is written with all digits.
     form
-        ``"g4"`` for four significant digits (any number after the g), ``"s"`` for text as it is, or a format specification
-        of Python such as ``".2f"``.
+        Number format: ``"g4"`` for four significant digits (or another number after the g), ``"s"`` for text that is not
+        changed, or a format specification of Python such as ``".2f"``.
 
     Returns
     -------
     str
-        The text.
+        Text of the cell, with typographic minus and powers of ten.
 
     Examples
     --------
@@ -77,7 +77,7 @@ def format_cell(value: Cell, form: str = "g4") -> str:
 
 
 def _significant_digits(value: float, digits: int) -> str:
-    """Return a number as text with ``digits`` significant digits; as a power of ten if very small or large."""
+    """Return a number as text with ``digits`` significant digits; a very small or large number with a power of ten."""
     if value == 0.0:
         return "0"
     mantissa, exponent = f"{value:.{digits - 1}e}".split("e")
@@ -88,12 +88,12 @@ def _significant_digits(value: float, digits: int) -> str:
 
 
 def _plain_text(value: Any) -> Any:
-    """Return a numpy scalar as a Python number; any other value unchanged."""
+    """Return a numpy scalar as a number of Python, and any other value unchanged."""
     return value.item() if hasattr(value, "item") else value
 
 
 def _csv_cell(value: Cell) -> str:
-    """Return the text of a cell for CSV."""
+    """Return the value of a table cell as text for a CSV file: all digits, ``true`` or ``false``, empty for None."""
     value = _plain_text(value)
     if value is None:
         return ""
@@ -103,7 +103,7 @@ def _csv_cell(value: Cell) -> str:
 
 
 def escape_formula(text: str) -> str:
-    """Return the text of a CSV cell, with an apostrophe before what a spreadsheet would run as a formula.
+    """Return the text of a CSV cell, with an apostrophe in front if a spreadsheet would otherwise run it as a formula.
 
     Examples
     --------
@@ -115,7 +115,7 @@ def escape_formula(text: str) -> str:
 
 
 def micro_sign(text: str) -> str:
-    """Return a text with the unit um written as µm.
+    """Return a text in which the unit "um" is replaced by "µm".
 
     Examples
     --------
@@ -126,7 +126,7 @@ def micro_sign(text: str) -> str:
 
 
 def typeset_text(text: str) -> str:
-    """Return a text with typographic signs for a page: µm for um, minus, ± for +-, no-break space before per cent.
+    """Return a text with typographic signs for a web page: µm for um, − for a minus, ± for +-, a no-break space before %.
 
     Examples
     --------
@@ -138,7 +138,7 @@ def typeset_text(text: str) -> str:
 
 
 def filled_table(table: Table) -> tuple[list[Quantity], list[str]]:
-    """Return the columns of a table that have a value in some row, and the headings of the empty columns."""
+    """Return the columns of a table that have a value in at least one row, and the headings of the empty columns."""
     empty = [
         c for c in table.columns if table.rows and all(_plain_text(row.get(c.key)) in (None, "") for row in table.rows)
     ]
@@ -146,7 +146,7 @@ def filled_table(table: Table) -> tuple[list[Quantity], list[str]]:
 
 
 def is_number(column: Quantity, table: Table) -> bool:
-    """Return whether a column holds numbers only (empty cells aside), so that it is right-aligned."""
+    """Return whether all non-empty cells of a column are numbers; such a column is right-aligned."""
     if column.format != "s":
         return True
     cells = [
@@ -158,7 +158,10 @@ def is_number(column: Quantity, table: Table) -> bool:
 
 
 def cell_view(column: Quantity, value: Cell, *, number: bool) -> dict[str, str]:
-    """Return text, alignment and mark of a table cell; the mark is the style of a class or verdict, else empty."""
+    """Return the text of a table cell and its CSS classes: ``align`` for the alignment, ``mark`` for a coloured label.
+
+    Only cells in the columns ``class`` and ``verdict`` have a label. number: whether the cell is right-aligned.
+    """
     text = format_cell(value, column.format)
     align = "num" if number else "text long" if len(text) > LONG else "text short" if len(text) <= SHORT else "text"
     mark = ""
@@ -170,7 +173,10 @@ def cell_view(column: Quantity, value: Cell, *, number: bool) -> dict[str, str]:
 
 
 def verdict_class(text: str) -> str:
-    """Return the kind of a verdict by its first word: ``good``, ``bad``, ``open`` or ``other``."""
+    """Return the colour class of a verdict such as "reproduced" or "not identifiable", by its first word.
+
+    The classes are ``good``, ``bad``, ``open`` and ``other``.
+    """
     if text == "not identifiable":
         return "open"
     first = re.split(r"\W", text.strip().lower(), maxsplit=1)[0]

@@ -1,4 +1,7 @@
-"""Plain records for the contents of a report, filled by the code that runs models and drawn by this package."""
+"""Records of the contents of a report: tables, figures, pictures and texts, without how they are drawn.
+
+The code that runs the models fills them; other modules of this package turn them into HTML, SVG and CSV files.
+"""
 
 from __future__ import annotations
 
@@ -13,32 +16,38 @@ from rollbench.meshes.axis import Assembly, RollerRow
 from rollbench.meshes.parts import Scene
 from rollbench.reports.quantity import Quantity as Quantity
 
+#: Value of one cell of a table; None for an empty cell.
 Cell = str | float | int | bool | None
+#: One value per node or point, as a list or an array.
 Numbers = Sequence[float] | NDArray[np.float64]
+#: Several values per node or element, as nested lists or an array.
 Rows = Sequence[Sequence[float]] | NDArray[np.float64] | NDArray[np.int64]
 
 
-#: A row of a table: values by column; a plain text as key is the heading of a column of texts.
+#: Row of a table: the value of each column. A column that holds texts may be given by its heading alone, as a string.
 Row = dict[Quantity | str, Cell]
 
 
 @dataclass(frozen=True)
 class Table:
-    """A table of a report; ValueError for two columns with the same heading and unit."""
+    """Table of a report, shown on a page and written as a CSV file.
 
-    #: Stem of its CSV file.
+    Raises ValueError if two columns have the same heading and unit.
+    """
+
+    #: Name of its CSV file, without the ending.
     name: str
-    #: Title.
+    #: Title of the table.
     title: str
-    #: Columns.
+    #: Columns: heading, unit and number format of each.
     columns: Sequence[Quantity]
-    #: Values by key of the column.
+    #: Rows: the value of each column, by the column's key.
     rows: Sequence[Mapping[str, Cell]]
-    #: Note below the table.
+    #: Note printed below the table.
     note: str = ""
-    #: Whether a page shows it open, however long it is.
+    #: Whether a page shows the table unfolded even if it is long.
     unfolded: bool = False
-    #: Keys of columns that are in the CSV file only.
+    #: Keys of columns that are written to the CSV file but not shown on the page.
     csv_only: Sequence[str] = ()
 
     def __post_init__(self) -> None:
@@ -46,200 +55,204 @@ class Table:
         heads = [(column.label, column.unit) for column in self.columns]
         twice = {label for label, unit in heads if heads.count((label, unit)) > 1}
         if twice:
-            raise ValueError(f"table {self.name!r}: more than one column headed {', '.join(map(repr, sorted(twice)))}")
+            got = f"got several columns headed {', '.join(map(repr, sorted(twice)))}"
+            raise ValueError(f"table {self.name!r}: {got}; allowed: one column for each heading and unit")
 
     @classmethod
     def of(
         cls, name: str, title: str, rows: Iterable[Mapping[Quantity | str, Cell]], note: str = "", *, unfolded: bool = False
     ) -> Table:
-        """Make a table from rows with quantities as keys; columns are in the order in which keys first appear."""
+        """Make a table from rows whose keys are the columns, each a `Quantity` or, for a column of texts, its heading.
+
+        The columns are in the order in which they first appear in the rows.
+        """
         listed = [{_quantity_of(q): value for q, value in row.items()} for row in rows]
         columns = tuple(dict.fromkeys(q for row in listed for q in row))
         return cls(name, title, columns, [{q.key: value for q, value in row.items()} for row in listed], note, unfolded)
 
 
 def _quantity_of(named: Quantity | str) -> Quantity:
-    """Return a column; a plain text becomes the heading of a column of texts."""
+    """Return a table column as a `Quantity`; a plain text becomes the heading of a column of texts."""
     return Quantity(named, named, format="s") if isinstance(named, str) else named
 
 
 @dataclass(frozen=True)
 class Series:
-    """One curve, band, histogram or set of bars in a panel."""
+    """Curve, band, histogram or bar chart in one panel of a figure."""
 
     #: Label in the legend.
     label: str
-    #: Abscissae.
+    #: Abscissae of the points.
     x: Sequence[float]
-    #: Ordinates.
+    #: Ordinates of the points.
     y: Sequence[float]
-    #: ``"line"``, ``"markers"``, ``"line+markers"``, ``"band"`` between y and y2, ``"steps"`` (histogram; x: edges
-    #: of the bins, one more than y), or ``"bars"`` (horizontal, from zero to x at the heights y).
+    #: ``"line"``, ``"markers"``, ``"line+markers"``, ``"band"`` (area between y and y2), ``"steps"`` (histogram; x: edges
+    #: of the bins, one more than y), or ``"bars"`` (horizontal bars from zero to x at the heights y).
     style: str = "line+markers"
-    #: Upper edge of a band.
+    #: Upper limit of a band.
     y2: Sequence[float] | None = None
-    #: Whether it is drawn bold.
+    #: Whether the curve is drawn bold.
     emphasis: bool = False
-    #: Lower and upper ends of error bars.
+    #: Lower and upper ends of the error bars of the points.
     bars: tuple[Sequence[float], Sequence[float]] | None = None
-    #: Whether it is small and pale, and not in the legend.
+    #: Whether the curve is thin and pale and has no entry in the legend.
     light: bool = False
-    #: Texts next to the points, instead of a line in the legend.
+    #: Texts written next to the points; the curve then has no entry in the legend.
     texts: Sequence[str] = ()
-    #: Names of the points, shown under the pointer.
+    #: Names of the points, which a web page shows when the mouse pointer is on them.
     names: Sequence[str] = ()
 
 
 @dataclass(frozen=True)
 class Panel:
-    """One pair of axes with curves."""
+    """Panel of a figure: one coordinate system with its curves."""
 
-    #: Title.
+    #: Title of the panel.
     title: str
     #: Label of the abscissa, with unit.
     xlabel: str
     #: Label of the ordinate, with unit.
     ylabel: str
-    #: Curves.
+    #: Curves, bands and bars in the panel.
     series: Sequence[Series]
-    #: Logarithmic axes: ``""``, ``"x"``, ``"y"`` or ``"xy"``.
+    #: Which axes are logarithmic: ``""``, ``"x"``, ``"y"`` or ``"xy"``.
     log: str = ""
-    #: Whether the ordinate extends to zero.
+    #: Whether the range of the ordinate includes zero.
     zero: bool = False
     #: Whether the abscissa is labelled at integers only.
     integer_x: bool = False
-    #: Labels of the abscissa instead of the numbers from 1 on.
+    #: Names written at 1, 2, 3, ... of the abscissa in place of these numbers.
     names: Sequence[str] = ()
-    #: Labels of the ordinate instead of the numbers from 1 on, downwards.
+    #: Names written at 1, 2, 3, ... of the ordinate in place of these numbers; the ordinate then points downwards.
     row_names: Sequence[str] = ()
 
 
 @dataclass(frozen=True)
 class Figure:
-    """A figure of one to six panels."""
+    """Figure with one to six panels, written as an SVG file."""
 
-    #: Stem of its SVG file.
+    #: Name of its SVG file, without the ending.
     name: str
-    #: Title.
+    #: Title of the figure.
     title: str
-    #: Panels.
+    #: Panels, row by row.
     panels: Sequence[Panel]
-    #: Caption.
+    #: Caption below the figure.
     caption: str = ""
     #: Number of panels per row, at most 3.
     columns: int = 2
-    #: Width and height [inches of 96 pixels]; None: by the number of panels.
+    #: Width and height [inches of 96 pixels]; None: chosen by the number of panels.
     size: tuple[float, float] | None = None
-    #: Whether all ordinates have one scale.
+    #: Whether the ordinates of all panels have the same range.
     same_y: bool = False
 
 
 @dataclass(frozen=True)
 class SetView:
-    """Data of one set of a load case for the 3D view."""
+    """Data of one row of rolling elements (ball nut or bearing row) in one load case, for the 3D view."""
 
-    #: Name of the set.
+    #: Name of the row in the input file.
     name: str
-    #: Kind of the set.
+    #: Kind of the row: ball screw or type of bearing.
     kind: str
-    #: Balls with their grooves, or rollers.
+    #: Geometry of the balls with their grooves, or of the rollers.
     parts: Scene | RollerRow
-    #: Axial position [m].
+    #: Axial position of the row on the shaft [m].
     position: float
-    #: Direction of thrust, as of `meshes.axis.RollingSet`.
+    #: Direction of the axial load that the row can carry, as in `meshes.axis.RollingSet`.
     thrust: str = "both"
-    #: Contact points, (n, 4, 3) [m]; None of rollers and without equilibrium.
+    #: Contact points of n balls with four flanks (n, 4, 3) [m]; None for rollers, or if no equilibrium was found.
     points: NDArray[np.float64] | None = None
-    #: Forces on the balls, (n, 4, 3) [N].
+    #: Contact forces on the balls (n, 4, 3) [N].
     forces: NDArray[np.float64] | None = None
-    #: Label of the reference, its loads (n, 4) [N], their uncertainty (n, 4) [N], and the error of the loads (n, 4) [%]; or
-    #: None.
+    #: Reference solution: its label, its contact loads (n, 4) [N], their uncertainty (n, 4) [N], and the error of the
+    #: model's loads (n, 4) [%]. None without a reference.
     reference: tuple[str, NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]] | None = None
-    #: Error of the loads to expect [N].
+    #: Expected error of the model's contact loads [N].
     expected: float | None = None
-    #: By how much each contact is closer than with perfect parts, (n, 4) [m].
+    #: Reduction of the clearance at each contact by manufacturing errors of the parts (n, 4) [m].
     closer: NDArray[np.float64] | None = None
 
 
 @dataclass(frozen=True)
 class CaseView:
-    """Data of one load case for the 3D view."""
+    """Data of one load case for the 3D view of a scene."""
 
     #: Name of the load case; empty if there is only one.
     name: str
-    #: Its sets.
+    #: Ball nuts and bearing rows.
     sets: Sequence[SetView]
-    #: Shaft with several sets; None for a scene with one set.
+    #: Shaft that carries several nuts or bearing rows; None for a single screw or bearing.
     shaft: Assembly | None = None
 
 
 @dataclass(frozen=True)
 class View:
-    """Data of a page that shows a solved scene in 3D and can be turned."""
+    """Data of a web page that shows a solved scene as a 3D model, which the reader can rotate."""
 
-    #: Title.
+    #: Title of the page.
     title: str
     #: Line below the title.
     subtitle: str
-    #: Load cases, in the order of the results.
+    #: Load cases, in the order of ``results``.
     cases: Sequence[CaseView]
-    #: JSON of ``solve --json``.
+    #: Results as written by the command ``solve --json``.
     results: Mapping[str, Any]
 
 
 @dataclass(frozen=True)
 class LoadedScrew:
-    """3D picture of screw, nut and balls under contact loads."""
+    """3D picture of a screw, its nut and its balls, with the contact forces as arrows."""
 
-    #: Stem of its file.
+    #: Name of its file, without the ending.
     name: str
-    #: Title.
+    #: Title of the picture.
     title: str
-    #: The scene.
+    #: Geometry of the screw, nut and balls.
     scene: Scene
-    #: Contact loads, (n, 4) [N]; the largest of a ball gives its colour.
+    #: Contact loads of n balls (n, 4) [N]; the largest load of a ball gives its colour.
     load: NDArray[np.float64]
-    #: Contact points, (m, 3) [m].
+    #: Points at which arrows are drawn (m, 3) [m].
     contact_points: NDArray[np.float64]
-    #: Forces on the balls there, (m, 3) [N], drawn as arrows.
+    #: Contact forces on the balls at these points (m, 3) [N], drawn as arrows.
     contact_forces: NDArray[np.float64]
-    #: Caption.
+    #: Caption below the picture.
     caption: str = ""
-    #: Page on which it can be turned, if any.
+    #: Page with the same scene as a 3D model that can be rotated; None without such a page.
     view: View | None = None
 
 
 @dataclass(frozen=True)
 class Sketch:
-    """Side view of a screw or bearing, with supports and loads."""
+    """Sketch of a screw or bearing from the side, with its supports and loads."""
 
-    #: Stem of its file.
+    #: Name of its file, without the ending.
     name: str
-    #: Title.
+    #: Title of the sketch.
     title: str
-    #: The scene.
+    #: Geometry, supports and loads of the screw or bearing.
     scene: Scene
-    #: Caption.
+    #: Caption below the sketch.
     caption: str = ""
 
 
 @dataclass(frozen=True)
 class MeshPart:
-    """A mesh, or part of one, in a 3D picture."""
+    """Finite-element mesh, or part of one, in a 3D picture."""
 
-    #: Nodes, (n, 3) [m].
+    #: Coordinates of the nodes (n, 3) [m].
     points: Rows
-    #: Nodes of the cells, in gmsh's order.
+    #: Node numbers of each element, in gmsh's order.
     cells: Rows
-    #: ``"P1"``, ``"P2"`` (4, 10-node tetrahedra) or ``"Q2"`` (27-node hexahedra).
+    #: Element type: ``"P1"``, ``"P2"`` (tetrahedra with 4 or 10 nodes) or ``"Q2"`` (hexahedra with 27 nodes).
     kind: str
-    #: Values of the nodes, (n,), for the colour; None: ``colour``.
+    #: Values at the nodes (n,), which give the colour; None: the mesh has the colour ``colour``.
     values: Numbers | None = None
-    #: Colour without values.
+    #: Colour of a mesh without values.
     colour: str = "#c3c8ce"
-    #: Whether edges of the cells are drawn.
+    #: Whether the edges of the elements are drawn.
     edges: bool = True
-    #: Whether the rim of a section through it is drawn.
+    #: Whether the outline of a plane section through the mesh is drawn.
     outline: bool = False
     #: Width of the edges [pixels].
     line: float = 1.2
@@ -247,172 +260,172 @@ class MeshPart:
 
 @dataclass(frozen=True)
 class FieldPicture:
-    """3D picture of meshes, of fields on them, or of a plane section."""
+    """3D picture of finite-element meshes, of fields on them, or of a plane section through them."""
 
-    #: Stem of its file.
+    #: Name of its file, without the ending.
     name: str
-    #: Title.
+    #: Title of the picture.
     title: str
-    #: Pieces of meshes.
+    #: Meshes in the picture.
     parts: Sequence[MeshPart]
     #: Direction from the picture to the viewer.
     sight: Sequence[float]
-    #: Upward direction.
+    #: Direction that points upwards in the picture.
     up: Sequence[float]
-    #: Point in the middle, (3,) [m].
+    #: Point in the middle of the picture (3,) [m].
     focus: Sequence[float]
     #: Visible height [m].
     height: float
-    #: Planes (point, normal); cells whose middle lies in front of all of them are left out.
+    #: Cutting planes (point, normal); elements whose centre lies in front of all of them are not drawn.
     cuts: Sequence[tuple[Sequence[float], Sequence[float]]] = ()
-    #: Whether the plane section by the only cut is shown instead.
+    #: Whether the section by the single cutting plane is drawn in place of the meshes.
     section: bool = False
-    #: Name of the values, with unit.
+    #: Name of the field, with unit.
     label: str = ""
-    #: Ends of the scale; None: from the data.
+    #: Ends of the colour scale; None: the range of the data.
     limits: tuple[float, float] | None = None
-    #: Whether the scale is logarithmic.
+    #: Whether the colour scale is logarithmic.
     log: bool = False
-    #: Texts written into the picture, as (point, text).
+    #: Texts written into the picture, as pairs of point [m] and text.
     words: Sequence[tuple[Sequence[float], str]] = ()
-    #: Length of a scale bar [m]; 0: none.
+    #: Length of a scale bar [m]; 0 for none.
     scale_bar: float = 0.0
-    #: Caption.
+    #: Caption below the picture.
     caption: str = ""
 
 
 @dataclass(frozen=True)
 class PressurePanel:
-    """Contours of the pressure in one contact, with Hertz' ellipse."""
+    """Contour plot of the pressure in one contact, with the contact ellipse of Hertz's theory."""
 
-    #: Title.
+    #: Title of the plot.
     title: str
     #: Abscissae of the nodes.
     x: Numbers
     #: Ordinates of the nodes.
     y: Numbers
-    #: Values at the nodes.
+    #: Pressure or other field at the nodes.
     values: Numbers
-    #: Ellipse drawn on it: centre x, y, semi-axes along x, y.
+    #: Ellipse in the plot: x and y of its centre, semi-axes along x and y.
     ellipse: tuple[float, float, float, float]
-    #: Note.
+    #: Note above the plot.
     note: str = ""
-    #: Directions at the nodes (x, y).
+    #: Components (x, y) of arrows at the nodes.
     arrows: tuple[Numbers, Numbers] | None = None
     #: Arrows are drawn at every ``skip``-th node.
     skip: int = 1
-    #: Nodes that are marked.
+    #: True for nodes that are marked by a square.
     marked: Sequence[bool] | None = None
 
 
 @dataclass(frozen=True)
 class PressureMap:
-    """Figure with filled pressure contours of one to four contacts, on one colour scale."""
+    """Figure with pressure contours of one to four contacts, on one colour scale."""
 
-    #: Stem of its SVG file.
+    #: Name of its SVG file, without the ending.
     name: str
-    #: Title.
+    #: Title of the figure.
     title: str
-    #: Contacts.
+    #: Contour plot of each contact.
     panels: Sequence[PressurePanel]
     #: Label of the abscissa, with unit.
     xlabel: str
     #: Label of the ordinate, with unit.
     ylabel: str
-    #: Label of the values, with unit.
+    #: Label of the colour scale, with unit.
     label: str
-    #: Label of the ellipses.
+    #: Label of the ellipses in the legend.
     ellipse_label: str = "Hertz"
-    #: Label of marked nodes.
+    #: Label of marked nodes in the legend.
     marked_label: str = ""
-    #: Caption.
+    #: Caption below the figure.
     caption: str = ""
     #: Number of panels per row.
     columns: int = 2
-    #: Width [inches]; None: by the number of panels per row.
+    #: Width [inches of 96 pixels]; None: chosen by the number of panels per row.
     width: float | None = None
 
 
 @dataclass(frozen=True)
 class Text:
-    """Paragraphs of plain text."""
+    """Text of a section: paragraphs or a bulleted list, with an optional heading."""
 
-    #: The paragraphs.
+    #: Paragraphs of plain text.
     paragraphs: Sequence[str]
-    #: Whether they are a list.
+    #: Whether the paragraphs are items of a bulleted list.
     bullets: bool = False
-    #: Heading above them.
+    #: Heading above the paragraphs.
     heading: str = ""
 
 
 @dataclass(frozen=True)
 class Summary:
-    """Contents of the report's first page: question, answer, figure, limits."""
+    """Contents of the report's first page: the question, its answer, a figure, and the limits of the answer."""
 
-    #: The question.
+    #: Question that the report answers.
     question: str
-    #: Its answer in one sentence.
+    #: Answer in one sentence.
     answer: str
-    #: A figure of the answer.
+    #: Figure that shows the answer.
     figure: Figure
-    #: The same figure for a narrow screen.
+    #: Same figure for a narrow screen.
     narrow: Figure
     #: Statements on what the answer covers.
     coverage: Sequence[str]
-    #: Statements on its limits.
+    #: Statements on the limits of the answer.
     limits: Sequence[str]
-    #: Table for the printed report.
+    #: Table of the answer, for a printed report.
     table: Table | None = None
-    #: Tables and figures below.
+    #: Tables and figures below the limits.
     items: Sequence[Table | Figure] = ()
 
 
 @dataclass(frozen=True)
 class Section:
-    """A section of the report."""
+    """Section of a report: a heading with texts, tables, figures and pictures."""
 
-    #: Name for ``--only``.
+    #: Name by which the command ``report --only`` selects the section.
     name: str
-    #: Title.
+    #: Title of the section.
     title: str
-    #: Texts, tables, figures and pictures.
+    #: Texts, tables, figures and pictures in the section.
     items: Sequence[Text | Table | Figure | Sketch | LoadedScrew | FieldPicture | PressureMap]
-    #: One or two sentences with which its page begins.
+    #: One or two sentences, with which the section's page begins.
     conclusion: str = ""
-    #: First screen of the report, if it is here.
+    #: Summary for the report's first page, if this section has one.
     summary: Summary | None = None
 
 
 @dataclass(frozen=True)
 class Page:
-    """A page of the report."""
+    """Web page of a report, with one or more sections."""
 
-    #: Stem of its file.
+    #: Name of its file, without the ending.
     name: str
-    #: Title.
+    #: Title of the page.
     title: str
-    #: Its sections.
+    #: Sections of the page.
     sections: Sequence[Section]
-    #: Conclusion with which it begins.
+    #: Conclusion with which the page begins.
     conclusion: str = ""
 
 
 @dataclass(frozen=True)
 class Report:
-    """The whole report; the first `Summary` found in a section is its first page."""
+    """Complete report of several web pages; the first `Summary` in a section makes its first page."""
 
-    #: Title.
+    #: Title of the report.
     title: str
     #: Line below the title.
     subtitle: str
-    #: Facts on its origin, such as version and date.
+    #: Facts on the report's origin, such as version and date.
     provenance: Mapping[str, str]
-    #: Its pages.
+    #: Web pages, in their order.
     pages: Sequence[Page]
-    #: Inputs of the report for its manifest, as plain data.
+    #: Inputs of the report, as plain data for its manifest file.
     origin: Mapping[str, object] = field(default_factory=dict)
 
     @property
     def sections(self) -> list[Section]:
-        """Return the sections of all pages."""
+        """Return the sections of all pages, in the order of the pages."""
         return [section for page in self.pages for section in page.sections]

@@ -1,6 +1,6 @@
-"""3D pictures of meshes and fields: surfaces with edges, cut open, or plane sections with a field on them.
+"""3D pictures of finite-element meshes and of fields on them: surfaces, cut open or whole, and plane sections.
 
-As in `reports.scene3d`, a child process draws, because VTK ends the process on a machine without off-screen OpenGL.
+The pictures are drawn in a child process, because VTK terminates its process on a machine without off-screen OpenGL.
 """
 
 from __future__ import annotations
@@ -20,34 +20,37 @@ from rollbench.reports.figures import COLOURS
 from rollbench.reports.offscreen import draw_in_child, set_view
 from rollbench.reports.scene3d import SIZE
 
-#: VTK numbers of kinds of cells.
+#: VTK's numbers of the element types.
 TYPES = {"P1": 10, "P2": 24, "Q2": 29}
-STEPS = 18  # of the colour scale: their borders are lines of equal value
-PALETTE = 224  # colours of the file
+#: Number of colours of the colour scale; the borders between them are contour lines.
+STEPS = 18
+#: Number of colours in the PNG file.
+PALETTE = 224
+#: Millimetres per metre.
 MM = 1e3
 _LINE = "#2b3138"
 
 
 def draw_field(picture: FieldPicture, path: str | Path) -> None:
-    """Write a PNG of meshes or fields, without an X server.
+    """Draw finite-element meshes, or fields on them, to a PNG file; needs no display.
 
     Parameters
     ----------
     picture
-        The picture.
+        Meshes, fields, point of view and cutting planes.
     path
-        The file.
+        PNG file to write.
 
     Raises
     ------
     RuntimeError
-        If this machine cannot draw it.
+        If this machine cannot draw; the message names the cause and the libraries to install.
     """
     draw_in_child("rollbench.reports.field3d", picture, path)
 
 
 def part_grid(part: MeshPart) -> Any:
-    """Return a mesh part as a pyvista grid with its node values; lengths in mm."""
+    """Return a finite-element mesh with its values at the nodes as a grid of pyvista, in mm."""
     import pyvista
 
     cells = np.asarray(part.cells, dtype=np.int64)[:, VTK[part.kind][1]]
@@ -58,7 +61,7 @@ def part_grid(part: MeshPart) -> Any:
 
 
 def grid_surface(grid: Any) -> Any:
-    """Return the outer surface of a grid as triangles; faces of second-order cells become four or eight."""
+    """Return the outer surface of a mesh as triangles; a face of a second-order element becomes four or eight triangles."""
     import pyvista
     from vtkmodules.vtkFiltersGeometry import vtkDataSetSurfaceFilter
 
@@ -70,7 +73,7 @@ def grid_surface(grid: Any) -> Any:
 
 
 def _keep_visible_cells(part: MeshPart, picture: FieldPicture) -> Any:
-    """Return the cells of a mesh part that the picture's cuts leave, as a pyvista grid."""
+    """Return the elements of a mesh that are not cut away by the picture's cutting planes, as a grid of pyvista."""
     points, cells, grid = np.asarray(part.points, float), np.asarray(part.cells), part_grid(part)
     if not picture.cuts:
         return grid
@@ -80,7 +83,10 @@ def _keep_visible_cells(part: MeshPart, picture: FieldPicture) -> Any:
 
 
 def _add_skin(plotter: Any, part: MeshPart, picture: FieldPicture, look: dict[str, Any]) -> None:
-    """Draw the surface of the cells that the cuts leave of a part, with cell edges if asked for."""
+    """Draw the surface of a mesh, opened by the picture's cutting planes, with the element edges if the mesh shows them.
+
+    look: colour settings for pyvista.
+    """
     grid = _keep_visible_cells(part, picture)
     if not grid.n_cells:
         return
@@ -92,7 +98,10 @@ def _add_skin(plotter: Any, part: MeshPart, picture: FieldPicture, look: dict[st
 
 
 def _add_section(plotter: Any, part: MeshPart, picture: FieldPicture, look: dict[str, Any]) -> None:
-    """Draw the plane section of a part, with its edges or rim slightly in front of the plane."""
+    """Draw the plane section through a mesh, with the element edges or the outline slightly in front of the plane.
+
+    look: colour settings for pyvista.
+    """
     origin, normal = (np.asarray(v, float) for v in picture.cuts[0])
     plane, grid = {"normal": normal, "origin": MM * origin}, part_grid(part)
     cut = grid.slice(**plane)
@@ -110,15 +119,15 @@ def _add_section(plotter: Any, part: MeshPart, picture: FieldPicture, look: dict
 
 
 def _colour_limits(picture: FieldPicture) -> tuple[float, float] | None:
-    """Return the ends of the colour scale: as given, else of all values; None without values."""
+    """Return the ends of the picture's colour scale: those prescribed, or the range of all values; None without values."""
     shown = [np.asarray(p.values, float) for p in picture.parts if p.values is not None]
     if picture.limits is not None or not shown:
         return picture.limits if shown else None
     return min(float(np.nanmin(v)) for v in shown), max(float(np.nanmax(v)) for v in shown)
 
 
-def _add_axes(picture: FieldPicture) -> tuple[Array, Array, Array]:
-    """Return the picture's unit vectors to the right, upwards and towards the viewer, (3,) each."""
+def _picture_axes(picture: FieldPicture) -> tuple[Array, Array, Array]:
+    """Return three unit vectors (3,): those that point right and upwards in the picture, and the one towards the viewer."""
     sight = np.asarray(picture.sight, float) / np.linalg.norm(picture.sight)
     right = np.cross(np.asarray(picture.up, float), sight)
     right /= np.linalg.norm(right)
@@ -126,7 +135,7 @@ def _add_axes(picture: FieldPicture) -> tuple[Array, Array, Array]:
 
 
 def _render_scene(picture: FieldPicture, path: str) -> None:
-    """Draw the picture and write its PNG; runs in the child process."""
+    """Draw meshes or fields and write the PNG file ``path``; runs in the child process."""
     import matplotlib
     import pyvista
 
@@ -147,18 +156,21 @@ def _render_scene(picture: FieldPicture, path: str) -> None:
                 "log_scale": picture.log,
             }
         (_add_section if picture.section else _add_skin)(plotter, part, picture, look)
-    right, up, sight = _add_axes(picture)
+    right, up, sight = _picture_axes(picture)
     lights = ((sight + 0.9 * up - 0.4 * right, 0.75), (sight, 0.35), (sight + 1.5 * right, 0.25))
     set_view(plotter, MM * np.asarray(picture.focus, float), sight, up, MM * picture.height, lights)
     image = plotter.screenshot(None, return_img=True)
     plotter.close()
     with matplotlib.rc_context():
-        matplotlib.rcdefaults()  # whatever a matplotlibrc says
+        matplotlib.rcdefaults()  # independent of the user's own settings
         _compose_picture(picture, np.asarray(image), limits, path)
 
 
 def _compose_picture(picture: FieldPicture, image: Any, limits: tuple[float, float] | None, path: str) -> None:
-    """Write the final PNG: image with texts, scale bar and colour scale; few colours keep the file small."""
+    """Add texts, scale bar and colour scale to the drawn image, and write it as a PNG file with few colours.
+
+    image: pixels drawn by pyvista; limits: ends of the colour scale, None without a scale.
+    """
     import matplotlib
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.cm import ScalarMappable
@@ -172,7 +184,7 @@ def _compose_picture(picture: FieldPicture, image: Any, limits: tuple[float, flo
     axes = figure.add_axes((0.0, 0.0, columns / SIZE[0], 1.0))
     axes.imshow(image, interpolation="none", aspect="auto", extent=(0.0, columns, 0.0, rows))
     axes.set_axis_off()
-    right, up, _ = _add_axes(picture)
+    right, up, _ = _picture_axes(picture)
     scale = rows / picture.height
     paper = {"facecolor": "white", "edgecolor": "none", "alpha": 0.85, "boxstyle": "round,pad=0.25"}
     for place, text in picture.words:

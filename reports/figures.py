@@ -1,4 +1,4 @@
-"""Figures of a report as SVG: legible in grey print, and identical bytes for identical data."""
+"""Draw the diagrams of a report as SVG, legible in grey print; identical data give an identical file, byte by byte."""
 
 from __future__ import annotations
 
@@ -25,23 +25,26 @@ from scipy.optimize import isotonic_regression
 from rollbench.reports.cells import micro_sign
 from rollbench.reports.content import Figure, Panel, PressureMap, PressurePanel, Series
 
-#: Okabe and Ito's palette without its yellow, dark tones first; safe for colour blindness.
+#: Colours of curves: the palette of Okabe and Ito, safe for colour blindness, without yellow and with dark tones first.
 PALETTE = ("#0072B2", "#D55E00", "#009E73", "#7B4EA3", "#E69F00", "#333333", "#56B4E9", "#CC79A7")
+#: Markers and line styles of curves, by the number of the curve.
 MARKERS = ("o", "s", "^", "D", "v", "x", "P", "*")
 DASHES: tuple[Any, ...] = ("-", (0, (5, 1.6)), (0, (1.4, 1.3)), (0, (6, 1.5, 1.4, 1.5)))
-#: Colours of fields: lightness grows with the value, in print and to the colour-blind too.
+#: Colour map of fields such as the contact pressure: lightness grows with the value, also in grey print.
 COLOURS = "viridis"
+#: Permitted values of ``Series.style`` and ``Panel.log``.
 STYLES, SCALES = ("line", "markers", "line+markers", "band", "steps", "bars"), ("", "x", "y", "xy")
 
+#: Largest number of panels in a figure.
 MAX_PANELS = 6
-#: Colours of a drawing that a page may set, by the name of its variable.
+#: Colours in an SVG that the web page can replace, and the name of the CSS variable of each.
 THEME = {"#222222": "ink", "#8a8f98": "frame", "#dfe2e6": "grid", "#ffffff": "paper", "white": "paper"}
 THEME |= {colour.lower(): f"c{number}" for number, colour in enumerate(PALETTE)}
-#: Fonts of the reader's machine; the layout is made with DejaVu Sans, which is wider than any of them.
+#: Fonts used when the SVG is shown. The layout is computed with DejaVu Sans, which is wider than any of them.
 FONTS = "'Helvetica Neue', Helvetica, Arial, 'Liberation Sans', sans-serif"
 
-_WIDTH = {1: 7.6, 2: 10.0, 3: 10.4}  # inches of 96 px
-_HEIGHT = {1: 3.5, 2: 3.2, 3: 2.7}  # of one row
+_WIDTH = {1: 7.6, 2: 10.0, 3: 10.4}  # width of a figure [inches of 96 pixels] by its number of panel columns
+_HEIGHT = {1: 3.5, 2: 3.2, 3: 2.7}  # height of one row of panels [inches] by the number of panel columns
 _INK, _FRAME, _GRID = "#222222", "#8a8f98", "#dfe2e6"
 _RC = {
     "svg.fonttype": "none",
@@ -72,40 +75,42 @@ _RC = {
     "legend.frameon": False,
     "path.simplify": False,
 }
-#: Distance between lines of text, and from a text to its points [points of 1/72 inch].
+#: Distance between the lines of labels at data points, and between labels and points [1/72 inch].
 LINE, AWAY = 10.0, 10.0
-#: Approximate width of a letter of these texts [points].
+#: Approximate width of a letter in these labels [1/72 inch].
 LETTER = 4.1
-#: Room for the label of a power on an abscissa [points].
+#: Width of a tick label such as 10⁻³ on a logarithmic abscissa [1/72 inch].
 TICK = 32.0
-#: Width below which a figure has one column of names in its legend [inches].
+#: Width of a figure below which its legend has a single column [inches].
 NARROW = 5.0
-#: Number of names up to which they stand nearly level along an abscissa.
+#: Largest number of names along an abscissa that are written nearly horizontally; more names are written steeply.
 LEVEL_NAMES = 8
-#: Height of a letter in a steep name along an abscissa [inches].
+#: Height that each letter of a steeply written name needs below the abscissa [inches].
 STEEP = 0.055
-#: Width of a figure on a phone [inches].
+#: Width of a figure for a phone [inches].
 PHONE = 3.75
-#: Share of a panel's width in which texts are to the left of their points.
+#: Part of a panel's width, from its left end, in which the label of a point is written on the left of the point.
 LEFT = 0.4
 
 
 def move_apart(heights: Sequence[float], gap: float, low: float, high: float) -> NDArray[np.float64]:
-    """Move heights as little as possible, in order, until they are ``gap`` apart, and within a range if possible.
+    """Return the heights of text labels moved as little as possible such that neighbours are at least ``gap`` apart.
+
+    The labels keep their vertical order, and stay between ``low`` and ``high`` if there is room for all.
 
     Parameters
     ----------
     heights
-        Heights.
+        Wanted heights of the labels.
     gap
-        Smallest distance.
+        Smallest permitted distance of neighbours.
     low, high
-        Ends of the range.
+        Lower and upper end of the permitted range.
 
     Returns
     -------
     Array
-        Moved heights, in the order given.
+        Moved heights, in the order of ``heights``.
 
     Examples
     --------
@@ -123,9 +128,9 @@ def move_apart(heights: Sequence[float], gap: float, low: float, high: float) ->
 
 
 def place_texts(axes: Any, series: Sequence[Series]) -> None:
-    """Write the texts of all curves in two columns, left and right of all points, with a thin line to each point.
+    """Write the texts of the data points in two columns, left and right of all points, with a thin line to each point.
 
-    The abscissa grows as far as the texts need.
+    The range of the abscissa is extended until the texts have room.
     """
     points = [(x, y, text) for s in series for x, y, text in zip(s.x, s.y, s.texts, strict=False) if text]
     if not points:
@@ -138,7 +143,7 @@ def place_texts(axes: Any, series: Sequence[Series]) -> None:
     room = np.array([long.max(initial=0.0, where=left), long.max(initial=0.0, where=~left)])
     _widen_axes(axes, place[-2:, 0] / width, room / width, np.array([True, False]))
     place, width, height = _place_labels(axes, [*points, *ends])
-    if axes.get_xscale() == "log":  # over more decades than before
+    if axes.get_xscale() == "log":  # the abscissa now has more decades
         axes.xaxis.set_major_locator(LogLocator(numticks=max(3, int(width / TICK))))
     for side, column, align in ((left, place[-2, 0] - AWAY, "right"), (~left, place[-1, 0] + AWAY, "left")):
         heights = move_apart(place[:-2][side, 1].tolist(), LINE, 0.5 * LINE, height - 0.5 * LINE)
@@ -160,18 +165,25 @@ def place_texts(axes: Any, series: Sequence[Series]) -> None:
 
 
 def _place_labels(axes: Any, points: Sequence[tuple[float, float, str]]) -> tuple[NDArray[np.float64], float, float]:
-    """Return the places (n, 2) of data points in the panel, and the panel's width and height [1/72 inch]."""
+    """Return the positions (n, 2) of data points within a panel, and the panel's width and height [1/72 inch].
+
+    points: abscissa, ordinate and text of each point.
+    """
     scale, box = 72.0 / axes.figure.dpi, axes.get_window_extent()
     place = axes.transData.transform([(x, y) for x, y, _ in points]) - (box.x0, box.y0)
     return scale * place, scale * box.width, scale * box.height
 
 
 def _widen_axes(axes: Any, at: NDArray[np.float64], room: NDArray[np.float64], left: NDArray[np.bool_]) -> None:
-    """Extend the abscissa until every text has room; ``at`` and ``room`` are shares of the panel's width."""
+    """Extend the range of the abscissa until labels on the left and on the right of the data have room.
+
+    at: positions on the abscissa beside which labels are written; room: width of the labels there; both as fractions of the
+    panel's width. left: whether the labels are on the left of the position.
+    """
     scale = axes.xaxis.get_transform()
     low, high = scale.transform(np.asarray(axes.get_xlim(), float))
     where = low + at * (high - low)
-    for _ in range(3):  # each end takes from the room of the other
+    for _ in range(3):  # repeated, because extending one end reduces the room at the other
         ends = [(x - share * high) / (1.0 - share) for x, share in zip(where[left], room[left], strict=True)]
         low = min([low, *ends])
         ends = [(x - share * low) / (1.0 - share) for x, share in zip(where[~left], room[~left], strict=True)]
@@ -181,26 +193,29 @@ def _widen_axes(axes: Any, at: NDArray[np.float64], room: NDArray[np.float64], l
 
 @contextmanager
 def own_style(name: str) -> Iterator[None]:
-    """Apply the report's matplotlib settings inside the block, whatever a matplotlibrc says."""
+    """Apply the report's matplotlib settings inside a ``with`` block, independent of the user's own settings.
+
+    name: name of the figure, from which matplotlib derives the identifiers in the SVG.
+    """
     with matplotlib.rc_context():
         matplotlib.rcdefaults()
         matplotlib.rcParams.update({**_RC, "svg.hashsalt": f"rollbench-{name}"})
         yield
 
 
-def for_phone(figure: Figure) -> Figure:
-    """Return a copy of a figure for a narrow screen: panels in one column, `PHONE` inches wide, labels wrapped."""
+def narrow_figure(figure: Figure) -> Figure:
+    """Return a copy of a figure for a phone, `PHONE` inches wide, with panels in one column and long labels wrapped."""
 
-    def lines(text: str, length: int) -> str:
+    def wrap_label(text: str, length: int) -> str:
         return textwrap.fill(text, length, break_long_words=False)
 
     panels = [
         replace(
             panel,
-            title=lines(panel.title, 44),
-            xlabel=lines(panel.xlabel, 44),
-            ylabel=lines(panel.ylabel, 32),
-            series=[replace(series, label=lines(series.label, 40)) for series in panel.series],
+            title=wrap_label(panel.title, 44),
+            xlabel=wrap_label(panel.xlabel, 44),
+            ylabel=wrap_label(panel.ylabel, 32),
+            series=[replace(series, label=wrap_label(series.label, 40)) for series in panel.series],
         )
         for panel in figure.panels
     ]
@@ -212,44 +227,45 @@ def for_phone(figure: Figure) -> Figure:
 
 
 def draw_figure(figure: Figure) -> str:
-    """Return a figure of one to six panels as an SVG document; see `drawing_lock`."""
-    return drawing_lock(figure)[0]
+    """Return the SVG document of a figure that has one to six panels; see `draw_figure_and_canvas`."""
+    return draw_figure_and_canvas(figure)[0]
 
 
-def drawing_lock(figure: Figure) -> tuple[str, Canvas]:
-    """Draw a figure of one to six panels.
+def draw_figure_and_canvas(figure: Figure) -> tuple[str, Canvas]:
+    """Draw a figure of one to six panels; return its SVG document and the matplotlib figure.
 
     Parameters
     ----------
     figure
-        The record; equal labels get equal colours and markers in all its panels.
+        Curves, labels and layout of the figure. Curves with equal labels have the same colour and marker in all panels.
 
     Returns
     -------
     str
-        SVG document. Its identifiers begin with the figure's name, so that several fit in one page; it has no date or
-        version.
+        SVG document without date or version. Its identifiers begin with the figure's name, so that one page can contain
+        several figures.
     Canvas
-        The canvas that drew it.
+        The matplotlib figure that was drawn.
 
     Raises
     ------
     ValueError
-        For no panel or more than six, and an unknown style or scale.
+        If there is no panel or more than six, or if the style of a curve or the scale of a panel is unknown.
     """
     if not 1 <= len(figure.panels) <= MAX_PANELS:
-        raise ValueError(f"figure {figure.name!r}: {len(figure.panels)} panels; it must be 1 to {MAX_PANELS}")
+        raise ValueError(f"figure {figure.name!r}: got {len(figure.panels)} panels; allowed: 1 to {MAX_PANELS}")
     for panel in figure.panels:
         odd = {series.style for series in panel.series} - set(STYLES)
         if odd or panel.log not in SCALES:
-            faults = f"styles {sorted(odd)} of {', '.join(STYLES)}; log is {panel.log!r}, of {SCALES}"
+            got = f"got styles {sorted(odd)}; allowed: {', '.join(STYLES)}" if odd else ""
+            faults = got or f"got log {panel.log!r}; allowed: {', '.join(map(repr, SCALES))}"
             raise ValueError(f"figure {figure.name!r}, panel {panel.title!r}: {faults}")
     columns = max(1, min(figure.columns, len(figure.panels), 3))
     rows = math.ceil(len(figure.panels) / columns)
     with own_style(figure.name):
         canvas = Canvas(layout=ConstrainedLayoutEngine(w_pad=0.06, h_pad=0.05, wspace=0.03, hspace=0.05))
         svg = FigureCanvasSVG(canvas)
-        orders = _orders_of_magnitude(figure.panels)
+        orders = _style_numbers(figure.panels)
         shared = len(figure.panels) > 1 and _same_labels(figure.panels)
         legends = 0
         narrow = figure.size is not None and figure.size[0] < NARROW
@@ -269,19 +285,19 @@ def drawing_lock(figure: Figure) -> tuple[str, Canvas]:
                 legends = max(1, math.ceil(len(labels) / count) - 2)
         canvas.set_size_inches(*(figure.size or (_WIDTH[columns], rows * (_HEIGHT[columns] + 0.2 * legends))))
         if any(series.texts for panel in figure.panels for series in panel.series):
-            canvas.draw_without_rendering()  # the places of the axes, which those of the texts follow
+            canvas.draw_without_rendering()  # computes the positions of the axes, which the texts of the points need
             for axes, panel in zip(canvas.axes, figure.panels, strict=True):
                 place_texts(axes, panel.series)
         stream = io.StringIO()
-        # not savefig, which draws everything once more, unseen, to lay it out
+        # not savefig, which would draw everything twice
         svg.print_svg(stream, metadata={"Date": None, "Creator": None, "Title": figure.title})
     return _write_svg(stream.getvalue(), figure.name), canvas
 
 
 def draw_map(item: PressureMap) -> str:
-    """Return filled contours of one to four contacts with their ellipses as an SVG document.
+    """Return an SVG document with pressure contours of one to four contacts and the contact ellipse of each.
 
-    The contours are an image in it.
+    The contours are embedded as an image, the axes and texts as vector graphics.
     """
     columns = max(1, min(item.columns, len(item.panels)))
     rows = math.ceil(len(item.panels) / columns)
@@ -314,12 +330,15 @@ def draw_map(item: PressureMap) -> str:
 
 
 def _write_svg(svg: str, name: str) -> str:
-    """Return the SVG document with unique identifiers, the reader's fonts, and um as µm."""
-    return re.sub(r">[^<]+<", lambda text: micro_sign(text[0]), _own_names(svg, name))
+    """Return an SVG document for a web page: with identifiers unique to this figure, common fonts, and um written as µm."""
+    return re.sub(r">[^<]+<", lambda text: micro_sign(text[0]), _prefix_identifiers(svg, name))
 
 
 def _draw_contours(axes: Any, panel: PressurePanel, levels: Any, item: PressureMap) -> Any:
-    """Draw the contours of one contact with nodes, arrows, marks, ellipse and note; return the contours."""
+    """Draw the pressure contours of one contact with nodes, arrows and the contact ellipse; return the contours.
+
+    levels: pressures at which contours are drawn, common to all contacts of the figure ``item``.
+    """
     x, y = np.asarray(panel.x, float), np.asarray(panel.y, float)
     filled = axes.tricontourf(x, y, np.asarray(panel.values, float), levels=levels, cmap=COLOURS)
     filled.set_rasterized(True)
@@ -344,8 +363,8 @@ def _draw_contours(axes: Any, panel: PressurePanel, levels: Any, item: PressureM
     return filled
 
 
-def _orders_of_magnitude(panels: Sequence[Panel]) -> list[dict[str, int]]:
-    """Return, for each panel, the style number of each label; equal labels have equal numbers in all panels."""
+def _style_numbers(panels: Sequence[Panel]) -> list[dict[str, int]]:
+    """Return, for each panel, the number of the colour and marker of each curve's label; the same label has one number."""
     labels = [list(dict.fromkeys(series.label for series in panel.series)) for panel in panels]
     count = Counter(label for names in labels for label in names)
     fixed = {label: number for number, label in enumerate(label for label in count if count[label] > 1)}
@@ -358,12 +377,15 @@ def _orders_of_magnitude(panels: Sequence[Panel]) -> list[dict[str, int]]:
 
 
 def _same_labels(panels: Sequence[Panel]) -> bool:
-    """Return whether all panels have the same labels, so that one legend serves all."""
+    """Return whether the curves of all panels have the same labels, so that one legend is enough."""
     return len({tuple(series.label for series in panel.series) for panel in panels}) == 1
 
 
 def _draw_panel(axes: Any, panel: Panel, order: dict[str, int], *, steep: bool = False) -> None:
-    """Draw curves, labels and scales of one panel into its axes."""
+    """Draw the curves, axis labels and scales of one panel.
+
+    order: number of the colour and marker of each label; steep: whether names along the abscissa are written steeply.
+    """
     for series in panel.series:
         _draw_series(axes, series, order[series.label])
     axes.set_title(panel.title, pad=7)
@@ -402,14 +424,15 @@ def _draw_panel(axes: Any, panel: Panel, order: dict[str, int], *, steep: bool =
 
 
 def _draw_series(axes: Any, series: Series, number: int) -> None:
-    """Draw one curve or band in the colour, marker and dash of its number.
+    """Draw one curve, band or histogram with the colour, marker and line style of its number.
 
-    ValueError if labels or bars differ in number from the points.
+    Raises ValueError if the number of texts, names or error bars differs from the number of points.
     """
     bars = zip(("lower error bars", "upper error bars"), series.bars or (), strict=False)
     for what, values in (("texts", series.texts), ("names", series.names), *bars):
         if len(values) not in (0, len(series.x)):
-            raise ValueError(f"curve {series.label!r}: {len(values)} {what} for {len(series.x)} points")
+            allowed = f"one for each of the {len(series.x)} points"
+            raise ValueError(f"curve {series.label!r}: got {len(values)} {what}; allowed: {allowed}")
     x, y = np.asarray(series.x, float), np.asarray(series.y, float)
     colour = PALETTE[number % len(PALETTE)]
     marker = MARKERS[(number + number // len(PALETTE)) % len(MARKERS)]
@@ -452,7 +475,10 @@ def _draw_series(axes: Any, series: Series, number: int) -> None:
 
 
 def _scale_log(axes: Any, axis: Any, name: str, positive: Any) -> None:
-    """Make an axis logarithmic, with labels at 1, 2 and 5 on short ranges; powers of ten are plain text."""
+    """Make an axis logarithmic; ranges below two decades have labels at 1, 2 and 5, and long ranges at powers of ten.
+
+    name: ``"x"`` or ``"y"``; positive: the positive data along the axis.
+    """
     getattr(axes, f"set_{name}scale")("log", nonpositive="mask")
     low, high = float(np.min(positive)), float(np.max(positive))
     decades = math.log10(high / low)
@@ -466,7 +492,7 @@ def _scale_log(axes: Any, axis: Any, name: str, positive: Any) -> None:
 
 
 def _power_label(value: float) -> str:
-    """Return ``value`` as ``5·10⁻³`` without markup, so that any font can set it."""
+    """Return a number as a label of the form ``5·10⁻³``, in plain characters that any font contains."""
     exponent = math.floor(math.log10(value) + 1e-9)
     mantissa = f"{value / 10.0**exponent:g}"
     power = "10" + str(exponent).translate(str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"))
@@ -474,7 +500,7 @@ def _power_label(value: float) -> str:
 
 
 def _include_zero(axes: Any, y: Any) -> None:
-    """Extend the ordinate to zero, with a line if values lie on both sides of it."""
+    """Extend the range of the ordinate to zero; if values y lie on both sides of zero, draw a line there instead."""
     finite = y[np.isfinite(y)]
     if finite.size and np.min(finite) < 0.0 < np.max(finite):
         axes.axhline(0.0, color=_FRAME, linewidth=0.9, zorder=1.2)
@@ -485,7 +511,10 @@ def _include_zero(axes: Any, y: Any) -> None:
 
 
 def _legend_below(axes: Any, columns: int, lower: float = 0.0) -> int:
-    """Put a legend below the axes, ``lower`` inches further down; return its number of rows (0: no legend)."""
+    """Draw the legend of a panel below its abscissa; return its number of rows, 0 without a legend.
+
+    columns: largest number of columns of the legend; lower: additional distance from the abscissa [inches].
+    """
     handles, labels = axes.get_legend_handles_labels()
     if not labels or (len(labels) == 1 and labels[0] == axes.get_ylabel()):
         return 0
@@ -505,8 +534,8 @@ def _legend_below(axes: Any, columns: int, lower: float = 0.0) -> int:
     return math.ceil(len(labels) / columns)
 
 
-def _own_names(svg: str, name: str) -> str:
-    """Return an SVG whose identifiers begin with the figure's name, and which uses the reader's fonts."""
+def _prefix_identifiers(svg: str, name: str) -> str:
+    """Return the SVG document with the figure's name in front of every identifier, and with common web fonts."""
     prefix = re.sub(r"[^A-Za-z0-9_-]", "-", f"fig-{name}-")
     svg = re.sub(r'(\bid="|href="#|url\(#)', lambda match: match.group(0) + prefix, svg)
     return svg.replace("'DejaVu Sans'", FONTS)

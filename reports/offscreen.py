@@ -1,4 +1,4 @@
-"""Drawing by pyvista in a child process, because VTK ends its process on a machine without off-screen OpenGL."""
+"""Draw 3D pictures with pyvista in a child process, because VTK ends its process where off-screen OpenGL is missing."""
 
 from __future__ import annotations
 
@@ -14,40 +14,43 @@ from typing import Any
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.libraries import PICTURES, apt_command
 
-TIMEOUT = 180.0  # s; two seconds are usual
+#: Time after which drawing a picture is aborted [s]; two seconds are usual.
+TIMEOUT = 180.0
+#: Advice of an error message if the picture could not be drawn.
 ADVICE = f"install the off-screen OpenGL libraries (Debian: {apt_command(PICTURES)})"
 
-#: Directions and intensities of lights.
+#: Lights of a picture: direction and intensity of each.
 Lights = Sequence[tuple[Array, float]]
 
 
 class CannotDraw(RuntimeError):
-    """Error for a picture that could not be drawn, with its cause and advice."""
+    """Error: a 3D picture could not be drawn. Its message gives the cause and advice."""
 
     def __init__(self, cause: str, advice: str = "") -> None:
-        """Make the message from cause and advice."""
+        """Store the cause, and compose the message from cause and advice."""
         super().__init__(f"3D picture: {cause}" + (f"; {advice}" if advice else ""))
         self.cause = cause
 
 
 def draw_in_child(module: str, picture: object, path: str | Path) -> None:
-    """Run ``python -m module`` with the pickled (picture, file to write) on its standard input.
+    """Draw a 3D picture in a child process, by running a module with ``python -m``.
 
-    Nothing is imported from the working folder.
+    The module reads the picture and the path of the file, pickled, from its standard input. It imports nothing from the
+    current directory.
 
     Parameters
     ----------
     module
-        Module that draws.
+        Full name of the module that draws the picture.
     picture
-        Record of the picture.
+        Contents of the picture.
     path
-        File to write.
+        PNG file to write.
 
     Raises
     ------
     CannotDraw
-        If this machine cannot draw it: names missing libraries, or the cause.
+        If this machine cannot draw; the message names the cause and the libraries to install.
     """
     here = os.getcwd()
     search = os.pathsep.join(p for p in sys.path if p and os.path.abspath(p) != here)
@@ -61,32 +64,32 @@ def draw_in_child(module: str, picture: object, path: str | Path) -> None:
             check=False,
         )
     except subprocess.TimeoutExpired:
-        raise CannotDraw(f"not finished after {TIMEOUT:.0f} s", ADVICE) from None
+        raise CannotDraw(f"the drawing was aborted after {TIMEOUT:.0f} s", ADVICE) from None
     if child.returncode == 0:
         return
     words = child.stderr.decode(errors="replace").strip().splitlines() or ["no message"]
     if child.returncode < 0:
-        raise CannotDraw("no off-screen OpenGL on this machine", ADVICE)
+        raise CannotDraw("this machine has no off-screen OpenGL", ADVICE)
     if words[-1].startswith(("ImportError", "ModuleNotFoundError")):
         raise CannotDraw(f"pyvista cannot be loaded ({words[-1]})", f"install it, and {ADVICE}")
     raise CannotDraw(words[-1])
 
 
 def set_view(plotter: Any, focus: Array, sight: Array, up: Array, height: float, lights: Lights) -> None:
-    """Set the camera (parallel projection), lights and anti-aliasing of a plotter.
+    """Set the camera (parallel projection), the lights and the anti-aliasing of a pyvista plotter.
 
     Parameters
     ----------
     plotter
-        Plotter of pyvista.
+        Plotter of pyvista that draws the picture.
     focus
-        Point in the middle.
+        Point in the middle of the picture [mm].
     sight, up
-        Unit vectors to the viewer and upwards.
+        Unit vectors towards the viewer and upwards in the picture.
     height
-        Visible height.
+        Visible height [mm].
     lights
-        Directions and intensities of lights.
+        Direction and intensity of each light.
     """
     import pyvista
 
@@ -104,7 +107,7 @@ def set_view(plotter: Any, focus: Array, sight: Array, up: Array, height: float,
 
 
 def drawing_fault() -> str:
-    """Return why 3D pictures cannot be drawn on this machine, after a trial of some seconds; empty if they can."""
+    """Draw a test picture, for some seconds, and return the reason if this machine cannot draw; empty if it can."""
     with tempfile.TemporaryDirectory() as folder:
         try:
             draw_in_child("rollbench.reports.offscreen", None, Path(folder) / "sphere.png")
@@ -114,7 +117,7 @@ def drawing_fault() -> str:
 
 
 def _draw_sphere(path: str) -> None:
-    """Write a PNG of a sphere, as a trial whether this machine can draw."""
+    """Write a PNG file with a picture of a sphere, to test whether this machine can draw."""
     import pyvista
 
     pyvista.OFF_SCREEN = True

@@ -1,4 +1,4 @@
-"""Writes a report as a folder: first page, a page for each `Page` record, tables as CSV, figures, search index."""
+"""Write a report to a folder: its web pages, the tables as CSV files, the figures, and an index for the search."""
 
 from __future__ import annotations
 
@@ -33,71 +33,74 @@ from rollbench.reports.manifest import FILE as MANIFEST
 from rollbench.reports.manifest import write_manifest
 from rollbench.reports.view import MARKER
 
-#: Search index: a script, because a page opened from a file may load no data.
+#: File of the search index. It is a script because a browser does not load data files for a page opened from disk.
 SEARCH = "search.js"
 
-#: Number of characters of a table or text in the search index.
+#: Largest number of characters of a table or text that the search index stores.
 KNOWN = 4000
 
-#: Number of rows from which on a page folds a table.
+#: Number of rows above which a page shows a table folded.
 LONG = 20
 
-#: Number of columns from which on a table is set narrower.
+#: Number of columns above which a table is set in a narrower font.
 WIDE = 8
 
-#: Number of characters up to which the first sentence of a conclusion is a heading.
+#: Largest number of characters of a conclusion's first sentence that becomes a heading.
 HEADLINE = 170
 
-#: Key of a column that a page does not show: the name of the table, figure or section that a row's verdict leads to.
+#: Key of a column that a page does not show. It names the table, figure or section to which the row's verdict is linked.
 HOW = "how"
 
+#: References in a text to a table, figure or section of the report, by its name.
 _NAMED = re.compile(r"\b([Tt]ables?|[Ff]igures?|[Ss]ections?) ([a-z0-9][\w.-]*\w)")
 
+#: Function that is called with each line of progress.
 Progress = Callable[[str], None]
 
+#: What a section of a report may contain.
 Item = Text | Table | Figure | Sketch | LoadedScrew | FieldPicture | PressureMap
 
 
 @dataclass
 class _Writer:
-    """State while a report is written: folder, link targets by name, and entries of the search index."""
+    """Data shared by the functions that write a report: its folder, the targets of links, and the search index."""
 
     #: Folder of the report.
     folder: Path
-    #: Called with lines of progress.
+    #: Function that is called with each line of progress.
     say: Progress
-    #: Addresses by name.
+    #: Link target of each table, figure and section, by its name.
     places: dict[str, str]
-    #: Entries of the search index.
+    #: Entries of the search index, collected page by page.
     entries: list[dict[str, str]] = field(default_factory=list)
 
     def linked(self, text: str) -> Markup:
-        """Return a text in which names of tables, figures and sections are links."""
+        """Return a text as HTML, in which references such as "table NAME" or "figure NAME" are links."""
 
-        def link(found: re.Match[str]) -> str:
+        def link_reference(found: re.Match[str]) -> str:
             place = self.places.get(found[2])
             return found[0] if place is None else f'{found[1]} <a href="{place}">{found[2]}</a>'
 
-        return Markup(_NAMED.sub(link, str(escape(typeset_text(text)))))
+        return Markup(_NAMED.sub(link_reference, str(escape(typeset_text(text)))))
 
 
 def load_templates() -> Environment:
-    """Return the Jinja environment with the page templates; texts are escaped."""
+    """Return the Jinja environment with the templates of the report's pages; it escapes texts for HTML."""
     loader = PackageLoader("rollbench.reports")
     return Environment(loader=loader, autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
 
 
 def write_pages(report: Report, folder: Path, say: Progress) -> None:
-    """Draw all items of a report and write pages, tables, figures and the search index.
+    """Write all files of a report: pages, tables, figures, search index, and manifest.
 
     Parameters
     ----------
     report
-        The report.
+        Contents of the report.
     folder
-        Folder with the subfolders ``tables`` and ``figures``.
+        Existing folder with the subfolders ``tables`` and ``figures``.
     say
-        Called with lines of progress.
+        Function that is called with each line of progress.
     """
     environment = load_templates()
     writer = _Writer(folder, say, _item_places(report))
@@ -122,7 +125,7 @@ def write_pages(report: Report, folder: Path, say: Progress) -> None:
 
 
 def _item_places(report: Report) -> dict[str, str]:
-    """Return the addresses of sections, tables and figures by name."""
+    """Return the link target (``PAGE.html#ANCHOR``) of each section, table and figure of a report, by its name."""
     found = {}
     for page in report.pages:
         for section in page.sections:
@@ -133,17 +136,20 @@ def _item_places(report: Report) -> dict[str, str]:
 
 
 def _item_kind(item: Item) -> str:
-    """Return the kind of an item in addresses: ``table`` or ``figure``."""
+    """Return ``table`` or ``figure``, with which the HTML anchor of this item of a section begins."""
     return "table" if isinstance(item, Table) else "figure"
 
 
 def _write_text(path: Path, text: str) -> None:
-    """Write a text as UTF-8 with line feeds."""
+    """Write a text file in UTF-8, with line feeds as line ends on every system."""
     path.write_text(text, encoding="utf-8", newline="\n")
 
 
 def _render_page(page: Page, number: int, total: int, writer: _Writer) -> dict[str, Any]:
-    """Return a page's data for the templates; writes the files of its items."""
+    """Write the figures and tables of one page to files, and return the page's data for its template.
+
+    number, total: position of the page among all pages, for the line of progress.
+    """
     writer.say(f"report: [{number}/{total}] {page.title}")
     file = f"{page.name}.html"
     sections = [_section_data(section, file, writer) for section in page.sections]
@@ -157,9 +163,9 @@ def _render_page(page: Page, number: int, total: int, writer: _Writer) -> dict[s
 
 
 def page_headline(conclusion: str, title: str) -> tuple[str, str]:
-    """Split a conclusion into the heading of a page or section and the remaining sentences.
+    """Split the conclusion of a page or section into a heading and the remaining sentences; return both.
 
-    The heading is the conclusion's first sentence; the title if there is none or it is too long.
+    The heading is the first sentence of the conclusion. If that is empty or too long, the heading is the title.
 
     Examples
     --------
@@ -175,7 +181,7 @@ def page_headline(conclusion: str, title: str) -> tuple[str, str]:
 
 
 def _section_data(section: Section, file: str, writer: _Writer) -> dict[str, Any]:
-    """Return a section's data for the templates; writes the files of its items."""
+    """Write the figures and tables of one section to files, and return the section's data for the template of its page."""
     items = [_render_item(item, file, writer) for item in section.items]
     words = [p for item in section.items if isinstance(item, Text) for p in item.paragraphs]
     writer.entries.append(_contents_entry(section.title, f"{file}#section-{section.name}", "section", " ".join(words)))
@@ -190,12 +196,15 @@ def _section_data(section: Section, file: str, writer: _Writer) -> dict[str, Any
 
 
 def _contents_entry(title: str, place: str, under: str, text: str) -> dict[str, str]:
-    """Return an entry of the search index: title, address, where it stands, and text to search."""
+    """Return one entry of the search index, with short keys: title, link target ``place``, location, and searched text.
+
+    under: location in words, for example "table NAME, SECTION".
+    """
     return {"t": micro_sign(title), "h": place, "s": under, "x": micro_sign(re.sub(r"\s+", " ", text))[:KNOWN]}
 
 
 def _searchable_text(record: Any) -> str:
-    """Return the text of a table (headings, note, cells, each once) or figure (caption) for the search index."""
+    """Return the text by which the search finds a table (headings, note, texts of cells) or a figure (caption)."""
     if not isinstance(record, Table):
         return str(record.caption)
     texts = [str(row[c.key]) for row in record.rows for c in record.columns if isinstance(row.get(c.key), str)]
@@ -203,7 +212,10 @@ def _searchable_text(record: Any) -> str:
 
 
 def _render_summary(summary: Summary, writer: _Writer) -> dict[str, Any]:
-    """Return the first page's data for the templates, with its figure for wide and for narrow screens."""
+    """Write the figures and tables of the first page to files, and return the page's data for its template.
+
+    The data contain the summary's figure twice, for wide and for narrow screens.
+    """
     wide, narrow = figures.draw_figure(summary.figure), figures.draw_figure(summary.narrow)
     _write_text(writer.folder / "figures" / f"{summary.figure.name}.svg", wide)
     writer.entries.insert(
@@ -214,7 +226,10 @@ def _render_summary(summary: Summary, writer: _Writer) -> dict[str, Any]:
 
 
 def _render_item(item: Item, page: str, writer: _Writer) -> dict[str, Any]:
-    """Return an item's data for the templates; writes the item's file."""
+    """Write one table or figure to its files, and return its data for the template; a text is returned as it is.
+
+    page: file name of the page that contains the item.
+    """
     if isinstance(item, Text):
         return {"kind": "text", "text": item}
     if isinstance(item, Table):
@@ -227,7 +242,7 @@ def _render_item(item: Item, page: str, writer: _Writer) -> dict[str, Any]:
         if isinstance(item, Sketch):
             svg = sketch.draw_sketch(item)
         elif isinstance(item, Figure):
-            svg, narrow = figures.draw_figure(item), figures.draw_figure(figures.for_phone(item))
+            svg, narrow = figures.draw_figure(item), figures.draw_figure(figures.narrow_figure(item))
         else:
             svg, narrow = figures.draw_map(item), figures.draw_map(replace(item, columns=1, width=figures.PHONE))
         if narrow:
@@ -239,7 +254,11 @@ def _render_item(item: Item, page: str, writer: _Writer) -> dict[str, Any]:
 
 
 def _render_picture(item: LoadedScrew | FieldPicture, name: str, back: str, writer: _Writer) -> dict[str, Any]:
-    """Write a 3D picture as a file and return its data, or why it is missing; ``back``: link back to the report."""
+    """Write a 3D picture to the file ``name``, and return its data for the template.
+
+    If the picture cannot be drawn, the data contain the reason instead. back: link from the picture's own 3D page to the
+    report.
+    """
     path = writer.folder / name
     try:
         if isinstance(item, LoadedScrew):
@@ -248,7 +267,7 @@ def _render_picture(item: LoadedScrew | FieldPicture, name: str, back: str, writ
             field3d.draw_field(item, path)
     except RuntimeError as error:
         path.unlink(missing_ok=True)
-        writer.say(f"WARNING: picture left out. {error}")
+        writer.say(f"WARNING: the report lacks the picture {item.name!r}. {error}")
         return {"missing": str(error)}
     turned = None
     if isinstance(item, LoadedScrew) and item.view is not None:
@@ -258,9 +277,9 @@ def _render_picture(item: LoadedScrew | FieldPicture, name: str, back: str, writ
 
 
 def inline_svg(svg: str) -> Markup:
-    """Return an SVG document as an element of a page, without prologue, metadata and title.
+    """Return an SVG document as an HTML element, without XML header, metadata and title.
 
-    Ink, paper and curves take the colours of the page, which change in dark mode.
+    The colours of lines, background and curves are replaced by CSS variables of the page, which change in dark mode.
     """
     element = re.sub(r"\s*<(metadata|title)>.*?</\1>", "", svg[svg.index("<svg") :], flags=re.DOTALL)
     colour = re.compile(r"#[0-9a-fA-F]{6}\b|(?<=fill: )white\b")
@@ -269,7 +288,10 @@ def inline_svg(svg: str) -> Markup:
 
 
 def table_view(table: Table, folder: Path) -> dict[str, Any]:
-    """Return a table's data for the templates, without empty columns, folded if long; writes its CSV file."""
+    """Write the CSV file of a table, and return the table's data for the template.
+
+    The data omit empty columns and say whether the table is folded, because it is long, or set in a narrower font.
+    """
     write_csv(table, folder / "tables" / f"{table.name}.csv")
     shown, empty = filled_table(table)
     shown = [c for c in shown if c.key != HOW and c.key not in table.csv_only]
@@ -285,32 +307,34 @@ def table_view(table: Table, folder: Path) -> dict[str, Any]:
     for row, record in zip(cells, table.rows, strict=True):
         for cell in row:
             cell["link"] = str(record.get(HOW) or "") if cell["mark"].startswith("verdict") else ""
-    remark = f"No row has an entry under: {'; '.join(empty)}." if empty else ""
+    remark = f"Not shown, because without entries: {'; '.join(empty)}." if empty else ""
     further = ", ".join(c.label for c in table.columns if c.key in table.csv_only)
-    note = "\n".join(filter(None, [table.note, remark, further and f"In the CSV file also: {further}."]))
+    note = "\n".join(filter(None, [table.note, remark, further and f"Only in the CSV file: {further}."]))
     form = {"wide": len(shown) > WIDE, "folded": len(cells) > LONG and not table.unfolded}
     return {"kind": "table", "table": table, "columns": heads, "rows": cells, "note": note, **form}
 
 
+#: Subfolders of a report, and the endings of the files in them.
 _FOLDERS = {"tables": (".csv",), "figures": (".svg", ".png")}
 
+#: Permitted names of pages, sections, tables and figures.
 _NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]*")
 
 
 def write_report(report: Report, out: Path, progress: Progress | None = None) -> Path:
-    """Write a report into a folder, which then holds nothing else.
+    """Write a report to a folder that contains nothing else afterwards.
 
-    Everything is first drawn into a new folder next to it, which replaces it only when complete: an error or an interrupt
-    leaves an earlier report as it was.
+    All files are first written to a temporary folder, which replaces ``out`` when it is complete. After an error or an
+    interrupt, an earlier report in ``out`` is unchanged.
 
     Parameters
     ----------
     report
-        The records to draw.
+        Contents of the report.
     out
-        Folder that does not exist, is empty, or holds an earlier report and nothing else.
+        Folder that does not exist, is empty, or contains an earlier report and nothing else.
     progress
-        Called with a line before each section, and when a picture has to be left out.
+        Function that is called with a line of text before each page, and when a picture cannot be drawn.
 
     Returns
     -------
@@ -320,23 +344,24 @@ def write_report(report: Report, out: Path, progress: Progress | None = None) ->
     Raises
     ------
     ValueError
-        If ``out`` holds other files or cannot be replaced, a name is not fit for a file or given twice, or the data of a
-        figure are inconsistent.
+        If ``out`` contains other files or cannot be replaced, if a name in the report is not a valid file name or occurs
+        twice, or if the data of a figure are inconsistent.
     """
     _check_names(report)
 
-    def make(folder: Path) -> None:
+    def fill_folder(folder: Path) -> None:
         for name in ("tables", "figures"):
             (folder / name).mkdir()
         write_pages(report, folder, progress or (lambda _: None))
 
-    return replace_folder(out, make) / "index.html"
+    return replace_folder(out, fill_folder) / "index.html"
 
 
 def replace_folder(out: Path, make: Callable[[Path], None]) -> Path:
-    """Replace a report's folder by a new one that ``make`` fills, completely or not at all; return its path.
+    """Replace the folder of a report by a new one that ``make`` fills; return its path.
 
-    ValueError if the folder holds other files (`check_target`) or cannot be replaced.
+    If ``make`` fails, the old folder is unchanged. Raises ValueError if the folder contains files of other origin (see
+    `check_target`) or cannot be replaced.
     """
     out = Path(out).resolve()
     check_target(out)
@@ -352,25 +377,25 @@ def replace_folder(out: Path, make: Callable[[Path], None]) -> Path:
 
 
 def check_target(out: Path) -> None:
-    """Raise ValueError unless ``out`` is missing, empty or an earlier report that a new one may replace."""
+    """Raise ValueError if the folder ``out`` contains anything but an earlier report, which a new one may replace."""
     if not out.exists():
         return
     if not out.is_dir():
-        raise ValueError(f"{out} is a file; give a directory for the report")
+        raise ValueError(f"{out} is a file; name a directory for the report")
     entries = sorted(out.rglob("*"))
     index = out / "index.html"
     if entries and not (index.is_file() and MARKER in index.read_text(encoding="utf-8", errors="replace")):
-        raise ValueError(f"{out} is not empty and holds no rollbench report; choose another directory")
+        raise ValueError(f"{out} contains files but no rollbench report; choose another directory")
     for entry in entries:
         top = entry.relative_to(out).parts
         folder = len(top) == 1 and top[0] in _FOLDERS and entry.is_dir()
         file = len(top) == 2 and entry.is_file() and entry.suffix in _FOLDERS.get(top[0], ())
         if not (folder or file or (len(top) == 1 and _is_page(entry))):
-            raise ValueError(f"{entry} was not written by a report and would be lost; move it elsewhere first")
+            raise ValueError(f"{entry} belongs to no rollbench report and would be deleted; move it to another directory")
 
 
 def _is_page(entry: Path) -> bool:
-    """Return whether a file is a page of a report, its search index, its manifest, or the PDF of releases up to 0.14."""
+    """Return whether a file belongs to a report: page, search index, manifest, or the PDF of releases up to 0.14."""
     if not entry.is_file():
         return False
     return entry.name in (SEARCH, MANIFEST, "first-pages.pdf") or (
@@ -379,11 +404,11 @@ def _is_page(entry: Path) -> bool:
 
 
 def _check_names(report: Report) -> None:
-    """Raise ValueError for names in a report that are repeated or not fit for files and anchors."""
+    """Raise ValueError if a name in a report occurs twice or cannot be part of a file name or link."""
     seen: set[tuple[str, str]] = {("page", "index")}
     for page in report.pages:
         if not _NAME.fullmatch(page.name) or ("page", page.name) in seen:
-            raise ValueError(f"page name {page.name!r} is unfit for a file or given twice")
+            raise ValueError(f"page name {page.name!r} is not a valid file name or is used twice")
         seen.add(("page", page.name))
     for section in report.sections:
         items = [item for item in section.items if not isinstance(item, Text)]
@@ -394,12 +419,12 @@ def _check_names(report: Report) -> None:
             if not _NAME.fullmatch(name):
                 raise ValueError(f"{kind} name {name!r}: use letters, digits, dot, dash and underscore only")
             if (kind, name.lower()) in seen:
-                raise ValueError(f"{kind} name {name!r} is given twice")
+                raise ValueError(f"{kind} name {name!r} is used twice; choose another name")
             seen.add((kind, name.lower()))
 
 
 def _swap_folders(fresh: Path, out: Path) -> None:
-    """Replace the folder ``out`` by ``fresh``; if that fails, the old folder is restored."""
+    """Replace the folder ``out`` by the folder ``fresh``; if that fails, restore the old one and raise an error."""
     if not out.exists():
         fresh.rename(out)
         return
@@ -411,6 +436,6 @@ def _swap_folders(fresh: Path, out: Path) -> None:
         if old.exists() and not out.exists():
             old.rename(out)
         if isinstance(error, OSError):
-            raise ValueError(f"{out} cannot be replaced ({error.strerror}); give a directory below it") from error
+            raise ValueError(f"{out} cannot be replaced ({error.strerror}); choose a subdirectory of it") from error
         raise
     shutil.rmtree(old, ignore_errors=True)

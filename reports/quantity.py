@@ -1,4 +1,4 @@
-"""Record for a column of a report's table."""
+"""Description of one column of a report's table: heading, unit and number format."""
 
 from __future__ import annotations
 
@@ -9,18 +9,18 @@ from typing import Any
 
 @dataclass(frozen=True)
 class Quantity:
-    """Column of a table: key, heading, unit and format.
+    """Column of a report's table: the quantity it shows, with heading, unit and number format.
 
-    Columns with the keys ``class`` and ``verdict`` are marked in the page.
+    On a web page, the values of columns with the keys ``class`` and ``verdict`` are shown as coloured labels.
     """
 
-    #: Key in the rows.
+    #: Key under which a row of the table stores the value.
     key: str
-    #: Heading.
+    #: Heading of the column, without unit.
     label: str
-    #: Unit.
+    #: Unit of the values; empty for texts and plain numbers.
     unit: str = ""
-    #: ``"g4"`` for 4 significant digits, ``"s"`` for text, or a format of Python such as ``".2f"``.
+    #: Number format: ``"g4"`` for 4 significant digits, ``"s"`` for text, or a format of Python such as ``".2f"``.
     format: str = "g4"
-    #: Function that takes the value from a record.
+    #: Function that returns the value for a record from which a row of the table is made.
     value: Callable[[Any], Any] = field(default=lambda _: None, compare=False)

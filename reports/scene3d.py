@@ -1,7 +1,7 @@
-"""3D picture of the loaded screw: nut cut open, balls coloured by load, contact forces as arrows.
+"""3D picture of a loaded screw: the nut is cut open, balls are coloured by their load, contact forces are arrows.
 
-VTK ends the process on a machine without off-screen OpenGL; so a child process draws, and its failure becomes an exception
-that names what to install.
+The picture is drawn in a child process, because VTK terminates its process on a machine without off-screen OpenGL. If that
+happens, an exception says which libraries to install.
 """
 
 from __future__ import annotations
@@ -22,56 +22,64 @@ from rollbench.meshes.parts import Scene
 from rollbench.reports.content import LoadedScrew
 from rollbench.reports.offscreen import draw_in_child, set_view
 
+#: Width and height of a picture [pixels].
 SIZE = (1600, 900)
 
-_VIEW = np.radians(155.0)  # azimuth of the viewer and of the opening in the nut; z runs to the right
+_VIEW = np.radians(155.0)  # azimuth of the viewer and of the opening in the nut; z points to the right
 _ARROW = 3.6  # length of the longest arrow, in ball radii
+#: Colours of shaft, nut, and cut faces of the nut.
 STEEL, _NUT, _CUT = "#c3c8ce", "#9fb0c2", "#5f7d9c"
 _SCREW_SIDE, _NUT_SIDE, _IDLE = "#d1495b", "#1b1f24", "#eeeeee"
 
-#: Surface: radius [m], azimuth [rad] and station [m] of its points, each (rows, columns).
+#: Surface given by a grid of points: their radius [m], azimuth [rad] and axial position [m], each (rows, columns).
 Grid = tuple[Array, Array, Array]
 
 
 def draw_loaded_screw(picture: LoadedScrew, path: str | Path) -> None:
-    """Write a PNG of the loaded screw, without an X server.
+    """Draw a loaded screw with its nut and balls to a PNG file; needs no display.
 
     Parameters
     ----------
     picture
-        The picture.
+        Geometry, contact loads and contact forces.
     path
-        The file.
+        PNG file to write.
 
     Raises
     ------
     RuntimeError
-        If this machine cannot draw it: names missing libraries, or the cause.
+        If this machine cannot draw; the message names the cause and the libraries to install.
     """
     draw_in_child("rollbench.reports.scene3d", picture, path)
 
 
 @dataclass(frozen=True)
 class _Grooves:
-    """Gothic-arch grooves along the helices ``z = level + slope * (phi - phase)``, one for each start."""
+    """Gothic-arch grooves of a screw and its nut, along the helices ``z = level + slope * (phi - phase)``.
 
-    #: Pitch radius [m].
+    Each start of the screw is one helix, with the azimuth phi [rad].
+    """
+
+    #: Pitch radius of the ball track [m].
     track_radius: float
-    #: Radius of the arcs [m].
+    #: Groove radius: radius of the two arcs of the gothic arch [m].
     radius: float
-    #: Distance of the arcs' centres from the track [m].
+    #: Distance of the centres of these arcs from the ball track [m].
     offset: float
-    #: Advance per angle [m/rad].
+    #: Axial advance of the helix per angle [m/rad].
     slope: float
     #: Azimuth of each start [rad].
     phases: Array
-    #: Axial distance of neighbouring grooves [m].
+    #: Axial distance between neighbouring grooves [m].
     pitch: float
-    #: Axial position at phase zero [m].
+    #: Axial position of the helix at phase zero [m].
     level: float
 
     def depth(self, phi: Array, z: Array) -> Array:
-        """Return the radial distance from the track to the wall of the groove [m]; nan next to the groove."""
+        """Return the depth of the groove below or above the pitch radius [m] at azimuth phi [rad] and position z [m].
+
+        It is nan outside the groove.
+        """
         path = self.level + self.slope * (phi[..., None] - self.phases)
         away = z[..., None] - path
         if self.pitch > 0.0:
@@ -82,7 +90,11 @@ class _Grooves:
         return half
 
     def surface(self, phi: Array, z: Array, land: float) -> Array:
-        """Return the radius [m] of the grooved surface: screw, or nut if ``land`` is above the pitch radius."""
+        """Return the radius [m] of the grooved surface at azimuth phi [rad] and axial position z [m].
+
+        land: radius between the grooves [m]. The surface is that of the screw if it is smaller than the pitch radius, and
+        that of the nut otherwise.
+        """
         depth = self.depth(phi, z)
         if land < self.track_radius:
             return np.fmin(land, self.track_radius - depth)
@@ -90,10 +102,7 @@ class _Grooves:
 
 
 def _groove_profiles(scene: Scene) -> _Grooves:
-    """Return the grooves of a scene.
-
-    The centres of the arcs are off the track by the difference of the radii at 45 degrees, which makes a gothic arch.
-    """
+    """Return the grooves of a scene, for drawing, as gothic arches that touch the balls at a contact angle of 45°."""
     track, radius = scene.track, scene.screw.groove_radius
     phases = track.phase + 2.0 * np.pi * np.arange(track.starts) / track.starts
     offset = (radius - ball_radius(scene)) * np.sqrt(0.5)
@@ -101,12 +110,16 @@ def _groove_profiles(scene: Scene) -> _Grooves:
 
 
 def ball_radius(scene: Scene) -> float:
-    """Return the largest ball radius [m], with which all balls are drawn."""
+    """Return the radius [m] with which all balls are drawn: that of the largest ball of the scene."""
     return float(specimen(scene, ball_layout(scene)).ball_radius.max())
 
 
 def _surface_grid(grooves: _Grooves, phi: Array, ends: tuple[float, float], step: float) -> tuple[Array, Array]:
-    """Return azimuths and stations of a grid between ``ends``, with lines along the helix to keep edges sharp."""
+    """Return azimuths [rad] and axial positions [m] of a grid on a grooved cylinder, each (rows, columns).
+
+    The grid lines follow the helix, so that groove edges are sharp. phi: azimuths of the rows [rad]; ends: axial range [m];
+    step: axial distance of the grid lines [m].
+    """
     rise = grooves.slope * (phi - phi[0])
     low, high = ends[0] - max(rise.max(), 0.0), ends[1] - min(rise.min(), 0.0)
     lines = np.linspace(low, high, max(2, round((high - low) / step)))
@@ -115,7 +128,7 @@ def _surface_grid(grooves: _Grooves, phi: Array, ends: tuple[float, float], step
 
 
 def _sheet_surface(grid: Grid) -> Any:
-    """Return a grid as a triangulated pyvista surface; lengths in mm."""
+    """Return a surface as a triangle mesh of pyvista, in mm; grid: radius, azimuth and axial position of its points."""
     import pyvista
 
     sheet = pyvista.StructuredGrid(*(np.ascontiguousarray(1e3 * x)[..., None] for x in to_cartesian(grid)))
@@ -123,22 +136,22 @@ def _sheet_surface(grid: Grid) -> Any:
 
 
 def to_cartesian(grid: Grid) -> tuple[Array, Array, Array]:
-    """Return x, y, z of the points of a grid [m]."""
+    """Return x, y, z [m] of surface points that are given by radius [m], azimuth [rad] and axial position [m]."""
     radius, phi, z = grid
     return radius * np.cos(phi), radius * np.sin(phi), z
 
 
 def _shaft_surfaces(scene: Scene, coarse: float = 1.0, reach: float = 0.8) -> list[Grid]:
-    """Return the surfaces of the screw around the nut: grooved stretch, both ends and bore.
+    """Return the surfaces of the part of the screw near the nut: the grooved surface, both end faces, and the bore.
 
     Parameters
     ----------
     scene
-        The scene.
+        Geometry of screw and nut.
     coarse
-        Step of the grid, as a multiple of that in a picture.
+        Step of the grid, as a multiple of the step used in a picture.
     reach
-        Length drawn on either side of the nut's centre, in nut lengths.
+        Length that is drawn on each side of the nut's centre, in nut lengths.
     """
     grooves, half = _groove_profiles(scene), reach * scene.nut.length
     low = max(0.0, scene.nut.position - half)
@@ -159,7 +172,10 @@ def _shaft_surfaces(scene: Scene, coarse: float = 1.0, reach: float = 0.8) -> li
 
 
 def _nut_surfaces(scene: Scene, coarse: float = 1.0) -> tuple[list[Grid], list[Grid]]:
-    """Return the surfaces of the half of the nut behind the screw, and its two cut faces; see `_shaft_surfaces`."""
+    """Return the surfaces of the half of the nut that lies behind the screw, and its two cut faces.
+
+    coarse: step of the grid, as a multiple of the step used in a picture.
+    """
     grooves = _groove_profiles(scene)
     bore = 2.0 * scene.track.pitch_radius - scene.screw.outer_diameter / 2.0
     ends = (scene.nut.position - 0.5 * scene.nut.length, scene.nut.position + 0.5 * scene.nut.length)
@@ -169,48 +185,51 @@ def _nut_surfaces(scene: Scene, coarse: float = 1.0) -> tuple[list[Grid], list[G
     outer = np.full_like(inner, scene.nut.outer_diameter / 2.0)
     share = np.linspace(0.0, 1.0, 8)
 
-    def between(index: Any) -> Grid:
-        """Return the flat face from the bore to the outer diameter along one edge of the grid."""
+    def radial_face(index: Any) -> Grid:
+        """Return the flat face of the nut, from bore to outer diameter, at one edge of its surface grid (``index``)."""
         wall = inner[index][:, None] * (1.0 - share) + outer[index][:, None] * share
         flat = np.zeros_like(wall)
         return wall, phi[index][:, None] + flat, z[index][:, None] + flat
 
     everywhere = slice(None)
     body = [(inner, phi, z), (outer, phi, z)]
-    body += [between((everywhere, 0)), between((everywhere, -1))]
-    return body, [between((0, everywhere)), between((-1, everywhere))]
+    body += [radial_face((everywhere, 0)), radial_face((everywhere, -1))]
+    return body, [radial_face((0, everywhere)), radial_face((-1, everywhere))]
 
 
-def contact_directions() -> tuple[Array, Array]:
-    """Return two unit vectors across the axis: towards the viewer, and upwards in the picture."""
+def viewer_axes() -> tuple[Array, Array]:
+    """Return two unit vectors normal to the screw's axis: one towards the viewer, and one upwards in the picture."""
     cosine, sine = np.cos(_VIEW), np.sin(_VIEW)
     return np.array([cosine, sine, 0.0]), np.array([sine, -cosine, 0.0])
 
 
 def view_direction() -> Array:
     """Return the unit vector from the nut to the viewer: from the open side, slightly above and to the right."""
-    outward, upward = contact_directions()
+    outward, upward = viewer_axes()
     eye: Array = outward + 0.22 * upward + 0.34 * np.array([0.0, 0.0, 1.0])
     return eye / float(np.linalg.norm(eye))
 
 
 def scene_grids(scene: Scene, coarse: float, reach: float) -> dict[str, list[Grid]]:
-    """Return the surfaces of screw, opened nut and its cut faces, by colour; arguments as in `_shaft_surfaces`."""
+    """Return the surfaces of the screw, of the opened nut and of the nut's cut faces, by their colour.
+
+    coarse: step of the grid, as a multiple of the step used in a picture; reach: length of screw that is drawn on each side
+    of the nut's centre, in nut lengths.
+    """
     body, cuts = _nut_surfaces(scene, coarse)
     return {STEEL: _shaft_surfaces(scene, coarse, reach), _NUT: body, _CUT: cuts}
 
 
 def _render_picture(picture: LoadedScrew, path: str) -> None:
-    """Draw the loaded screw and write its PNG; runs in the child process."""
+    """Draw a loaded screw and write the PNG file ``path``; runs in the child process."""
     import pyvista
 
     pyvista.OFF_SCREEN = True
     plotter = pyvista.Plotter(off_screen=True, window_size=SIZE, lighting="none")
     plotter.set_background("white")
     steel = {"smooth_shading": True, "ambient": 0.3, "diffuse": 0.7, "specular": 0.35, "specular_power": 25}
-    # In a parallel projection a shift along the line of sight leaves a body's image as it is: moved back by
-    # the length of an arrow, the screw does not hide the forces that it exerts, but balls and arrows hide
-    # each other as they should.
+    # In a parallel projection, a shift along the line of sight does not change the image of a body. The screw is moved
+    # back by the length of an arrow, so that it does not hide the arrows of the forces that it exerts.
     behind = -1e3 * _ARROW * ball_radius(picture.scene) * view_direction()
     for grid in _shaft_surfaces(picture.scene):
         plotter.add_mesh(_sheet_surface(grid).translate(behind), color=STEEL, **steel)
@@ -227,7 +246,7 @@ def _render_picture(picture: LoadedScrew, path: str) -> None:
 
 
 def _round_scale(low: float, high: float) -> tuple[float, float, int]:
-    """Return round limits of a scale from ``low`` to ``high``, and a number of labels that divides it evenly."""
+    """Return round limits of a colour scale that contains ``low`` and ``high``, and the number of evenly spaced labels."""
     if high - low < 1e-3 * high:
         low, high = 0.9 * low, 1.1 * high
     decade = 10.0 ** np.floor(np.log10((high - low) / 4.0))
@@ -238,7 +257,7 @@ def _round_scale(low: float, high: float) -> tuple[float, float, int]:
 
 
 def _add_balls(plotter: Any, picture: LoadedScrew) -> None:
-    """Draw the balls, coloured by load (unloaded ones pale), and the colour scale."""
+    """Draw the balls with colours by their largest contact load, unloaded balls white, and the colour scale."""
     import pyvista
 
     centres = 1e3 * ball_layout(picture.scene).centre
@@ -278,9 +297,10 @@ def _add_balls(plotter: Any, picture: LoadedScrew) -> None:
 
 
 def _load_arrows(picture: LoadedScrew) -> Iterator[tuple[Any, str]]:
-    """Yield arrows of the forces on the balls, which end at the contacts on the open side, with their colour.
+    """Yield the arrows of the contact forces on the balls with their colour: first from the screw, then from the nut.
 
-    Lengths, in mm, are proportional to the forces; first those from the screw, then those from the nut.
+    The arrows end at the contacts, and their lengths are proportional to the forces. Only contacts on the open side of the
+    nut have an arrow.
     """
     import pyvista
 
@@ -301,7 +321,7 @@ def _load_arrows(picture: LoadedScrew) -> Iterator[tuple[Any, str]]:
 
 
 def _add_forces(plotter: Any, picture: LoadedScrew) -> None:
-    """Draw the arrows of the contact forces, and their legend."""
+    """Draw the arrows of the contact forces on the balls, and the legend of their colours."""
     size = np.linalg.norm(picture.contact_forces, axis=1)
     if not np.any(size > 0.0):
         return
@@ -316,8 +336,8 @@ def _add_forces(plotter: Any, picture: LoadedScrew) -> None:
 
 
 def _set_view(plotter: Any, picture: LoadedScrew) -> None:
-    """Set camera and lights of the plotter, and add the triad of axes."""
-    outward, upward = contact_directions()
+    """Set the camera and the lights of the plotter, and draw the directions of the axes x, y, z."""
+    outward, upward = viewer_axes()
     extent = 1e3 * max(picture.scene.nut.outer_diameter, 1.6 * picture.scene.nut.length * SIZE[1] / SIZE[0])
     focus = np.array([0.0, 0.0, picture.scene.nut.position * 1e3]) - 0.05 * extent * upward
     above = outward + 1.4 * upward - np.array([0.0, 0.0, 0.6])

@@ -1,7 +1,8 @@
-"""Writes one scene as a self-contained HTML page with hashes of its inputs, and reads these from a page.
+"""Write the results of one scene as a self-contained HTML page with checksums, and read such a page.
 
-The page contains the scene file, the results as JSON and a manifest: SHA-256 of both, of the page and of every file that
-was used. `read_page` takes them out again. The hashes show what changed, but not who wrote the page.
+The page contains the scene file, the results as JSON, and a manifest: the SHA-256 checksums of both, of the page itself,
+and of every file that was used. `read_page` extracts them. The checksums show whether something was changed, but not who
+wrote the page.
 """
 
 from __future__ import annotations
@@ -24,45 +25,49 @@ from rollbench.reports.manifest import all_texts, parse_manifest, sha256
 from rollbench.reports.pages import inline_svg, load_templates
 from rollbench.reports.view import MARKER, view_fragment
 
-#: Blocks of the page that hold data, by id.
+#: HTML identifiers of the script elements of the page that contain data.
 BLOCKS = ("manifest", "scene", "results")
 
 
 @dataclass(frozen=True)
 class ScenePage:
-    """Contents of the HTML page of a scene."""
+    """Contents of the HTML page with the results of one scene."""
 
-    #: Title.
+    #: Title of the page.
     title: str
     #: Line below the title.
     subtitle: str
     #: Main result in one sentence.
     verdict: str
-    #: Results as (label, sentence).
+    #: Further results, as pairs of label and sentence.
     answers: Sequence[tuple[str, str]]
-    #: Picture, if any.
+    #: 3D picture of the loaded screw; None for a scene without one.
     picture: LoadedScrew | None
-    #: Sections.
+    #: Sections of the page.
     parts: Sequence[Section]
-    #: Facts on its origin as (label, text).
+    #: Facts on the page's origin, such as version and date, by label.
     provenance: Mapping[str, str]
     #: Text of the scene file.
     scene_text: str
-    #: JSON of the results.
+    #: Results as written by the command ``solve --json``.
     results: Mapping[str, Any]
-    #: SHA-256 of further files that were used, by name.
+    #: SHA-256 checksums of further files that were used, by file name.
     files: Mapping[str, str] = field(default_factory=dict)
-    #: Warnings, printed when the page is written and listed among its assumptions.
+    #: Warnings, which are printed when the page is written and are listed among its assumptions.
     warnings: Sequence[str] = ()
-    #: 3D view on the page, with the same results.
+    #: Interactive 3D view of the same results; None for a page without one.
     view: View | None = None
-    #: Files to which labels of results link.
+    #: Link target of each label of ``answers`` that is a link.
     links: Mapping[str, str] = field(default_factory=dict)
+    #: Table below the results.
     table: Table | None = None
 
 
 def page_manifest(page: ScenePage, html: str) -> dict[str, Any]:
-    """Return the manifest of a page: provenance, SHA-256 of scene, results, files, and page without manifest."""
+    """Return the manifest of a page: its origin, and the SHA-256 checksums of scene file, results, used files and page.
+
+    html: text of the page with an empty manifest, of which the checksum is computed.
+    """
     return {
         "provenance": dict(page.provenance),
         "scene": sha256(page.scene_text),
@@ -73,12 +78,12 @@ def page_manifest(page: ScenePage, html: str) -> dict[str, Any]:
 
 
 def results_hash(results: Mapping[str, Any]) -> str:
-    """Return the SHA-256 of results, independent of the order of their keys."""
+    """Return the SHA-256 checksum of the results of a scene, independent of the order of their keys."""
     return sha256(json.dumps(results, sort_keys=True))
 
 
 def render_page(page: ScenePage) -> str:
-    """Return the page as HTML; ValueError if the data of a figure are inconsistent."""
+    """Return the page of a scene as HTML, with its manifest; raise ValueError if the data of a figure are inconsistent."""
     environment = load_templates()
     environment.finalize = lambda value: value if isinstance(value, Markup) else typeset_text(str(value))
     environment.globals["cell"] = format_cell
@@ -97,29 +102,32 @@ def render_page(page: ScenePage) -> str:
 
 
 def _data_block(name: str, content: str = "") -> str:
-    """Return a script element that holds JSON under an id."""
+    """Return the HTML script element with the identifier ``name`` that contains the JSON text ``content``."""
     return f'<script type="application/json" id="{name}">{content}</script>'
 
 
 def without_manifest(html: str) -> str:
-    """Return the HTML with an empty manifest, as it was when its hash was computed."""
+    """Return the HTML of a scene's page with an empty manifest: the text of which its checksum was computed."""
     pattern = re.escape(_data_block("manifest", "@")).replace("@", ".*?")
     return re.sub(pattern, lambda _: _data_block("manifest"), html, count=1, flags=re.DOTALL)
 
 
 def _embedded_json(data: Any) -> Markup:
-    """Return data as JSON for a script element, escaped so that nothing in it ends the element."""
+    """Return data as JSON for an HTML script element; <, > and & are escaped, so that no text can end the element."""
     text = json.dumps(data, sort_keys=True)
     return Markup(text.replace("<", "\\u003c").replace(">", "\\u003e").replace("&", "\\u0026"))
 
 
 def _draw_item(item: Figure | Sketch) -> Markup:
-    """Return a figure or sketch as an SVG element of the page."""
+    """Return a figure or sketch as an SVG element for the HTML page."""
     return Markup(inline_svg(sketch.draw_sketch(item) if isinstance(item, Sketch) else figures.draw_figure(item)))
 
 
 def _embed_picture(item: LoadedScrew | None) -> tuple[str, str]:
-    """Return the 3D picture as base64 and an empty text, or an empty text and why it is missing."""
+    """Draw the 3D picture of a page; return it as a base64 text and, if it cannot be drawn, the reason as a second text.
+
+    One of the two texts is always empty; both are if there is no picture.
+    """
     if item is None:
         return "", ""
     with TemporaryDirectory() as folder:
@@ -132,18 +140,21 @@ def _embed_picture(item: LoadedScrew | None) -> tuple[str, str]:
 
 
 def read_page(html: str) -> dict[str, Any]:
-    """Return manifest, scene text and results of a page; ValueError if one is missing or damaged."""
+    """Return the manifest, the scene file's text and the results from the HTML of a scene's page, by these names.
+
+    Raises ValueError if one of them is missing or damaged.
+    """
     out = {}
     for name in BLOCKS:
         found = re.search(rf'<script type="application/json" id="{name}">(.*?)</script>', html, re.DOTALL)
         if found is None:
-            raise ValueError(f"the page has no block {name!r}")
+            raise ValueError(f"a page without the data block {name!r}")
         try:
             out[name] = parse_manifest(found[1])
         except ValueError as error:
-            raise ValueError(f"the block {name!r} is damaged: {error}") from None
+            raise ValueError(f"a page with a damaged data block {name!r} ({error})") from None
     manifest, texts = out["manifest"], isinstance(out["scene"], str)
     whole = isinstance(manifest, dict) and all(all_texts(manifest.get(key, {})) for key in ("files", "provenance"))
     if not (whole and texts and isinstance(out["results"], dict)):
-        raise ValueError("the manifest is damaged")
+        raise ValueError("a page with a damaged manifest")
     return out

@@ -1,7 +1,6 @@
-"""Draws a side view of a screw or bearing as SVG: shaft, nut in section, balls, supports, loads, main dimensions.
+"""Draw a screw or bearing from the side, as SVG: shaft, nut in section, balls, supports, loads and main dimensions.
 
-The stretch around the nut is to scale in both directions. A long shaft is shortened, with a break line; what lies there is
-labelled with its station.
+The nut and the shaft near it are drawn to scale. The ends of a long shaft are shortened, with a break line.
 """
 
 from __future__ import annotations
@@ -15,11 +14,11 @@ from rollbench.meshes.parts import Scene
 from rollbench.meshes.solid import solid_dimensions
 from rollbench.reports.content import Sketch
 
-#: Colours: those of `panels.THEME` follow the page, the faces of steel stay.
+#: Colours of the drawing. A web page replaces those in `figures.THEME` by colours of the page; the others remain.
 INK, FRAME, SHAFT, NUT, BALL, FORCE = "#222222", "#8a8f98", "#c9ced6", "#9fb4d3", "#f3c969", "#D55E00"
-#: Pixels: width of the drawing, height of the thickest part, length of a shortened end, text.
+#: Width of the drawing, height of the thickest part, length of a shortened shaft end, and font size [pixels].
 WIDTH, TALL, END, TEXT = 520.0, 130.0, 90.0, 12.0
-#: Nut lengths of shaft to scale beyond either face of the nut, and least room [pixels] at either side.
+#: Length of shaft drawn to scale beyond each face of the nut, in nut lengths, and smallest margin at each side [pixels].
 BEYOND, SIDE = 0.25, 44.0
 
 #: Factors for kilonewtons and micrometres in texts.
@@ -28,23 +27,23 @@ KILO, MICRO = 1e3, 1e-6
 
 @dataclass(frozen=True)
 class _Scale:
-    """Conversion of stations and radii [m] to pixels."""
+    """Scale of the drawing: converts axial positions and radii [m] to pixels."""
 
-    #: Start of the stretch to scale [m].
+    #: Axial position at which the part drawn to scale begins [m].
     low: float
-    #: End of the stretch to scale [m].
+    #: Axial position at which the part drawn to scale ends [m].
     high: float
     #: Length of the shaft [m].
     length: float
-    #: Abscissa of ``low`` [pixels].
+    #: Abscissa of the axial position ``low`` in the drawing [pixels].
     left: float
     #: Pixels per metre.
     per_metre: float
-    #: Ordinate of the axis [pixels].
+    #: Ordinate of the shaft's axis in the drawing [pixels].
     middle: float
 
     def x(self, station: float) -> float:
-        """Return the abscissa [pixels] of a station [m]."""
+        """Return the abscissa in the drawing [pixels] of an axial position ``station`` [m] on the shaft."""
         if station < self.low:
             share = (self.low - station) / max(self.low, 1e-12)
             return self.left - share * self._end(self.low)
@@ -55,20 +54,20 @@ class _Scale:
         return self.left + self.per_metre * (station - self.low)
 
     def y(self, radius: float) -> float:
-        """Return the ordinate [pixels] of a height above the axis [m]."""
+        """Return the ordinate in the drawing [pixels] of a point at the height ``radius`` [m] above the shaft's axis."""
         return self.middle - self.per_metre * radius
 
     def _end(self, length: float) -> float:
-        """Return the drawn length [pixels] of a shaft's end, shortened to `END`."""
+        """Return the length [pixels] with which a shaft end of this length [m] is drawn, at most `END`."""
         return min(self.per_metre * length, END)
 
     def cut(self, length: float) -> bool:
-        """Return whether an end of this length [m] is shortened."""
+        """Return whether a shaft end of this length [m] is drawn shortened, with a break line."""
         return self.per_metre * length > END
 
 
 def draw_sketch(sketch: Sketch) -> str:
-    """Return the sketch as an SVG document, with identical bytes for identical records."""
+    """Return the sketch of a screw or bearing as an SVG document; identical input gives an identical document."""
     scene = sketch.scene
     scale = _drawing_scale(scene)
     high = TALL / 2.0
@@ -89,7 +88,7 @@ def draw_sketch(sketch: Sketch) -> str:
 
 
 def _drawing_scale(scene: Scene) -> _Scale:
-    """Return the scale of the drawing of a scene."""
+    """Return the scale at which a screw or bearing fits into the drawing."""
     low, high = drawn_faces(scene)
     room = BEYOND * (high - low)
     ends = max(low - room, 0.0), min(high + room, scene.screw.length)
@@ -101,12 +100,12 @@ def _drawing_scale(scene: Scene) -> _Scale:
 
 
 def drawn_faces(scene: Scene) -> tuple[float, float]:
-    """Return the stations of the nut's faces [m]."""
+    """Return the axial positions of the nut's left and right face [m]."""
     return scene.nut.position - scene.nut.length / 2.0, scene.nut.position + scene.nut.length / 2.0
 
 
 def _draw_shaft(scene: Scene, scale: _Scale) -> Iterator[str]:
-    """Draw shaft, bore, lines of the groove, breaks and axis."""
+    """Yield the SVG elements of the shaft: outline, bore, break lines of shortened ends, and axis."""
     radius = scene.screw.outer_diameter / 2.0
     x0, x1 = scale.x(0.0), scale.x(scene.screw.length)
     yield _rectangle(x0, scale.y(radius), x1 - x0, 2.0 * (scale.middle - scale.y(radius)), SHAFT)
@@ -130,10 +129,10 @@ def _draw_shaft(scene: Scene, scale: _Scale) -> Iterator[str]:
 
 
 def _draw_nut(scene: Scene, scale: _Scale) -> Iterator[str]:
-    """Draw the nut in section, its flange, hatching where it is fixed, and its length above."""
+    """Yield the SVG elements of the nut in section: body, flange, hatching where it is fixed, and its dimension line."""
     ends = drawn_faces(scene)
     low, high = map(scale.x, ends)
-    held, outside = _draw_fixed_faces(scene, *ends)
+    held, outside = _fixed_nut_faces(scene, *ends)
     inner, outer = scene.track.pitch_radius, scene.nut.outer_diameter / 2.0
     thick = scale.per_metre * (outer - inner)
     for side in (-1.0, 1.0):
@@ -156,13 +155,13 @@ def _draw_nut(scene: Scene, scale: _Scale) -> Iterator[str]:
 
 
 def _hatch_lines(x: float, top: float, foot: float, side: float) -> Iterator[str]:
-    """Draw hatching next to a vertical fixed edge."""
+    """Yield hatching lines beside a fixed vertical edge, on its left (side = -1) or right (side = 1); lengths in pixels."""
     for k in range(int((foot - top) // 5.0) + 1):
         yield _line_element(x, top + 5.0 * k, x + 5.0 * side, top + 5.0 * k + 5.0)
 
 
 def _draw_balls(scene: Scene, scale: _Scale) -> Iterator[str]:
-    """Draw the balls in side view, those behind the axis pale."""
+    """Yield the SVG elements of the balls, seen from the side; balls behind the shaft's axis are pale."""
     for height, front, z in sorted(ball_layout(scene).centre.tolist(), key=lambda centre: centre[1]):
         radius = scale.per_metre * scene.balls.radius
         pale = "" if front >= 0.0 else ' opacity="0.45"'
@@ -171,7 +170,10 @@ def _draw_balls(scene: Scene, scale: _Scale) -> Iterator[str]:
 
 
 def _draw_acting_loads(scene: Scene, scale: _Scale, below: float) -> Iterator[str]:
-    """Draw supports and loads with their labels, beside the nut where it hides them, and the length of the shaft."""
+    """Yield the SVG elements of supports and loads with their labels, and of the shaft's dimension line.
+
+    Supports and loads that the nut would hide are drawn beside it. below: ordinate of the dimension line [pixels].
+    """
     edge = scale.y(-scene.screw.outer_diameter / 2.0)
     x0, x1 = scale.x(0.0), scale.x(scene.screw.length)
     low, high = drawn_faces(scene)
@@ -179,16 +181,16 @@ def _draw_acting_loads(scene: Scene, scale: _Scale, below: float) -> Iterator[st
         x, hidden = scale.x(support.at), low <= support.at <= high
         if not hidden:
             yield f'<path d="M {x:.1f} {edge:.1f} l -7 12 h 14 z" fill="{FRAME}" stroke="{INK}" stroke-width="0.8"/>'
-        for n, word in enumerate(_draw_support(support.fixed)):
+        for n, word in enumerate(_support_texts(support.fixed)):
             down = n * 1.2 * TEXT
             if hidden:
                 yield _text_element(scale.x(high) + 30.0, scale.middle + 4.0 + down, f"shaft: {word}", "start")
             else:
-                yield _text_element(_background_behind_text(x, word), edge + 25.0 + down, word)
+                yield _text_element(_clamp_text_position(x, word), edge + 25.0 + down, word)
     above = scale.y(scene.screw.outer_diameter / 2.0)
     count: dict[float, int] = {}
     for load in scene.loads:
-        at, words, (lateral, _, axial) = load.at, _draw_load(load.force, load.moment), load.force
+        at, words, (lateral, _, axial) = load.at, _load_text(load.force, load.moment), load.force
         n = count[at] = count.get(at, -1) + 1
         hidden = low <= at <= high
         x, top = (scale.x(low) - 22.0, scale.middle) if hidden else (scale.x(at), above)
@@ -203,14 +205,17 @@ def _draw_acting_loads(scene: Scene, scale: _Scale, below: float) -> Iterator[st
             yield _text_element(x - 40.0, scale.middle + 4.0 + n * 1.2 * TEXT, words, "end", FORCE)
         else:
             up = 40.0 if lateral else 10.0
-            yield _text_element(_background_behind_text(x, words), above - up - n * 1.2 * TEXT, words, colour=FORCE)
+            yield _text_element(_clamp_text_position(x, words), above - up - n * 1.2 * TEXT, words, colour=FORCE)
     shaft = "screw" if scene.track.lead else "inner ring"
     words = f"{shaft} {1e3 * scene.screw.length:.4g} mm, Ø {1e3 * scene.screw.outer_diameter:.4g}"
     yield from _dimension_line(x0, x1, below + 2.0 * TEXT, words)
 
 
-def _draw_fixed_faces(scene: Scene, low: float, high: float) -> tuple[list[tuple[float, float, float]], bool]:
-    """Return rings (station, inner, outer radius) [m] where the nut is fixed, and whether its outside is fixed."""
+def _fixed_nut_faces(scene: Scene, low: float, high: float) -> tuple[list[tuple[float, float, float]], bool]:
+    """Return the annular faces at which the nut is fixed, and whether its outer surface is fixed instead.
+
+    A face is given by its axial position, inner and outer radius [m]. low, high: axial positions of the nut's faces [m].
+    """
     solid = solid_dimensions(scene)
     if solid.nut_held.startswith("outer surface"):
         return [], True
@@ -220,19 +225,19 @@ def _draw_fixed_faces(scene: Scene, low: float, high: float) -> tuple[list[tuple
     return [(face, *solid.held_radii) for face in faces], False
 
 
-def _draw_support(fixed: tuple[tuple[str, float], ...]) -> Iterator[str]:
-    """Yield texts with a support's fixed freedoms and its prescribed displacements."""
+def _support_texts(fixed: tuple[tuple[str, float], ...]) -> Iterator[str]:
+    """Yield the labels of a support: its fixed degrees of freedom, and its prescribed displacements and rotations."""
     held = " ".join(freedom for freedom, value in fixed if value == 0.0)
     if held:
-        yield f"holds {held}"
+        yield f"fixes {held}"
     for freedom, value in fixed:
         if value:
             turned = freedom.startswith("r")
             yield f"{freedom} = {1e3 * value:.4g} mrad" if turned else f"{freedom} = {value / MICRO:.4g} µm"
 
 
-def _draw_load(force: tuple[float, float, float], moment: tuple[float, float, float]) -> str:
-    """Return a text with the components of force and moment of a load that are not zero."""
+def _load_text(force: tuple[float, float, float], moment: tuple[float, float, float]) -> str:
+    """Return the label of a load, with those components of its force [N] and moment [N m] that are not zero."""
     forces = [
         f"F{axis} {value / KILO:.4g} kN" if abs(value) >= KILO else f"F{axis} {value:.4g} N"
         for axis, value in zip("xyz", force, strict=True)
@@ -241,14 +246,14 @@ def _draw_load(force: tuple[float, float, float], moment: tuple[float, float, fl
     return ", ".join([*forces, *(f"M{axis} {value:.4g} N m" for axis, value in zip("xyz", moment, strict=True) if value)])
 
 
-def _background_behind_text(x: float, words: str) -> float:
-    """Return the abscissa [pixels] near ``x`` at which a centred text stays on the drawing."""
+def _clamp_text_position(x: float, words: str) -> float:
+    """Return the abscissa [pixels] next to ``x`` at which the centred text ``words`` lies completely within the drawing."""
     half = 0.27 * TEXT * len(words)
     return min(max(x, half + 2.0), WIDTH - half - 2.0)
 
 
 def _dimension_line(x0: float, x1: float, y: float, words: str) -> Iterator[str]:
-    """Draw a dimension line with a text above it."""
+    """Yield the SVG elements of a horizontal dimension line from x0 to x1 with a text above it; coordinates in pixels."""
     yield _line_element(x0, y, x1, y, FRAME)
     for x in (x0, x1):
         yield _line_element(x, y - 4.0, x, y + 4.0, FRAME)
@@ -256,20 +261,20 @@ def _dimension_line(x0: float, x1: float, y: float, words: str) -> Iterator[str]
 
 
 def _rectangle(x: float, y: float, width: float, height: float, fill: str) -> str:
-    """Return a rectangle as SVG; lengths in pixels."""
+    """Return the SVG element of a filled rectangle; lengths in pixels."""
     place = f'x="{x:.1f}" y="{y:.1f}" width="{width:.1f}" height="{height:.1f}"'
     return f'<rect {place} fill="{fill}" stroke="{INK}" stroke-width="0.8"/>'
 
 
 def _line_element(x0: float, y0: float, x1: float, y1: float, colour: str = INK, dash: str = "", width: float = 0.8) -> str:
-    """Return a line as SVG; coordinates and width in pixels."""
+    """Return the SVG element of a straight line; coordinates and width in pixels."""
     dashes = f' stroke-dasharray="{dash}"' if dash else ""
     place = f'x1="{x0:.1f}" y1="{y0:.1f}" x2="{x1:.1f}" y2="{y1:.1f}"'
     return f'<line {place} stroke="{colour}" stroke-width="{width:g}"{dashes}/>'
 
 
 def _arrow_head(x: float, y: float, along: float, down: float) -> str:
-    """Return the head of an arrow with its tip at (x, y)."""
+    """Return the SVG element of an arrow head with its tip at (x, y) [pixels], pointing in the direction (along, down)."""
     points: Sequence[tuple[float, float]] = (
         (x, y),
         (x - 9.0 * along - 4.0 * down, y - 9.0 * down - 4.0 * along),
@@ -279,5 +284,5 @@ def _arrow_head(x: float, y: float, along: float, down: float) -> str:
 
 
 def _text_element(x: float, y: float, words: str, anchor: str = "middle", colour: str = INK) -> str:
-    """Return a text as SVG, anchored at a point [pixels]."""
+    """Return the SVG element of a text at the point (x, y) [pixels]; anchor: ``"start"``, ``"middle"`` or ``"end"``."""
     return f'<text x="{x:.1f}" y="{y:.1f}" text-anchor="{anchor}" fill="{colour}">{escape(words)}</text>'

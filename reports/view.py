@@ -1,7 +1,7 @@
-"""Makes a page with a solved scene in 3D that can be turned; the page loads nothing from outside.
+"""Make a web page that shows a solved scene as a 3D model, which the reader can rotate; the page needs no network.
 
-The page is `viewer/view.js` with three.js (`.ci/three` makes the part of it that is used). It draws surfaces, balls and
-forces, and takes every displayed value from the JSON of the results in the page.
+The page contains the script `viewer/view.js` and the part of three.js that it uses, which `.ci/three` extracts. The script
+draws surfaces, balls and forces, and takes every value that it displays from the results, stored in the page as JSON.
 """
 
 from __future__ import annotations
@@ -22,17 +22,18 @@ from rollbench.meshes.parts import SIDES, Scene
 from rollbench.reports import scene3d
 from rollbench.reports.content import CaseView, SetView, View
 
-#: Mark of pages written by this program, whose file or folder it may replace.
+#: HTML element that marks a page as written by this program, which may therefore replace the page or its folder.
 MARKER = '<meta name="generator" content="rollbench">'
-#: Step of the drawn surfaces, as a multiple of that in a picture.
+#: Step of the grids of the drawn surfaces, as a multiple of the step in a picture.
 COARSE = 3.0
-#: Length of grooved shaft drawn on either side of a nut's centre, in nut lengths; and the same for a bearing ring.
+#: Length of grooved shaft drawn on each side of the centre of a nut, in nut lengths; the same for a bearing ring.
 NUT, RING = 0.8, 0.5
+#: Millimetres per metre.
 MM = 1e3
 
 
 def view_page(view: View, back: str = "") -> str:
-    """Return the HTML page of a view; ``back``: address of a link back, none if empty."""
+    """Return the HTML page that shows a solved scene in 3D; back: target of a link back to the report, empty for none."""
     link = f' <a href="{escape(back)}">back</a>' if back else ""
     filled = {
         "TITLE": escape(view.title),
@@ -48,7 +49,10 @@ def view_page(view: View, back: str = "") -> str:
 
 
 def view_fragment(view: View) -> str:
-    """Return the viewer as HTML elements, for a page that holds the results as JSON in the element ``results``."""
+    """Return the 3D viewer of a solved scene as HTML elements, to be inserted into a page.
+
+    The page must contain the results as JSON in the script element ``results``.
+    """
     surfaces: dict[str, int] = {}
     cases = [_case_data(case, surfaces) for case in view.cases]
     data = {"cases": cases, "surfaces": [json.loads(text) for text in surfaces], "flanks": SIDES, **_view_sight()}
@@ -57,7 +61,10 @@ def view_fragment(view: View) -> str:
 
 
 def view_block(name: str, data: Any) -> str:
-    """Return a script element with data as JSON, escaped so that nothing in it ends the element."""
+    """Return an HTML script element that contains data as JSON; <, > and & are escaped, so that no text can end it.
+
+    name: HTML identifier of the element.
+    """
     text = json.dumps(data, sort_keys=True, separators=(",", ":"))
     for sign in "<>&":
         text = text.replace(sign, f"\\u{ord(sign):04x}")
@@ -65,17 +72,21 @@ def view_block(name: str, data: Any) -> str:
 
 
 def _viewer_file(name: str) -> str:
-    """Return the text of a file of the viewer."""
+    """Return the text of a file of the 3D viewer, from the folder ``viewer`` of this package."""
     return resources.files("rollbench.reports").joinpath("viewer", name).read_text(encoding="utf-8")
 
 
 def _view_sight() -> dict[str, list[float]]:
-    """Return the directions to the viewer and upwards, by the names that the viewer's script uses."""
-    return {"sight": scene3d.view_direction().tolist(), "up": scene3d.contact_directions()[1].tolist()}
+    """Return the unit vectors towards the reader (``sight``) and upwards (``up``), for the script of the 3D viewer."""
+    return {"sight": scene3d.view_direction().tolist(), "up": scene3d.viewer_axes()[1].tolist()}
 
 
 def _case_data(case: CaseView, surfaces: dict[str, int]) -> dict[str, Any]:
-    """Return a load case's data for the viewer; ``surfaces``: numbers of the surfaces, which load cases share."""
+    """Return the data of one load case for the script of the 3D viewer.
+
+    surfaces: number of each surface drawn so far, by its JSON text; new surfaces are added, and load cases share equal
+    ones.
+    """
     drawn = [s for one in case.sets for s in _case_surfaces(one, case.shaft is not None)]
     if case.shaft is not None:
         drawn += _plain_shaft(case.shaft)
@@ -84,7 +95,10 @@ def _case_data(case: CaseView, surfaces: dict[str, int]) -> dict[str, Any]:
 
 
 def _case_surfaces(one: SetView, shared: bool) -> list[dict[str, Any]]:
-    """Return the surfaces of a set and of the shaft in it; ``shared``: the rest of the shaft is drawn separately."""
+    """Return the surfaces of one nut or bearing row, and of the part of the shaft in it, for the 3D viewer.
+
+    shared: whether the shaft carries several rows; the parts of the shaft between them are then drawn by `_plain_shaft`.
+    """
     if isinstance(one.parts, RollerRow):
         return [_cone_surface(one.parts, one.position, _cone_apex(one.thrust))]
     reach = RING if shared and not one.parts.track.lead else NUT
@@ -93,7 +107,10 @@ def _case_surfaces(one: SetView, shared: bool) -> list[dict[str, Any]]:
 
 
 def _pack_grid(grid: scene3d.Grid, tint: str) -> dict[str, Any]:
-    """Return a surface for the viewer: coordinates [mm] coded as 16-bit numbers between smallest and largest."""
+    """Return a surface for the 3D viewer, with its coordinates [mm] coded as 16-bit integers between their extremes.
+
+    tint: colour of the surface.
+    """
     points = MM * np.stack(scene3d.to_cartesian(grid), axis=-1)
     low, high = points.min(axis=(0, 1)), points.max(axis=(0, 1))
     step = np.maximum(high - low, 1e-9) / 65535.0
@@ -103,7 +120,10 @@ def _pack_grid(grid: scene3d.Grid, tint: str) -> dict[str, Any]:
 
 
 def _plain_shaft(shaft: Assembly) -> list[dict[str, Any]]:
-    """Return the parts of the shaft between the sets, as outlines (radius, station) [mm] of bodies of revolution."""
+    """Return the parts of a shaft between its nuts and bearings, for the 3D viewer.
+
+    Each part is a body of revolution, given by its outline of radius and axial position [mm].
+    """
     under = [
         _shaft_stretch(s, s.parts, shaft.screw.length)
         for s in shaft.sets
@@ -129,13 +149,16 @@ def _plain_shaft(shaft: Assembly) -> list[dict[str, Any]]:
 
 
 def _shaft_stretch(s: RollingSet, parts: Scene, length: float) -> tuple[float, float]:
-    """Return start and end [m] of the shaft's stretch that is drawn with a set."""
+    """Return the axial positions [m] between which the shaft is drawn together with the nut or bearing row ``s``.
+
+    parts: geometry of the row; length: length of the shaft [m].
+    """
     half = (NUT if parts.track.lead else RING) * parts.nut.length
     return max(0.0, s.position - half), min(length, s.position + half)
 
 
 def _set_data(one: SetView) -> dict[str, Any]:
-    """Return a set's data for the viewer; lengths in mm, approaches by errors in um."""
+    """Return the data of one nut or bearing row for the 3D viewer: lengths in mm, reductions of clearance in um."""
     head = {"name": one.name, "kind": one.kind, "expected": one.expected}
     if isinstance(one.parts, RollerRow):
         return head | _roller_surfaces(one.parts, one.position, _cone_apex(one.thrust))
@@ -159,12 +182,15 @@ def _set_data(one: SetView) -> dict[str, Any]:
 
 
 def _cone_apex(thrust: str) -> float:
-    """Return the sign of z of the side on which the apex of a roller row lies, by the thrust that it carries."""
+    """Return the direction along z in which the apex of tapered rollers lies: 1 if they carry thrust in +z, else -1."""
     return 1.0 if thrust == "+z" else -1.0
 
 
 def _cone_surface(row: RollerRow, position: float, sign: float) -> dict[str, Any]:
-    """Return the cone (inner ring) under a row of rollers for the viewer, without its ribs."""
+    """Return the surface of the cone (inner ring) of a tapered roller row, without ribs, for the 3D viewer.
+
+    position: axial position of the row [m]; sign: direction along z in which the apex lies.
+    """
     reach, angle = 0.5 * row.diameter / np.sin(row.roller_angle), row.cup_angle - 2.0 * row.roller_angle
     apex = position + sign * reach * np.cos(row.cup_angle)
     ends = [float(reach + x) for x in (-0.5 * row.length, 0.5 * row.length)]
@@ -173,8 +199,11 @@ def _cone_surface(row: RollerRow, position: float, sign: float) -> dict[str, Any
 
 
 def _roller_surfaces(row: RollerRow, position: float, sign: float) -> dict[str, Any]:
-    """Return positions [mm] and axes of a row's rollers, and one roller's outline about its axis [mm]."""
-    reach = 0.5 * row.diameter / np.sin(row.roller_angle)  # of the apex from the middle of the contact line with the cup
+    """Return the positions [mm] and axes of all rollers of a row, and the outline of one roller [mm], for the 3D viewer.
+
+    position: axial position of the row [m]; sign: direction along z in which the apex of the rollers lies.
+    """
+    reach = 0.5 * row.diameter / np.sin(row.roller_angle)  # from the apex to the middle of the contact line with the cup
     azimuth = row.phase + 2.0 * np.pi * np.arange(row.count) / row.count
     tilt = row.cup_angle - row.roller_angle
     axis = np.stack(
@@ -195,9 +224,11 @@ def _roller_surfaces(row: RollerRow, position: float, sign: float) -> dict[str, 
 
 
 def _packed_numbers(values: Array) -> Any:
-    """Return an array as nested lists of numbers with six digits; None for nan and infinity."""
+    """Return an array as nested lists of numbers with six significant digits; nan and infinity become None."""
 
-    def one(value: Any) -> Any:
-        return [one(x) for x in value] if isinstance(value, list) else float(f"{value:.6g}") if np.isfinite(value) else None
+    def rounded(value: Any) -> Any:
+        if isinstance(value, list):
+            return [rounded(x) for x in value]
+        return float(f"{value:.6g}") if np.isfinite(value) else None
 
-    return one(np.asarray(values).tolist())
+    return rounded(np.asarray(values).tolist())

@@ -1,5 +1,6 @@
-// The viewer of a solved scene. Every value that it shows comes from the JSON of the results; the block "view-data" holds what is
-// drawn (lengths in mm): surfaces, places of balls and rollers, contact points, and curves to compare with.
+// 3D viewer of a solved scene. Every value that it displays comes from the results, stored in the page as JSON. The script element
+// "view-data" contains what is drawn (lengths in mm): surfaces, positions of balls and rollers, contact points, and the reference.
+// A "set" is one row of rolling elements: a ball nut or a bearing row.
 "use strict";
 (() => {
   const element = (id) => document.getElementById(id), read = (id) => JSON.parse(element(id).textContent);
@@ -28,20 +29,20 @@
   };
   const several = () => data.cases[caseAt].sets.length > 1;
   const sets = () => data.cases[caseAt].sets.map((set, k) => ({ ...set, k, rows: rowsOf(k, set), rolling: Boolean(set.outline) }));
-  /** Rows of the results of one set, in order. */
+  /** Return the results of one set: a row for each ball or roller, in their order. */
   function rowsOf(k, set) {
     const run = runs[caseAt], rows = (set.outline ? run.rollers : run.balls) ?? [];
     return rows.filter((row) => row.set === undefined || row.set === k + 1);
   }
   const summaryOf = (k) => several() ? runs[caseAt].sets[k].summary : runs[caseAt].summary;
-  /** Values of a row by its flanks, of a roller by its races. */
+  /** Return the values of one ball at its flanks, or of one roller at its raceways. */
   function valuesOf(row, which = quantity) {
     const found = row[which.key];
     if (typeof found !== "object" || found === null) return [found ?? null];
     return flanks[0] in found ? flanks.map((side) => found[side]) : Object.values(found);
   }
   const largest = (values) => values.reduce((most, value) => value != null && value > (most ?? -Infinity) ? value : most, null);
-  /** Round ends around values, and the marks between them. */
+  /** Return round ends of an axis that contains the values from low to high, and the positions of its labels. */
   function scale(low, high, count = 4) {
     if (!(high - low > 1e-3 * Math.abs(high))) [low, high] = high > 0 ? [0.9 * low, 1.1 * high] : [low - 1, high + 1];
     const rough = (high - low) / count, decade = 10 ** Math.floor(Math.log10(rough));
@@ -56,7 +57,7 @@
   try {
     renderer = new THREE.WebGLRenderer({ canvas, antialias: true, alpha: true, preserveDrawingBuffer: true });
   } catch {
-    element("view-hint").textContent = "This browser draws no WebGL: the curves have all values.";
+    element("view-hint").textContent = "This browser cannot show the 3D model, because WebGL is missing. The diagrams contain all values.";
     canvas.parentElement.style.display = "none";
     document.querySelector(".paper")?.classList.remove("paper");
   }
@@ -71,7 +72,7 @@
   const kept = new Map(), steel = new Set(), outer = new Set();
   let bodies = [], rolling = [], arrows = [], halo = null, range = null;
 
-  /** A surface whose normals are smooth but at edges. */
+  /** Return the mesh of a surface, shaded smoothly except at its edges. */
   function surface(given) {
     let geometry;
     if (given.outline) {
@@ -102,7 +103,7 @@
   }
   const shownSets = () => sets().filter((set) => setAt < 0 || set.k === setAt);
 
-  /** Balls, rollers, contact points and arrows of the load case. */
+  /** Build the balls, rollers, contact points and force arrows of the selected load case. */
   function build() {
     if (!renderer) return;
     world.remove(...bodies, ...rolling, ...arrows);
@@ -128,7 +129,7 @@
     world.add(...bodies, ...rolling, ...arrows);
     colour();
   }
-  /** A spot on the ball at each loaded contact, and the arrow of its force. */
+  /** Add a spot on the ball at each loaded contact, and the arrow of the contact force. */
   function addContacts(set) {
     const loaded = [];
     set.points.forEach((of, i) => of.forEach((point, s) => {
@@ -153,7 +154,7 @@
     rolling.push(spots);
     arrows.push(heads);
   }
-  /** Colours by the quantity that is chosen, over the sets that are shown, and their scale. */
+  /** Colour balls and rollers by the selected quantity, and draw the colour scale, which covers the sets that are shown. */
   function colour() {
     const values = shownSets().flatMap((set) => set.rows.map((row) => largest(valuesOf(row)))).filter((v) => v != null && (v > 0 || quantity.of === "angle"));
     range = values.length ? scale(Math.min(...values), Math.max(...values)) : null;
@@ -181,7 +182,7 @@
     const forces = element("view-forces").checked;
     for (const mesh of outer) mesh.visible = element("view-outer").checked;
     for (const mesh of arrows) mesh.visible = forces && (setAt < 0 || mesh.userData.k === setAt);
-    for (const { material } of [...steel, ...outer]) {  // arrows of the screw's forces begin inside it
+    for (const { material } of [...steel, ...outer]) {  // transparent, because the arrows of the screw's forces begin inside it
       Object.assign(material, { transparent: forces, opacity: forces ? 0.35 : 1, depthWrite: !forces });
       material.needsUpdate = true;
     }
@@ -190,7 +191,7 @@
     draw();
   }
   let asked = false;
-  /** Draw with the next frame, once, whatever changes before it. */
+  /** Request one drawing in the next frame, however often it is called before that. */
   function draw() {
     if (!renderer || asked) return;
     asked = true;
@@ -199,7 +200,7 @@
       renderer.render(world, camera);
     });
   }
-  /** Look at the set that is shown, or at all. */
+  /** Point the camera at the selected set, or at all sets. */
   function aim() {
     if (!renderer) return;
     const seen = shownSets(), middle = new THREE.Vector3();
@@ -228,7 +229,7 @@
 
   // ---- values under the pointer
 
-  /** What is under a point of the canvas: set, number of ball or roller from 0, flank or null. */
+  /** Return the ball or roller at a point of the canvas: its set, its index from 0, and the flank of a contact or null. */
   function under(x, y) {
     if (!renderer) return null;
     const ray = new THREE.Raycaster(), box = canvas.getBoundingClientRect();
@@ -240,7 +241,7 @@
     const { set, loaded } = hit.object.userData;
     return loaded ? { set, ball: loaded[hit.instanceId].i, flank: loaded[hit.instanceId].s } : { set, ball: hit.instanceId, flank: null };
   }
-  /** Values of one ball or roller, as a small table. */
+  /** Return the results of one ball or roller as a small table. */
   function told({ set, ball, flank }) {
     const row = set.rows[ball], table = make("table"), head = `${set.name ? `${set.name}, ` : ""}${set.rolling ? "roller" : "ball"} ${row.index}`;
     const line = (name, cells) => table.append(make("tr", {}, make("td", {}, name), ...cells.map((cell) => make("td", {}, cell))));
@@ -266,7 +267,7 @@
     shown.style.left = `${Math.max(4, Math.min(x - box.left + 14, room))}px`;
     shown.style.top = `${Math.max(4, Math.min(y - box.top + 12, box.height - shown.offsetHeight - 6))}px`;
   }
-  /** Mark a ball or roller in the scene and in the curves. */
+  /** Highlight a ball or roller in the 3D model and in the diagrams. */
   function mark(found) {
     for (const line of curves.querySelectorAll(".at")) line.style.display = "none";
     if (found) for (const line of curves.querySelectorAll(`.at[data-set="${found.set.k}"]`)) {
@@ -295,11 +296,11 @@
     if (text !== undefined) made.textContent = text;
     return made;
   }
-  /** Rows by flank of a key of the results. */
+  /** Return, for each flank, the values of one quantity of the results for all balls. */
   const byFlank = (set, key) => flanks.map((side) => set.rows.map((row) => row[key]?.[side] ?? null));
   const columns = (rows) => flanks.map((_, s) => rows.map((row) => row[s]));
   const touched = (set, s) => set.rows.some((row) => row.load_N?.[flanks[s]] > 0);
-  /** Curves of one set: title, unit, series. */
+  /** Return the diagrams of one set: title, unit and curves of each. */
   function panels(set) {
     if (set.rolling) {
       const races = Object.keys(set.rows[0]?.pressure_MPa ?? {});
@@ -317,7 +318,7 @@
     found.push({ title: "Peak pressure", unit: "MPa", zero: true, series: lines(byFlank(set, "pressure_MPa")) });
     if (set.reference)
       found.push({ title: `Error against the ${set.reference.label}`, unit: "% of the mean load", zero: true, series: lines(columns(set.reference.error)) });
-    if (set.closer) found.push({ title: "Contacts closer by errors of the parts", unit: "µm", zero: true, series: lines(columns(set.closer), () => true) });
+    if (set.closer) found.push({ title: "Reduction of clearance by errors of the parts", unit: "µm", zero: true, series: lines(columns(set.closer), () => true) });
     return found;
   }
   function panel(set, { title, unit, series, zero, band }) {
@@ -330,7 +331,7 @@
       const style = dots ? "border-color: var(--view-ink)" : `color: var(--flank-${c})`;
       caption.append(make("span", {}, make("i", { style, class: dots ? "dot" : c > 1 ? "dashed" : "" }), name));
     }
-    if (band) caption.append(make("span", {}, make("i", { class: "band" }), "error to expect"));
+    if (band) caption.append(make("span", {}, make("i", { class: "band" }), "expected error"));
     figure.append(caption);
     if (!all.length) return figure;
     const ends = scale(Math.min(...all, ...(zero ? [0] : [])), Math.max(...all, ...(zero ? [0] : [])));
@@ -374,9 +375,9 @@
     figure.append(svg);
     return figure;
   }
-  /** All sets in a table, each of which a click shows. */
+  /** Return a table of all sets; a click on a name selects the set. */
   function table() {
-    const head = ["set", "largest load / N", "pressure / MPa", "safety", "L10 / 10⁶ rev"];
+    const head = ["nut or bearing row", "largest load / N", "pressure / MPa", "safety", "L10 / 10⁶ rev"];
     const made = make("table", { class: "sets" }, make("thead", {}, make("tr", {}, ...head.map((text) => make("th", { scope: "col" }, text)))));
     const body = make("tbody");
     for (const set of sets()) {
@@ -391,21 +392,21 @@
 
   // ---- the page
 
-  /** Answers above the scene: label, value, unit, what stands after it. */
+  /** Show the main results above the 3D model: label, value, unit and a remark of each. */
   function answers() {
     const run = runs[caseAt], s = setAt < 0 ? run.summary : summaryOf(setAt), form = setAt < 0 || !several() ? run.model_form : null;
     const whole = several() && setAt < 0, of = whole && s.worst_set ? data.cases[caseAt].sets[s.worst_set - 1].name : "";
     const worst = s.worst_contact, axial = (setAt < 0 || !several()) && s.axial, number = worst && (worst.ball ?? worst.roller);
     const rows = [
       ["status", runs[caseAt].status, "", ""],
-      ["set of the worst contact", of || null, "", ""],
+      ["nut or row with the worst contact", of || null, "", ""],
       ["largest contact load", whole ? null : s.loads?.max_N, "N", s.loads?.worst_ball ? `ball ${s.loads.worst_ball} ${s.loads.worst_side}` : ""],
       ["mean contact load", whole ? null : s.loads?.mean_N, "N", ""],
       ["largest pressure", worst?.pressure_MPa, "MPa", number ? `${worst.ball ? "ball" : "roller"} ${number}` : ""],
       ["static safety", s.static_safety?.factor, "", ""],
       ["axial displacement", axial?.displacement_um, "µm", ""],
       ["life L10", s.life?.L10_million_revolutions, "10⁶ rev", of],
-      ["error of a load to expect", form?.largest_percent_of_mean && +form.largest_percent_of_mean.toPrecision(2), "% of mean", ""],
+      ["expected error of a load", form?.largest_percent_of_mean && +form.largest_percent_of_mean.toPrecision(2), "% of mean", ""],
     ];
     element("view-answers").replaceChildren(...rows.filter(([, value]) => value != null).map(([label, value, unit, after]) =>
       make("div", {}, make("dt", {}, label), make("dd", {}, typeof value === "string" ? value : digits(value), make("small", {}, ` ${unit} ${after}`)))));
@@ -418,12 +419,12 @@
       return made;
     })));
   }
-  /** Show a load case, and a set of it or (-1) all. */
+  /** Show a load case, and one of its sets or, for -1, all of them. */
   function choose(toCase, toSet, aimed = true) {
     const rebuilt = toCase !== caseAt || !bodies.length;
     [caseAt, setAt] = [toCase, several() ? toSet : 0];
     tabs("view-cases", data.cases.map((one) => one.name), caseAt, (k) => choose(k, setAt, false));
-    tabs("view-sets", several() ? ["all sets", ...data.cases[caseAt].sets.map((one) => one.name)] : [], setAt + 1, (k) => choose(caseAt, k - 1));
+    tabs("view-sets", several() ? ["all", ...data.cases[caseAt].sets.map((one) => one.name)] : [], setAt + 1, (k) => choose(caseAt, k - 1));
     shown.hidden = true;
     answers();
     rebuilt ? build() : colour();

@@ -1,4 +1,7 @@
-"""Kernels of the static model in a subset of Python that numba compiles; see ``lowfi.jit`` for the two engines."""
+"""Numerical kernels of the static models: equilibrium of balls and rollers with rigid, beam-like and elastic bodies.
+
+They are written in the subset of Python that numba compiles, and run with or without compilation; see ``lowfi.jit``.
+"""
 
 from .axis import add_axis, evaluate_axis, solve_axis, solve_lines, tangent
 from .ball import settle_ball

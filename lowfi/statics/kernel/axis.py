@@ -1,8 +1,11 @@
-"""Newton's method on the energy of a shaft, the bodies on it and the rolling elements between them.
+"""Static equilibrium of a shaft with bearings or nuts: Newton's method on the energy of shaft, bodies and rolling elements.
 
-E(q) = shaft + springs - f q + sum over balls of min over the centre of their contact energies + sum over rollers. The
-unknowns are the motions of the shaft's nodes and of the bodies; the matrix is stored in its envelope (``matrices``), so
-that the cost is linear in the number of sets. See ``beam`` for the case of one set whose nut is fixed.
+    E(q) = (shaft) + (springs) - f q + (contact energy of all balls) + (contact energy of all rollers).
+
+The contact energy of a ball is its minimum over the position of the ball's centre. The unknowns q are the motions of the
+shaft's nodes and of the rigid bodies on it, such as nuts and bearing rings; f are the loads on them. The stiffness matrix
+is stored as an envelope (see ``matrices``), so that the cost is linear in the number of bearing rows and nuts. See ``beam``
+for the simpler case of one screw in a fixed nut.
 """
 
 from collections.abc import Callable
@@ -26,7 +29,7 @@ from rollbench.lowfi.statics.kernel_types import (
 )
 
 from .ball import FORCE, MX, MZ, SIZE, USE, WX, WZ, flank_hessian, settle_ball
-from .beam import (  # noqa: F401 - some only for the driver
+from .beam import (  # noqa: F401 - some are only looked up by ``descent``
     add_element,
     evaluate_beam,
     finish,
@@ -45,7 +48,10 @@ from .rollers import roller_forces
 
 @kernel
 def add_block(values: Array, axis: AxisArrays, a: int, b: int, block: Array) -> None:
-    """Add a block (6, 6) at rows a and columns b of the symmetric matrix; for a = b only its lower half."""
+    """Add a block (6, 6), which couples the motions of bodies or nodes a and b, to the symmetric stiffness matrix.
+
+    Only the lower triangle is stored, as an envelope in ``values``; for a = b only the lower half of the block is added.
+    """
     if axis.place[a] >= axis.place[b]:
         rows, columns = 6 * axis.place[a], 6 * axis.place[b]
         for i in range(6):
@@ -62,7 +68,7 @@ def add_block(values: Array, axis: AxisArrays, a: int, b: int, block: Array) -> 
 
 @kernel
 def add_axis(values: Array, axis: AxisArrays) -> None:
-    """Add the shaft's elements and the springs."""
+    """Add the stiffness of the shaft's beam elements, and of the springs between bodies, to the matrix ``values``."""
     band, block = np.empty((12, 12)), np.empty((6, 6))
     for e in range(axis.lengths.shape[0]):
         band[:, :] = 0.0
@@ -89,7 +95,11 @@ def add_axis(values: Array, axis: AxisArrays) -> None:
 
 @kernel
 def loop_balls(values: Array, axis: AxisArrays, balls: AxisBalls, hessians: Array) -> None:
-    """Add the balls' stiffness: B^T h B for every two flanks that move, and every two rows that move them."""
+    """Add the contact stiffness of all balls to the matrix ``values``.
+
+    Each ball adds B_s^T h B_t for its flanks s and t that can move. B gives the motion of a flank by the motions of the
+    nodes or bodies that carry it, and h (2, 2) is a block of the ball's stiffness ``hessians`` (N, 8, 8) [N/m].
+    """
     spans, block = balls.B.shape[3] // 6, np.empty((6, 6))
     for i in range(balls.row.shape[0]):
         for s in range(4):
@@ -114,7 +124,11 @@ def loop_balls(values: Array, axis: AxisArrays, balls: AxisBalls, hessians: Arra
 
 @kernel
 def turned_block(left: Array, h: Array, right: Array, block: Array) -> None:
-    """Write block (6, 6) = left^T h right, of the first six columns of left and right (2, 6 or more) and h (2, 2)."""
+    """Write the stiffness block (6, 6) = left^T h right of a ball for the motions of two nodes or bodies.
+
+    left, right (2, 6 or more): motion of a groove flank by the motion of its node or body, in the first six columns; h (2,
+    2): stiffness of the ball between the two flanks [N/m].
+    """
     for j in range(6):
         x = left[0, j] * h[0, 0] + left[1, j] * h[1, 0]
         z = left[0, j] * h[0, 1] + left[1, j] * h[1, 1]
@@ -124,7 +138,10 @@ def turned_block(left: Array, h: Array, right: Array, block: Array) -> None:
 
 @kernel
 def add_rollers(values: Array, axis: AxisArrays, rollers: AxisRollers, slices: Array) -> None:
-    """Add the stiffness of the rollers' slices."""
+    """Add the contact stiffness of all roller slices to the matrix ``values``.
+
+    slices (M, 2): force [N] and stiffness [N/m] of each slice.
+    """
     block = np.empty((6, 6))
     for i in range(slices.shape[0]):
         if slices[i, 1] == 0.0:
@@ -140,7 +157,10 @@ def add_rollers(values: Array, axis: AxisArrays, rollers: AxisRollers, slices: A
 
 @kernel
 def hold(values: Array, axis: AxisArrays, shift: Array) -> None:
-    """Add ``shift`` (6,) to the diagonal and make unit lines of the held freedoms."""
+    """Apply the boundary conditions: give fixed motions the rows and columns of a unit matrix.
+
+    Before that, ``shift`` (6,) [N/m, N m] is added to the diagonal for every node and body.
+    """
     n = axis.first.shape[0]
     for i in range(axis.fixed.shape[0]):
         for k in range(6):
@@ -157,7 +177,7 @@ def hold(values: Array, axis: AxisArrays, shift: Array) -> None:
 
 
 def _balls_at_once(values: Array, axis: AxisArrays, balls: AxisBalls, hessians: Array) -> None:
-    """Add the balls' stiffness as `loop_balls`, for the interpreter."""
+    """Add the contact stiffness of all balls to the matrix ``values``, as `loop_balls`, with numpy in place of loops."""
     six, spans = np.arange(6), range(balls.B.shape[3] // 6)
     for s, t, a, b in product(range(4), range(4), spans, spans):
         both = np.flatnonzero((balls.row[:, s] >= 0) & (balls.row[:, t] >= 0))
@@ -172,13 +192,16 @@ def _balls_at_once(values: Array, axis: AxisArrays, balls: AxisBalls, hessians: 
 
 add_balls = loop_balls if is_compiled(__name__) else _balls_at_once
 
-#: See ``descent``: the stiffness is factored again for each step.
+#: Residual ratio above which the stiffness is factored again, see ``descent``. Zero means in every step.
 KEPT = 0.0
 
 
 @kernel
 def evaluate_axis(given: AxisSystem, state: RowState, out: Slopes) -> tuple[float, float]:
-    """Return the energy and the largest force met [N] at the state; fill out."""
+    """Return the energy [J] of shaft, bodies and rolling elements at the state, and the largest force in them [N].
+
+    Writes the gradient of the energy and the stiffness of the balls to ``out``.
+    """
     axis, balls, rollers = given
     q, _, p, contact, slices = state
     gradient, hessians = out
@@ -203,7 +226,10 @@ def evaluate_axis(given: AxisSystem, state: RowState, out: Slopes) -> tuple[floa
 
 @kernel
 def evaluate_structure(axis: AxisArrays, state: RowState, gradient: Array) -> tuple[float, float]:
-    """Return the energy of shaft, bodies and springs, and the largest force on them [N]; fill the gradient."""
+    """Return the energy [J] of shaft, bodies and springs without rolling elements, and the largest force in them [N].
+
+    Writes the derivatives of this energy by the motions of nodes and bodies to ``gradient`` (r, 6).
+    """
     load, q = axis.load, state.q
     energy, scale = evaluate_beam(axis, q, state.d, gradient)
     for i in range(state.d.shape[0] + 1, q.shape[0]):
@@ -217,7 +243,10 @@ def evaluate_structure(axis: AxisArrays, state: RowState, gradient: Array) -> tu
 
 @kernel
 def spring_forces(axis: AxisArrays, q: Array, gradient: Array) -> float:
-    """Add the springs' forces to the gradient; returns their energy [J]."""
+    """Add the forces of the springs between bodies to the gradient (r, 6) of the energy; return the springs' energy [J].
+
+    q (r, 6): motions of the nodes and bodies [m, rad].
+    """
     energy = 0.0
     e, f = np.empty(6), np.empty(6)
     for k in range(axis.ends.shape[0]):
@@ -244,7 +273,7 @@ def spring_forces(axis: AxisArrays, q: Array, gradient: Array) -> float:
 
 @kernel
 def ball_shift(balls: AxisBalls, q: Array, i: int, shift: Array) -> None:
-    """Write the motions (4, 2) [m] of the flanks of ball i."""
+    """Write the motions ``shift`` (4, 2) [m] of the four flanks of ball i, by the motions q (r, 6) of nodes and bodies."""
     flat = q.ravel()
     for s in range(4):
         row = balls.row[i, s]
@@ -258,9 +287,11 @@ def ball_shift(balls: AxisBalls, q: Array, i: int, shift: Array) -> None:
 
 @kernel
 def tangent(given: AxisSystem, state: RowState, hessians: Array, base: Array, values: Array, shift: Array) -> bool:
-    """Factor (in ``values``) the Hessian of the energy plus ``shift`` (6,) on the diagonal; False where not positive.
+    """Assemble and factor the tangent stiffness matrix of shaft, bodies and rolling elements.
 
-    base: stiffness of shaft and springs, of `add_axis`.
+    base: stiffness of shaft and springs, from `add_axis`; hessians (N, 8, 8): stiffness of the balls [N/m]; shift (6,)
+    [N/m, N m]: stiffness added to the diagonal. Writes the factor to ``values``; returns False if the matrix is not
+    positive definite.
     """
     axis, balls, rollers = given
     values[:] = base
@@ -272,7 +303,10 @@ def tangent(given: AxisSystem, state: RowState, hessians: Array, base: Array, va
 
 @kernel
 def solve_lines(axis: AxisArrays, values: Array, loads: Array, step: Array) -> None:
-    """Write the motions (r, 6) by loads (r, 6) from the factor; fixed freedoms do not move."""
+    """Solve for the motions ``step`` (r, 6) [m, rad] of nodes and bodies under loads (r, 6) [N, N m].
+
+    values: factored stiffness matrix, from `tangent`. Fixed motions are zero.
+    """
     b = np.zeros(6 * loads.shape[0])
     for i in range(loads.shape[0]):
         for k in range(6):
@@ -286,7 +320,7 @@ def solve_lines(axis: AxisArrays, values: Array, loads: Array, step: Array) -> N
 
 @kernel
 def energy_at(given: AxisSystem, state: RowState, workspace: RowWorkspace) -> tuple[float, float]:
-    """Return `evaluate_axis`, for the driver."""
+    """Return the energy [J] of shaft, bodies and rolling elements, and the largest force [N]; same as `evaluate_axis`."""
     return evaluate_axis(given, state, workspace.slopes)
 
 
@@ -294,7 +328,10 @@ def energy_at(given: AxisSystem, state: RowState, workspace: RowWorkspace) -> tu
 def find_step(
     given: AxisSystem, state: RowState, options: Options, workspace: RowWorkspace, shift: float, fresh: bool
 ) -> bool:
-    """Write Newton's step."""
+    """Write Newton's step of the motions of nodes and bodies to the workspace; return False if it cannot be solved.
+
+    shift [N/m]: stiffness added to the diagonal, multiplied by arm^2 for rotations.
+    """
     diagonal = np.full(6, shift)
     diagonal[3:] *= options.arm * options.arm
     if not tangent(given, state, workspace.slopes.hessians, workspace.base, workspace.matrix, diagonal):
@@ -305,7 +342,7 @@ def find_step(
 
 @kernel
 def reach_of(given: AxisSystem, workspace: RowWorkspace) -> float:
-    """Return the largest motion [m] by the step of a flank that is used, against its opposite."""
+    """Return the largest relative displacement [m] of two opposite flanks of a ball in the whole Newton step."""
     balls, largest, shift = given.balls, 0.0, np.zeros((4, 2))
     for i in range(balls.row.shape[0]):
         ball_shift(balls, workspace.step, i, shift)
@@ -323,7 +360,10 @@ minimise: Callable[..., Outcome] = load_driver(__name__, "descent").minimise
 
 @kernel
 def start_on_springs(given: AxisSystem, state: RowState, options: Options, workspace: RowWorkspace) -> None:
-    """Go to the equilibrium on linear springs in place of balls and rollers, where it can be found; see ``beam``."""
+    """Set the state to the equilibrium with linear springs in place of balls and rollers, as a first guess.
+
+    Leaves the state unchanged if that stiffness matrix is not positive definite. The step is shortened as in ``beam``.
+    """
     gradient, hessians = workspace.slopes
     hessians[:] = 0.0
     for i in range(hessians.shape[0]):
@@ -338,7 +378,10 @@ def start_on_springs(given: AxisSystem, state: RowState, options: Options, works
 
 @kernel
 def spring_of_pair(geometry: Array, a: int, stiffness: float, out: Array) -> None:
-    """Add a spring between flank a and its opposite, along the nominal contact direction, to a ball's Hessian (8, 8)."""
+    """Add a linear spring between flank a and the opposite flank to the stiffness ``out`` (8, 8) [N/m] of a ball.
+
+    The spring, of this stiffness [N/m], acts along the nominal contact direction. It replaces the ball in a first guess.
+    """
     b = 3 - a
     if geometry[a, USE] == 0.0 or geometry[b, USE] == 0.0:
         return
@@ -354,7 +397,11 @@ def spring_of_pair(geometry: Array, a: int, stiffness: float, out: Array) -> Non
 
 @kernel
 def solve_axis(given: AxisSystem, state: RowState, options: Options, start: bool) -> Outcome:
-    """Minimise the energy, from the linear start or from the given state."""
+    """Find the static equilibrium of a shaft with its bodies, springs, balls and rollers.
+
+    With ``start`` the iteration begins at the solution with linear springs as rolling elements, otherwise at ``state``,
+    which holds the solution on return.
+    """
     r, size = state.q.shape[0], given.shaft.start[-1]
     slopes, base = Slopes(np.empty((r, 6)), np.zeros((given.balls.row.shape[0], 8, 8))), np.zeros(size)
     add_axis(base, given.shaft)

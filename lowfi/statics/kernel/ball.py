@@ -1,13 +1,21 @@
-"""One ball in its grooves, for up to four contacts.
+"""Equilibrium of one ball between the groove flanks of screw and nut, with up to four contacts.
 
-Its centre, and the amplitude of its body's deformation where it is elastic, are eliminated from the contact energy.
+The unknowns are the position of the ball's centre in the section plane (x3, z3) and, for an elastic ball, one amplitude of
+the deformation of its body. They minimise the contact energy at given motions of the flanks.
 
-Packed rows, one per flank SL, SR, NL, NR:
-geometry (4, 9): nominal w = (x3, z3) of the ball from the groove's centre, its size, nominal approach [m], Hertz
-constant C [m/N^(2/3)], 1 or 0 whether the flank takes part, groove radius [m], and the signs s_x, s_z of
-the contact direction; contact (4, 5): force [N], unit normal m (ball to groove), F' = dF/d delta and F kt [N/m]; local (4,
-3), or (0, 3) for a ball that is rigid beyond its contacts: e [m/N] and h [m/N^(4/3)] of ``contact_law``, and between them
-what a unit amplitude of the ball's body takes from the approach [m].
+The functions use arrays with one row for each flank, in the order SL, SR, NL, NR (screw left, screw right, nut left, nut
+right):
+
+geometry (4, 9)
+    Nominal vector w = (x3, z3) from the groove's centre to the ball's centre and its length |w| [m], nominal approach [m],
+    Hertz constant C [m/N^(2/3)], 1 if the flank can carry load or 0, groove radius [m], signs s_x and s_z of the contact
+    direction.
+contact (4, 5)
+    Force F [N], unit normal m from ball to groove, normal stiffness F' = dF/d delta [N/m], and tangential stiffness F kt
+    [N/m] by the curvature of the flank.
+local (4, 3), or (0, 3) for a ball that is rigid apart from its contacts
+    e [m/N] of ``contact_law``, decrease of the approach by a unit amplitude of the ball's deformation, and h [m/N^(4/3)] of
+    ``contact_law``.
 """
 
 from math import sqrt
@@ -17,20 +25,25 @@ from rollbench.lowfi.statics.kernel_types import Array
 
 from .contact import arc, contact_law, flank, hertz
 
+#: Columns of the array ``geometry``, see the description of this module.
 WX, WZ, SIZE, APPROACH, HERTZ, USE, RADIUS, SX, SZ = range(9)
+#: Columns of the array ``contact``: force, unit normal (x, z), normal and tangential stiffness.
 FORCE, MX, MZ, KN, KT = range(5)
+#: Columns of the array ``local``: e, decrease of the approach by the ball's deformation, h.
 LINEAR, BODY, HIGHER = range(3)
-#: Bounds of a ball's iteration: steps, and halvings of one.
+#: Largest number of Newton steps to find a ball's equilibrium, and of halvings of one step.
 SETTLING, HALVINGS = 60, 30
 
 
 @kernel
 def start_centre(p: Array, shift: Array, geometry: Array, closure: Array) -> int:
-    """Write a start for the centre p (2,), relative to the nominal one; return how many diagonal pairs close.
+    """Write a first guess of the ball's centre p (2,) [m], relative to its nominal position, for Newton's method.
 
-    The two-contact solutions of the diagonal pairs that close, or of the only one, whose flanks share the gap; else the
-    mean shift of the flanks. With D = o_a - o_b between opposite groove centres the interference is its nominal value
-    ``closure`` (2,) plus |D + v_a - v_b| - |D|, and the pair shares it as C_a : C_b (exact for circular flanks).
+    A diagonal pair is two opposite flanks a, b of screw and nut. The guess is the mean of the two-contact solutions of all
+    pairs with interference, or the mean motion of the flanks if there is none. A pair that is the only one is used even
+    with clearance. With D = o_a - o_b between opposite groove centres, the interference is its nominal value ``closure``
+    (2,) plus |D + v_a - v_b| - |D|. The two contacts share it as C_a : C_b, which is exact for circular flanks. Returns the
+    number of pairs used. shift (4, 2): motions of the flanks [m].
     """
     count = 0
     x, z = 0.0, 0.0
@@ -48,8 +61,8 @@ def start_centre(p: Array, shift: Array, geometry: Array, closure: Array) -> int
         change = (vx * (2.0 * dx + vx) + vz * (2.0 * dz + vz)) / (dist + dist0)  # |D + v| - |D| without cancellation
         total, alone = closure[a] + change, geometry[1 - a, USE] == 0.0 and geometry[2 + a, USE] == 0.0
         if total > 0.0 or alone:
-            # from b's groove centre along D + v by the size of w_b that gives b its share of the interference; the
-            # turn of that direction is (v - D/|D| change)/|D + v|: no difference of unit vectors
+            # The ball's centre lies on the line D + v, at the distance from b's groove centre that gives b its share of the
+            # interference. The rotation of that line is (v - D/|D| change)/|D + v|, without subtracting unit vectors.
             nx, nz = dx / dist0, dz / dist0
             share = geometry[b, HERTZ] / (geometry[a, HERTZ] + geometry[b, HERTZ])
             added, size = total * share - geometry[b, APPROACH], geometry[b, SIZE]
@@ -71,7 +84,11 @@ def start_centre(p: Array, shift: Array, geometry: Array, closure: Array) -> int
 
 @kernel
 def meet(ux: float, uz: float, geometry: Array, r_ball: float, profile: Array) -> tuple[float, float, float, float]:
-    """Return approach, normal and curvature term of the ball at (ux, uz) from its nominal position on one flank."""
+    """Return the approach [m], unit normal (x, z) and curvature term kt [1/m] of a ball and one groove flank.
+
+    (ux, uz): displacement of the ball's centre from its nominal position relative to the flank [m]; profile: coefficients
+    of the flank's deviation from a circular arc, empty for an exact arc.
+    """
     if profile.shape[0] == 0:
         return arc(ux, uz, geometry[WX], geometry[WZ], geometry[SIZE], geometry[APPROACH])
     return flank(ux, uz, geometry[WX], geometry[WZ], r_ball, geometry[RADIUS], profile, geometry[SX], geometry[SZ])
@@ -81,13 +98,14 @@ def meet(ux: float, uz: float, geometry: Array, r_ball: float, profile: Array) -
 def touch(
     x: float, z: float, y: float, shift: Array, geometry: Array, local: Array, r_ball: float, profile: Array, contact: Array
 ) -> float:
-    """Write contact loads and stiffnesses with the ball's centre at (x, z) and the amplitude y; return the energy [J].
+    """Compute contact forces and stiffnesses for the ball's centre at (x, z) [m] and the amplitude y of its deformation.
 
-    Lin 2.14 integrated.
+    Writes them to ``contact`` (4, 5) and returns the contact energy [J]: the integral of Hertz's law, equation 2.14 of
+    Lin's thesis. shift (4, 2): motions of the flanks [m].
     """
     if profile.shape[1] > 0 or local.shape[0] > 0:
         return touch_any(x, z, y, shift, geometry, local, r_ball, profile, contact)
-    energy = 0.0  # a separate loop for arcs, without views of rows, so that the compiler inlines it
+    energy = 0.0  # a separate loop for circular flanks, without views of rows, so that the compiler inlines it
     for s in range(4):
         contact[s, FORCE] = 0.0
         if geometry[s, USE] != 0.0:
@@ -104,8 +122,8 @@ def touch(
 def touch_any(
     x: float, z: float, y: float, shift: Array, geometry: Array, local: Array, r_ball: float, profile: Array, contact: Array
 ) -> float:
-    """Compute forces and energy of a ball, as `touch`, for flanks that are not arcs and for elastic bodies."""
-    energy = 0.5 * y * y  # of the body's amplitude, scaled to a stiffness of one
+    """Compute contact forces and energy of a ball, as `touch`, also for non-circular flanks and for an elastic ball."""
+    energy = 0.5 * y * y  # energy of the ball's deformation; its amplitude is scaled to a stiffness of one
     for s in range(4):
         contact[s, FORCE] = 0.0
         if geometry[s, USE] == 0.0:
@@ -125,7 +143,7 @@ def touch_any(
 
 @kernel
 def net_force(contact: Array) -> tuple[float, float]:
-    """Return the size of the net force on the ball and the largest single force [N]."""
+    """Return the magnitude of the net force on the ball and the largest of its contact forces [N]."""
     gx, gz, scale = 0.0, 0.0, 0.0
     for s in range(4):
         f = contact[s, FORCE]
@@ -138,7 +156,7 @@ def net_force(contact: Array) -> tuple[float, float]:
 
 @kernel
 def body_force(y: float, contact: Array, local: Array) -> float:
-    """Return the net force on the amplitude y of the ball's body, as a force [N] on a contact."""
+    """Return the unbalanced force on the amplitude y of the ball's deformation, converted to a contact force [N]."""
     net, reach = y, 0.0
     for s in range(4):
         reach = max(reach, abs(local[s, BODY]))
@@ -148,9 +166,9 @@ def body_force(y: float, contact: Array, local: Array) -> float:
 
 @kernel
 def newton_step(y: float, contact: Array, local: Array) -> tuple[float, float, float, float]:
-    """Return the Newton step of centre and amplitude, and the slope of the energy along it.
+    """Return the Newton step (x, z) of the ball's centre and y of its deformation, and the energy's slope along it [J].
 
-    Of a rigid ball down the gradient where the Hessian is singular.
+    For a rigid ball whose stiffness matrix is singular, the step follows the gradient.
     """
     gx, gz, hxx, hxz, hzz = 0.0, 0.0, 0.0, 0.0, 0.0
     gy, hxy, hzy, hyy = y, 0.0, 0.0, 1.0
@@ -171,7 +189,7 @@ def newton_step(y: float, contact: Array, local: Array) -> tuple[float, float, f
                 hxy -= kn * mx * g
                 hzy -= kn * mz * g
                 hyy += kn * g * g
-    bump = 1e-14 * (hxx + hzz)  # a ball on one contact is free across it
+    bump = 1e-14 * (hxx + hzz)  # a ball with one contact has no stiffness tangential to it
     hxx += bump
     hzz += bump
     if local.shape[0] > 0:
@@ -190,9 +208,10 @@ def newton_step(y: float, contact: Array, local: Array) -> tuple[float, float, f
 def body_step(
     gx: float, gz: float, gy: float, hxx: float, hxz: float, hzz: float, hxy: float, hzy: float, hyy: float
 ) -> tuple[float, float, float, float]:
-    """Return the Newton step of a centre (x, z) and an amplitude y by Cholesky's method, and the slope along it.
+    """Return the Newton step (x, z) of an elastic ball's centre and y of its deformation, and the energy's slope along it.
 
-    Zeros where the Hessian is singular.
+    Solved by Cholesky's method from the gradient g and the Hessian h of the contact energy. Returns zeros if the Hessian is
+    not positive definite.
     """
     # L L^T of the Hessian in the order (x, z, y)
     if hxx <= 0.0:
@@ -219,7 +238,10 @@ def body_step(
 
 @kernel
 def interference(a: int, shift: Array, geometry: Array, closure: Array) -> float:
-    """Return interference [m] of the diagonal pair a between its groove centres where both flanks take part, else -1."""
+    """Return the interference [m] of a ball between two opposite flanks a and 3 - a; negative for clearance.
+
+    Computed from the distance of the groove centres. Returns -1 unless both flanks can carry load.
+    """
     b = 3 - a
     if geometry[a, USE] == 0.0 or geometry[b, USE] == 0.0:
         return -1.0
@@ -234,11 +256,11 @@ def interference(a: int, shift: Array, geometry: Array, closure: Array) -> float
 
 @kernel
 def press_pair(a: int, total: float, p: Array, shift: Array, geometry: Array, contact: Array) -> float:
-    """Write the contacts of a ball that only the diagonal pair a of arcs touches, with the interference ``total`` [m].
+    """Solve a ball that touches only two opposite circular flanks, a and b = 3 - a, in closed form.
 
-    In closed form: forces are opposite, so each contact takes its share C/(C_a + C_b) of the interference, on the line of
-    the groove centres. Writes p (2,) and ``contact``; returns the energy [J], or -1 where another flank touches the ball
-    there.
+    total: interference of the ball between the two flanks [m]. The forces are equal and opposite, so the contacts share the
+    interference as C_a : C_b, and the ball's centre lies on the line through the groove centres. Writes the centre p (2,)
+    [m] and the contacts (4, 5). Returns the energy [J], or -1 if a third flank would touch the ball.
     """
     b = 3 - a
     C_pair = geometry[a, HERTZ] + geometry[b, HERTZ]
@@ -270,7 +292,7 @@ def press_pair(a: int, total: float, p: Array, shift: Array, geometry: Array, co
 
 @kernel
 def loosened(contact: Array, tiny: float, energy: float) -> float:
-    """Return the energy [J]; zero where no contact carries more than ``tiny`` [N], with all forces set to zero."""
+    """Set all forces of a ball to zero if none exceeds ``tiny`` [N]; return its energy [J], which is then zero."""
     for s in range(4):
         if contact[s, FORCE] > tiny:
             return energy
@@ -291,19 +313,22 @@ def settle_ball(
     tiny: float,
     contact: Array,
 ) -> float:
-    """Minimise the contact energy of one ball at given motions of its flanks, over its centre and its body's amplitude.
+    """Find the equilibrium of one ball at known motions of its flanks, by minimising its contact energy.
 
-    shift (4, 2): motion of the flanks [m]; closure (2,): nominal interference of the diagonal pairs [m]; r_ball [m];
-    profile (4, d): see ``contact.flank``; tiny [N]: forces below it count as none. Fills p [m], (2,), or (3,) with the
-    amplitude, and ``contact``; returns the energy [J]. The energy of exact arcs is convex for r_G >= r_B: the forces at the
-    minimum are unique. Where an uneven profile leaves no step that lowers it, the ball stays out of balance, which
-    ``net_force`` shows.
+    shift (4, 2): motions of the flanks [m]; closure (2,): nominal interference of the two pairs of opposite flanks [m];
+    r_ball: ball radius [m]; profile (4, d): deviation of the flanks from a circular arc, see ``contact.flank``; tiny [N]:
+    smaller forces count as zero. Writes the position p of the centre [m], (2,), or (3,) with the amplitude of the ball's
+    deformation, and ``contact`` (4, 5). Returns the energy [J].
+
+    For circular flanks with groove radius >= ball radius the energy is convex, and the forces at the minimum are unique. If
+    a flank is so uneven that no step lowers the energy, the iteration ends with a ball out of equilibrium; `net_force`
+    then gives its unbalanced force.
     """
     elastic = local.shape[0] > 0
     if profile.shape[1] == 0 and not elastic:
         first, second = interference(0, shift, geometry, closure), interference(1, shift, geometry, closure)
         energy = -1.0
-        if first > 0.0 and second <= 0.0:  # the pair as a literal: the compiler then knows the offsets of its data
+        if first > 0.0 and second <= 0.0:  # the literal 0 lets the compiler compute the offsets of the pair's data
             energy = press_pair(0, first, p, shift, geometry, contact)
         elif second > 0.0 and first <= 0.0:
             energy = press_pair(1, second, p, shift, geometry, contact)
@@ -346,9 +371,9 @@ def settle_ball(
 
 @kernel
 def ball_mismatch(contact: Array, scale: float) -> float:
-    """Return the largest net contact load on a ball over ``scale`` [N]; contact (N, 4, 5).
+    """Return the largest net force on any of N balls as a fraction of ``scale`` [N]; contact (N, 4, 5).
 
-    The beam's equations do not contain it.
+    It is a separate check: the equilibrium equations of the beam do not contain the equilibrium of the balls.
     """
     worst = 0.0
     for i in range(contact.shape[0]):
@@ -358,7 +383,10 @@ def ball_mismatch(contact: Array, scale: float) -> float:
 
 @kernel
 def block(contact: Array, s: int) -> tuple[float, float, float]:
-    """Return the stiffness h_s = F' m m^T + F kt t t^T of contact s: (xx, xz, zz) [N/m]."""
+    """Return the stiffness matrix F' m m^T + F kt t t^T of contact s, as its entries (xx, xz, zz) [N/m].
+
+    m is the normal and t the tangent of the contact; zeros if the contact carries no force.
+    """
     if contact[s, FORCE] <= 0.0:
         return 0.0, 0.0, 0.0
     mx, mz, kn, kt = contact[s, MX], contact[s, MZ], contact[s, KN], contact[s, KT]
@@ -367,11 +395,11 @@ def block(contact: Array, s: int) -> tuple[float, float, float]:
 
 @kernel
 def flank_hessian(contact: Array, out: Array) -> None:
-    """Write the Hessian of the ball's energy by the motion of its flanks, its centre eliminated.
+    """Write the stiffness matrix of a ball against motions of its groove flanks, with the ball's centre eliminated.
 
-    out (4, 4) of the screw's flanks, or (8, 8) of all [N/m], in the order SL x, SL z, SR x, ... With H the sum of the
-    blocks h_s: -h_s H^-1 h_t off the diagonal and h_s H^-1 (H - h_s) on it (the others summed, not subtracted: no
-    cancellation).
+    out: (4, 4) for the screw's flanks or (8, 8) for all flanks [N/m], in the order SL x, SL z, SR x, ... With the stiffness
+    h_s of each contact and the sum H of all, the blocks are -h_s H^-1 h_t off the diagonal and h_s H^-1 (H - h_s) on it.
+    H - h_s is summed over the other contacts, which avoids cancellation.
     """
     out[:, :] = 0.0
     txx, txz, tzz = 0.0, 0.0, 0.0  # H, the sum of all blocks h_s

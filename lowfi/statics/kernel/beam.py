@@ -1,13 +1,15 @@
-"""Screw as a Timoshenko beam, and its balls: regularised Newton with line search on the convex energy.
+"""Static equilibrium of a screw, modelled as a Timoshenko beam, with its balls in a fixed nut.
 
-Lin 2.23-2.25 with the corrections of the seed audit.
+Implements equations 2.23 to 2.25 of Lin's thesis, with corrections. The energy is
 
-E(q) = beam(q) - f q + sum over balls of min over the centre of the contact energies. One unknown motion (6) per node;
-banded Cholesky, so the cost is linear in the number of balls.
+    E(q) = (strain energy of the beam) - f q + sum over the balls of the contact energy, minimised over the ball's centre,
 
-The beam's state is what each element strains, not where its nodes are: node positions of a long slender shaft cancel to a
-part in 1e12 when subtracted; element deformations do not. An element from node 1 to node 2 strains by d = q_2 - T q_1, T
-the rigid transport over its length.
+with the motions q (3 displacements and 3 rotations) of the nodes and the loads f on them. E is convex and is minimised by a
+regularised Newton method with line search. The banded Cholesky factorisation makes the cost linear in the number of balls.
+
+The beam is described by the deformations of its elements, besides the motions of its nodes. The reason is round-off: the
+difference of node motions of a long slender shaft can be 1e-12 of the motions themselves. An element from node 1 to node 2
+has the deformation d = q_2 - T q_1, where T q_1 is the rigid-body motion of node 1 transferred to node 2.
 """
 
 from collections.abc import Callable
@@ -38,10 +40,11 @@ from .matrices import factor_band, substitute_band
 
 @kernel
 def element_constants(length: float, section: Array) -> tuple[float, float, float, float, float]:
-    """Return the stiffnesses of an element's end deformation: k_uu, k_uu L/2, k_rr, axial, torsional.
+    """Return the stiffnesses of a Timoshenko element of this length [m]: k_uu, k_uu L/2, k_rr, axial, torsional.
 
-    section (4,): EA, EI, GJ, kappa G A. k_uu = 1/(L (L^2/(12 EI) + 1/(kappa G A))), k_rr = k_uu L^2/3 + k_uu EI/(kGA).
-    Corrects Lin D.1, D.2.
+    They relate the force and moment at node 2 to the deformation d = q_2 - T q_1. section (4,): EA [N], EI [N m^2],
+    GJ [N m^2], kappa G A [N]. k_uu = 1/(L (L^2/(12 EI) + 1/(kappa G A))), k_rr = k_uu L^2/3 + k_uu EI/(kappa G A).
+    Corrects equations D.1 and D.2 of Lin's thesis.
     """
     kuu = 1.0 / (length * (length * length / (12.0 * section[1]) + 1.0 / section[3]))
     krr = kuu * (length * length / 3.0 + section[1] / section[3])
@@ -50,7 +53,10 @@ def element_constants(length: float, section: Array) -> tuple[float, float, floa
 
 @kernel
 def force_of(d: Array, constants: tuple[float, float, float, float, float], out: Array) -> None:
-    """Write the force and moment (6,) at node 2 that the deformation d (6,) of an element needs, from its constants."""
+    """Write the force and moment (6,) [N, N m] at node 2 of a beam element that cause its deformation d (6,) [m, rad].
+
+    constants: stiffnesses of the element, see `element_constants`.
+    """
     # plane x-z: u_x with r_y; plane y-z: u_y with r_x, of the other sign; then axial force and torque
     kuu, kur, krr, ka, kt = constants
     out[0] = kuu * d[0] - kur * d[4]
@@ -63,7 +69,10 @@ def force_of(d: Array, constants: tuple[float, float, float, float, float], out:
 
 @kernel
 def add_element(band: Array, node: int, length: float, section: Array) -> None:
-    """Add an element's stiffness between ``node`` and the next one to the lower band (see ``matrices``)."""
+    """Add the stiffness of the beam element from ``node`` to the next node to the global stiffness matrix.
+
+    band: lower band of the matrix, with A[i, j] = band[j, i - j] for i >= j.
+    """
     kuu, kur, krr, ka, kt = element_constants(length, section)
     off = length * kur - krr  # between the rotations of both nodes
     i, j = 6 * node, 6 * node + 6
@@ -92,22 +101,30 @@ def add_element(band: Array, node: int, length: float, section: Array) -> None:
 
 @kernel
 def assemble_beam(lengths: Array, sections: Array, constants: Array, band: Array) -> None:
-    """Fill the constants (n - 1, 5) of the elements of sections (n - 1, 4), and add their stiffness to the lower band."""
+    """Compute the stiffness constants (n - 1, 5) of all beam elements and add their stiffness to the lower band.
+
+    lengths (n - 1,) [m] and sections (n - 1, 4) are those of the elements; see `element_constants`.
+    """
     for e in range(lengths.shape[0]):
         kuu, kur, krr, ka, kt = element_constants(lengths[e], sections[e])
         constants[e, 0], constants[e, 1], constants[e, 2], constants[e, 3], constants[e, 4] = kuu, kur, krr, ka, kt
         add_element(band, e, lengths[e], sections[e])
 
 
-#: Residual over the one before from which on, near the end, the stiffness is factored again; below, the last factor serves.
+#: Ratio of a residual to the smallest one before it above which the stiffness is factored again for the next step. Below
+#: it, convergence is fast enough with the last factor. Used near the solution only.
 KEPT = 1e-3
-#: Least shift of the stiffness over the beam's: below it a motion that nothing resists has the stiffness of round-off.
+#: Smallest stiffness added to the diagonal, as a fraction of the beam's largest one. With less, a motion that nothing
+#: resists would have a stiffness of round-off only.
 ROUND_OFF = 1e-17
 
 
 @kernel
 def flank_shift(contacts: BeamContacts, motion: Array, i: int, m: int, shift: Array) -> None:
-    """Write the motions [m] of the screw's flanks at ball i by the nodal motions (6 n,); shift (4, 2)."""
+    """Compute the motions of the screw's two groove flanks at ball i from the nodal motions (6 n,) of the beam.
+
+    m: number of nodal motions on which a flank depends. Writes the motions along x3 and z3 [m] to ``shift`` (4, 2).
+    """
     B = contacts.B
     for s in range(2):
         if contacts.geometry[i, s, USE] != 0.0:
@@ -121,17 +138,20 @@ def flank_shift(contacts: BeamContacts, motion: Array, i: int, m: int, shift: Ar
 
 @kernel
 def pull(gradient: Array, B: Array, i: int, s: int, m: int, start: int, fx: float, fz: float) -> None:
-    """Add the force (fx, fz) [N] of ball i on flank s to the gradient (6 n,)."""
+    """Add the contact force (fx, fz) [N] of ball i on flank s to the gradient (6 n,) of the energy by the nodal motions.
+
+    m: number of nodal motions on which the flank depends; start: index of the first of them.
+    """
     for k in range(m):
         gradient[start + k] -= fx * B[i, s, 0, k] + fz * B[i, s, 1, k]
 
 
 @kernel
 def evaluate_beam(beam: BeamArrays | AxisArrays, q: Array, d: Array, gradient: Array) -> tuple[float, float]:
-    """Return the energy of beam and loads and the largest force of either; fill nodal motions and gradient.
+    """Compute the energy [J] of a beam with its loads, and the largest force [N] in an element or of a load; return both.
 
-    The nodes' motions q (n, 6) from the first node's and the element deformations d, and the gradient (n, 6) of the energy.
-    Rows beyond the nodes are left unchanged.
+    Writes the motions q (n, 6) of the nodes, which follow from q[0] and the element deformations d, and the gradient (n, 6)
+    of the energy by them. Rows beyond the nodes are left unchanged.
     """
     last, energy, scale = d.shape[0], 0.0, 0.0
     fx, fy, fz, mx, my, mz = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
@@ -142,7 +162,7 @@ def evaluate_beam(beam: BeamArrays | AxisArrays, q: Array, d: Array, gradient: A
         scale = max(scale, abs(p[0]), abs(p[1]), abs(p[2]))
         g[0], g[1], g[2], g[3], g[4], g[5] = fx - p[0], fy - p[1], fz - p[2], mx - p[3], my - p[4], mz - p[5]
         if i < last:
-            # strain d of the element, its end force k d, and the motion of the next node, T q + d
+            # deformation d of the element, the force k d at its end, and the motion of the next node, T q + d
             e, k, length = d[i], beam.constants[i], beam.lengths[i]
             dx, dy, dz, da, db, dc = e[0], e[1], e[2], e[3], e[4], e[5]
             fx, fy, fz = k[0] * dx - k[1] * db, k[0] * dy + k[1] * da, k[3] * dz
@@ -159,9 +179,10 @@ def evaluate_beam(beam: BeamArrays | AxisArrays, q: Array, d: Array, gradient: A
 
 @kernel
 def evaluate(given: BeamSystem, state: RowState, out: Slopes) -> tuple[float, float]:
-    """Return energy and scale at the state; fill out.
+    """Return the energy [J] of beam and balls at the state, and the largest force [N].
 
-    The scale [N] is the largest force met: applied, in an element, or of a contact.
+    The force may be an applied one, one in an element, or one of a contact. Writes the gradient of the energy and the
+    stiffness matrices of the balls to ``out``.
     """
     beam, contacts = given
     node, B, geometry, closure, r_ball, profile, tiny = contacts
@@ -173,7 +194,7 @@ def evaluate(given: BeamSystem, state: RowState, out: Slopes) -> tuple[float, fl
     grad = gradient.ravel()
     m = B.shape[3]
     for i in range(r_ball.shape[0]):
-        if m == 6:  # by its number: the compiler then unrolls the loops
+        if m == 6:  # the literal 6 lets the compiler unroll the loops
             flank_shift(contacts, flat, i, 6, shift)
         else:
             flank_shift(contacts, flat, i, m, shift)
@@ -194,7 +215,11 @@ def evaluate(given: BeamSystem, state: RowState, out: Slopes) -> tuple[float, fl
 
 @kernel
 def add_own(band: Array, b: Array, h: tuple[float, float, float], start: int, m: int, workspace: Array) -> None:
-    """Add b^T h b, of one flank's motion b (2, m) and its stiffness h (xx, xz, zz), to the lower band; workspace (2, m)."""
+    """Add the stiffness b^T h b of one contact to the lower band of the beam's stiffness matrix.
+
+    b (2, m): motion of the groove flank by m nodal motions, the first of which has the index ``start``; h: stiffness
+    (xx, xz, zz) of the contact [N/m]; workspace (2, m): work array.
+    """
     for k in range(m):
         workspace[0, k] = h[0] * b[0, k] + h[1] * b[1, k]
         workspace[1, k] = h[1] * b[0, k] + h[2] * b[1, k]
@@ -206,9 +231,10 @@ def add_own(band: Array, b: Array, h: tuple[float, float, float], start: int, m:
 
 @kernel
 def add_between(band: Array, b: Array, c: Array, h: Array, rows: int, columns: int, workspace: Array) -> None:
-    """Add b^T h c, of the motions b, c (2, m) of a ball's two flanks and the stiffness h (2, 2), to the lower band.
+    """Add the stiffness b^T h c that couples the screw's two flanks at one ball to the lower band of the stiffness matrix.
 
-    From ``rows`` and ``columns`` on; workspace (2, m): work array.
+    b, c (2, m): motions of the two flanks by m nodal motions each, the first of which have the indices ``rows`` and
+    ``columns``; h (2, 2): coupling stiffness of the ball [N/m]; workspace (2, m): work array.
     """
     m = b.shape[1]
     for a in range(2):
@@ -222,7 +248,11 @@ def add_between(band: Array, b: Array, c: Array, h: Array, rows: int, columns: i
 
 @kernel
 def assemble(band: Array, beam: BeamArrays, contacts: BeamContacts, hessians: Array, shift: float, arm: float) -> None:
-    """Write Hessian of the energy in the lower band, plus ``shift`` [N/m] (times arm^2 for rotations) on the diagonal."""
+    """Write the stiffness matrix of beam and balls to the lower band ``band``.
+
+    hessians (N, 4, 4): stiffness of the balls against motions of the screw's flanks [N/m]; shift [N/m]: stiffness added to
+    the diagonal, multiplied by arm^2 for rotations. Fixed nodal motions get unit rows.
+    """
     fixed, node, B = beam.fixed, contacts.node, contacts.B
     band[:] = beam.band
     m = B.shape[3]
@@ -233,7 +263,7 @@ def assemble(band: Array, beam: BeamArrays, contacts: BeamContacts, hessians: Ar
             stiffness = hessians[i, o, o], hessians[i, o, o + 1], hessians[i, o + 1, o + 1]
             if stiffness[0] == 0.0 and stiffness[2] == 0.0:
                 continue
-            if m == 6:  # by its number: the compiler then unrolls the loops
+            if m == 6:  # the literal 6 lets the compiler unroll the loops
                 add_own(band, B[i, s], stiffness, 6 * node[i, s], 6, workspace)
             else:
                 add_own(band, B[i, s], stiffness, 6 * node[i, s], m, workspace)
@@ -249,7 +279,7 @@ def assemble(band: Array, beam: BeamArrays, contacts: BeamContacts, hessians: Ar
 
 @kernel
 def hold(band: Array, i: int) -> None:
-    """Remove the unknown i from the equations."""
+    """Fix the nodal motion with index i: make its row and column in the lower band those of a unit matrix."""
     width = band.shape[1]
     for w in range(width):
         band[i, w] = 0.0
@@ -260,9 +290,9 @@ def hold(band: Array, i: int) -> None:
 
 @kernel
 def advance(shaft: BeamArrays | AxisArrays, state: RowState, q0: Array, d0: Array, step: Array, t: float) -> None:
-    """Set the state to (q0, d0) plus t step, the shaft in element deformations.
+    """Set nodal motions q and element deformations d to their start values (q0, d0) plus ``t`` times the step.
 
-    The strain of the step is taken from the step.
+    The change of the element deformations is computed from the step alone, not from the moved nodes, to avoid round-off.
     """
     q, d, lengths = state.q, state.d, shaft.lengths
     for k in range(6):
@@ -279,7 +309,7 @@ def advance(shaft: BeamArrays | AxisArrays, state: RowState, q0: Array, d0: Arra
 
 @kernel
 def energy_at(given: BeamSystem, state: RowState, workspace: RowWorkspace) -> tuple[float, float]:
-    """Return `evaluate`, for the driver."""
+    """Return the energy [J] of beam and balls at the state, and the largest force [N]; same as `evaluate`."""
     return evaluate(given, state, workspace.slopes)
 
 
@@ -287,7 +317,11 @@ def energy_at(given: BeamSystem, state: RowState, workspace: RowWorkspace) -> tu
 def find_step(
     given: BeamSystem, state: RowState, options: Options, workspace: RowWorkspace, shift: float, fresh: bool
 ) -> bool:
-    """Write Newton's step, by the factor of the stiffness in the workspace or, ``fresh``, a new one."""
+    """Write Newton's step of the nodal motions to the workspace; return False if the stiffness is not positive definite.
+
+    With ``fresh`` the stiffness is assembled and factored, with ``shift`` [N/m] added to its diagonal; otherwise the last
+    factor is used.
+    """
     beam, band = given.shaft, workspace.matrix
     if fresh:
         least = ROUND_OFF * max(0.0, beam.band[:, 0].max())
@@ -300,7 +334,7 @@ def find_step(
 
 @kernel
 def step_down(given: BeamSystem, workspace: RowWorkspace) -> None:
-    """Step against the gradient by the factor in the workspace."""
+    """Solve for Newton's step of the nodal motions with the factored stiffness matrix in the workspace."""
     fixed, gradient, step = given.shaft.fixed, workspace.slopes.gradient, workspace.step
     for i in range(step.shape[0]):
         for k in range(6):
@@ -310,7 +344,11 @@ def step_down(given: BeamSystem, workspace: RowWorkspace) -> None:
 
 @kernel
 def residual_at(given: Rows, state: RowState, options: Options, workspace: RowWorkspace, scale: float) -> float:
-    """Return the largest free component of the gradient over the scale [N]; moments divided by the arm."""
+    """Return the largest unbalanced force of the equilibrium equations as a fraction of ``scale`` [N].
+
+    Moments are divided by the length ``options.arm``. Components of fixed motions do not count. In newtons if ``scale`` is
+    0.
+    """
     gradient, worst = workspace.slopes.gradient, 0.0
     for i in range(gradient.shape[0]):
         for k in range(6):
@@ -321,7 +359,7 @@ def residual_at(given: Rows, state: RowState, options: Options, workspace: RowWo
 
 @kernel
 def slope_along(given: Rows, state: RowState, workspace: RowWorkspace) -> float:
-    """Return the slope of the energy along the step."""
+    """Return the derivative [J] of the energy by the step length, along the step in the workspace."""
     gradient, step, total = workspace.slopes.gradient, workspace.step, 0.0
     for i in range(step.shape[0]):
         for k in range(6):
@@ -332,7 +370,7 @@ def slope_along(given: Rows, state: RowState, workspace: RowWorkspace) -> float:
 
 @kernel
 def reach_of(given: BeamSystem, workspace: RowWorkspace) -> float:
-    """Return the largest motion [m] of a flank by the step."""
+    """Return the largest displacement [m] of a groove flank in the whole Newton step."""
     contacts, motion = given.contacts, workspace.step.ravel()
     m, largest, shift = contacts.B.shape[3], 0.0, np.zeros((4, 2))
     for i in range(contacts.node.shape[0]):
@@ -347,26 +385,27 @@ def reach_of(given: BeamSystem, workspace: RowWorkspace) -> float:
 
 @kernel
 def keep(state: RowState, workspace: RowWorkspace) -> None:
-    """Store where the step begins."""
+    """Store the current nodal motions and element deformations in the workspace as the start of the line search."""
     workspace.q0[:], workspace.d0[:] = state.q, state.d
 
 
 @kernel
 def move(given: Rows, state: RowState, workspace: RowWorkspace, t: float) -> None:
-    """Set the state to t steps from where the step begins."""
+    """Set the state to the start of the line search plus ``t`` times the Newton step."""
     advance(given.shaft, state, workspace.q0, workspace.d0, workspace.step, t)
 
 
 @kernel
 def finish(given: Rows, state: RowState, options: Options, workspace: RowWorkspace) -> None:
-    """Do nothing: there is nothing to compute again."""
+    """Do nothing, because the last evaluation is final; other models than the beam complete their final state here."""
 
 
 @kernel
 def least_force(given: Rows, state: RowState, options: Options) -> float:
-    """Return the least force [N] that residuals are measured by.
+    """Return the smallest force [N] that relative residuals may be divided by.
 
-    A screw bent by moments only, or pushed off its last contact, has no force left to compare with.
+    The larger of ``options.floor`` and the largest element moment divided by ``options.arm``. Without it, a screw that is
+    bent by moments only, or that has lost its last contact, would have no force to compare with.
     """
     floor, f = options.floor, np.empty(6)
     for e in range(state.d.shape[0]):
@@ -379,7 +418,7 @@ def least_force(given: Rows, state: RowState, options: Options) -> float:
 
 @kernel
 def furthest(given: Rows, state: RowState) -> float:
-    """Return the furthest motion [m] of a row."""
+    """Return the largest displacement [m] of a node of the shaft, or of another body that the state contains."""
     q, moved = state.q, 0.0
     for i in range(q.shape[0]):
         moved = max(moved, q[i, 0] ** 2 + q[i, 1] ** 2 + q[i, 2] ** 2)
@@ -388,7 +427,7 @@ def furthest(given: Rows, state: RowState) -> float:
 
 @kernel
 def unbalanced(state: RowState, scale: float) -> float:
-    """Return the largest net force on a ball over ``scale`` [N]."""
+    """Return the largest net force on a ball as a fraction of ``scale`` [N]; zero when all balls are in equilibrium."""
     return ball_mismatch(state.contact, scale)
 
 
@@ -397,10 +436,11 @@ minimise: Callable[..., Outcome] = load_driver(__name__, "descent").minimise
 
 @kernel
 def start_on_springs(given: BeamSystem, state: RowState, options: Options, workspace: RowWorkspace) -> None:
-    """Go to the equilibrium of the screw on linear springs in place of contacts, where it can be found.
+    """Set the state to the equilibrium of the screw on linear springs in the nominal contact directions, as a first guess.
 
-    No flank goes further than the largest ball's radius: springs of fixed direction say nothing of contacts that must turn
-    first, as those of a contact angle near zero under an axial load.
+    Leaves the state unchanged if that stiffness cannot be factored. No flank moves further than ``options.furthest``, the
+    radius of the largest ball: springs of fixed direction are wrong where the contact direction must turn first, for
+    example at a contact angle near zero under an axial load.
     """
     geometry, hessians, stiffness = given.contacts.geometry, workspace.slopes.hessians, options.stiffness
     evaluate_beam(given.shaft, state.q, state.d, workspace.slopes.gradient)
@@ -420,14 +460,17 @@ def start_on_springs(given: BeamSystem, state: RowState, options: Options, works
 
 @kernel
 def shorten_first_step(given: Rows, state: RowState, options: Options, workspace: RowWorkspace, reach: float) -> None:
-    """Go along the step, or as far as no flank goes further than ``options.furthest``; reach [m]: of the whole step."""
+    """Take the first step, shortened such that no flank moves further than ``options.furthest`` [m].
+
+    reach [m]: largest displacement of a flank in the whole step.
+    """
     keep(state, workspace)
     move(given, state, workspace, 1.0 if reach <= options.furthest else options.furthest / reach)
 
 
 @kernel
 def workspace_for(given: BeamSystem, state: RowState) -> RowWorkspace:
-    """Return work arrays for an iteration."""
+    """Return work arrays, of matching shapes, for the Newton iteration on a screw and its balls."""
     n, band = state.q.shape[0], given.shaft.band
     slopes = Slopes(np.empty((n, 6)), np.zeros((state.contact.shape[0], 4, 4)))
     return RowWorkspace(slopes, band, np.empty(band.shape), np.empty((n, 6)), np.empty((n, 6)), np.empty(state.d.shape))
@@ -435,7 +478,11 @@ def workspace_for(given: BeamSystem, state: RowState) -> RowWorkspace:
 
 @kernel
 def solve_beam(given: BeamSystem, state: RowState, options: Options, start: bool) -> Outcome:
-    """Minimise the energy, from the linear start or from the given state."""
+    """Find the static equilibrium of a screw (Timoshenko beam) and its balls in a fixed nut.
+
+    With ``start`` the iteration begins at the solution with linear springs as contacts, otherwise at ``state``, which holds
+    the solution on return.
+    """
     workspace = workspace_for(given, state)
     if start:
         start_on_springs(given, state, options, workspace)
@@ -444,10 +491,10 @@ def solve_beam(given: BeamSystem, state: RowState, options: Options, start: bool
 
 @kernel
 def ensemble(given: BeamSystem, begin: RowState, options: Options, members: MemberArrays, out: MemberStates) -> None:
-    """Solve many specimens of one screw from the same start; they differ in ball radii, groove centres and lever arms.
+    """Solve the equilibrium of many specimens of one screw, which differ in ball radii, groove centres and lever arms.
 
-    Every member begins where ``begin`` is, the solution of ``given``, which stays as it is, so that calls may run side by
-    side; fills ``out``.
+    Every specimen starts from ``begin``, the solution of the nominal screw ``given``. ``begin`` is not changed, so that
+    calls may run in parallel. The solutions are written to ``out``.
     """
     contacts = given.contacts
     state = RowState(begin.q.copy(), begin.d.copy(), begin.p.copy(), begin.contact.copy(), begin.slices)

@@ -1,17 +1,20 @@
-"""Approach of a ball to a groove flank, with its first and second derivatives in the section plane, and contact laws."""
+"""Approach of a ball to a groove flank, with its derivatives by the ball's position, and force laws of a contact."""
 
 from math import atan2, cos, sin, sqrt
 
 from rollbench.lowfi.jit import kernel
 from rollbench.lowfi.statics.kernel_types import Array
 
-#: Relative step of Newton's method in one unknown after which it has all digits: each squares the error of the one before.
+#: Relative step of a scalar Newton iteration after which the result is exact: each step squares the error.
 SETTLED = 1e-9
 
 
 @kernel
 def hertz(delta: float, c: float) -> tuple[float, float, float]:
-    """Return force [N], its slope by the approach [N/m] and energy [J] of delta = c F^(2/3) > 0 [m] (Lin 2.14)."""
+    """Return force F [N], stiffness dF/d delta [N/m] and energy [J] of a Hertzian contact of approach delta > 0 [m].
+
+    The law is delta = c F^(2/3) with the Hertz constant c [m/N^(2/3)], equation 2.14 of Lin's thesis.
+    """
     x = delta / c  # F^(2/3)
     root = sqrt(x)
     return x * root, 1.5 * root / c, 0.4 * c * x * x * root
@@ -19,10 +22,12 @@ def hertz(delta: float, c: float) -> tuple[float, float, float]:
 
 @kernel
 def contact_law(delta: float, c: float, e: float, h: float) -> tuple[float, float, float]:
-    """Return force [N], its slope [N/m] and energy [J] of delta = C F^(2/3) + e F + h F^(4/3) [m], delta > 0.
+    """Return force F [N], stiffness dF/d delta [N/m] and energy [J] of a contact of approach delta > 0 [m].
 
-    Negative e or h would bend the law back where 2 C + 3 e x + 4 h x^2 = 0, x = F^(1/3); from where this is down to C
-    on the law goes on as C F^(2/3)/2 plus a constant, so that force and slope stay continuous and the energy convex.
+    The law delta = C F^(2/3) + e F + h F^(4/3) adds two terms of the elastic bodies to Hertz's. With negative e or h, the
+    approach would decrease with the force beyond the point where 2 C + 3 e x + 4 h x^2 = 0, x = F^(1/3). The law is
+    therefore continued as C F^(2/3)/2 plus a constant from the point where this expression is C. Force and stiffness are
+    continuous there, and the energy remains convex.
     """
     if e == 0.0 and h == 0.0:
         return hertz(delta, c)
@@ -53,30 +58,34 @@ def contact_law(delta: float, c: float, e: float, h: float) -> tuple[float, floa
 
 @kernel
 def turning(c: float, e: float, h: float) -> float:
-    """Return the least x > 0 with 3 e x + 4 h x^2 = -C, 0 where there is none."""
+    """Return the cube root of the force [N^(1/3)] above which `contact_law` is continued by another law; 0 if none.
+
+    It is the smallest x > 0 with 3 e x + 4 h x^2 = -C, where the law is delta = C x^2 + e x^3 + h x^4.
+    """
     root = 9.0 * e * e - 16.0 * h * c
     if root < 0.0 or (e >= 0.0 and h >= 0.0):
         return 0.0
-    if e > 0.0:  # either form for its sign of e: no difference of like numbers
+    if e > 0.0:  # the formula depends on the sign of e, to avoid subtracting nearly equal numbers
         return -(3.0 * e + sqrt(root)) / (8.0 * h)
     return 2.0 * c / (sqrt(root) - 3.0 * e)
 
 
 @kernel
 def stored(x: float, c: float, e: float, h: float) -> float:
-    """Return the energy [J] of a contact at the force x^3.
+    """Return the elastic energy [J] of a contact that follows `contact_law`, at the force x^3 [N].
 
-    Force times approach less the integral of the approach by the force.
+    It is force times approach, minus the integral of the approach over the force.
     """
     return x * x * x * x * x * (0.4 * c + x * (0.5 * e + 4.0 / 7.0 * h * x))
 
 
 @kernel
 def arc(mx: float, mz: float, wx0: float, wz0: float, size0: float, approach: float) -> tuple[float, float, float, float]:
-    """Return approach, normal and curvature term for a circular flank; see `flank`.
+    """Return approach [m], unit normal (x, z) and curvature term [1/m] of a ball and a circular groove flank.
 
-    (wx0, wz0), size0: the nominal w and its size; approach: nominal approach [m]. The approach is built as nominal
-    value plus change, so that its round-off is that of the motion (1e-22 m), not that of the radii (1e-18 m).
+    (mx, mz): motion of the ball's centre relative to the flank [m]; (wx0, wz0): its nominal position from the groove's
+    centre [m], of length size0; approach: nominal approach [m]. The result is the nominal approach plus its change. Its
+    round-off is then that of the motion (1e-22 m), not that of the radii (1e-18 m). See `flank` for the curvature term.
     """
     wx, wz = wx0 + mx, wz0 + mz
     size = sqrt(wx * wx + wz * wz)
@@ -90,13 +99,16 @@ def arc(mx: float, mz: float, wx0: float, wz0: float, size0: float, approach: fl
 def flank(
     mx: float, mz: float, wx0: float, wz0: float, r_ball: float, radius: float, profile: Array, sx: float, sz: float
 ) -> tuple[float, float, float, float]:
-    """Return the approach of a ball to the flank rho(gamma) (s_x cos gamma, s_z sin gamma) around the groove's centre.
+    """Return approach [m], unit normal (x, z) and curvature term [1/m] of a ball and a groove flank that is no exact arc.
 
-    (mx, mz): motion of the ball's centre relative to the flank [m]; (wx0, wz0): its nominal position from the groove's
-    centre [m]; rho is ``radius`` minus the polynomial ``profile`` (d,), ascending powers of gamma (Lin 2.3, 2.27).
-    Returns the approach delta = r_B - d, d the signed distance to the arc, its outward unit normal m, and
-    kt = 1/(R_c - d) [1/m]: delta has gradient m and Hessian kt t t^T by w,
-    with t normal to m and R_c the profile's radius of curvature.
+    The flank is the curve rho(gamma) (s_x cos gamma, s_z sin gamma) around the groove's centre. rho is ``radius`` [m] minus
+    the polynomial ``profile`` (d,) in ascending powers of the contact angle gamma (equations 2.3 and 2.27 of Lin's thesis).
+    (mx, mz): motion of the ball's centre relative to the flank [m]; (wx0, wz0): its nominal position w from the groove's
+    centre [m]; r_ball: ball radius [m]; sx, sz: signs of the contact direction.
+
+    The approach is delta = r_ball - d, with the signed distance d of the ball's centre from the flank. m is the outward
+    unit normal. The curvature term is kt = 1/(R_c - d), with the radius of curvature R_c of the flank. The derivatives of
+    delta by w are the gradient m and the Hessian kt t t^T, with the tangent t normal to m.
     """
     ux, uz = sx * (wx0 + mx), sz * (wz0 + mz)
     gamma = atan2(uz, ux)
@@ -126,7 +138,7 @@ def flank(
     speed = sqrt(rho * rho + rho1 * rho1)
     nx, nz = (rho * c + rho1 * s) / speed, (rho * s - rho1 * c) / speed
     d = (rho * c - ux) * nx + (rho * s - uz) * nz  # negative for a centre beyond the arc: the approach keeps growing
-    # of a curve in polar coordinates
+    # curvature of a curve in polar coordinates
     curvature = (rho * rho + 2.0 * rho1 * rho1 - rho * rho2) / (speed * speed * speed)
     reach = 1.0 / curvature - d
     return r_ball - d, sx * nx, sz * nz, (1.0 / reach if reach > 0.0 else 0.0)

@@ -1,9 +1,12 @@
-"""Newton's method with a vanishing shift and a line search on a convex energy: the one driver of all systems here.
+"""Minimise a convex energy by Newton's method with line search: the solver shared by all static models of this package.
 
-This file is loaded once for each system (`jit.load_driver`), a module that gives by name the functions taken below and
-``KEPT``, the residual over the least one before from which on, near the end, the stiffness is factored again. ``given`` is
-the constants of such a system, ``state`` its unknowns, ``workspace`` its work arrays: derivatives, the step and its start.
-The shift is proportional to the residual, so it vanishes at the solution and convergence stays fast.
+This file is loaded once for each model (`jit.load_driver`), for example the modules ``beam``, ``axis`` and ``elastic``. The
+model's module defines the functions named below, and ``KEPT``: near the solution, the stiffness is factored again only if
+the residual is more than this fraction of the smallest one before. In the functions, ``given`` holds the constants of the
+model, ``state`` its unknowns, and ``workspace`` its work arrays (derivatives, the step, and the start of the line search).
+
+Newton's method is regularised by a stiffness on the diagonal. It is proportional to the residual and therefore vanishes at
+the solution, where convergence remains fast.
 """
 
 from typing import Any
@@ -26,26 +29,28 @@ from .search import (
     next_trial,
 )
 
-#: The module that this copy of the driver serves, put here by `lowfi.jit.load_driver`.
+#: Module of the model that this copy of the solver minimises; set by `lowfi.jit.load_driver`.
 system: Any = globals()["system"]
+#: Ratio of a residual to the smallest one before it, above which the stiffness is factored again.
 KEPT: float = system.KEPT
-#: Energy [J] and largest force met [N] at the state; fills the derivatives in the workspace.
+#: Return the energy [J] and the largest force [N] at the state; write the derivatives to the workspace.
 energy_at = system.energy_at
-#: Step by Newton's method to the workspace, False where the stiffness plus the shift [N/m] is not positive definite.
+#: Write Newton's step to the workspace; return False if stiffness plus added diagonal [N/m] is not positive definite.
 find_step = system.find_step
-#: Largest unbalanced force over the scale; slope of the energy along the step; largest motion [m] of a flank by it.
+#: Return the largest relative unbalanced force; the energy's slope along the step [J]; the largest motion of a flank [m].
 residual_at, slope_along, reach_of = system.residual_at, system.slope_along, system.reach_of
-#: Note where the step begins; go to t steps from there; what has to be found again at the end.
+#: Store the start of a line search; move to t times the step from there; complete the final state.
 keep, move, finish = system.keep, system.move, system.finish
-#: Least force [N] that residuals are measured by; furthest free motion [m]; largest net force on a ball over the scale.
+#: Return the smallest force to divide residuals by [N]; the largest displacement [m]; the largest relative net ball force.
 least_force, furthest, unbalanced = system.least_force, system.furthest, system.unbalanced
 
 
 @kernel
 def search(given: Any, state: Any, workspace: Any, energy: float, slope: float, limit: float) -> tuple[float, float, int]:
-    """Search along the step (see ``search``), leaving the state at the accepted point; limit: largest step length.
+    """Search the energy minimum along the Newton step and leave the state at the accepted point.
 
-    Returns the energy, the largest force and the number of evaluations.
+    energy, slope: energy [J] and its slope along the step at the start; limit: largest step length. Returns the energy [J],
+    the largest force [N] and the number of step lengths tried.
     """
     trial, go_on = first_trial(energy, slope, limit), True
     new, scale = energy, 0.0
@@ -58,9 +63,11 @@ def search(given: Any, state: Any, workspace: Any, energy: float, slope: float, 
 
 @kernel
 def judge(given: Any, state: Any, options: Options, workspace: Any, scale: float, start: float) -> tuple[float, float]:
-    """Return the scale [N], at least the least force that residuals are measured by, and the residual over it.
+    """Return the force [N] by which the residual is divided, and the relative residual.
 
-    That of the start (``start``) where only displacements are given, which may meet no resistance in the end.
+    The force is ``scale``, the largest force in the model, but not less than the smallest permitted one. Where only
+    displacements are prescribed (``options.floor`` is zero) that is ``start`` [N], from the first state, because the final
+    state may be free of forces.
     """
     least = least_force(given, state, options) if options.floor > 0.0 else start
     scale = max(scale, least)
@@ -69,7 +76,11 @@ def judge(given: Any, state: Any, options: Options, workspace: Any, scale: float
 
 @kernel
 def minimise(given: Any, state: Any, options: Options, workspace: Any) -> Outcome:
-    """Minimise the energy from the given state."""
+    """Minimise the energy of the model, starting from ``state``, which holds the solution on return.
+
+    Iterates until the relative residual is at most ``options.tolerance`` and all balls are in equilibrium, or until
+    the iteration cannot improve the state. Returns how it ended, with iteration counts, residual, energy and largest force.
+    """
     tolerance, begin = options.tolerance, least_force(given, state, options)
     energy, scale = energy_at(given, state, workspace)
     if begin == 0.0:

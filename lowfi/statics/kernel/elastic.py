@@ -1,16 +1,19 @@
-"""Static equilibrium with elastic bodies: Newton on the contact loads, the bodies' compliance between all contacts given.
+"""Static equilibrium of rolling elements between elastic bodies, by Newton's method on the contact forces.
 
-The flanks move by v = v_0 + G phi + R a: G the compliance of the bodies, R motions that nothing but the contacts resists.
-Every ball takes the forces f(v) on its flanks; at the solution phi = f(v). With the stiffness S^T S of all balls, factored
-ball by ball, a step solves
+The input is the compliance matrix G of the bodies (for example screw and nut), which gives the motion of the groove flank
+at every contact by the force on every other contact. The flanks move by v = v_0 + G phi + R a. Here v_0 is the motion by
+the applied loads, phi are the forces on the flanks, and a are the amplitudes of the free motions R: motions of a body that
+only the contacts resist. A ball exerts the forces f(v) on its flanks; at the solution phi = f(v). The stiffness of all
+balls is written as S^T S, one block of rows S for each ball. A Newton step solves for u
 
-    (I + S G S^T) u = S (G (f - phi) + R da),    R^T (f - S^T u) + work = 0:                                           (1)
+    (I + S G S^T) u = S (G (f - phi) + R da),    R^T (f - S^T u) + work = 0.                                           (1)
 
-Newton on the convex energy phi G phi/2 - work a + balls(v), whose unknowns never are the beam's nodes.
+This minimises the convex energy phi G phi/2 - work a + (energy of the balls at v). Nodal motions of a beam are not among
+the unknowns.
 
-A ball has its centre and one amplitude of its body's deformation for unknowns, eliminated inside, and every contact has
-parts e F and h F^(4/3) besides Hertz's C F^(2/3). Where only two opposite flanks carry load, a ball depends only on their
-relative motion, and has a closed form.
+The unknowns of a ball are the position of its centre and one amplitude of the deformation of its body; they are eliminated
+ball by ball. The approach at a contact of force F is C F^(2/3) (Hertz) + e F + h F^(4/3). Where only two opposite flanks
+carry load, the forces of a ball depend on the relative motion of these flanks only and have a closed form.
 """
 
 from collections.abc import Callable
@@ -40,7 +43,11 @@ from .rollers import roller_elements, roller_rows
 
 @kernel
 def body_motion(bodies: Bodies, phi: Array, out: Array) -> None:
-    """Write out (N, d) = G phi: first and second body act on the first and second half of the flanks (one body: on all)."""
+    """Write the motions ``out`` (N, d) = G phi [m] of the flanks by the contact forces ``phi`` (N, d) [N] on the bodies.
+
+    With two bodies, the first half of a ball's columns belongs to the first body and the second half to the second one.
+    With one body, all columns belong to it.
+    """
     first, second = bodies.first, bodies.second
     n, d = phi.shape
     if second.shape[0] == 0:
@@ -53,7 +60,10 @@ def body_motion(bodies: Bodies, phi: Array, out: Array) -> None:
 
 @kernel
 def couple(bodies: Bodies, rows: BallRows, M: Array) -> None:
-    """Write M (q, q) = I + S G S^T of (1)."""
+    """Write the matrix M (q, q) = I + S G S^T, with which a Newton step for the contact forces is solved.
+
+    G is the compliance matrix of the elastic bodies. S are the rows by which S^T S is the stiffness matrix of the balls.
+    """
     half = rows.S.shape[2] // (2 if bodies.second.shape[0] else 1)
     M[:] = np.eye(M.shape[0])
     add_body(bodies.first, rows, 0, half, M)
@@ -63,7 +73,11 @@ def couple(bodies: Bodies, rows: BallRows, M: Array) -> None:
 
 @kernel
 def add_body(G: Array, rows: BallRows, first: int, width: int, M: Array) -> None:
-    """Add S G S^T of a body whose flanks' motions are ``width`` of each ball's, from ``first`` on."""
+    """Add S G S^T of one elastic body to the matrix M of the Newton step for the contact forces.
+
+    G [m/N] is the body's compliance matrix. S are the rows by which S^T S is the stiffness matrix of the balls. Of the
+    flank motions of each ball, those with the indices ``first`` to ``first + width - 1`` are motions of this body.
+    """
     S, counts, starts = rows
     moved = np.empty((M.shape[0], G.shape[0]))
     for i in range(S.shape[0]):
@@ -77,7 +91,10 @@ def add_body(G: Array, rows: BallRows, first: int, width: int, M: Array) -> None
 
 @kernel
 def cholesky_lower(M: Array) -> bool:
-    """Overwrite M (its lower triangle given) by its Cholesky factor (LAPACK); False where M is not positive definite."""
+    """Replace the symmetric matrix M by its lower Cholesky factor; return False if M is not positive definite.
+
+    Only the lower triangle of M is read.
+    """
     try:
         M[:, :] = np.linalg.cholesky(M)
     except Exception:  # the only one that numba can name; LinAlgError is all that a finite matrix can raise
@@ -87,7 +104,7 @@ def cholesky_lower(M: Array) -> bool:
 
 @kernel
 def triangular(M: Array, b: Array) -> None:
-    """Overwrite b by (L L^T)^-1 b, L in the lower triangle of M."""
+    """Solve L L^T x = b by substitution and write x over b; the lower triangle of M holds the Cholesky factor L."""
     for j in range(b.shape[0]):
         b[j] = (b[j] - np.sum(M[j, :j] * b[:j])) / M[j, j]
     for j in range(b.shape[0] - 1, -1, -1):
@@ -97,7 +114,7 @@ def triangular(M: Array, b: Array) -> None:
 
 @kernel
 def apply_rows(rows: BallRows, x: Array, out: Array) -> None:
-    """Write out (q,) = S x for motions x (N, d)."""
+    """Write the product ``out`` (q,) = S x of the balls' stiffness rows S with the motions x (N, d) of their flanks [m]."""
     S, counts, starts = rows
     for i in range(S.shape[0]):
         for p in range(counts[i]):
@@ -106,7 +123,7 @@ def apply_rows(rows: BallRows, x: Array, out: Array) -> None:
 
 @kernel
 def forces_of_rows(rows: BallRows, u: Array, out: Array) -> None:
-    """Subtract S^T u from out (N, d)."""
+    """Subtract the flank forces S^T u [N] from ``out`` (N, d); S: rows of the balls' stiffness S^T S, u (q,)."""
     S, counts, starts = rows
     for i in range(S.shape[0]):
         for p in range(counts[i]):
@@ -115,10 +132,12 @@ def forces_of_rows(rows: BallRows, u: Array, out: Array) -> None:
 
 @kernel
 def border(R: Array, rows: BallRows, L: Array, u: Array, target: Array, hold: float, out: Array) -> bool:
-    """Return whether the free motions are resisted; write their amplitudes out (k,), and u with them.
+    """Solve for the amplitudes of the free motions of the bodies, which only the contacts resist, in a Newton step.
 
-    Amplitudes a of the free motions R (N, d, k) with (S R)^T u = target (k,). u holds M^-1 b on entry and M^-1 (b + S R a)
-    on return, L the factor of M; hold [N/m]: stiffness added to the free motions.
+    M is the matrix of the Newton step without free motions, and S are the rows of the balls' stiffness S^T S. Writes the
+    amplitudes a (k,) [m] of the free motions R (N, d, k) to ``out``, such that (S R)^T u = target (k,). On entry u is M^-1
+    b; on return it is M^-1 (b + S R a). L is the Cholesky factor of M, and ``hold`` [N/m] is a stiffness that is added to
+    the free motions. Returns False if some free motion meets no resistance.
     """
     k, total = R.shape[2], u.shape[0]
     plain, Z = np.empty((k, total)), np.empty((k, total))
@@ -138,10 +157,11 @@ def border(R: Array, rows: BallRows, L: Array, u: Array, target: Array, hold: fl
 
 @kernel
 def flank_rows(contact: Array, local: Array, rows: Array) -> int:
-    """Write rows S (6, 8) with S^T S the ball's Hessian by the motions of its flanks; return how many.
+    """Write the stiffness of a ball against motions of its four flanks as S^T S; return the number of rows of S (6, 8).
 
-    The square roots sqrt(k) d of the contacts' stiffnesses by the flanks are orthogonalised (Householder) against those by
-    centre and amplitude: no difference of large numbers.
+    Each contact gives a row sqrt(k) d with its stiffness k and direction d. A Householder transformation makes the flank
+    columns of these rows orthogonal to the columns of ball centre and body deformation, which eliminates these unknowns
+    without subtracting large numbers. ``local`` (4, 3): compliance terms of the contacts.
     """
     A = np.zeros((9, 3))
     B = np.zeros((9, 8))
@@ -163,7 +183,7 @@ def flank_rows(contact: Array, local: Array, rows: Array) -> int:
     A[n, 2] = 1.0  # the amplitude's stiffness
     n += 1
     used = min(3, n)
-    for c in range(used):  # what is left of B below A's triangle is orthogonal to centre and amplitude
+    for c in range(used):  # afterwards the rows of B below the triangle of A are orthogonal to centre and amplitude
         norm = 0.0
         for i in range(c, n):
             norm += A[i, c] * A[i, c]
@@ -188,7 +208,7 @@ def flank_rows(contact: Array, local: Array, rows: Array) -> int:
 
 @kernel
 def reflect(direction: Array, x: Array, first: int, last: int, size: float) -> None:
-    """Apply the Householder reflection of x[first:last] by ``direction`` of squared length ``size``."""
+    """Reflect x[first:last] at the plane normal to ``direction`` (Householder); size: squared length of ``direction``."""
     dot = 0.0
     for i in range(first, last):
         dot += direction[i] * x[i]
@@ -199,9 +219,10 @@ def reflect(direction: Array, x: Array, first: int, last: int, size: float) -> N
 
 @kernel
 def full_balls(v: Array, contacts: BallContacts, inner: Array, contact: Array, f: Array) -> tuple[float, float]:
-    """Write the forces f (N, 8) of all balls on their flanks at motions v (N, 8); return energy and largest force.
+    """Solve every ball between four flanks, and every roller, for the motions v (N, 8) [m] of the flanks.
 
-    Fills inner (N, 3) and contact (N, 4, 5). Rollers come after the balls.
+    Writes the forces f (N, 8) [N] on the flanks, the ball centres and body amplitudes ``inner`` (N, 3), and the contacts
+    (N, 4, 5). Rows of rollers come after those of the balls. Returns the energy [J] and the largest contact force [N].
     """
     geometry, closure, local, r_ball, profile = contacts[:5]
     energy, scale, tiny = 0.0, 0.0, contacts.tiny
@@ -220,11 +241,13 @@ def full_balls(v: Array, contacts: BallContacts, inner: Array, contact: Array, f
 
 @kernel
 def pair_balls(v: Array, contacts: BallContacts, contact: Array, f: Array) -> tuple[float, float]:
-    """Compute forces and energy, as `full_balls`, for balls between two opposite arcs a and b.
+    """Compute forces and energy of balls between two opposite circular flanks a and b, in closed form.
 
-    v (N, 2): motion of a less that of b. The ball's centre lies on the line of the arcs' centres D + v, and the
-    interference is its nominal value plus |D + v| - |D|; the two contacts are one law in series. pair (N, 7): D, |D|,
-    nominal interference, C, e and h of both contacts together; contact (N, 5) as one contact on flank a.
+    v (N, 2): motion of flank a minus that of flank b [m]. The vector between the arc centres is D + v, and the centre of
+    the ball lies on its line. The interference is the nominal value plus |D + v| - |D|; the two contacts act in series as
+    one contact law. The rows of ``contacts.pair`` (N, 7) hold D, |D|, the nominal interference, and C, e, h of both
+    contacts together. Writes the forces f (N, 2) [N] and ``contact`` (N, 5) as one contact on flank a. Returns the energy
+    [J] and the largest contact force [N].
     """
     pair = contacts.pair
     energy, scale = 0.0, 0.0
@@ -251,7 +274,10 @@ def pair_balls(v: Array, contacts: BallContacts, contact: Array, f: Array) -> tu
 
 @kernel
 def evaluate_balls(v: Array, contacts: BallContacts, state: BodyState, f: Array) -> tuple[float, float]:
-    """Write the forces of all balls at motions v, by `pair_balls` or `full_balls`; return energy and largest force."""
+    """Write the forces f [N] of all rolling elements for flank motions v [m]; return energy [J] and largest force [N].
+
+    Uses the closed form `pair_balls` where v has two columns (one pair of flanks per ball), otherwise `full_balls`.
+    """
     if v.shape[1] == 2:
         return pair_balls(v, contacts, state.contact[:, 0], f)
     return full_balls(v, contacts, state.inner, state.contact, f)
@@ -259,7 +285,10 @@ def evaluate_balls(v: Array, contacts: BallContacts, state: BodyState, f: Array)
 
 @kernel
 def ball_rows(contacts: BallContacts, contact: Array, S: Array, counts: Array) -> int:
-    """Write rows S (N, 6 or 2, d) of all balls and rollers, and their numbers; return the total."""
+    """Write the stiffness of each ball and roller as rows S (N, 6 or 2, d), where S^T S is its stiffness matrix.
+
+    Writes the number of rows of each element to ``counts`` (N,) and returns their sum.
+    """
     total = 0
     d = S.shape[2]
     for i in range(S.shape[0]):
@@ -280,13 +309,24 @@ def ball_rows(contacts: BallContacts, contact: Array, S: Array, counts: Array) -
     return total
 
 
-#: See ``descent``: under a contact that vanishes, rows of a step before are too stiff.
+#: Residual ratio above which the stiffness is factored again, see ``descent``. Zero means in every step: after a contact
+#: opens, the stiffness of the previous step would be too large.
 KEPT = 0.0
 
 
 @kernel
 def solve_rows(bodies: Bodies, rows: BallRows, target: Array, hold: float, u: Array, a: Array) -> bool:
-    """Solve (I + S G S^T) u - S R a = u (given), (S R)^T u + hold a = target; False where the matrix is not positive."""
+    """Solve the equations of a Newton step for the contact forces and the free motions of the elastic bodies.
+
+    G is the compliance matrix of the bodies, S are the rows of the balls' stiffness S^T S, and R are the free motions with
+    the amplitudes a (k,). The equations are
+
+        (I + S G S^T) u - S R a = b,    (S R)^T u + hold a = target.
+
+    The new contact forces are f - S^T u, where f are the forces of the balls before the step. ``u`` holds b on entry and
+    the solution on return; hold [N/m]: stiffness added to the free motions. Returns False if the matrix is not positive
+    definite.
+    """
     M = np.empty((u.shape[0], u.shape[0]))
     couple(bodies, rows, M)
     if not cholesky_lower(M):
@@ -297,20 +337,20 @@ def solve_rows(bodies: Bodies, rows: BallRows, target: Array, hold: float, u: Ar
 
 @kernel
 def add_free(R: Array, a: Array, out: Array) -> None:
-    """Add R a, the motions of the flanks by free motions a (k,), to ``out`` (N, d)."""
+    """Add to ``out`` (N, d) [m] the flank motions R a caused by free motions of the bodies with the amplitudes a (k,)."""
     for c in range(a.shape[0]):
         out += a[c] * R[:, :, c]
 
 
 @kernel
 def stored(bodies: Bodies, state: BodyState, g: Array) -> float:
-    """Return the energy of the bodies less the work of the loads on the free motions."""
+    """Return the elastic energy phi G phi/2 of the bodies minus the work of the loads on the free motions [J]."""
     return float(0.5 * np.sum(state.phi * g) - np.sum(bodies.work * state.a))
 
 
 @kernel
 def place_flanks(bodies: Bodies, state: BodyState, g: Array, v: Array) -> None:
-    """Fill g = G phi and v = v0 + g + R a from the state."""
+    """Write the elastic motions g = G phi and the total motions v = v0 + g + R a of the flanks [m] from the state."""
     body_motion(bodies, state.phi, g)
     v[:] = bodies.v0 + g
     add_free(bodies.R, state.a, v)
@@ -318,9 +358,9 @@ def place_flanks(bodies: Bodies, state: BodyState, g: Array, v: Array) -> None:
 
 @kernel
 def apart(v: Array) -> float:
-    """Return the largest motion [m] of a flank of the first body against that of the second.
+    """Return the largest relative motion [m] between a flank of the first body and the opposite flank of the second.
 
-    v (N, d): of the flanks, d = 2 where it is of both against one another.
+    v (N, d): motions of the flanks; with d = 2 they are relative motions already.
     """
     half = v.shape[1] // 2
     return float(np.max(np.abs(v)) if half == 1 else np.max(np.abs(v[:, :half] - v[:, half:])))
@@ -328,16 +368,16 @@ def apart(v: Array) -> float:
 
 @kernel
 def unbalanced(state: BodyState, scale: float) -> float:
-    """Return the largest net contact load on a ball over ``scale`` [N].
+    """Return the largest net force on a ball as a fraction of ``scale`` [N].
 
-    None on balls between two opposite arcs, by closed form.
+    Zero for balls in the closed form with two opposite flanks, which are always in equilibrium.
     """
     return 0.0 if state.contact.shape[1] == 1 else ball_mismatch(state.contact, scale)
 
 
 @kernel
 def energy_at(given: BodySystem, state: BodyState, workspace: BodyWorkspace) -> tuple[float, float]:
-    """Return the energy of bodies and balls, and the largest contact load; fill the forces on the flanks."""
+    """Return the energy of bodies and balls [J] and the largest contact force [N]; write the forces on the flanks."""
     energy, scale = evaluate_balls(workspace.v, given.contacts, state, workspace.f)
     return energy + stored(given.bodies, state, workspace.g), scale
 
@@ -346,9 +386,9 @@ def energy_at(given: BodySystem, state: BodyState, workspace: BodyWorkspace) -> 
 def find_step(
     given: BodySystem, state: BodyState, options: Options, workspace: BodyWorkspace, shift: float, fresh: bool
 ) -> bool:
-    """Write Newton's step of forces and free motions.
+    """Write Newton's step of contact forces and free motions to the workspace; return False if it cannot be solved.
 
-    shift [N/m]: stiffness that limits free motions where no contact resists them.
+    shift [N/m]: stiffness added to the free motions, which limits them where no contact resists them.
     """
     bodies, rows, f = given.bodies, workspace.rows, workspace.f
     R, counts, starts = bodies.R, rows.counts, rows.starts
@@ -372,9 +412,10 @@ def find_step(
 
 @kernel
 def residual_at(given: BodySystem, state: BodyState, options: Options, workspace: BodyWorkspace, scale: float) -> float:
-    """Return the largest difference of assumed and true flank forces over ``scale`` [N].
+    """Return the largest unbalanced force as a fraction of ``scale`` [N].
 
-    And of the unbalanced loads on free motions.
+    The largest of: the differences between the assumed flank forces and those that the balls exert, and the net loads on
+    the free motions of the bodies. In newtons if ``scale`` is zero.
     """
     bodies = given.bodies
     worst = float(np.max(np.abs(workspace.f - state.phi)))
@@ -385,20 +426,20 @@ def residual_at(given: BodySystem, state: BodyState, options: Options, workspace
 
 @kernel
 def slope_along(given: BodySystem, state: BodyState, workspace: BodyWorkspace) -> float:
-    """Return the slope of the energy along the step."""
+    """Return the derivative [J] of the energy by the step length, along the Newton step in the workspace."""
     step = workspace.step
     return float(np.sum(step.dphi * workspace.g) - np.sum(workspace.f * step.dv) - np.sum(given.bodies.work * step.da))
 
 
 @kernel
 def reach_of(given: BodySystem, workspace: BodyWorkspace) -> float:
-    """Return the largest motion [m] by the step of a flank of the first body against that of the second."""
+    """Return the largest relative motion [m] of two opposite flanks in the whole Newton step."""
     return apart(workspace.step.dv)
 
 
 @kernel
 def keep(state: BodyState, workspace: BodyWorkspace) -> None:
-    """Store where the step begins."""
+    """Store the current forces and motions in the workspace as the start of the line search."""
     workspace.begin.phi[:], workspace.begin.a[:], workspace.begin.g[:], workspace.begin.v[:] = (
         state.phi,
         state.a,
@@ -409,7 +450,7 @@ def keep(state: BodyState, workspace: BodyWorkspace) -> None:
 
 @kernel
 def move(given: BodySystem, state: BodyState, workspace: BodyWorkspace, t: float) -> None:
-    """Set the state to t steps from where the step begins, with the motions of bodies and flanks there."""
+    """Set forces and motions to the start of the line search plus ``t`` times the Newton step."""
     begin, step = workspace.begin, workspace.step
     state.phi[:], state.a[:] = begin.phi + t * step.dphi, begin.a + t * step.da
     workspace.v[:], workspace.g[:] = begin.v + t * step.dv, begin.g + t * step.dv
@@ -418,9 +459,11 @@ def move(given: BodySystem, state: BodyState, workspace: BodyWorkspace, t: float
 
 @kernel
 def finish(given: BodySystem, state: BodyState, options: Options, workspace: BodyWorkspace) -> None:
-    """Compute the contacts at the state, without the round-off of the steps to it where that is the larger one.
+    """Compute the final contacts from the flank motions with less round-off.
 
-    Bodies that bend much under contact loads which almost cancel have the larger round-off in G phi.
+    The motions are known in two ways: summed over all Newton steps, and computed anew from the contact forces as G phi. The
+    second has more round-off where the bodies bend much under contact forces that almost cancel. The motions that give the
+    smaller residual are used.
     """
     v, residual = workspace.v.copy(), residual_at(given, state, options, workspace, 1.0)
     place_flanks(given.bodies, state, workspace.g, workspace.v)
@@ -432,13 +475,13 @@ def finish(given: BodySystem, state: BodyState, options: Options, workspace: Bod
 
 @kernel
 def least_force(given: BodySystem, state: BodyState, options: Options) -> float:
-    """Return the least force [N] that residuals are measured by."""
+    """Return the smallest force [N] that relative residuals may be divided by."""
     return options.floor
 
 
 @kernel
 def furthest(given: BodySystem, state: BodyState) -> float:
-    """Return the furthest free motion [m]."""
+    """Return the largest amplitude [m] of a free motion of the bodies, which only the contacts resist; 0 without any."""
     return float(np.max(np.abs(state.a))) if state.a.size else 0.0
 
 
@@ -447,7 +490,11 @@ minimise: Callable[..., Outcome] = load_driver(__name__, "descent").minimise
 
 @kernel
 def solve_forces(given: BodySystem, state: BodyState, options: Options, start: bool) -> Outcome:
-    """Minimise the energy, from the linear start or from the given forces."""
+    """Find the equilibrium of elastic bodies and rolling elements: minimise the energy over the contact forces.
+
+    With ``start`` the iteration begins at the solution with linear springs as contacts, otherwise at the forces in
+    ``state``.
+    """
     balls, d = state.phi.shape
     width, shape = 2 if d == 2 else 6, state.phi.shape
     counts, starts = np.zeros(balls, dtype=np.int64), np.zeros(balls, dtype=np.int64)
@@ -463,10 +510,11 @@ def solve_forces(given: BodySystem, state: BodyState, options: Options, start: b
 
 @kernel
 def start_on_springs(given: BodySystem, state: BodyState, options: Options, workspace: BodyWorkspace) -> None:
-    """Go to the equilibrium of the bodies on one linear spring between opposite flanks in place of two contacts.
+    """Set the state to the equilibrium with linear springs: one spring between opposite flanks replaces two contacts.
 
-    Where it can be found. No flank goes further from its opposite than ``options.furthest``, as in ``beam``, unless the
-    loads carry it there: a shaft that only contacts support is far away without their forces.
+    Leaves the state unchanged if the equations cannot be solved. The solution is scaled down such that no flank moves
+    further from the opposite one than ``options.furthest`` [m]. It is not scaled if the loads without contact forces
+    already move flanks further than that, as they do for a shaft that only the contacts support.
     """
     bodies, springs, v = given.bodies, given.springs, workspace.v
     balls, width = springs.shape[0], springs.shape[1]

@@ -1,11 +1,15 @@
-"""Symmetric positive definite systems in a band and in an envelope.
+"""Solve linear equations with a symmetric positive definite matrix that is stored as a band or as an envelope.
 
-Band: A[i, j] = band[j, i - j] for i >= j, the lower band, column by column. Envelope: row i holds the columns from first[i]
-to i; elimination fills nothing outside it. A shaft is a narrow band; a body that is joined to a stretch of it and comes
-right after that stretch has rows as long as the stretch, so that many bodies cost as much as their stretches together.
+Band: A[i, j] = band[j, i - j] for i >= j, the lower triangle, column by column. Envelope: row i stores the columns first[i]
+to i; the factorisation fills no entry outside of them.
 
-Compiled: LDL^T, and row-wise Cholesky. Interpreted: blocks of a band through numpy, as scipy.linalg takes longer to import
-than a scene to be solved, and LAPACK on the full matrix of an envelope. Tests compare them.
+The stiffness matrix of a shaft is a narrow band. A body (nut or bearing ring) that is connected to a part of the shaft is
+ordered directly after this part, and its rows are as long as that part. The cost for many bodies is therefore that of their
+parts of the shaft, summed.
+
+The compiled functions use LDL^T for the band and row-wise Cholesky for the envelope. Without compilation, the band is
+solved in blocks by numpy, because importing scipy.linalg takes longer than solving a scene, and the envelope by LAPACK as a
+full matrix. Tests compare both ways.
 """
 
 from math import sqrt
@@ -18,7 +22,10 @@ from rollbench.lowfi.statics.kernel_types import Array
 
 @kernel
 def ldl_factor(band: Array) -> bool:
-    """Overwrite ``band`` (n, w) with the factors L (unit) and 1/D; False where the matrix is not positive definite."""
+    """Factor a banded matrix as L D L^T; return False if it is not positive definite.
+
+    ``band`` (n, w) holds the lower band of the matrix on entry and the factors L (unit diagonal) and 1/D on return.
+    """
     n, width = band.shape
     column = np.empty(width)
     for j in range(n):
@@ -39,7 +46,7 @@ def ldl_factor(band: Array) -> bool:
 
 @kernel
 def ldl_substitute(band: Array, b: Array) -> None:
-    """Overwrite b (n,) by the solution, from the factors."""
+    """Solve A x = b for one right-hand side and write x over b (n,); band: factors of A from `ldl_factor`."""
     n, width = band.shape
     for j in range(n):
         for i in range(1, min(width, n - j)):
@@ -52,7 +59,7 @@ def ldl_substitute(band: Array, b: Array) -> None:
 
 
 def _filled(band: Array) -> Array:
-    """Return a band (n, w) filled up to whole blocks of w - 1 freedoms by a unit matrix."""
+    """Return a band matrix (n, w) extended by unit rows to a whole number of blocks of size w - 1."""
     n, width = band.shape
     size = max(width - 1, 1)
     filled = np.zeros((-(-n // size) * size, size + 1))
@@ -64,10 +71,11 @@ def _filled(band: Array) -> Array:
 
 
 def _views(filled: Array) -> tuple[Array, Array]:
-    """Return views of the blocks (m, b, b) of a filled band on its diagonal, lower triangles, and below them, upper ones.
+    """Return views of the diagonal blocks (m, b, b) of an extended band matrix, and of the blocks below them.
 
-    Its columns lie one after the other, A[i, j] at j (b + 1) + i - j = j b + i: a block is b columns b apart, and the other
-    triangle of a view belongs to other blocks.
+    Only the lower triangles of the diagonal blocks and the upper triangles of the blocks below belong to the matrix; the
+    other triangle of a view shows entries of other blocks. The views work because A[i, j] is stored at the flat index
+    j (b + 1) + i - j = j b + i.
     """
     size = filled.shape[1] - 1
     flat = filled.reshape(-1, size * (size + 1))
@@ -76,9 +84,9 @@ def _views(filled: Array) -> tuple[Array, Array]:
 
 
 def _block_factor(band: Array) -> bool:
-    """Overwrite ``band`` with the inverses of the factor's blocks on the diagonal and the blocks below them.
+    """Factor a banded matrix by blocks (Cholesky); return False if it is not positive definite.
 
-    False where the matrix is not positive definite.
+    On return ``band`` holds the inverses of the diagonal blocks of the factor, and the blocks below them.
     """
     filled = _filled(band)
     factor = np.zeros_like(filled)
@@ -86,7 +94,7 @@ def _block_factor(band: Array) -> bool:
     taken = np.zeros(on.shape[1:])
     try:
         for k in range(len(on)):
-            inverted = np.tril(np.linalg.inv(np.linalg.cholesky(on[k] - taken)))  # of which it reads the lower triangle
+            inverted = np.tril(np.linalg.inv(np.linalg.cholesky(on[k] - taken)))  # cholesky reads the lower triangle only
             row = np.triu(below[k]) @ inverted.T
             taken = row @ row.T
             inverse[k] += inverted
@@ -98,13 +106,16 @@ def _block_factor(band: Array) -> bool:
 
 
 def inverse_blocks(band: Array) -> tuple[Array, Array]:
-    """Return inverses of a factored band's blocks on the diagonal, and the blocks below them, for `substitute_blocks`."""
+    """Return the inverted diagonal blocks of a band matrix factored by blocks, and the blocks below them.
+
+    They are the input of `substitute_blocks`.
+    """
     on, below = _views(_filled(band))
     return np.tril(on), np.triu(below)
 
 
 def substitute_blocks(blocks: tuple[Array, Array], b: Array) -> None:
-    """Overwrite b, one column (n,) or several (n, k), by the solution, from `inverse_blocks`."""
+    """Solve A x = b for one right-hand side (n,) or several (n, k) and write x over b; blocks: from `inverse_blocks`."""
     inverse, below = blocks
     whole = np.zeros((inverse.shape[0] * inverse.shape[1], *b.shape[1:]))
     whole[: len(b)] = b
@@ -117,16 +128,21 @@ def substitute_blocks(blocks: tuple[Array, Array], b: Array) -> None:
 
 
 def _block_substitute(band: Array, b: Array) -> None:
+    """Solve A x = b and write x over b (n,); band: factor of A from `_block_factor`."""
     substitute_blocks(inverse_blocks(band), b)
 
 
+#: Factor a banded matrix in place, and solve with that factor: compiled or numpy version.
 factor_band = ldl_factor if is_compiled(__name__) else _block_factor
 substitute_band = ldl_substitute if is_compiled(__name__) else _block_substitute
 
 
 @kernel
 def row_factor(values: Array, first: Array, start: Array) -> bool:
-    """Overwrite the envelope by its Cholesky factor; False where the matrix is not positive definite."""
+    """Replace a symmetric matrix stored as an envelope by its Cholesky factor; return False if not positive definite.
+
+    values: stored entries, A[i, j] at start[i] + j for first[i] <= j <= i.
+    """
     for i in range(first.shape[0]):
         row = start[i]
         for j in range(first[i], i):
@@ -146,7 +162,7 @@ def row_factor(values: Array, first: Array, start: Array) -> bool:
 
 @kernel
 def row_solve(values: Array, first: Array, start: Array, b: Array) -> None:
-    """Overwrite b (n,) by the solution, from the factor."""
+    """Solve A x = b and write x over b (n,); values: Cholesky factor of A as an envelope, from `row_factor`."""
     n = first.shape[0]
     for i in range(n):
         row = start[i]
@@ -162,6 +178,7 @@ def row_solve(values: Array, first: Array, start: Array, b: Array) -> None:
 
 
 def _lapack_factor(values: Array, first: Array, start: Array) -> bool:
+    """Replace a matrix stored as an envelope by its Cholesky factor, with LAPACK; False if not positive definite."""
     n = first.shape[0]
     full = np.zeros((n, n))
     for i in range(n):
@@ -176,6 +193,7 @@ def _lapack_factor(values: Array, first: Array, start: Array) -> bool:
 
 
 def _lapack_solve(values: Array, first: Array, start: Array, b: Array) -> None:
+    """Solve A x = b and write x over b (n,); values: Cholesky factor of A as an envelope, from `_lapack_factor`."""
     from scipy.linalg import solve_triangular
 
     n = first.shape[0]
@@ -185,5 +203,6 @@ def _lapack_solve(values: Array, first: Array, start: Array, b: Array) -> None:
     b[:] = solve_triangular(full, solve_triangular(full, b, lower=True), lower=True, trans=1)
 
 
+#: Factor a matrix stored as an envelope in place, and solve with that factor: compiled or LAPACK version.
 factor = row_factor if is_compiled(__name__) else _lapack_factor
 substitute = row_solve if is_compiled(__name__) else _lapack_solve

@@ -1,7 +1,9 @@
-"""Rollers as slices of line contacts: between rows of motions, or as elements between elastic bodies.
+"""Forces and stiffness of bearing rollers, each divided into slices that are line contacts with the two raceways.
 
-A roller of a row between elastic bodies has four motions, stored in place of a ball's flanks SL (cone) and NL (cup):
-that of the ring along the normal of the roller's middle, and its slope along the roller times the roller's length [m].
+The rings are either rigid bodies on a shaft (`roller_forces`) or elastic bodies (`roller_elements`). With elastic rings, a
+roller has two motions for each ring: the displacement along the contact normal at the roller's middle, and the slope along
+the roller times the roller's length, both in metres. They are stored in the arrays of a ball, with the cone (inner ring) in
+place of its flank SL and the cup (outer ring) in place of its flank NL.
 """
 
 from math import exp, log, sqrt
@@ -12,18 +14,20 @@ from rollbench.lowfi.statics.kernel_types import Array, AxisRollers, RollerConta
 from .ball import FORCE, KN, KT, MX, MZ
 from .contact import SETTLED
 
-#: Flanks of a ball whose places a roller's cone and cup take.
+#: Positions in the arrays of a ball's four flanks at which the cone (inner ring) and cup (outer ring) of a roller are
+#: stored.
 CONE, CUP = 0, 2
-#: Approach of a slice over the sum of the sizes of its terms up to which only round-off closes it: it counts as open.
+#: A slice counts as open if its approach is at most this fraction of the summed absolute terms: it is then round-off.
 ROUND_OFF = 2.0**-52
 
 
 @kernel
 def roller_law(delta: float, g: float, s: float) -> tuple[float, float, float]:
-    """Return line load q [N/m], its slope by the approach, and energy [J/m], of delta = q (g - S ln q), delta > 0.
+    """Return line load q [N/m], stiffness dq/d delta [N/m^2] and energy [J/m] of a line contact of approach delta > 0 [m].
 
-    Beyond exp(-3) of the load at which the law bends back, far above any real one, it goes on along its tangent, so that
-    the energy stays convex.
+    The law is delta = q (g - S ln q), with constants g and s [m^2/N] of the roller and its raceways. It has a maximum of
+    delta; above exp(-3) of the load there, which is far above any real load, the law is continued along its tangent, so
+    that the energy remains convex.
     """
     edge = exp(g / s - 4.0)
     limit = edge * (g - s * log(edge))
@@ -48,7 +52,11 @@ def roller_law(delta: float, g: float, s: float) -> tuple[float, float, float]:
 
 @kernel
 def roller_forces(rollers: AxisRollers, q: Array, slices: Array, gradient: Array) -> tuple[float, float]:
-    """Write forces and stiffnesses of all slices and add them to the gradient; return energy and largest force."""
+    """Compute forces and stiffness of all roller slices between rigid rings; return energy [J] and largest slice force [N].
+
+    q (r, 6): motions of the bodies that carry the rings [m, rad]. Writes force [N] and stiffness [N/m] of each slice to
+    ``slices`` (M, 2) and adds the forces to the gradient (r, 6) of the energy.
+    """
     energy, scale = 0.0, 0.0
     for i in range(rollers.drop.shape[0]):
         delta, terms = -rollers.drop[i], abs(rollers.drop[i])
@@ -76,10 +84,12 @@ def roller_forces(rollers: AxisRollers, q: Array, slices: Array, gradient: Array
 
 @kernel
 def roller_elements(v: Array, rollers: RollerContacts, contact: Array, f: Array, tiny: float) -> tuple[float, float]:
-    """Write forces f (M, 8) of the rollers on their rings at motions v (M, 8); return energy [J] and the largest force [N].
+    """Compute the forces of rollers on elastic rings; return energy [J] and the largest roller force [N].
 
-    contact (M, 4, 5): force and direction as of a ball's contacts; the stiffness by the two relative motions is in KN
-    and KT of the cone's (its first row) and KN of the cup's (the last entry).
+    v (M, 8): motions of the rings at each roller [m]; f (M, 8): forces on the rings [N]. Writes force and direction of each
+    roller to ``contact`` (M, 4, 5), in the columns of a ball's contacts. The stiffness matrix of the two relative motions
+    has three entries: force by displacement (column KN of the cone), their coupling (KT of the cone), and moment by tilt
+    (KN of the cup).
     """
     energy, scale = 0.0, 0.0
     for i in range(v.shape[0]):
@@ -114,7 +124,10 @@ def roller_elements(v: Array, rollers: RollerContacts, contact: Array, f: Array,
 
 @kernel
 def roller_rows(contact: Array, rows: Array) -> int:
-    """Write rows S (6, 8) with S^T S roller's stiffness by the motions of its rings (of ``contact``); return how many."""
+    """Write the stiffness of a roller against motions of its rings as S^T S; return the number of rows of S (6, 8).
+
+    contact (4, 5): stiffness of the roller, from `roller_elements`.
+    """
     if contact[CONE, FORCE] <= 0.0:
         return 0
     root = sqrt(contact[CONE, KN])

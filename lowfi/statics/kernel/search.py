@@ -1,45 +1,52 @@
-"""Parts common to all Newton iterations here: the next trial along a step on a convex energy, and when to end."""
+"""Line search on a convex energy, and the criteria that end a Newton iteration; used by all static solvers."""
 
 from rollbench.lowfi.jit import kernel
 from rollbench.lowfi.statics.kernel_types import Progress, Trial
 
-#: Converged, out of iterations, moved without limit, stiffness not positive definite.
+#: How an iteration ended: converged, too many iterations, body moved without limit, stiffness not positive definite.
 CONVERGED, ITERATIONS, NOT_HELD, SINGULAR = range(4)
-#: Net force on a ball over the largest force up to which it counts as balanced.
+#: Net force on a ball, as a fraction of the largest force, up to which the ball counts as in equilibrium.
 BALANCED = 1e-10
-#: Shifts of the stiffness that are tried before it counts as singular, each a hundred times the one before.
+#: Number of additional stiffnesses tried on the diagonal, each a hundred times the one before, until it counts as singular.
 SHIFTS = 12
 
-#: Relative round-off of an energy, summed over springs of both signs of work.
+#: Relative round-off of an energy, which is a sum of positive and negative terms.
 ROUNDING = 1e-14
-#: Trials of a search: on a convex energy they never run out, where they do twice the iteration ends.
+#: Largest number of step lengths tried in one line search. On a convex energy it is not reached; the iteration ends when it
+#: is reached a second time.
 TRIALS = 60
-#: Relative residual from which on whole steps are tried first, and growth at which one is taken back and searched along.
+#: Relative residual below which the whole Newton step is tried first, and the growth of the residual by which such a step
+#: is rejected and replaced by a line search.
 WHOLE_STEPS, GROWN = 1e-7, 10.0
-#: Relative residual of a solution: it is the last one where a step from it, whole and searched along, makes that grow so.
+#: Relative residual below which the state counts as the solution if the next step, even with a line search, makes the
+#: residual grow by the factor ``GROWN``.
 SOLVED = 1e-10
-#: Iterations in which the residual was not halved once, after which the iteration ends: at any residual, near the
-#: solution, and at round-off. Contacts far weaker than the beam between them settle near the solution only. Near means
-#: near by the applied loads: a shaft that fixed ends twist has forces beside which an unbalanced load is nothing.
+#: Number of iterations without halving the residual after which the iteration ends: in general, near the solution, and at
+#: round-off. Near the solution is judged by the applied loads: in a shaft twisted by its fixed ends, the element forces are
+#: so large that an unbalanced load is small compared with them.
 PATIENCE, PATIENCE_NEAR, PATIENCE_LAST = 100, 10, 2
+#: Relative residuals below which the state is near the solution, and at round-off.
 NEAR, LAST = 1e-9, 1e-12
-#: Share of the energy by which it has to fall for an iteration to have got on.
+#: Relative decrease of the energy that counts as progress of an iteration.
 FALLS = 1e-6
 
 
 @kernel
 def first_trial(energy: float, slope: float, limit: float) -> Trial:
-    """Return the whole step, or the longest that ``limit`` allows, as the first trial.
+    """Return the first trial of a line search: the whole Newton step, or the longest step that ``limit`` allows.
 
-    energy and slope < 0 along the step where the search begins; limit: largest step length: a step that carries flanks past
-    their balls gives no information on the contacts.
+    energy, slope: energy [J] at the start of the search and its negative slope along the step. limit: largest step length;
+    a longer step would carry flanks past their balls and give no information on the contacts.
     """
     return Trial(energy, slope, limit, 0.0, 0.0, min(1.0, limit), 0)
 
 
 @kernel
 def next_trial(trial: Trial, new: float, ahead: float) -> tuple[Trial, bool]:
-    """Return the trial step after one with energy ``new`` and slope ``ahead``, and whether the search continues."""
+    """Return the next step length to try in a line search, and whether the search continues.
+
+    new, ahead: energy [J] and its slope along the step, found at the last step length tried.
+    """
     energy, slope, limit, low, high, t, tried = trial
     tried += 1
     go_on = tried < TRIALS
@@ -60,9 +67,10 @@ def next_trial(trial: Trial, new: float, ahead: float) -> tuple[Trial, bool]:
 
 @kernel
 def got_on(progress: Progress, residual: float, unbalanced: float, energy: float, tried: int) -> tuple[Progress, bool]:
-    """Return the progress after an iteration that searched ``tried`` times, and whether it is the last one.
+    """Update the record of a Newton iteration's progress; return it and whether the iteration ends here.
 
-    unbalanced: the residual over the applied loads in place of the largest force met.
+    residual, unbalanced: unbalanced force relative to the largest force and to the applied loads; energy [J]; tried: number
+    of step lengths that the last line search tried.
     """
     falls = progress.lowest - energy > FALLS * abs(energy)
     stalled = 0 if residual < 0.5 * progress.best or falls else progress.stalled + 1

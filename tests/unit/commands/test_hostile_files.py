@@ -208,4 +208,4 @@ def test_pages_are_regular_files(tmp_path, command):
         assert "a pipe, a device or a folder" in command.refused("verify", str(path))
     with open(tmp_path / "large.html", "wb") as file:
         file.truncate(10**12)
-    assert "pages have at most" in command.refused("verify", str(tmp_path / "large.html"))
+    assert "largest permitted size" in command.refused("verify", str(tmp_path / "large.html"))

@@ -27,7 +27,7 @@ def words_of(svg):
 
 REFUSED = [
     (Series("s", [1], [1], "dots"), "", r"styles \['dots'\]"),
-    (Series("s", [1], [1]), "z", "log is 'z'"),
+    (Series("s", [1], [1]), "z", "log .z."),
     (Series("s", [1.0, 2.0], [1.0, 2.0], "markers", bars=([0.5], [1.5])), "", "error bars"),
 ]
 
@@ -82,7 +82,7 @@ class TestInAPage:
         x, y = [1.0, 1.1, 1.2, 90.0], [5.0, 5.01, 5.02, 0.1]
         named = Series("s", x, y, "markers", texts=["one", "two", "three", "far"], light=False)
         panel = Panel("", "x", "y", [named], log="xy")
-        svg, canvas = figures.drawing_lock(figure(panels=[panel], size=(5.0, 3.0)))
+        svg, canvas = figures.draw_figure_and_canvas(figure(panels=[panel], size=(5.0, 3.0)))
         root = ElementTree.fromstring(svg)
         found = {"".join(t.itertext()): t for t in root.iter(f"{SVG}text")}
         heights = sorted(_place(found[name])[1] for name in ("one", "two", "three"))

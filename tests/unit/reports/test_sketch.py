@@ -22,7 +22,7 @@ def drawn(name: str) -> tuple[Sketch, ElementTree.Element]:
 def test_a_screw_shows_nut_balls_support_and_load_with_their_words() -> None:
     sketch, root = drawn("lin-case3-offset")
     assert len(list(root.iter(f"{SVG}circle"))) == 32
-    words = {"nut 54 mm, Ø 48", "screw 800 mm, Ø 32", "holds ux uy rx ry rz", "holds uy", "ux = 300 µm", "Fz 5 kN"}
+    words = {"nut 54 mm, Ø 48", "screw 800 mm, Ø 32", "fixes ux uy rx ry rz", "fixes uy", "ux = 300 µm", "Fz 5 kN"}
     assert words < {str(t.text) for t in root.iter(f"{SVG}text")}
     assert re.search(r"lead 20 mm.*ball radii \+7 um", sketch.caption)
 

@@ -189,7 +189,7 @@ def test_curves_show_the_same_numbers_and_stay_on_the_page(page, pages, width):
         "Contact load",
         "Peak pressure",
         "Error against the 3D reference",
-        "Contacts closer by errors of the parts",
+        "Reduction of clearance by errors of the parts",
     ]
     left, top, w, h = page.box("#view-curves svg")
     for share in (0.3, 0.6, 0.9):

@@ -3,7 +3,7 @@
 from rollbench.compare.sections.tolerances import stored_sweep
 from rollbench.compare.studies.sweep.keys import read_vary
 from rollbench.reports.content import Figure, Panel, Series
-from rollbench.reports.figures import draw_figure, drawing_lock
+from rollbench.reports.figures import draw_figure, draw_figure_and_canvas
 
 FOUND = stored_sweep()
 KEYS = read_vary(FOUND["vary"])
@@ -17,8 +17,8 @@ def test_names_stand_on_the_axis_and_ordinates_are_of_one_scale():
     high = Panel("high", "", "y", (Series("a", [1.0, 2.0], [5.0, 90.0]),), names=("one way", "or another"))
     low = Panel("low", "", "y", (Series("a", [1.0, 2.0], [1.0, 2.0]),))
     figure = Figure("f", "f", (high, low), same_y=True)
-    first, second = drawing_lock(figure)[1].axes
+    first, second = draw_figure_and_canvas(figure)[1].axes
     assert [text.get_text() for text in first.get_xticklabels()] == ["one way", "or another"]
     assert first.get_ylim() == second.get_ylim()
-    assert drawing_lock(Figure("f", "f", (high, low)))[1].axes[1].get_ylim()[1] < 3.0
+    assert draw_figure_and_canvas(Figure("f", "f", (high, low)))[1].axes[1].get_ylim()[1] < 3.0
     assert "or another" in draw_figure(figure)
