@@ -132,7 +132,7 @@ def _elimination_tree(graph: sp.csr_array) -> Index:
     """
     n = graph.shape[0]
     edges = sp.tril(graph, -1).tocoo()
-    spanning = minimum_spanning_tree(sp.csr_array((edges.row.astype(float), (edges.row, edges.col)), (n, n))).tocoo()
+    spanning = minimum_spanning_tree(_weighted_graph(edges.row.astype(float), edges.row, edges.col, n)).tocoo()
     parent, top = [n] * n, list(range(n))  # top: ancestor, compressed towards the highest vertex that is connected so far
     ascending = np.argsort(spanning.row, kind="stable")
     for i, j in zip(spanning.row[ascending].tolist(), spanning.col[ascending].tolist(), strict=True):
@@ -143,10 +143,15 @@ def _elimination_tree(graph: sp.csr_array) -> Index:
     return np.array(parent, dtype=np.int64)
 
 
+def _weighted_graph(weights: Array, rows: Index, columns: Index, n: int) -> sp.csr_array:
+    """Make the sparse matrix ``(n, n)`` of a graph, with indices of 32 bits: csgraph of scipy 1.15 takes no others."""
+    return sp.csr_array((weights, (rows.astype(np.int32), columns.astype(np.int32))), (n, n))
+
+
 def _postorder(parent: Index) -> Index:
     """Order the vertices of a tree so that every subtree is contiguous and its root comes last."""
     n = parent.size
-    down = sp.csr_array((np.ones(n), (parent, np.arange(n))), (n + 1, n + 1))
+    down = _weighted_graph(np.ones(n), parent, np.arange(n), n + 1)
     return np.asarray(depth_first_order(down, n, return_predecessors=False)[:0:-1], dtype=np.int64)
 
 
