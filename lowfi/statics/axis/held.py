@@ -144,7 +144,7 @@ def _ball_rows(b: BallSet, system: System, by_row: Array) -> Array:
     """
     beta = b.problem.scene.track.contact_angle
     angles = (beta, -beta) if b.of.thrust == "deep groove" else (beta,)
-    moved, balls = b.moved(by_row), system.contacts.r_ball.size
+    moved, balls = b.flank_motions(by_row), system.contacts.r_ball.size
     used = [(int(side), angle) for side in np.flatnonzero(b.problem.use) for angle in angles]
     return np.concatenate([approach(s, angle, moved[:, s], b.balls.start, balls) for s, angle in used])
 

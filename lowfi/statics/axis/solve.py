@@ -29,11 +29,11 @@ from rollbench.lowfi.statics.axis.system import (
     BallSet,
     Placed,
     System,
-    asked_row,
+    reported_row,
     build,
     motions_of,
     moved_flanks,
-    placed,
+    ball_positions,
     scale_of,
     set_flanks,
     with_arms,
@@ -148,7 +148,7 @@ def whole_stiffness(
 
     Rows and columns of fixed freedoms are nan. None where the row is fixed, or where contacts carry too little to be stiff.
     """
-    row = asked_row(system)
+    row = reported_row(system)
     if row < 0:
         return None
     r = system.structure.stations.size
@@ -193,7 +193,7 @@ def rigid_rows(b: BallSet, stations: Array) -> Array:
 
     The motion is taken at the set's position. stations: of all rows [m].
     """
-    return b.moved(rigid_transport(stations - b.of.position))[:, :2].reshape(-1, 4, 6)
+    return b.flank_motions(rigid_transport(stations - b.of.position))[:, :2].reshape(-1, 4, 6)
 
 
 def set_stiffness(b: BallSet, stations: Array, hessians: Array) -> Array:
@@ -352,7 +352,7 @@ def equilibrium(assembly: Assembly, model: Model, engine: Engine, member: int, a
     mounted, notes, unmet = mount(assembly, again)
     if unmet:
         return failed(unmet)
-    kernels, places = engine_for(assembly, engine), placed(mounted, member)
+    kernels, places = engine_for(assembly, engine), ball_positions(mounted, member)
     uses = likely_sides(mounted, places) if model.fewer else all_sides(mounted)
     while True:
         system = build(mounted, member, uses, places, model.section)

@@ -10,7 +10,7 @@ import numpy as np
 
 from rollbench.lowfi.rollers import slice_contacts, tapered_bearing
 from rollbench.lowfi.statics.axis.held import APEX, reversed_status
-from rollbench.lowfi.statics.axis.system import BallSet, RollerSet, System, asked, asked_row, left_out
+from rollbench.lowfi.statics.axis.system import BallSet, RollerSet, System, reported_location, reported_row, left_out
 from rollbench.lowfi.statics.kernel_types import RowState
 from rollbench.lowfi.statics.problem import SolvedState
 from rollbench.lowfi.statics.result import AxisResult, Equilibrium, HousingResult, SetResult, SolverReport, Status
@@ -95,8 +95,8 @@ def assemble_axis(system: System, state: RowState, end: Ending) -> AxisResult:
     if status == "converged":
         status = reversed_row(system, sets, end.scale) or status
     held = (f"{end.loose}: held where it is, since nothing drives or resists it",) if end.loose else ()
-    at = asked(assembly)
-    station = None if isinstance(at, str) else float(structure.nodes[asked_row(system)])
+    at = reported_location(assembly)
+    station = None if isinstance(at, str) else float(structure.nodes[reported_row(system)])
     return AxisResult(
         model=end.model,
         status=status,
