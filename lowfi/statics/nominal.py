@@ -20,7 +20,7 @@ from rollbench.lowfi.statics.problem import centre_distances
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.lowfi.statics.selection import all_sides, choose_sides
 from rollbench.lowfi.statics.settle import contact_angles
-from rollbench.lowfi.statics.static import Build, Engine, Solution, Unheld, pick_engine, solve_sides
+from rollbench.lowfi.statics.static import Build, Engine, Solution, UnrestrainedProblem, pick_engine, solve_sides
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.errors import Specimen, specimen
 from rollbench.meshes.helix import BallLayout, ball_layout
@@ -70,8 +70,8 @@ def elastic_loads(
     return _loads(solve_sides(ElasticBuild(*parts, backend=backend, whole=whole)))
 
 
-def _loads(solved: Solution | Unheld) -> ContactLoads:
-    if isinstance(solved, Unheld):
+def _loads(solved: Solution | UnrestrainedProblem) -> ContactLoads:
+    if isinstance(solved, UnrestrainedProblem):
         C = solved.problem.C.copy()
         return ContactLoads(np.full(C.shape, np.nan), np.full(C.shape, np.nan), C, solved.status)
     problem, contact, _, _ = solved.system.flanks()[0]

@@ -24,7 +24,7 @@ from rollbench.lowfi.statics.problem import Problem
 from rollbench.lowfi.statics.selection import all_sides, choose_sides
 from rollbench.lowfi.statics.shaft import rows_of
 from rollbench.lowfi.statics.shape import rigid_transport
-from rollbench.lowfi.statics.static import Unheld, pick_engine, solve_sides
+from rollbench.lowfi.statics.static import UnrestrainedProblem, pick_engine, solve_sides
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.errors import specimen
 from rollbench.meshes.helix import ball_layout
@@ -101,7 +101,7 @@ def tangent_stiffness(
     parts = scene, drawn, layout, use, pick_engine("auto", layout.z.size)
     solved = solve_sides(ElasticBuild(*parts, backend=backend, condensed=condensed))
     status = solved.status
-    if isinstance(solved, Unheld) or status != "converged":
+    if isinstance(solved, UnrestrainedProblem) or status != "converged":
         return Tangent(station, np.full((6, 6), np.nan), status)
     clamp = Support(station, tuple((name, 0.0) for name in FREEDOMS))
     held = replace(solved.build, scene=replace(scene, supports=(clamp,), loads=()))

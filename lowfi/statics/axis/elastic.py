@@ -112,7 +112,7 @@ class Housings:
 
 @dataclass(kw_only=True)
 class ElasticSets(Sets):
-    """Equations of an assembly with elastic bodies, N balls and rollers, and m moving housings, for the numerical kernels."""
+    """Equations of an assembly with elastic bodies, N balls and rollers, and m moving housings, for the kernels."""
 
     SOLVER = "solve_forces"
     #: Arrays of bodies and rolling elements for the kernels.
@@ -175,7 +175,7 @@ class ElasticSets(Sets):
         return np.asarray(out)
 
     def row_states(self) -> tuple[RowState, Array]:
-        """Return the motions of shaft nodes and housings, and the reaction forces at fixed freedoms, see `Sets.row_states`."""
+        """Return the motions of shaft nodes and housings, and the reactions at fixed freedoms, see `Sets.row_states`."""
         system, shaft = self.system, self.shaft
         structure, forces = system.structure, self.forces()
         n, k = structure.nodes.size, shaft.work.size
@@ -266,9 +266,10 @@ def section_of(assembly: Assembly, backend: Backend) -> BeamSection | None:
 
 
 def combined_problem(system: System, rollers: RollerElements) -> Problem:
-    """Return all balls, then all rollers of an assembly as one contact problem, to compute the response of the shaft's beam.
+    """Return all balls, then all rollers of an assembly as one contact problem on the shaft's beam.
 
-    The other data of the problem are those of the first bearing or nut and are not used.
+    It serves to compute the response of the beam to contact forces. Its scene and errors are those of the first bearing
+    or nut only.
     """
     s, problems = system.structure, [on_shaft(b) for b in system.balls]
     first = problems[0]
@@ -431,7 +432,8 @@ def prepare_elastic_sets(system: System, backend: Backend, engine: ModuleType) -
     )
     state = BodyState(np.zeros((N, 8)), np.zeros(work.size), np.zeros((N, 3)), np.zeros((N, 4, 5)))
     cut = max(low, high) / compliance
-    notes = (f"negative compliance of the bodies, up to {100 * cut:.2g} % of a contact's, is set to zero",) if cut > 1e-6 else ()
+    clipped = f"negative compliance of the bodies, up to {100 * cut:.2g} % of a contact's, is set to zero"
+    notes = (clipped,) if cut > 1e-6 else ()
     assumed = tuple(dict.fromkeys(f"{b.of.name}: {x}" for b, p in zip(system.balls, parts, strict=True) for x in p[4]))
     return ElasticSets(
         engine=engine,
