@@ -51,7 +51,7 @@ LENT = 0.25
 
 
 def by_ball(N: int, sides: int) -> NDArray[np.int64]:
-    """Return the permutation ``(N * sides * 2,)`` from an array ordered flank, ball, axis to the order ball, flank, axis."""
+    """Return the permutation ``(N * sides * 2,)`` from the order (flank, ball, axis) to the order (ball, flank, axis)."""
     return np.arange(sides * N * 2).reshape(sides, N, 2).swapaxes(0, 1).ravel()
 
 
@@ -75,9 +75,9 @@ def of_both(G: Array, used: NDArray[np.bool_], N: int) -> Array:
 def positive(G: Array, normals: Array, tangent: float) -> tuple[Array, Array, float]:
     """Remove the negative eigenvalues of a body's compliance, which would make the energy non-convex.
 
-    Near a fixed face the compliance of a body, beyond the one that Hertz's law contains, is negative. The missing compliance
-    is added to the body along the contact's normal and must be subtracted from the contact's law, so that the sum is exact.
-    At most the share `LENT` of a contact's tangent compliance is moved; what stays negative is set to zero.
+    Near a fixed face the compliance of a body, beyond the one that Hertz's law contains, is negative. The missing
+    compliance is added to the body along the contact's normal and must be subtracted from the contact's law, so that the
+    sum is exact. At most the share `LENT` of a contact's tangent compliance is moved; what stays negative is set to zero.
 
     Parameters
     ----------
@@ -260,7 +260,7 @@ def response_of(
 ) -> Response:
     """Return the compliance of shaft, screw and nut for a problem. The result may be shared and must not be changed.
 
-    It is not cached if it comes from a 3D model, the computation of bodies is replaced, or there are more than `KEPT` balls.
+    It is not cached if it comes from a 3D model or from another function ``whole``, or if there are more than `KEPT` balls.
 
     Parameters
     ----------

@@ -12,8 +12,8 @@ stretch has the complementary energy
 in addition to that of the beam. G is the compliance of `lowfi.compliance.bodies`. D and H come from
 `lowfi.compliance.between` and contain among others Saint-Venant's lateral contraction under tension and bending, and the
 warping under shear. The beam has the wrench F = S q from the motions q of its nodes. The stretch adds a jump
-d = D f + H F of the motion at its upper cut. With these jumps the beam responds to nodal loads p by q = K^-1 (p + S^T d), and the wrench is
-F = S q - k d (k: stiffness of the cut element). With p = L^T f follows
+d = D f + H F of the motion at its upper cut. With these jumps the beam responds to nodal loads p by
+q = K^-1 (p + S^T d), and the wrench is F = S q - k d (k: stiffness of the cut element). With p = L^T f follows
 
     F = (I + B H)^-1 (A - B D) f,   A = S K^-1 L^T,   B = k - S K^-1 S^T,                                              (2)
 
