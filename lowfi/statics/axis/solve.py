@@ -161,8 +161,8 @@ def whole_stiffness(
 ) -> Array | None:
     """Return the tangent stiffness ``(6, 6)`` [N/m, N, N m] of the assembly at the reported shaft node or housing.
 
-    It is the wrench per unit motion there while all other bodies follow freely. Rows and columns of fixed degrees of freedom
-    are nan. None if the housing is fixed, or the contacts carry too little load to resist.
+    It is the wrench per unit motion there while all other bodies follow freely. Rows and columns of fixed degrees of
+    freedom are nan. None if the housing is fixed, or the contacts carry too little load to resist.
 
     Parameters
     ----------
@@ -282,7 +282,7 @@ class Sets(Prepared):
 
     @abstractmethod
     def stiffness(self) -> tuple[Sequence[Array], Array | None]:
-        """Return the tangent stiffness ``(6, 6)`` of each ball nut or bearing, and of the assembly at the reported location.
+        """Return the tangent stiffness ``(6, 6)`` of each ball nut or bearing, and of the assembly where it is reported.
 
         The second is None if the assembly has no stiffness there.
         """
@@ -395,7 +395,7 @@ def solve_assembly(assembly: Assembly, *, engine: Engine = "auto", member: int =
     assembly
         Shaft with bearings and ball nuts.
     engine
-        Numerical kernels: ``"interpreted"``, ``"compiled"``, or ``"auto"``, which chooses by the number of rolling elements.
+        Numerical kernels: ``"interpreted"``, ``"compiled"``, or ``"auto"``, which chooses by the size of the problem.
     member
         Number of the specimen: each number gives other random errors.
 
