@@ -5,7 +5,7 @@ can carry a load is decided by a linear program for compressive contact forces.
 
 By the theorem of the alternative (Farkas) exactly one of two statements holds. Either compressive forces at the nominal
 contacts and reactions of the supports balance the load. Or a rigid motion of the screw, with some motion of the balls,
-opens every contact or leaves it unchanged while the load does work. Only the second proves that the screw is not restrained.
+opens every contact or leaves it unchanged while the load does work. Only the second proves that nothing holds the screw.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """Rigid motions of shaft and housings that nothing resists, and a proof whether contacts can carry an assembly's loads.
 
-Rigid motions without resistance are determined before the equilibrium is solved. Whether the contacts can carry the loads is
-decided by a linear program for compressive contact forces.
+Rigid motions without resistance are determined before the equilibrium is solved. Whether the contacts can carry the loads
+is decided by a linear program for compressive contact forces.
 
 As for a single nut or bearing (`lowfi.statics.held`), exactly one of two statements holds. Either compressive forces at the
 nominal contacts of balls and rollers balance the loads, together with supports and springs. Or a rigid motion of shaft and
@@ -28,7 +28,7 @@ from rollbench.meshes.parts import FREEDOMS
 
 @dataclass(frozen=True)
 class Loose:
-    """Rigid motions of shaft and housings that neither supports, springs nor contacts resist, and pins that prevent them."""
+    """Rigid motions of shaft and housings that no support, spring or contact resists, and pins that prevent them."""
 
     #: Whether the loads drive such a motion, so that there is no equilibrium.
     driven: bool
@@ -229,7 +229,7 @@ def reversed_status(system: System, name: str, thrust: str, angle: float, load: 
     on = abs(angle) < APEX
     place = "0 deg, on the groove's bottom" if on else f"{np.degrees(angle):.1f} deg, across the groove's bottom"
     reason = (
-        f"no equilibrium has all loaded balls of {name} on the side of the groove that carries thrust along "
-        f"{thrust}: in the only equilibrium (the energy is convex) a ball carries {load:.3g} N at a contact angle of {place}"
+        f"no equilibrium has all loaded balls of {name} on the side of the groove that carries thrust along {thrust}: "
+        f"in the only equilibrium (the energy is convex) a ball carries {load:.3g} N at a contact angle of {place}"
     )
     return Status("not held", reason, "crossed row")
