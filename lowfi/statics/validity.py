@@ -150,8 +150,8 @@ def _counted_twice(problem: Problem, force: Array, gamma: Array) -> list[Warned]
     place = f"ball {int(ball) + 1} of the {('screw', 'nut')[body]}"
     text = (
         f"{int(double.any(axis=1).sum())} ball(s) touch both flanks of a groove within one contact ellipse, where the "
-        f"flanks are a single arc: the two forces are those of one contact counted twice ({place}: {left:.4g} N and {right:.4g} N "
-        f"in place of one force of up to {left + right:.4g} N); its pressure is higher by up to "
+        f"flanks are a single arc: the two forces are those of one contact counted twice ({place}: {left:.4g} N and "
+        f"{right:.4g} N in place of one force of up to {left + right:.4g} N); its pressure is higher by up to "
         f"{100.0 * (worst - 1.0):.2g} %, its approach by up to {100.0 * (worst**2 - 1.0):.2g} %"
     )
     return [Warned("two flanks", text)]
@@ -239,8 +239,8 @@ def profile_warning(solved: SolvedState) -> list[Warned]:
     """Return a warning if profile errors of a groove allow several contact points of one ball and flank, or none.
 
     The centre of curvature of the profile lies off the groove's centre by the profile's slope rho' [m]. If this is not
-    small against the distance between groove centre and ball centre, there may be several contact points. The profile error is a
-    polynomial of the angle from -180 to 180 deg with a jump at its ends. A ball that is pressed onto the jump has no
+    small against the distance between groove centre and ball centre, there may be several contact points. The profile error
+    is a polynomial of the angle from -180 to 180 deg with a jump at its ends. A ball that is pressed onto the jump has no
     equilibrium on either side of it.
     """
     profile = solved.problem.drawn.profile
