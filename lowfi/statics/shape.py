@@ -92,7 +92,7 @@ def lifted(nodes: Array, fixed: NDArray[np.bool_], prescribed: Array) -> tuple[A
 
 
 def rigid_transport(reach: float | Array) -> Array:
-    """Return the matrix from a rigid body's motion at one point of the axis to its motion at another, u + theta x reach e_z.
+    """Return the matrix from a rigid body's motion at one point of the axis to that at another, u + theta x reach e_z.
 
     Parameters
     ----------
@@ -196,7 +196,7 @@ def unresisted(rows: Array) -> Array:
 
 
 def pivots(rows: Array) -> list[int]:
-    """Return the numbers of linearly independent columns of a matrix ``(k, m)``, by QR decomposition with column pivoting."""
+    """Return the numbers of linearly independent columns of a matrix ``(k, m)``, by QR with column pivoting."""
     remainder, chosen = rows.copy(), []
     for _ in range(min(rows.shape)):
         sizes = (remainder * remainder).sum(axis=0)
