@@ -1,4 +1,4 @@
-"""Conversion of the solver's arrays into the result of an assembly: forces of each bearing and nut, housings, equilibrium."""
+"""Conversion of the solver's arrays into the result of an assembly: bearings, nuts, housings, equilibrium, stiffness."""
 
 from __future__ import annotations
 
@@ -283,8 +283,8 @@ def _balance(system: System, state: RowState, end: Ending, sets: tuple[SetResult
 def _housing(system: System, i: int, sets: tuple[SetResult, ...], q: Array, end: Ending) -> HousingResult:
     """Return the result of one housing: its motion, the forces of supports and springs on it, and its residual.
 
-    The residual is the sum of external load, fixed degrees of freedom, springs, and forces of the bearings and nuts that the
-    housing carries.
+    The residual is the sum of external load, reactions, spring forces, and forces of the bearings and nuts that the housing
+    carries.
 
     Parameters
     ----------
