@@ -66,9 +66,9 @@ class Structure:
 def shaft_nodes(assembly: Assembly, stations: Array) -> Array:
     """Return the axial positions of the shaft's nodes [m].
 
-    Nodes lie at supports, loads, changes of cross-section and the position of the requested stiffness, and, depending on the
-    scene's ``partition``, at contacts or at equal distances. The shaft beyond the outermost support, load or contact carries
-    no load and is left out.
+    Nodes lie at supports, loads, changes of cross-section and the position of the requested stiffness. They also lie at
+    contacts or at fixed distances, depending on the scene's ``partition``. The shaft beyond the outermost support, load or
+    contact carries no load and is left out.
 
     Parameters
     ----------

@@ -10,7 +10,7 @@ import numpy as np
 
 from rollbench.lowfi.rollers import slice_contacts, tapered_bearing
 from rollbench.lowfi.statics.axis.held import APEX, reversed_status
-from rollbench.lowfi.statics.axis.system import BallSet, RollerSet, System, reported_location, reported_row, left_out
+from rollbench.lowfi.statics.axis.system import BallSet, RollerSet, System, left_out, reported_location, reported_row
 from rollbench.lowfi.statics.kernel_types import RowState
 from rollbench.lowfi.statics.problem import SolvedState
 from rollbench.lowfi.statics.result import AxisResult, Equilibrium, HousingResult, SetResult, SolverReport, Status
