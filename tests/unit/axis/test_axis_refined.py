@@ -134,7 +134,7 @@ def test_inner_rings_on_housings_are_rigid_and_refused_on_springs():
     assert any("around: elastic inner ring" in x for x in found.left_out)
     parts = double_nut(count=6)
     carried = replace(bearing("c", 0.14, "both"), carrier="h")
-    with pytest.raises(ValueError, match="an inner ring on a housing that stands on springs"):
+    with pytest.raises(ValueError, match="an inner ring sits on a housing that stands on springs"):
         elastic.solve_refined(replace(parts, sets=(*parts.sets, carried)))
 
 
