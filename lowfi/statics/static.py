@@ -420,6 +420,7 @@ def solve_built(build: Build, name: str, start: float) -> StaticResult:
     result = assemble_result(system.solved(), name, status, report, left_out, description.assumed)
 
     def loads_with_other_pins() -> Array | None:
+        """Return the contact loads ``(N, 4)`` [N] with the alternative pins; None if the solver finds no solution."""
         again = pin(solved.build.problem(), mechanism, True)
         other, found = settled(solved.build.holding(again).ready(again), profile=False)
         return None if no_state_found(found) else other.flanks()[0].contact[..., 0]

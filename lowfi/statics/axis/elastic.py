@@ -589,6 +589,7 @@ def solve_refined(
         return replace(result, model=name, left_out=(*result.left_out, *rigid))
 
     def made_ready(system: System, kernels: ModuleType) -> ElasticSets:
+        """Return the equations of an assembly with elastic bodies, with the compliance of the chosen backend."""
         return prepare_elastic_sets(system, backend, kernels)
 
     again = partial(solve_refined, engine=engine, member=member, backend=backend, name=name)

@@ -102,6 +102,7 @@ def axial_place(assembly: Assembly, sets: Sequence[tuple[RollingSet, Scene]]) ->
     offset = np.array([s.offset for s, _ in sets])
 
     def excess(u: float) -> float:
+        """Return the axial contact forces minus the axial load [N] at an axial displacement u [m] of the shaft."""
         return float(np.sum(np.sign(u - offset) * share * contact_force(abs(u - offset) * sin, pair))) - force
 
     reach = 1e-9 + float((contact_approach(abs(force) / share, pair) / sin).max())
@@ -430,6 +431,7 @@ def equilibrium(assembly: Assembly, model: Model, engine: Engine, member: int, a
     start = perf_counter()
 
     def failed(status: Status) -> AxisResult:
+        """Return the result of an assembly without equilibrium."""
         return failed_axis(assembly, model.name, status, perf_counter() - start, model.assumed)
 
     mounted, notes, unmet = mount(assembly, again)

@@ -358,7 +358,7 @@ def moved_flanks(b: BallSet, q: Array) -> Array:
 
 
 def _all_balls(sets: list[BallSet]) -> AxisBalls:
-    """Concatenate the arrays of the balls of all sets, and make the problem of each set a view of the joint array.
+    """Concatenate the arrays of the balls of all nuts and bearings, whose problems then hold views of the joint array.
 
     The polynomials of the flanks' profile errors are padded with zeros to the same degree.
     """
@@ -372,6 +372,7 @@ def _all_balls(sets: list[BallSet]) -> AxisBalls:
         profile.append(np.broadcast_to(terms, (N, 4, degree)))
 
     def joined(arrays: Sequence[NDArray[Any]], shape: tuple[int, ...]) -> NDArray[Any]:
+        """Return arrays ``(N_i, *shape)`` concatenated along the first axis, also if there are none."""
         return np.ascontiguousarray(np.concatenate([np.zeros((0, *shape)), *arrays]))
 
     geometry = joined([b.problem.geometry for b in sets], (4, 9))
