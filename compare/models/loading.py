@@ -117,9 +117,9 @@ def scaled(scene: Scene | Assembly, factor: float) -> Scene | Assembly:
     loads = tuple(map(times, scene.loads))
     if isinstance(scene, Scene):
         return replace(scene, loads=loads if factor else ())
-    from rollbench.lowfi.statics.axis.system import asked  # loads the solver of several sets
+    from rollbench.lowfi.statics.axis.system import reported_location  # loads the solver of several sets
 
-    return replace(scene, loads=loads, housings=tuple(map(times, scene.housings)), stiffness_at=asked(scene))
+    return replace(scene, loads=loads, housings=tuple(map(times, scene.housings)), stiffness_at=reported_location(scene))
 
 
 def solve_scaled(scene: Scene, factor: float, model: str, options: Options) -> StaticResult:
@@ -247,9 +247,9 @@ def axial_load(assembly: Assembly) -> float:
 
 def displacement_of_interest(assembly: Assembly, result: AxisResult) -> Array:
     """Return the displacement of the station or housing of interest (``stiffness_at``), (6,) [m, rad]."""
-    from rollbench.lowfi.statics.axis.system import asked  # loads the solver of several sets
+    from rollbench.lowfi.statics.axis.system import reported_location  # loads the solver of several sets
 
-    at = asked(assembly)
+    at = reported_location(assembly)
     if isinstance(at, str):
         return next((h.motion for h in result.housings if h.name == at), np.zeros(6))
     return np.array([np.interp(at, result.centreline_z, u) for u in result.centreline.T])

@@ -346,9 +346,9 @@ def _load_course(
 
 def _requested_scene(assembly: Assembly) -> float | str:
     """Return the station [m] or housing of interest of an assembly."""
-    from rollbench.lowfi.statics.axis.system import asked  # loads the solver of several sets
+    from rollbench.lowfi.statics.axis.system import reported_location  # loads the solver of several sets
 
-    return asked(assembly)
+    return reported_location(assembly)
 
 
 def _motion_along_load(scene: Scene | Assembly, result: StaticResult | AxisResult, at: float | str) -> Any:

@@ -1,9 +1,10 @@
-"""Hertz constants of a scene's contacts with all errors, and corrections where ball and groove conform.
+"""Hertz constants of all contacts with manufacturing errors, and corrections for close conformity of ball and groove.
 
-Ball (radius r) and groove (radius rho) touch over an ellipse of semi-axes a, b; theta is the angle of a point of it at the
-ball's centre from the contact's normal. Along the ball's normals an approach delta closes the gap by delta cos(theta), a
-growth e of the ball by e, everywhere. With the energy max over p >= 0 of (delta cos(theta) + e - gap) p - p C p / 2, of
-slope N = integral p cos(theta) by delta and P = integral p by e, the approach that does to N what the growth does is
+Ball (radius r) and groove (radius rho) touch over an ellipse of semi-axes a, b. For a point of the ellipse, theta is the
+angle at the ball's centre between this point and the contact's normal. Along the ball's normals an approach delta closes
+the gap by delta cos(theta), whereas a growth e of the ball's radius closes it by e everywhere. The energy is the maximum
+over pressures p >= 0 of (delta cos(theta) + e - gap) p - p C p / 2. Its derivative by delta is N = integral p cos(theta),
+by e it is P = integral p. Hence the approach with the same effect on N as the growth e is
 
     delta_eq = e (dN/de) / (dN/ddelta) = e (dP/ddelta) / (dN/ddelta) = e dP/dN,
 
@@ -11,21 +12,22 @@ for any bodies. Hertz's moments <x^2> = a^2/5, <y^2> = b^2/5 give P = N (1 + (a^
 
     delta_eq = e (1 + (a^2 + b^2)/(6 r^2)).                                                                            (1)
 
-That is the approach e with both relative curvatures less by e/r^2: Hertz's approach at a given force grows by a^2/6 per
-curvature (1/2 d/dN of N a^2/5), so that the larger ball, which conforms more, gains e (a^2 + b^2)/(6 r^2). A groove
-smaller by e closes the gap by more than an approach across it, where its arc shrinks, and like one along the track, where
-its normals do not turn with the ball's: only the curvature across changes, by e/rho^2. A profile's offset does it by its
-curvature; its third and fourth derivatives join by moments of order (a/rho)^3 and are left out. So Hertz's constants are
-taken at each contact's actual radii, exactly. Limits: a flat contact (a << r) keeps delta_eq = e; without errors nothing
-changes.
+This equals an approach e with both relative curvatures reduced by e/r^2: per unit of curvature, Hertz's approach at
+constant force changes by a^2/6 (1/2 d/dN of N a^2/5), so that the larger ball, which conforms more closely, gains
+e (a^2 + b^2)/(6 r^2). If a groove's radius is smaller by e, only the curvature across the groove changes, by e/rho^2: along
+the track the groove's normals do not turn with the ball's, so that the gap closes as by an approach. A profile error acts
+through its offset and its curvature; the third and fourth derivatives contribute only at order (a/rho)^3 and are neglected.
+Therefore Hertz's constants are evaluated at each contact's actual radii, which is exact. Limits: a flat contact (a << r)
+has delta_eq = e; without errors nothing changes.
 
-The approach itself does less than Hertz's: it closes the gap by its cosine, and only p cos(theta) carries N. To first
-order in theta^2 the complementary energy grows by delta integral p theta^2/2 = delta N (a^2 + b^2)/(10 r^2) ~ N^(7/3), and
-the approach by its derivative by N,
+In addition, an approach is less effective than Hertz's theory assumes: it closes the gap by its cosine only, and only
+p cos(theta) contributes to N. To first order in theta^2 the complementary energy grows by
+delta integral p theta^2/2 = delta N (a^2 + b^2)/(10 r^2) ~ N^(7/3), and the approach by the derivative of this by N,
 
     delta = C N^(2/3) (1 + 7 (a^2 + b^2)/(30 r^2)).                                                                    (2)
 
-The arc's departure from a parabola is worth -3 % of (2) at a/r = 0.18. Valid for a < 0.3 r and e << rho - r.
+The difference between arc and parabola changes the correction (2) by -3 % at a/r = 0.18. Valid for a < 0.3 r and
+e << rho - r.
 """
 
 from __future__ import annotations
@@ -45,21 +47,23 @@ from rollbench.meshes.surface import ALL, groove_profile, principal_curvatures, 
 
 
 def curvature_changes(scene: Scene, drawn: Specimen, ball_radius: Array) -> Array:
-    """Return the change of each contact's relative curvatures by the errors of its radii.
+    """Return the change of all relative curvatures by errors of ball radius, groove radius and groove profile.
 
-    The groove's curvature is that of its profile at the nominal contact angle.
+    The groove's curvature is evaluated on its profile at the nominal contact angle.
 
     Parameters
     ----------
-    scene, drawn
-        The scene and its parts with their errors.
+    scene
+        Nominal screw, nut and balls.
+    drawn
+        Dimensions of the parts with their manufacturing errors.
     ball_radius
-        ``(..., N)`` [m].
+        Radii of the balls ``(..., N)`` [m].
 
     Returns
     -------
     Array
-        ``(..., N, 4, 2)`` [1/m], across the groove first.
+        ``(..., N, 4, 2)`` [1/m]: for each ball and flank the change across, then along the groove.
     """
     gamma = np.array(scene.track.contact_angle)
     profiles = [groove_profile(gamma, drawn.radius[s], drawn.profile[s]) for s in range(4)]
@@ -71,24 +75,41 @@ def curvature_changes(scene: Scene, drawn: Specimen, ball_radius: Array) -> Arra
 
 
 def _curvature(radius: Array, slope: Array, bend: Array) -> Array:
-    """Return the curvature [1/m] of a curve in polar coordinates from its radius and derivatives by angle."""
+    """Return the curvature [1/m] of a plane curve in polar coordinates.
+
+    Parameters
+    ----------
+    radius, slope, bend
+        Radius [m] and its first and second derivatives by the angle [m].
+    """
     return np.asarray((radius**2 + 2.0 * slope**2 - radius * bend) / np.hypot(radius, slope) ** 3)
 
 
 def oblique_term(constants: HertzConstants, ball_radius: float) -> Array:
-    """Return the factor h [m/N^(4/3)] of the approach h F^(4/3) that oblique pressure adds, by (2)."""
+    """Return h [m/N^(4/3)] of each flank: pressure oblique to the contact's normal adds h F^(4/3) to the approach.
+
+    Equation (2) of the module. F is the contact force [N].
+
+    Parameters
+    ----------
+    constants
+        Hertz constants of the flanks.
+    ball_radius
+        Radius of the balls [m].
+    """
     return np.asarray(7.0 / 30.0 * constants.C * (constants.C_a**2 + constants.C_b**2) / ball_radius**2)
 
 
-#: Number of radii at which `hertz_C` takes exact values for many specimens, and share of a coefficient that is round-off.
+#: For many specimens, `hertz_C` interpolates between this number of ball radii; polynomial coefficients smaller than the
+#: second number, relative to the first coefficient, are round-off and dropped.
 NODES, ROUND_OFF = 12, 1e-15
 
 
 @lru_cache(maxsize=64)
 def error_free_hertz(scene: Scene) -> HertzConstants:
-    """Return the Hertz constants ``(4,)`` of the error-free parts at the nominal contact angle.
+    """Return the Hertz constants ``(4,)`` of the error-free parts at the nominal contact angle, from a cache.
 
-    Cached for all solutions of a scene: not to be written to.
+    The arrays are shared and must not be changed.
 
     Parameters
     ----------
@@ -99,9 +120,10 @@ def error_free_hertz(scene: Scene) -> HertzConstants:
 
 
 def nominal_curvatures(scene: Scene) -> Array:
-    """Return the relative principal curvatures ``(4, 2)`` [1/m] of the error-free parts, across the groove first.
+    """Return the relative principal curvatures ``(4, 2)`` [1/m] of ball and each flank of the error-free parts.
 
-    At the nominal contact angle; cached for all scenes of the same parts: not to be written to.
+    The curvature across the groove comes first. Curvatures are taken at the nominal contact angle. The array comes from a
+    cache, is shared and must not be changed.
 
     Parameters
     ----------
@@ -113,27 +135,30 @@ def nominal_curvatures(scene: Scene) -> Array:
 
 @lru_cache(maxsize=64)
 def _parts_alone(scene: Scene) -> Scene:
+    """Return the scene without loads, supports, errors and nut position, as key of caches of geometric quantities."""
     return replace(geometry_only(scene), nut=replace(scene.nut, position=0.0, azimuth=0.0))
 
 
 def forget_nominal() -> None:
-    """Clear the caches of nominal contacts, so that the next solve is timed with its set-up."""
+    """Clear the caches of nominal contacts, so that the measured time of the next solve includes their computation."""
     for kept in (_curvatures_of, _hertz_of, _hertz_at, error_free_hertz):
         kept.cache_clear()
 
 
 @lru_cache(maxsize=64)
 def _hertz_of(bare: Scene) -> HertzConstants:
+    """Return the Hertz constants ``(4,)`` of error-free parts, from a cache."""
     return _unwritable(constants_of(bare, _curvatures_of(bare)))
 
 
 @lru_cache(maxsize=64)
 def _hertz_at(bare: Scene, ball_radius: float) -> HertzConstants:
-    """Return the constants ``(1, 4)`` of error-free grooves with balls of another radius [m]."""
+    """Return the Hertz constants ``(1, 4)`` of error-free grooves and balls of another radius [m], from a cache."""
     return _unwritable(drawn_hertz(bare, specimen(bare, ball_layout(bare)), np.array([ball_radius])))
 
 
 def _unwritable(constants: HertzConstants) -> HertzConstants:
+    """Make the arrays of Hertz constants read-only, because a cache shares them, and return the constants."""
     for values in (constants.C, constants.C_a, constants.C_b, constants.eccentricity):
         values.flags.writeable = False
     return constants
@@ -141,6 +166,7 @@ def _unwritable(constants: HertzConstants) -> HertzConstants:
 
 @lru_cache(maxsize=64)
 def _curvatures_of(bare: Scene) -> Array:
+    """Return the relative principal curvatures ``(4, 2)`` [1/m] of error-free parts, from a cache."""
     scene, layout = bare, ball_layout(bare)
     drawn = specimen(bare, layout)
     curvatures: Array = relative_curvatures(bare, drawn, np.full((layout.z.size, 4), scene.track.contact_angle))[0]
@@ -149,21 +175,35 @@ def _curvatures_of(bare: Scene) -> Array:
 
 
 def drawn_hertz(scene: Scene, drawn: Specimen, ball_radius: Array | None = None) -> HertzConstants:
-    """Return the Hertz constants ``(..., N, 4)`` of every contact at the nominal contact angle, with the actual radii.
+    """Return the Hertz constants ``(..., N, 4)`` of every contact with its actual radii, at the nominal contact angle.
+
+    The effect of an oversized ball is equation (1) of the module.
 
     Parameters
     ----------
-    scene, drawn
-        The scene and its parts with their errors.
+    scene
+        Nominal screw, nut and balls.
+    drawn
+        Dimensions of the parts with their manufacturing errors.
     ball_radius
-        Radii ``(..., N)`` [m] in place of the drawn ones. Their effect on an oversize is (1).
+        Radii of the balls ``(..., N)`` [m]; None: those in ``drawn``.
     """
     radius = drawn.ball_radius if ball_radius is None else ball_radius
     return constants_of(scene, nominal_curvatures(scene) + curvature_changes(scene, drawn, radius))
 
 
 def distinct_hertz(scene: Scene, drawn: Specimen, ball_radius: Array) -> HertzConstants:
-    """Return the constants of `drawn_hertz` for balls of radii ``(N,)`` [m], as one row where all balls are alike."""
+    """Return the constants of `drawn_hertz` for N balls, as a single row if all balls are alike.
+
+    Parameters
+    ----------
+    scene
+        Nominal screw, nut and balls.
+    drawn
+        Dimensions of the parts with their manufacturing errors.
+    ball_radius
+        Radii of the balls ``(N,)`` [m].
+    """
     if not (ball_radius == ball_radius[0]).all():
         return drawn_hertz(scene, drawn, ball_radius)
     if drawn.profile.size or not (drawn.radius == groove_radii(scene)).all():
@@ -176,31 +216,35 @@ def distinct_hertz(scene: Scene, drawn: Specimen, ball_radius: Array) -> HertzCo
 def own_hertz(scene: Scene, drawn: Specimen) -> HertzConstants:
     """Return the Hertz constants ``(N, 4)`` of every contact with its actual radii, at the nominal contact angle.
 
-    As `drawn_hertz`, computed once where all balls are alike; not to be written to.
+    They are those of `drawn_hertz`, computed only once if all balls are alike. The arrays must not be changed.
 
     Parameters
     ----------
-    scene, drawn
-        The scene and its parts with their errors.
+    scene
+        Nominal screw, nut and balls.
+    drawn
+        Dimensions of the parts with their manufacturing errors.
     """
     h, shape = distinct_hertz(scene, drawn, drawn.ball_radius), (drawn.ball_radius.size, 4)
     return HertzConstants(*(np.broadcast_to(x, shape) for x in (h.C, h.C_a, h.C_b, h.eccentricity)))
 
 
 def actual_hertz(scene: Scene, drawn: Specimen, gamma: Array) -> HertzConstants:
-    """Return the Hertz constants ``(N, 4)`` from the exact surfaces with all errors.
+    """Return the Hertz constants ``(N, 4)`` at the actual contact angles, from the exact surfaces with all errors.
 
     Parameters
     ----------
-    scene, drawn
-        The scene and its parts with their errors.
+    scene
+        Nominal screw, nut and balls.
+    drawn
+        Dimensions of the parts with their manufacturing errors.
     gamma
         Contact angles ``(N, 4)`` [rad].
 
     Raises
     ------
     UnfitKey
-        Ball and groove that conform; the text names the first such contact.
+        If a relative curvature of ball and groove is not positive; the message names the first such contact.
     """
     curvatures = relative_curvatures(scene, drawn, gamma)
     bad = np.argwhere(~(curvatures.min(axis=-1) > 0.0) | ~np.isfinite(curvatures).all(axis=-1))
@@ -210,21 +254,37 @@ def actual_hertz(scene: Scene, drawn: Specimen, gamma: Array) -> HertzConstants:
         raise UnfitKey(
             f"errors.{SIDES[s]}",
             f"ball {i + 1} and flank {SIDES[s]} conform at their contact angle of {np.degrees(gamma[i, s]):.4g} deg: "
-            f"relative curvatures {across:.3g} 1/m across the groove, {along:.3g} 1/m along it; Hertz needs positive ones",
+            f"relative curvatures are {across:.3g} 1/m across the groove and {along:.3g} 1/m along it, but Hertz's theory "
+            "needs positive ones",
         )
     return constants_of(scene, curvatures)
 
 
 def relative_curvatures(scene: Scene, drawn: Specimen, gamma: Array) -> Array:
-    """Return the relative principal curvatures ``(N, 4, 2)`` [1/m], across the groove first.
+    """Return the relative principal curvatures ``(N, 4, 2)`` [1/m] of each ball and flank, across the groove first.
 
-    At contact angles ``(N, 4)`` [rad].
+    Parameters
+    ----------
+    scene
+        Nominal screw, nut and balls.
+    drawn
+        Dimensions of the parts with their manufacturing errors.
+    gamma
+        Contact angles ``(N, 4)`` [rad] at which curvatures are taken.
     """
     return np.asarray(1.0 / drawn.ball_radius[:, None, None] + principal_curvatures(scene, drawn, ALL, gamma))
 
 
 def constants_of(scene: Scene, curvatures: Array) -> HertzConstants:
-    """Return the Hertz constants ``(..., 4)`` of the flanks' materials at relative curvatures ``(..., 4, 2)`` [1/m]."""
+    """Return the Hertz constants ``(..., 4)`` of ball and flanks from their materials and relative curvatures.
+
+    Parameters
+    ----------
+    scene
+        Scene with the materials of balls, screw and nut.
+    curvatures
+        Relative curvatures ``(..., 4, 2)`` [1/m] across and along the groove, for the flanks SL, SR, NL, NR.
+    """
     ball = scene.balls.material
     bodies = [scene.screw.material] * 2 + [scene.nut.material] * 2
     modulus = np.array(
@@ -234,7 +294,9 @@ def constants_of(scene: Scene, curvatures: Array) -> HertzConstants:
 
 
 def printed_sides(scene: Scene) -> tuple[PrintedHertz, PrintedHertz]:
-    """Return the Hertz constants of a flank of screw and nut with the errors of Lin's Table B.1.
+    """Return the Hertz constants of a screw flank and a nut flank with the mistakes of Lin's Table B.1.
+
+    Lin's principal radii there are no radii of curvature; see `meshes.surface.printed_radii`.
 
     Parameters
     ----------
@@ -247,6 +309,7 @@ def printed_sides(scene: Scene) -> tuple[PrintedHertz, PrintedHertz]:
     ball = scene.balls.material
 
     def hertz_of(side: int, body: Material) -> PrintedHertz:
+        """Return the Hertz constants of one flank, whose body has a material."""
         modulus = contact_modulus(ball.youngs_modulus, ball.poissons_ratio, body.youngs_modulus, body.poissons_ratio)
         low, high = printed_radii(bare, drawn, side, gamma)[0]
         return printed_hertz(scene.balls.radius, (float(low), float(high)), modulus)
@@ -255,12 +318,14 @@ def printed_sides(scene: Scene) -> tuple[PrintedHertz, PrintedHertz]:
 
 
 def _as_printed(scene: Scene) -> Array:
-    """Return the constants C of each flank with the errors of Lin's Table B.1, ``(4,)`` [m/N^(2/3)]."""
+    """Return the Hertz constant C of each flank with the mistakes of Lin's Table B.1, ``(4,)`` [m/N^(2/3)]."""
     return np.repeat([side.C for side in printed_sides(scene)], 2)
 
 
 def error_free(scene: Scene) -> Scene:
-    """Return the scene with Hertz constants of error-free parts, as the publications' models use them, or as printed.
+    """Return the scene with Hertz constants of error-free parts, as the published models use them.
+
+    A scene whose ``hertz`` is "as printed" is returned unchanged.
 
     Parameters
     ----------
@@ -273,16 +338,19 @@ def error_free(scene: Scene) -> Scene:
 
 
 def hertz_C(scene: Scene, drawn: Specimen, ball_radius: Array | None = None) -> Array:
-    """Return the Hertz constant C of each ball and flank ``(..., N, 4)`` [m/N^(2/3)] by the scene's ``hertz``.
+    """Return the Hertz constant C of each ball and flank ``(..., N, 4)`` [m/N^(2/3)] in approach = C Q^(2/3).
 
-    Before any update to the solved contact angles.
+    The scene's ``hertz`` decides whether errors count. Constants are taken at the nominal contact angle, before any update
+    to the solved one.
 
     Parameters
     ----------
-    scene, drawn
-        The scene and its parts with their errors.
+    scene
+        Nominal screw, nut and balls.
+    drawn
+        Dimensions of the parts with their manufacturing errors.
     ball_radius
-        Radii ``(..., N)`` [m] in place of the drawn ones.
+        Radii of the balls ``(..., N)`` [m]; None: those in ``drawn``.
     """
     radius = drawn.ball_radius if ball_radius is None else ball_radius
     kind = scene.ingredients.hertz
@@ -292,7 +360,7 @@ def hertz_C(scene: Scene, drawn: Specimen, ball_radius: Array | None = None) -> 
         return _repeated(distinct_hertz(scene, drawn, radius).C, radius.shape)
     from numpy.polynomial.chebyshev import chebinterpolate, chebval
 
-    # C is smooth in the radius: for many specimens a polynomial through few exact values has all digits
+    # C is smooth in the radius: a polynomial through few exact values is exact to round-off for all specimens
     middle, half = 0.5 * (radius.max() + radius.min()), max(0.5 * float(radius.max() - radius.min()), 1e-9)
     series = chebinterpolate(lambda x: drawn_hertz(scene, drawn, middle + half * x).C, NODES - 1)  # type: ignore[type-var]
     shown = np.flatnonzero((np.abs(series) > ROUND_OFF * np.abs(series[0])).any(axis=1))[-1]
@@ -302,7 +370,7 @@ def hertz_C(scene: Scene, drawn: Specimen, ball_radius: Array | None = None) -> 
 
 
 def _repeated(row: Array, shape: tuple[int, ...]) -> Array:
-    """Return values ``(4,)`` of the flanks, or ``(*shape, 4)``, for every ball."""
+    """Return values of the four flanks ``(4,)``, or of every ball ``(*shape, 4)``, as a new array ``(*shape, 4)``."""
     values = np.empty((*shape, 4))
     values[...] = row
     return values

@@ -1,11 +1,12 @@
-"""Static load distribution with elastic bodies: the refined model, and intermediate steps between it and Lin's.
+"""Static load distribution with elastic bodies: the refined model, and intermediate steps between it and Lin's model.
 
-The same contact mechanics as `lowfi.statics.static`, but the flanks of screw and nut respond to forces by a compliance
-matrix with a pluggable origin (`lowfi.compliance.bodies`, or a condensed 3D model read from a file).
+The contact mechanics are those of `lowfi.statics.static`. In addition, the flanks of screw and nut deform under contact
+forces by a compliance matrix, which is computed (`lowfi.compliance.bodies`) or read from the file of a condensed 3D model.
 
-Many members of a scene that differ only in the radii of their balls share one system (`ElasticMembers`): the bodies'
-compliance, the shaft and its supports are those of the scene; a member has its own approaches, Hertz constants and terms
-that follow the typical force of a contact. Each is solved from the solution of the first one.
+Specimens of a scene whose random errors concern only the radii of the balls are solved with one set of equations
+(`ElasticMembers`): the compliance of the bodies, the shaft and its supports are the same for all. Only the contacts'
+approaches, Hertz constants, and the terms that depend on the typical contact force differ. Each specimen is solved from the
+solution of the first one.
 """
 
 from __future__ import annotations
@@ -44,42 +45,51 @@ if TYPE_CHECKING:
 
 #: Formulation of a solution with elastic bodies.
 CONDENSED = "convex energy, elastic bodies condensed to the contacts"
-#: A flank that was left out counts as touching when it comes this near [m].
+#: A flank that was left out counts as touching if its distance to a ball is smaller than this [m].
 MARGIN = 0.2e-6
 
 
 @dataclass(kw_only=True)
 class Elastic(OneSet):
-    """Scene with elastic bodies, ready for the kernels."""
+    """Equations of a single ball screw or ball bearing with elastic bodies, for the numerical kernels."""
 
     SOLVER = "solve_forces"
-    #: Bodies and balls as the kernels take them.
+    #: Arrays of bodies and balls for the kernels.
     given: BodySystem
-    #: Forces, free motions and contacts.
+    #: Contact forces, free motions of the bodies, and contacts: the unknowns of the iteration.
     state: BodyState
     #: The screw's beam with its supports.
     shaft: Shaft
     #: Compliance of the bodies at the flanks.
     bodies: Flanks
-    #: Assumptions about the bodies.
+    #: Assumptions about the bodies, as sentences for the report.
     assumed: tuple[str, ...]
 
     @property
     def pair(self) -> tuple[int, int] | None:
-        """Flanks of the only diagonal in use, the screw's first, for which a closed form serves; None for all four."""
+        """Return the numbers of the two flanks of the only diagonal pair in use, the screw's flank first.
+
+        The position of a ball between two flanks has a closed form. None if all four flanks are in use.
+        """
         if self.given.bodies.second.size:
             return None
         a = 0 if self.problem.use[0] else 1
         return a, 3 - a
 
     def iterate(self, start: bool = True) -> Outcome:
-        """Solve with the problem's Hertz constants, as `Prepared.iterate`."""
+        """Solve with the present Hertz constants, from a linear start or else from the present state.
+
+        Parameters
+        ----------
+        start
+            Whether to start from the linear solution.
+        """
         if self.pair is not None:
             self.given.contacts.pair[:, 4] = self.problem.C[:, list(self.pair)].sum(axis=1)
         return super().iterate(start)
 
     def flanks(self) -> Sequence[SetFlanks]:
-        """Return the contacts at the state."""
+        """Return contact forces, ball centres and flank motions in the present state."""
         problem, state, moved, pair = self.problem, self.state, self.shifts(), self.pair
         if pair is None:
             return (SetFlanks(problem, state.contact, state.inner[:, :2].copy(), moved),)
@@ -89,7 +99,7 @@ class Elastic(OneSet):
         contact[:, a] = contact[:, b] = state.contact[:, 0]
         contact[:, b, 1:3] *= -1.0
         geometry, closure, drawn, tiny = problem.geometry, problem.closure, problem.drawn, self.given.contacts.tiny
-        for i in range(N):  # the centre follows from the motions of both flanks
+        for i in range(N):  # the ball's centre follows from the motions of both flanks
             ball = geometry[i], closure[i], RIGID, drawn.ball_radius[i], drawn.profile
             self.engine.settle_ball(p[i], moved[i].copy(), *ball, tiny, single)
         return (SetFlanks(problem, contact, p, moved),)
@@ -105,7 +115,7 @@ class Elastic(OneSet):
         return out
 
     def shifts(self) -> Array:
-        """Return the motions of all built flanks at the state ``(N, 4, 2)`` [m]."""
+        """Return the motions of all flanks in use ``(N, 4, 2)`` [m] in the present state, zero for the others."""
         screw, nut, v0, R = self.bodies.kept
         forces = self.forces()
         N, out = len(forces), np.zeros(forces.shape)
@@ -116,16 +126,17 @@ class Elastic(OneSet):
         return out
 
     def round_off(self) -> float:
-        """Return the residual that rounding leaves, by the largest motions and the stiffest contact."""
+        """Return the relative residual that rounding errors leave, from the largest motion and the stiffest contact."""
         problem, v0 = self.problem, self.given.bodies.v0
         stiff = float(contact_stiffness(self.state.contact[..., 0], problem.C.min()).max(initial=0.0))
         motion = float(np.abs(self.shifts()).max()) + float(np.abs(v0).max(initial=0.0))
         return least_residual(motion, stiff, self.scale, [problem])
 
     def clears(self) -> bool:
-        """Return whether no ball comes within MARGIN of an omitted flank, see `lowfi.statics.selection.all_clear`.
+        """Return whether every ball is at least ``MARGIN`` away from all flanks that were left out.
 
-        A flank that was left out moves with its neighbour on the same ridge, but for their relative elastic deformation.
+        A flank that was left out is taken to move like the other flank of the same groove. ``MARGIN`` covers the
+        elastic deformation between the two.
         """
         problem, contact, p, shift = self.flanks()[0]
         for s in np.flatnonzero(~problem.use):
@@ -134,7 +145,10 @@ class Elastic(OneSet):
         return bool(all_clear(p[None], shift[None], problem.geometry[None], force, problem.use, MARGIN)[0])
 
     def solved(self) -> SolvedState:
-        """Return the state with the motions of the nodes and the reactions, which the condensed system does not contain."""
+        """Return motions, contact forces and support reactions at the solution.
+
+        Node motions and reactions are no unknowns of the condensed equations; they follow from the contact forces.
+        """
         problem, squeeze = self.problem, self.bodies.squeeze
         used = [s for s in range(2) if problem.use[s]]
         pushes = self.forces()[:, used].transpose(1, 0, 2).reshape(-1, 2)
@@ -152,7 +166,10 @@ class Elastic(OneSet):
         return SolvedState(problem, motion, centre, contact[..., 0], contact[..., 1:3], held, shifts, scale)
 
     def description(self) -> Description:
-        """Return the description of the model, with what was done to make the compliance positive."""
+        """Return the formulation, number of unknowns and assumptions of the model for the record of the solution.
+
+        It states how much negative compliance of the bodies was set to zero to make the compliance matrix positive.
+        """
         build, clipped = self.build, self.bodies.clipped
         assert isinstance(build, ElasticBuild)
         source = (
@@ -161,40 +178,40 @@ class Elastic(OneSet):
             else (build.condensed.describe(),)
         )
         size = self.state.phi.size + self.state.a.size
-        cut = (f"negative compliance of the bodies, up to {100 * clipped:.2g} % of a contact's: cut away",)
+        cut = (f"negative compliance of the bodies, up to {100 * clipped:.2g} % of a contact's, is set to zero",)
         assumed = (*ELASTIC_ASSUMPTIONS, *source, *self.assumed)
         return Description(CONDENSED, size, assumed, cut if clipped > 1e-6 else ())
 
 
 @dataclass(frozen=True, kw_only=True)
 class ElasticBuild(Build):
-    """Everything from which a scene's problem with elastic bodies is built."""
+    """Input of a ball screw's static problem with elastic bodies, from which it is built, and rebuilt with other flanks."""
 
-    #: Model of the bodies' compliance.
+    #: Method by which the compliance of screw, nut and balls is computed.
     backend: Backend = REFINED
-    #: Compliance from a 3D model instead.
+    #: Compliance of the bodies condensed from a 3D model, in place of a computed one; None: computed.
     condensed: Condensed | None = None
-    #: Computes the compliance of a whole body, see `body_compliance`.
+    #: Function that computes the compliance of a screw or nut as a whole, see `body_compliance`.
     whole: WholeBody = whole_body
 
     @property
     def section(self) -> BeamSection | None:
-        """Section of the screw by the backend; None: the scene's."""
+        """Return the screw's cross-section with its groove, if the backend computes one; None: from nominal dimensions."""
         return grooved_section(geometry_only(self.scene), True) if self.backend.section == "cell" else None
 
     def ready(self, problem: Problem) -> Elastic:
-        """Return a problem ready for the kernels.
+        """Return the equations of the problem with elastic bodies for the numerical kernels.
 
         Raises
         ------
         UnfitKey
-            More than ``LARGEST`` balls.
+            If there are more than ``LARGEST`` balls.
         ValueError
-            Bodies with impossible dimensions.
+            If a body has impossible dimensions.
         """
         N = self.layout.z.size
         if N > LARGEST:
-            reason = f"balls.count of {N} balls: elastic bodies are limited to {LARGEST}; use the model lin"
+            reason = f"balls.count gives {N} balls: the model with elastic bodies takes at most {LARGEST}; use model lin"
             raise UnfitKey("balls.count", reason)
         response = response_of(problem, self.layout, self.backend, self.condensed, self.whole)
         shaft, ball, scale = response.shaft.under(problem), response.ball, scale_of(problem)
@@ -202,7 +219,7 @@ class ElasticBuild(Build):
         local, rows = np.zeros((N, 4, 3)), np.zeros((N, 7))
         local[..., 0], local[..., 2] = flanks.e, flanks.h
         local[..., 1] = ball.g * np.array([1.0, ball.sign, ball.sign, 1.0])
-        if pair is not None:  # only one diagonal: nothing to couple with
+        if pair is not None:  # only one diagonal pair of flanks: no other pair that the ball could couple it with
             local[..., 0] += 2.0 * ball.g**2
             rows = pair_data(problem, pair, local[..., 0], flanks.h)
         balls = problem.geometry, problem.closure, local, drawn.ball_radius, np.repeat(drawn.profile[None], N, axis=0)
@@ -222,8 +239,8 @@ class ElasticBuild(Build):
         )
 
     def touched(self) -> str:
-        """Return the note that flanks left out may be touched."""
-        return "two of the four sides may touch in the solution without them: solved again with all four"
+        """Return the note that balls may touch flanks that were left out, so that all four flanks were solved."""
+        return "two of the four flanks may touch balls in the solution without them: solved again with all four flanks"
 
 
 def solve_elastic(
@@ -237,30 +254,31 @@ def solve_elastic(
     member: int = 0,
     refine: int = 1,
 ) -> StaticResult:
-    """Compute contact loads, contact angles and shaft motion of a scene in static equilibrium with elastic bodies.
+    """Compute contact loads, contact angles and shaft motion of a ball screw with elastic bodies in static equilibrium.
 
     Parameters
     ----------
     scene
-        The scene.
+        Screw, nut, balls, supports and loads.
     backend
-        Model of the bodies' compliance.
+        Method by which the compliance of screw, nut and balls is computed.
     condensed
-        Compliance from a 3D model instead.
+        Compliance of the bodies condensed from a 3D model, in place of a computed one.
     name
-        Of the model, for the record.
+        Name of the model in the result.
     engine, everything, member, refine
-        As for `lowfi.statics.static.solve_static`.
+        Kernels, flanks to model, number of the specimen, and splitting of beam elements, as for
+        `lowfi.statics.static.solve_static`.
 
     Returns
     -------
     StaticResult
-        The result; for a scene without equilibrium its ``status`` gives the reason.
+        Loads, angles and motions; if there is no equilibrium, ``status`` gives the reason.
 
     Raises
     ------
     ValueError
-        Bodies with impossible dimensions; as UnfitKey for more than ``LARGEST`` balls.
+        If a body has impossible dimensions, or (UnfitKey) if there are more than ``LARGEST`` balls.
     """
     start = perf_counter()
     layout = ball_layout(scene)
@@ -273,40 +291,45 @@ def solve_elastic(
 
 
 class ElasticMembers:
-    """Members of a scene whose random errors are those of the balls' radii (`shared`), solved with one system."""
+    """Specimens of a scene that differ only in the random radii of their balls, solved with one set of equations.
+
+    The function `shared` tells whether a scene is of this kind.
+    """
 
     def __init__(self, scene: Scene, backend: Backend, engine: ModuleType, like: ElasticMembers | None = None) -> None:
-        """Make an empty collection; systems are built when they are needed.
+        """Store the scene; the equations are built when the first specimen is solved.
 
         Parameters
         ----------
         scene
-            The scene.
+            Screw, nut and balls with random errors, supports and loads.
         backend
-            Model of the bodies' compliance.
+            Method by which the compliance of screw, nut and balls is computed.
         engine
-            Kernels.
+            Module of the numerical kernels.
         like
-            The same members under nearly the same loads, solved before, whose solutions these start from.
+            The same specimens under nearly the same loads, solved before. Their solutions are the starts of the iteration.
         """
         self.scene, self.backend, self.engine, self.like = scene, backend, engine, like
         self.layout = ball_layout(scene)
         self._systems: dict[bytes, _System | None] = {}
-        self._states: dict[tuple[int, bytes], list[Array]] = {}  # of the last members by number and sides
+        self._states: dict[tuple[int, bytes], list[Array]] = {}  # by specimen and flanks
 
     def solve(self, first: int, count: int) -> tuple[Array, Array, Array]:
-        """Solve some members.
+        """Compute the contact loads of consecutive specimens.
 
         Parameters
         ----------
-        first, count
-            Number of the first member, and of members.
+        first
+            Number of the first specimen.
+        count
+            Number of specimens.
 
         Returns
         -------
         tuple[Array, Array, Array]
-            Loads ``(count, N, 4)`` [N], relative residuals ``(count,)``, and works ``(count,)`` [J], the loads times the
-            motions of their stations; nan for members that need a separate solve.
+            Contact loads ``(count, N, 4)`` [N]; relative residuals ``(count,)``; and works ``(count,)`` [J] of the external
+            loads on the motions where they act. All are nan for a specimen that needs equations built for it alone.
         """
         drawn = specimens(self.scene, self.layout, first, count)
         offset, closure = centre_distances(self.scene, drawn)
@@ -325,7 +348,18 @@ class ElasticMembers:
         return loads, *numbers
 
     def _member(self, number: int, use: Mask, dims: tuple[Array, Array, Array, Array]) -> tuple[Array, float, float] | None:
-        """Solve one member with some flanks; arguments and result as for `_System.solve`."""
+        """Solve one specimen with the flanks in ``use``, or return None if that fails.
+
+        Parameters
+        ----------
+        number
+            Number of the specimen.
+        use
+            Which of the flanks SL, SR, NL, NR have contacts ``(4,)``.
+        dims
+            Ball radii, distances of ball and groove centres, interference and Hertz constants as for `_System.solve`, which
+            also defines the result.
+        """
         system, key = self._system(use), (number, use.tobytes())
         if system is None:
             return None
@@ -335,9 +369,10 @@ class ElasticMembers:
         return solved
 
     def _system(self, use: Mask) -> _System | None:
-        """Return the system with some flanks at the solution of member 0; None where it serves no other member.
+        """Return the equations for the flanks in ``use`` at the solution of specimen 0, from which the others start.
 
-        With all flanks where those left out are touched.
+        If balls of specimen 0 touch a flank that was left out, the equations have all four flanks. None if specimen 0 has
+        no solution or its equations fit no other specimen.
         """
         key = use.tobytes()
         if key not in self._systems:
@@ -352,7 +387,10 @@ class ElasticMembers:
 
 
 def shared(scene: Scene) -> bool:
-    """Return whether members of a scene differ only in radii of their balls, and one pass of the solver finishes each.
+    """Return whether all specimens of a scene can be solved with one set of equations (`ElasticMembers`).
+
+    This requires that they differ only in the radii of their balls, that Hertz constants are not updated in the iteration,
+    and that the screw is not rigid.
 
     Parameters
     ----------
@@ -364,9 +402,10 @@ def shared(scene: Scene) -> bool:
 
 
 class _System:
-    """Elastic bodies at the solution of one sample, with the arrays that other samples change."""
+    """Equations of one solved specimen with elastic bodies, in which the ball radii of other specimens are put."""
 
     def __init__(self, elastic: Elastic) -> None:
+        """Store the solution as start for other specimens, and the contact terms that depend on the contact force."""
         self.elastic = elastic
         self.start = [array.copy() for array in elastic.state]
         self.local = elastic.given.contacts.local.copy()
@@ -376,24 +415,24 @@ class _System:
     def solve(
         self, radii: Array, offset: Array, closure: Array, C: Array, start: list[Array] | None
     ) -> tuple[Array, float, float] | None:
-        """Solve one member.
+        """Compute the contact loads of one specimen.
 
         Parameters
         ----------
         radii
-            Of the balls ``(N,)`` [m].
+            Radii of its balls ``(N,)`` [m].
         offset, closure
-            `distances` of the member.
+            Result of `centre_distances` for the specimen.
         C
-            Hertz constants ``(N, 4)``.
+            Hertz constants ``(N, 4)`` [m/N^(2/3)].
         start
-            State to start from, in place of the first member's.
+            State from which to iterate; None: the solution of the first specimen.
 
         Returns
         -------
         tuple[Array, float, float] | None
-            Loads ``(N, 4)`` [N], relative residual and work [J]; None where it does not converge, or a flank that was left
-            out may be touched.
+            Contact loads ``(N, 4)`` [N], relative residual, and work of the external loads [J]. None if the iteration does
+            not converge, or a ball may touch a flank that was left out.
         """
         self._place(radii, offset, closure, C)
         for array, first in zip(self.elastic.state, start or self.start, strict=True):
@@ -415,7 +454,7 @@ class _System:
         return loads, outcome.residual, work
 
     def _place(self, radii: Array, offset: Array, closure: Array, C: Array) -> None:
-        """Put a member's balls into the arrays of the kernels."""
+        """Write ball radii, distances and Hertz constants of a specimen into the kernels' arrays."""
         elastic, problem = self.elastic, self.elastic.problem
         problem.geometry[..., :4], problem.geometry[..., 4] = offset, C
         problem.closure[:], problem.drawn.ball_radius[:] = closure, radii
@@ -432,10 +471,10 @@ class _System:
 
 
 def _work(elastic: Elastic) -> tuple[Array, Array, float]:
-    """Return the loads of the scene times the motions of their stations [J].
+    """Return coefficients of the work [J] that the external loads do on the motions where they act.
 
-    By the flanks' forces ``(2 c,)`` [N], flank after flank, by the amplitudes ``(k,)`` of the free motions, and without
-    either.
+    The work is a linear function. The result holds its derivative by the forces of the balls on the c screw flanks
+    ``(2 c,)`` [J/N], its derivative by the amplitudes of the free motions ``(k,)``, and its constant part [J].
     """
     problem, shaft, squeeze = elastic.problem, elastic.shaft, elastic.bodies.squeeze
     load = problem.load.ravel()

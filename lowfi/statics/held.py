@@ -1,11 +1,11 @@
-"""Motions of a screw that nothing resists, and whether its contacts can carry a load at all.
+"""Rigid motions of a screw that nothing resists, and a proof whether its contacts can carry a load at all.
 
-Motions that neither a support nor a contact resists are found before anything is solved. Whether a load can be carried is
-decided by a linear program on compressive contact loads.
+Motions that neither a support nor a contact resists are determined before the equilibrium is solved. Whether the contacts
+can carry a load is decided by a linear program for compressive contact forces.
 
-By the theorem of the alternative (Farkas) either compressive forces at the nominal contacts and reactions of the supports
-balance the load, or a rigid motion of the screw, with some motion of the balls, opens every contact or leaves it unchanged
-while the load does work. Only the second proves that a screw is not held.
+By the theorem of the alternative (Farkas) exactly one of two statements holds. Either compressive forces at the nominal
+contacts and reactions of the supports balance the load. Or a rigid motion of the screw, with some motion of the balls,
+opens every contact or leaves it unchanged while the load does work. Only the second proves that nothing holds the screw.
 """
 
 from __future__ import annotations
@@ -26,25 +26,31 @@ from rollbench.meshes.parts import FREEDOMS
 
 @dataclass(frozen=True)
 class Mechanism:
-    """Rigid motions of the screw that nothing resists."""
+    """Rigid motions of the screw that neither a support nor a contact resists, and pins that prevent them."""
 
-    #: Whether the loads drive one, so that there is no equilibrium.
+    #: Whether the loads drive such a motion, so that there is no equilibrium.
     driven: bool
-    #: Description of the motion.
+    #: Description of the motion for the user.
     text: str
-    #: Freedoms of the first node to fix.
+    #: Degrees of freedom of the first node to fix ("pins").
     pins: tuple[int, ...] = ()
-    #: Whether the track has no lead, so that no contact load twists the shaft, and no moment about the axis acts.
+    #: Whether nothing can twist the shaft: its grooves have no lead, and no moment about the axis acts.
     no_torsion: bool = False
-    #: Freedoms that could be fixed instead of the pins; empty where there are none.
+    #: Degrees of freedom that could be fixed in place of the pins; empty if there is no alternative.
     others: tuple[int, ...] = ()
 
 
 def _free_rigid(problem: Problem) -> tuple[Array, Array, Array]:
-    """Return rigid motions ``(6, k)`` of the first node that supports leave, the balls' motions, and the loads' work.
+    """Return the k rigid motions of the screw that the supports leave free.
 
-    The motion of the screw at each ball's centre represents its flanks: there the motion along the helix is exactly
-    free, while the planar sections of the model would resist it by a false sin(alpha) (R_p - R_contact).
+    The screw's motion is taken at each ball's centre, where a screw motion along the helix is exactly free. At the contact
+    points, the planar sections of the model would resist it by an artefact of size sin(alpha) (R_p - R_contact).
+
+    Returns
+    -------
+    tuple[Array, Array, Array]
+        Motions of the first node ``(6, k)``; motions of the screw at the N ball centres in their section planes
+        ``(2 N, k)``; work of the loads on the motions ``(k,)``.
     """
     arm = problem.scene.track.pitch_radius
     scale = np.array([1.0, 1.0, 1.0, 1.0 / arm, 1.0 / arm, 1.0 / arm])
@@ -63,16 +69,16 @@ def _free_rigid(problem: Problem) -> tuple[Array, Array, Array]:
 
 
 def drives(work: Array, load: Array, arm: float) -> bool:
-    """Return whether loads do work on any of some motions of size one.
+    """Return whether the loads do work on any of the normalised motions, apart from round-off.
 
     Parameters
     ----------
     work
-        Of the loads on the motions [N].
+        Work of the loads on each motion, per metre of amplitude [N].
     load
-        The loads ``(n, 6)`` [N, N m].
+        Loads ``(n, 6)`` [N, N m].
     arm
-        Length that makes rotations comparable [m].
+        Length [m] by which moments are divided where they are compared with forces.
     """
     total = float(np.abs(load[:, :3]).sum() + np.abs(load[:, 3:]).sum() / arm)
     return float(np.abs(work).max()) > 1e-9 * total > 0.0
@@ -84,7 +90,7 @@ def free_motions(problem: Problem) -> Mechanism:
     Parameters
     ----------
     problem
-        The static problem.
+        Arrays of the static problem.
     """
     track = problem.scene.track
     twist = float(np.abs(problem.load[:, 5]).sum()) if problem.basis is None else 0.0
@@ -100,7 +106,7 @@ def free_motions(problem: Problem) -> Mechanism:
     text = _name(seen, track.lead, track.pitch_radius)
     if drives(null @ work, problem.load, track.pitch_radius):
         return Mechanism(True, f"{text}: no support and no contact resists it, and the loads drive it")
-    if problem.basis is not None:  # freedoms are the columns of the basis that the supports leave
+    if problem.basis is not None:  # degrees of freedom are the columns of the basis that the supports leave free
         left = np.flatnonzero(~problem.fixed[0])
         pins = tuple(int(left[k]) for k in pivots(null))
     else:
@@ -111,7 +117,7 @@ def free_motions(problem: Problem) -> Mechanism:
 
 
 def _others(free: Array, pins: tuple[int, ...], arm: float) -> tuple[int, ...]:
-    """Return alternative freedoms that fix all free motions ``(6, k)``; empty where there are none."""
+    """Return other degrees of freedom than ``pins`` that prevent all free motions ``(6, k)``; empty if there are none."""
     scaled = free * np.array([1.0, 1.0, 1.0, arm, arm, arm])[:, None]
     rest = [k for k in range(6) if k not in pins]
     others = tuple(rest[k] for k in pivots(scaled[rest].T))
@@ -120,7 +126,7 @@ def _others(free: Array, pins: tuple[int, ...], arm: float) -> tuple[int, ...]:
 
 
 def _name(free: Array, lead: float, arm: float) -> str:
-    """Return a description of the free motion of the section at the nut's centre, ``(6, k)``."""
+    """Return a description in words of the free motions ``(6, k)`` of the screw's section at the nut's centre."""
     scaled = np.abs(free * np.array([1.0, 1.0, 1.0, arm, arm, arm])[:, None]).max(axis=1)
     if free.shape[1] == 1 and scaled[:2].max() + scaled[3:5].max() < 1e-6 * scaled.max():
         return "screw motion along the helix" if lead > 0.0 else "rotation about the screw's axis"
@@ -128,25 +134,25 @@ def _name(free: Array, lead: float, arm: float) -> str:
     return "rigid motion in " + ", ".join(parts) + " at the nut's centre"
 
 
-#: Work of the load along the opening motion, of size one, over that of the whole load, from which on it is a proof.
+#: Least work of the loads on an opening motion that counts as proof, relative to the largest work on a unit motion.
 PROVEN = 1e-7
 
 
 def opening_motion(problem: Problem) -> Array | None:
-    """Return a rigid motion of the screw that opens all contacts while the load does work.
+    """Find a rigid motion of the screw that opens all contacts while the load does work, by a linear program.
 
-    Contacts at their nominal angles; a linear program.
+    Contacts are taken at their nominal angles.
 
     Returns
     -------
     Array | None
-        ``(6,)`` [m] about the nut's centre, rotations times the pitch radius; None where compressive forces balance the
-        load.
+        Motion ``(6,)`` [m] at the nut's centre, rotations multiplied by the pitch radius. None if compressive contact
+        forces can balance the load.
 
     Raises
     ------
     ArithmeticError
-        The linear program finds neither.
+        If the linear program fails.
     """
     scene, layout = problem.scene, problem.layout
     arm, z0 = scene.track.pitch_radius, scene.nut.position
@@ -170,25 +176,26 @@ def opening_motion(problem: Problem) -> Array | None:
 
 
 def approach(side: int, angle: float, flank: Array, first: int, balls: int) -> Array:
-    """Return the change of the approaches of contacts on one flank per motion of the flank and of its N balls.
+    """Return the change of the contact approach on one flank of N balls, per unit motion of bodies and of ball centres.
 
     Parameters
     ----------
     side
-        The flank.
+        Number of the flank in the order SL, SR, NL, NR.
     angle
         Contact angle [rad].
     flank
-        Motions of the flank along x3 and z3, ``(N, 2, k)``.
+        Motions of the flank along the axes x3, z3 of each ball's section, per unit of k motions of the bodies
+        ``(N, 2, k)``.
     first
-        Number of the set's first ball among all.
+        Index of the first of these balls among all balls.
     balls
-        Number of balls of all sets.
+        Number of all balls.
 
     Returns
     -------
     Array
-        ``(N, k + 2 balls)``.
+        ``(N, k + 2 balls)``: columns for the motions of the bodies, then for both coordinates of every ball's centre.
     """
     N, direction = len(flank), SIGNS[side] * np.array([np.cos(angle), np.sin(angle)])
     centres = np.zeros((N, balls, 2))
@@ -197,26 +204,26 @@ def approach(side: int, angle: float, flank: Array, first: int, balls: int) -> A
 
 
 def opening(work: Array, approach: Any, held: Array) -> Array | None:
-    """Return motions by which loads do work while no contact approaches and no fixed freedom moves.
+    """Find a motion on which the loads do work while no contact is compressed and no fixed degree of freedom moves.
 
     Parameters
     ----------
     work
-        Of the loads on the k motions ``(k,)``.
+        Work of the loads on unit motions of the bodies ``(k,)``.
     approach
-        Of all contacts by these motions and by the balls' centres: a matrix, dense or sparse.
+        Change of every contact's approach per unit motion of the bodies and ball centres: a matrix, dense or sparse.
     held
-        Rows of the fixed freedoms ``(h, k)``.
+        Motions of the h fixed degrees of freedom per unit motion of the bodies ``(h, k)``.
 
     Returns
     -------
     Array | None
-        ``(k,)``, each at most one; None where compressive forces balance the loads.
+        Amplitudes of the k motions, each of magnitude at most one. None if compressive contact forces can balance the load.
 
     Raises
     ------
     ArithmeticError
-        The linear program finds neither.
+        If the linear program fails.
     """
     from scipy.optimize import linprog
     from scipy.sparse import csr_array, hstack
@@ -232,35 +239,37 @@ def opening(work: Array, approach: Any, held: Array) -> Array | None:
         bounds=[(-1.0, 1.0)] * k + [(None, None)] * centres,
     )
     if found.status != 0:
-        raise ArithmeticError(f"no linear program of the contacts: {found.message}")
+        raise ArithmeticError(f"the linear program for the contact forces failed: {found.message}")
     return None if -found.fun <= PROVEN else np.asarray(found.x[:k])
 
 
 def ran_away(motion: Callable[[], Array | None], body: str, opens: Callable[[Array], str]) -> Status:
-    """Return the status of a body that moved without limit; "not held" only if a linear program proves it.
+    """Return the status of a body that moved without limit in the iteration.
+
+    The status is "not held" only if a linear program proves that the contacts cannot carry the load.
 
     Parameters
     ----------
     motion
-        Returns a motion that opens the body's contacts, or None.
+        Function that returns a motion which opens the body's contacts, or None if there is none.
     body
-        Name of the body.
+        Name of the body for the message.
     opens
-        Returns the text for that motion.
+        Function that returns the message for such a motion.
     """
     try:
         opened = motion()
     except ArithmeticError as error:
-        why = f"{body} ran away, and whether its contacts can hold it is not known: {error}"
+        why = f"{body} moved without limit, and it is not known whether its contacts can carry the load: {error}"
         return Status("not converged", why)
     if opened is not None:
         return Status("not held", opens(opened))
-    why = f"{body} ran away, though contact loads that push can balance the loads (linear program)"
+    why = f"{body} moved without limit, although compressive contact forces can balance the loads (linear program)"
     return Status("not converged", why)
 
 
 def describe_motion(motion: Array) -> str:
-    """Return a description of an opening motion: its freedoms in order of size."""
+    """Return the components of a rigid motion ``(6,)`` as text in order of size, for example "uz +1, rx -0.2"."""
     order = np.argsort(-np.abs(motion))
     named = [f"{FREEDOMS[k]} {motion[k] / np.abs(motion).max():+.2g}" for k in order if abs(motion[k]) > 1e-3]
     return ", ".join(named)

@@ -1,7 +1,8 @@
-"""Arguments and results of the static kernels, as named tuples: the plain and the compiled copy share them.
+"""Arguments and results of the numerical kernels of the static models, as named tuples.
 
-N balls, n nodes of the screw's beam, k free motions that nothing but the contacts resists, d motions of a ball's flanks: 8
-for four flanks, 2 where one diagonal pair has a closed form. Sides in the order SL, SR, NL, NR.
+The interpreted and the compiled kernels share these types. There are N balls, n nodes of the screw's beam, and k free
+motions, which nothing but the contacts resists. Each ball has d motions of its flanks: 8 for four flanks, or 2 for one
+diagonal pair, whose ball position has a closed form. Flanks are in the order SL, SR, NL, NR: screw and nut, left and right.
 """
 
 from typing import Any, NamedTuple
@@ -9,143 +10,151 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-#: Array of floats (masks and node numbers are passed the same way).
+#: Array of floats, also used for masks and node numbers.
 Array = NDArray[Any]
 
 
 class BeamArrays(NamedTuple):
-    """The screw as a beam, with supports and loads."""
+    """Arrays of the screw as a beam, with supports and loads."""
 
     #: Lengths (n - 1,) of the elements [m].
     lengths: Array
-    #: Which freedoms of the nodes are held (n, 6).
+    #: Which degrees of freedom of the nodes are fixed (n, 6).
     fixed: Array
     #: Loads on the nodes (n, 6) [N, N m].
     load: Array
     #: Constants (n - 1, 5) of the elements, see `lowfi.statics.kernel.beam.element_constants`.
     constants: Array
-    #: Stiffness of the elements in the lower band (6 n, half bandwidth + 1).
+    #: Lower band of the beam's stiffness matrix (6 n, half bandwidth + 1).
     band: Array
 
 
 class BeamContacts(NamedTuple):
-    """Balls between a screw that is a beam and a fixed nut."""
+    """Arrays of the balls between a screw, modelled as a beam, and a fixed nut."""
 
     #: First node (N, 2) whose motion moves the screw's flanks SL, SR.
     node: Array
-    #: Motion of those flanks (N, 2, 2, m) along x3, z3 by the motions of the nodes from ``node`` on.
+    #: Motions of these flanks (N, 2, 2, m) along the axes x3, z3 of the ball's section, per unit motion of that node,
+    #: m = 6, or of it and the next one, m = 12.
     B: Array
-    #: Rows of the contacts (N, 4, 9), see `lowfi.statics.kernel.ball`.
+    #: Geometry and Hertz constant of each contact (N, 4, 9), see `lowfi.statics.kernel.ball`.
     geometry: Array
-    #: Nominal interference (N, 2) of the diagonal pairs [m].
+    #: Nominal interference of ball and grooves across the diagonal pairs of flanks (N, 2) [m].
     closure: Array
     #: Radii of the balls (N,) [m].
     r_ball: Array
-    #: Deviation of the flanks' profile (4, d) [m], ascending powers of the contact angle.
+    #: Profile errors of the flanks (4, d) [m]: coefficients of a polynomial of the contact angle, ascending powers.
     profile: Array
-    #: Force [N] below which a contact carries none.
+    #: Force [N] below which a contact counts as unloaded.
     tiny: float
 
 
 class RowState(NamedTuple):
-    """Unknowns of a system whose unknowns are rows of motions, and the contacts there."""
+    """State of the iteration with the motions of shaft nodes and other bodies as unknowns: motions, balls and contacts.
 
-    #: Motions of the rows (r, 6) [m, rad]: n nodes of the shaft, then the other bodies.
+    Each of the r bodies has one row of six motions.
+    """
+
+    #: Motions of the bodies (r, 6) [m, rad]: n nodes of the shaft, then the moving housings.
     q: Array
     #: Deformations of the shaft's elements (n - 1, 6) [m, rad].
     d: Array
-    #: Centres of the balls (N, 2) from their nominal places [m].
+    #: Displacements of the ball centres in their section planes (N, 2) [m].
     p: Array
-    #: Contacts (N, 4, 5), see `lowfi.statics.kernel.ball`.
+    #: Force, normal and stiffness of each contact (N, 4, 5), see `lowfi.statics.kernel.ball`.
     contact: Array
     #: Force [N] and stiffness [N/m] of the rollers' slices (M, 2).
     slices: Array
 
 
 class MemberArrays(NamedTuple):
-    """Arrays of m samples of one screw that replace those of `BeamContacts`; B has length one if all samples share it."""
+    """Arrays of m specimens of one screw with different errors, which replace those of `BeamContacts`."""
 
-    #: Lever arms (m, N, 2, 2, 6).
+    #: Motions of the flanks per unit motion of the nodes (m, N, 2, 2, 6); (1, N, 2, 2, 6) if all specimens share them.
     B: Array
-    #: Contacts (m, N, 4, 9).
+    #: Geometry and Hertz constants of the contacts (m, N, 4, 9).
     geometry: Array
-    #: Interference of the diagonal pairs (m, N, 2) [m].
+    #: Nominal interference across the diagonal pairs of flanks (m, N, 2) [m].
     closure: Array
     #: Radii of the balls (m, N) [m].
     r_ball: Array
 
 
 class MemberStates(NamedTuple):
-    """Solutions of specimens m of one screw."""
+    """Solutions of m specimens of one screw with different errors."""
 
     #: Contact forces (m, N, 4) [N].
     force: Array
-    #: How each ended (m,), see `lowfi.statics.kernel.search`.
+    #: Status of each solve (m,), see `lowfi.statics.kernel.search`.
     status: Array
     #: Relative residuals (m,).
     residual: Array
     #: Motions of the nodes (m, n, 6) [m, rad].
     q: Array
-    #: Centres of the balls (m, N, 2) [m].
+    #: Displacements of the ball centres in their section planes (m, N, 2) [m].
     p: Array
 
 
 class Slopes(NamedTuple):
-    """Derivatives of the energy of rows and balls."""
+    """First and second derivatives of the energy of shaft, housings and balls."""
 
-    #: Gradient by the motions of the rows (r, 6) [N, N m].
+    #: Gradient of the energy by the motions of the bodies (r, 6) [N, N m].
     gradient: Array
-    #: Second derivatives of a ball's energy by the motion of its flanks [N/m]: (N, 4, 4) of the screw's, or (N, 8, 8).
+    #: Second derivatives of each ball's energy by the motions of its flanks [N/m]: (N, 4, 4) for the screw's flanks only,
+    #: or (N, 8, 8) for all four flanks.
     hessians: Array
 
 
 class RowWorkspace(NamedTuple):
-    """Work arrays for the iteration on rows of motions."""
+    """Work arrays of the Newton iteration with the motions of shaft nodes and other bodies as unknowns."""
 
     #: Derivatives of the energy.
     slopes: Slopes
-    #: Stiffness of shaft and springs, in a lower band or an envelope.
+    #: Stiffness matrix of shaft and springs, stored as lower band or envelope.
     base: Array
-    #: Factor of the whole stiffness, stored alike.
+    #: Factor of the stiffness matrix with contacts, stored in the same form.
     matrix: Array
-    #: Step of the rows (r, 6) [m, rad].
+    #: Newton step of the bodies' motions (r, 6) [m, rad].
     step: Array
-    #: Motions of the rows (r, 6) where the step begins.
+    #: Motions of the bodies (r, 6) [m, rad] before the step.
     q0: Array
-    #: Deformations of the elements (n - 1, 6) where the step begins.
+    #: Deformations of the elements (n - 1, 6) before the step.
     d0: Array
 
 
 class Options(NamedTuple):
-    """Iteration and stopping parameters of `lowfi.statics.kernel.descent`."""
+    """Parameters of the iteration in `lowfi.statics.kernel.descent` and of its end."""
 
-    #: Relative residual to reach.
+    #: Relative residual at which the iteration ends.
     tolerance: float
     #: Largest number of iterations.
     most: int
     #: Stiffness of a typical contact [N/m].
     stiffness: float
-    #: Length that makes forces of moments [m].
+    #: Length [m] by which moments are divided where they are compared with forces.
     arm: float
-    #: Largest motion before a body counts as not held [m].
+    #: Motion [m] above which a body counts as not restrained.
     bound: float
-    #: Least force that residuals are measured by [N].
+    #: Lower bound of the force [N] to which residuals are relative.
     floor: float
-    #: Furthest motion of a flank in one step [m]: the largest ball's radius.
+    #: Largest motion of a flank in one step [m]: the largest ball's radius.
     furthest: float
 
 
 class BeamSystem(NamedTuple):
-    """Screw and its balls."""
+    """Arrays of a screw as a beam and of its balls."""
 
-    #: Beam and loads.
+    #: Beam with supports and loads.
     shaft: BeamArrays
-    #: Balls on it.
+    #: Balls between screw and nut.
     contacts: BeamContacts
 
 
 class AxisArrays(NamedTuple):
-    """Shaft, other bodies, springs between them, and loads; r rows of motions: n nodes, then the bodies."""
+    """Arrays of a shaft, moving housings, springs between them, and loads.
+
+    Each of the r bodies has one row of six motions: first the n nodes of the shaft, then the housings.
+    """
 
     #: Lengths (n - 1,) of the shaft's elements [m].
     lengths: Array
@@ -153,53 +162,58 @@ class AxisArrays(NamedTuple):
     sections: Array
     #: Constants (n - 1, 5) of the elements, as in `BeamArrays`.
     constants: Array
-    #: Which freedoms of the rows are held (r, 6).
+    #: Which degrees of freedom of the bodies are fixed (r, 6).
     fixed: Array
-    #: Loads on the rows (r, 6) [N, N m].
+    #: Loads on the bodies (r, 6) [N, N m].
     load: Array
-    #: Rows (k, 2) that springs join, -1 for the frame.
+    #: Numbers of the two bodies that each spring joins (k, 2), -1 for the frame.
     ends: Array
-    #: Motion of the springs' ends by those rows (k, 2, 6, 6), the second one with its sign.
+    #: Matrices from the motions of these bodies to those of the spring's ends (k, 2, 6, 6), the second with negative sign.
     reach: Array
-    #: Stiffness of the springs (k, 6, 6).
+    #: Stiffness matrices of the springs (k, 6, 6).
     springs: Array
-    #: Place (r,) of each row in the order of elimination.
+    #: Position (r,) of each body in the order of elimination.
     place: Array
-    #: First column (6 r,) of each line of the matrix, in the order of elimination.
+    #: First column (6 r,) of each row of the stiffness matrix's envelope, in the order of elimination.
     first: Array
-    #: Where each line is stored (6 r + 1,).
+    #: Offset (6 r + 1,) of each row in the array that stores the envelope.
     start: Array
 
 
 class AxisBalls(NamedTuple):
-    """Balls between flanks that move with rows of an `AxisArrays`, of all sets."""
+    """Arrays of the balls of all bearings and nuts of an assembly, whose flanks move with the bodies of an `AxisArrays`."""
 
-    #: First row (N, 4) whose motion moves a flank, -1 where it is fixed.
+    #: First body (N, 4) whose motion moves a flank, -1 if the flank is fixed.
     row: Array
-    #: Motion of the flanks (N, 4, 2, m) along x3, z3 by that of their row, m = 6, or of that and the next one, m = 12.
+    #: Motions of the flanks (N, 4, 2, m) along the axes x3, z3 of the ball's section, per unit motion of that body, m = 6,
+    #: or of it and the next one, m = 12.
     B: Array
     #: Prescribed motion of the flanks (N, 4, 2) [m].
     v0: Array
-    #: Contacts (N, 4, 9), as in `BeamContacts`.
+    #: Geometry and Hertz constant of each contact (N, 4, 9), as in `BeamContacts`.
     geometry: Array
-    #: Nominal interference (N, 2) of the diagonal pairs [m].
+    #: Nominal interference across the diagonal pairs of flanks (N, 2) [m].
     closure: Array
     #: Radii of the balls (N,) [m].
     r_ball: Array
-    #: Deviation of the flanks' profile (N, 4, d) [m], ascending powers of the contact angle.
+    #: Profile errors of the flanks (N, 4, d) [m]: coefficients of a polynomial of the contact angle, ascending powers.
     profile: Array
-    #: Force [N] below which a contact carries none.
+    #: Force [N] below which a contact counts as unloaded.
     tiny: float
 
 
 class AxisRollers(NamedTuple):
-    """Slices of rollers between two raceways, each with the line contact of both: approach B q - drop, force by g and S."""
+    """Arrays of M slices of rollers between the two raceways of their bearings.
 
-    #: Rows (M, 2) of inner and outer ring, -1 where it is fixed.
+    The line contacts with both raceways are in series. The approach of a slice is B q - drop, with the motions q of the
+    rings; its force follows from `lowfi.rollers.LineLaw` with the constants g and S.
+    """
+
+    #: Bodies (M, 2) that move inner and outer ring, -1 if the ring is fixed.
     row: Array
-    #: Approach (M, 2, 6) by the motions of those rows.
+    #: Approach (M, 2, 6) per unit motion of these bodies.
     B: Array
-    #: Lost approach (M,) [m].
+    #: Gap (M,) [m] by the roller's crowning and the ring's offset, by which the approach is smaller.
     drop: Array
     #: Widths of the slices (M,) [m].
     width: Array
@@ -210,56 +224,63 @@ class AxisRollers(NamedTuple):
 
 
 class Progress(NamedTuple):
-    """Progress of a Newton iteration."""
+    """Progress of a Newton iteration, by which a stalled iteration is recognised."""
 
-    #: Least residual.
+    #: Smallest residual so far.
     best: float
-    #: Lowest energy [J].
+    #: Lowest energy so far [J].
     lowest: float
-    #: Iterations since either fell.
+    #: Number of iterations since residual or energy last decreased.
     stalled: int
-    #: Searches that found nothing.
+    #: Number of line searches that used up all their trials.
     stuck: int
 
 
 class AxisSystem(NamedTuple):
-    """Shaft with all its rolling elements."""
+    """Arrays of a shaft with all its bearings and nuts."""
 
-    #: Shaft, other bodies and springs.
+    #: Shaft, moving housings and springs.
     shaft: AxisArrays
-    #: All balls.
+    #: Balls of all bearings and nuts.
     balls: AxisBalls
-    #: All slices of rollers.
+    #: Roller slices of all roller bearings.
     rollers: AxisRollers
 
 
-#: Systems whose unknowns are rows of motions.
+#: Systems whose unknowns are the motions of shaft nodes and other bodies.
 Rows = BeamSystem | AxisSystem
 
 
 class Bodies(NamedTuple):
-    """Motions of the flanks of all balls, v = v0 + G phi + R a, by forces phi on the flanks and free motions a."""
+    """Compliance of the bodies at the flanks of all balls.
 
-    #: G [m/N] of the flanks of the first body (4 N, 4 N), or of both together (2 N, 2 N).
+    Forces phi on the flanks and free rigid motions a give the motions of the flanks, v = v0 + G phi + R a.
+    """
+
+    #: Compliance matrix G [m/N] of the flanks of the screw (4 N, 4 N), or of screw and nut together for one diagonal pair
+    #: of flanks (2 N, 2 N).
     first: Array
-    #: G [m/N] of the flanks of the second body, empty where ``first`` has both.
+    #: Compliance matrix G [m/N] of the flanks of the nut (4 N, 4 N); empty if ``first`` contains both.
     second: Array
-    #: Motions of the flanks (N, d, k) by the free motions, which are all in metres: rotations times an arm.
+    #: Motions of the flanks (N, d, k) per metre of each free motion; a rotation counts as angle times a lever arm.
     R: Array
-    #: Motions of the flanks (N, d) by loads and prescribed displacements [m].
+    #: Motions of the flanks (N, d) by external loads and prescribed displacements [m].
     v0: Array
-    #: Work of the loads on the free motions (k,) [N].
+    #: Work of the external loads on the free motions, per metre of amplitude (k,) [N].
     work: Array
 
 
 class RollerContacts(NamedTuple):
-    """Rollers between rings of elastic bodies, K slices each at most; see `lowfi.statics.kernel.rollers`."""
+    """Arrays of M rollers between rigid rings on an elastic shaft; at most K slices each.
 
-    #: Positions (M, K) of the slices over the roller's length.
+    The force of a roller is computed in `lowfi.statics.kernel.rollers`.
+    """
+
+    #: Positions (M, K) of the slices along the roller, divided by the roller's length.
     place: Array
-    #: Widths of the slices (M, K) [m], 0 where there is none.
+    #: Widths of the slices (M, K) [m], 0 for unused slices.
     width: Array
-    #: Lost approach (M, K) [m].
+    #: Gap (M, K) [m] by the roller's crowning and the ring's offset, by which the approach is smaller.
     drop: Array
     #: g (M,) of `lowfi.rollers.LineLaw` [m^2/N].
     g: Array
@@ -268,47 +289,49 @@ class RollerContacts(NamedTuple):
 
 
 class BallContacts(NamedTuple):
-    """Balls between flanks of elastic bodies, and rollers after them."""
+    """Contact data of the balls between elastic bodies, followed by the rollers."""
 
-    #: Rows of the contacts (N, 4, 9), see `lowfi.statics.kernel.ball`.
+    #: Geometry and Hertz constant of each contact (N, 4, 9), see `lowfi.statics.kernel.ball`.
     geometry: Array
-    #: Nominal interference (N, 2) of the diagonal pairs [m].
+    #: Nominal interference across the diagonal pairs of flanks (N, 2) [m].
     closure: Array
-    #: e [m/N], what a unit amplitude of the ball's own body takes from the approach [m], h [m/N^(4/3)]; (N, 4, 3).
+    #: Terms of each contact besides Hertz (N, 4, 3): linear compliance e [m/N]; loss of approach [m] per unit amplitude of
+    #: the ball's deformation; factor h [m/N^(4/3)] of F^(4/3).
     local: Array
     #: Radii of the balls (N,) [m].
     r_ball: Array
-    #: Deviation of the flanks' profile (N, 4, d) [m], ascending powers of the contact angle.
+    #: Profile errors of the flanks (N, 4, d) [m]: coefficients of a polynomial of the contact angle, ascending powers.
     profile: Array
-    #: Rows (N, 7) of balls between two opposite arcs, see `lowfi.statics.kernel.elastic.pair_balls`.
+    #: Contact data (N, 7) of balls between one diagonal pair of arcs, see `lowfi.statics.kernel.elastic.pair_balls`.
     pair: Array
-    #: Rollers, whose rows in all arrays over elements come after the balls'.
+    #: Rollers; in arrays over all rolling elements they come after the balls.
     rollers: RollerContacts
-    #: Force [N] below which a contact carries none.
+    #: Force [N] below which a contact counts as unloaded.
     tiny: float
 
 
-#: Rows ``local`` of a ball that is rigid beyond its contacts, see `lowfi.statics.kernel.ball`.
+#: Field ``local`` of a ball that is rigid apart from its Hertz contacts, see `lowfi.statics.kernel.ball`.
 RIGID = np.zeros((0, 3))
-#: Balls only.
+#: Contact data without rollers.
 NO_ROLLERS = RollerContacts(np.zeros((0, 0)), np.zeros((0, 0)), np.zeros((0, 0)), np.zeros(0), np.zeros(0))
 
 
 class BodyState(NamedTuple):
-    """Unknowns of bodies and balls, and the contacts there."""
+    """State of the iteration with the contact forces of elastic bodies as unknowns: forces, free motions and contacts."""
 
     #: Forces on the flanks (N, d) [N].
     phi: Array
-    #: Free motions (k,) [m].
+    #: Amplitudes of the free motions (k,) [m].
     a: Array
-    #: Centre [m] and own amplitude of each ball (N, 3).
+    #: Displacement of each ball's centre in its section plane [m] (two numbers) and amplitude of its deformation (N, 3).
     inner: Array
-    #: Contacts (N, 4, 5), or (N, 1, 5) of a pair, see `lowfi.statics.kernel.ball`.
+    #: Force, normal and stiffness of each contact (N, 4, 5), or (N, 1, 5) for a diagonal pair, see
+    #: `lowfi.statics.kernel.ball`.
     contact: Array
 
 
 class ForceStep(NamedTuple):
-    """Step of Newton's method on the forces."""
+    """Step of Newton's method with the contact forces as unknowns."""
 
     #: Step of the forces on the flanks (N, d) [N].
     dphi: Array
@@ -319,7 +342,7 @@ class ForceStep(NamedTuple):
 
 
 class SearchStart(NamedTuple):
-    """Start of a line search on the forces."""
+    """State from which a line search along a step of the contact forces starts."""
 
     #: Forces on the flanks (N, d) [N].
     phi: Array
@@ -332,30 +355,30 @@ class SearchStart(NamedTuple):
 
 
 class BallRows(NamedTuple):
-    """Square roots of the balls' stiffness: S^T S of all rows is that of the flanks."""
+    """Factors S of the balls' tangent stiffness: S^T S is the stiffness of a ball for motions of its flanks."""
 
-    #: Rows (N, 6 or 2, d) [(N/m)^(1/2)].
+    #: Rows of S for each ball (N, 6 or 2, d) [(N/m)^(1/2)].
     S: Array
-    #: Number of rows of each ball (N,).
+    #: Number of rows that each ball uses (N,).
     counts: Array
-    #: Number of rows before each ball's first (N,).
+    #: Number of rows of all balls before each ball (N,).
     starts: Array
 
 
 class BodySystem(NamedTuple):
-    """Elastic bodies with all rolling elements."""
+    """Arrays of elastic bodies with all balls and rollers."""
 
     #: Compliance of the bodies.
     bodies: Bodies
-    #: All rolling elements.
+    #: Contact data of all balls and rollers.
     contacts: BallContacts
-    #: Linear springs between opposite flanks in place of two contacts, to start with (N, w, d): rows sqrt(stiffness) x
-    #: direction, zero where there is none.
+    #: Linear springs between opposite flanks, which replace the contacts in the first solve (N, w, d): square root of the
+    #: stiffness times direction, zero where there is no spring.
     springs: Array
 
 
 class BodyWorkspace(NamedTuple):
-    """Work arrays for the iteration on them."""
+    """Work arrays of the Newton iteration with the contact forces of elastic bodies as unknowns."""
 
     #: Forces of the balls on the flanks (N, d) [N].
     f: Array
@@ -365,35 +388,35 @@ class BodyWorkspace(NamedTuple):
     v: Array
     #: Newton step.
     step: ForceStep
-    #: Where the line search begins.
+    #: State from which the line search starts.
     begin: SearchStart
     #: Square roots of the balls' stiffness.
     rows: BallRows
 
 
 class Trial(NamedTuple):
-    """A trial of a line search, see `lowfi.statics.kernel.search`."""
+    """State of a line search between two trial steps, see `lowfi.statics.kernel.search`."""
 
-    #: Where the search begins [J].
+    #: Energy at the start of the search [J].
     energy: float
-    #: Slope by the step length, where the search begins [J].
+    #: Derivative of the energy by the step length at the start of the search [J].
     slope: float
-    #: Largest step length.
+    #: Largest step length allowed.
     limit: float
-    #: Longest step length that is too short.
+    #: Largest step length known to be too short.
     low: float
-    #: Shortest step length that is too long; zero: none yet.
+    #: Smallest step length known to be too long; zero: none yet.
     high: float
-    #: Step length to try.
+    #: Step length to try next.
     t: float
-    #: Trials before this one.
+    #: Number of trials so far.
     tried: int
 
 
 class Outcome(NamedTuple):
-    """Result of a kernel's iteration: status, counts, residual, energy, largest force."""
+    """Result of a kernel's iteration: status, effort, residual, energy and largest contact force."""
 
-    #: See ``lowfi.statics.kernel.search``: converged, out of iterations, not held, singular.
+    #: Number defined in ``lowfi.statics.kernel.search``: converged, out of iterations, not held, or singular.
     status: int
     #: Number of iterations.
     iterations: int
@@ -403,5 +426,5 @@ class Outcome(NamedTuple):
     residual: float
     #: Energy [J].
     energy: float
-    #: Largest force met [N].
+    #: Largest contact force during the iteration [N].
     scale: float

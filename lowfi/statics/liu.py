@@ -1,8 +1,9 @@
-"""Liu's self-adjusting model of a single nut (Liu et al. 2025, section 2) on a scene: see `lowfi.random_errors.chain`.
+"""Liu's self-adjusting axial model of a single nut (Liu et al. 2025, section 2), applied to a scene.
 
-The axial load reaches screw and nut at the end of the balls that is nearest to it. Each segment behind a ball carries what
-the balls behind it carry (5), as a bar of the screw's grooved section and one of the nut's tube; contact angles turn by
-(10); an error is what a pair of flanks is closed by at the nominal place, along the contact normal (3).
+Numbers in parentheses are equations of Liu et al.; the equations are solved in `lowfi.random_errors.chain`. The axial load
+enters screw and nut at that end of the row of balls which is nearer to it. Behind each ball, a segment of the screw (a bar
+with grooved section) and of the nut (a tube) carries the sum of the loads of the balls behind it (5). Contact angles change
+by (10). The error of a ball is its interference with a pair of flanks along the nominal contact normal (3).
 """
 
 from __future__ import annotations
@@ -27,49 +28,62 @@ from rollbench.meshes.one_arc import distance_of_centres
 from rollbench.meshes.parts import Scene, UnfitKey
 from rollbench.meshes.section import screw_section
 
+#: Assumptions of every run of Liu's model.
 ASSUMPTIONS = (
     "axial displacements only: no bending, no torsion, no lateral load or moment (Liu et al. 2025, 2.2)",
-    "screw and nut are held and loaded at the same end of the balls, that of the load (Liu's 5)",
-    "contact angles by Liu's (10); errors count along the contact normal (Liu's 3)",
+    "screw and nut are fixed and loaded at the same end of the row of balls, the one at the load (Liu et al. 2025, eq. 5)",
+    "contact angles change by Liu et al. 2025, eq. 10; errors count along the contact normal (eq. 3)",
 )
+#: Effects that Liu's model neglects.
 LEFT_OUT = (
     "lateral forces, moments, bending and torsion: the model is axial",
-    "flanks that press against the load: a ball touches screw and nut once each",
+    "flanks that press against the load: each ball has one contact with the screw and one with the nut",
 )
 
 
 @dataclass(frozen=True)
 class Row:
-    """Balls of a scene as Liu's axial chain of M balls, ordered from the loaded end on."""
+    """The M balls of a single nut in Liu's axial model: springs between screw and nut, ordered from the loaded end."""
 
-    #: The chain.
+    #: Stiffness of contacts and segments, and geometry, for Liu's equations.
     chain: Chain
-    #: Numbers of the balls in that order ``(M,)``.
+    #: Numbers of the balls, ordered from the loaded end ``(M,)``.
     order: NDArray[np.int64]
-    #: Excess of each ball along the contact normal, in that order ``(M,)`` [m].
+    #: Interference of each ball along the contact normal, in this order ``(M,)`` [m].
     errors: Array
     #: Axial load on the screw [N].
     force: float
-    #: 1 where the load points towards larger z, else -1.
+    #: 1 if the load points towards larger z, else -1.
     forward: int
-    #: Station of the ball at the loaded end [m].
+    #: Axial position of the ball at the loaded end [m].
     at: float
-    #: Station of the load [m].
+    #: Axial position of the load [m].
     beyond: float
-    #: Part of the screw in the chain's compliance.
+    #: Share of the screw in the tensile compliance of a segment of screw and nut.
     share: float
-    #: E A of the screw [N].
+    #: Tensile stiffness E A of the screw [N].
     bar: float
 
     def solved(self, force: float, *, compiled: bool = False) -> ChainState:
-        """Return the chain's state under a load above zero [N]."""
+        """Solve Liu's equations under a positive axial load, and return the loads and motions of the balls.
+
+        Parameters
+        ----------
+        force
+            Magnitude of the axial load [N].
+        compiled
+            Whether to use compiled kernels.
+        """
         return solve_chain(self.chain, self.errors, force, compiled=compiled)
 
     def stiffness(self, step: float = 0.0) -> float | None:
-        """Return the axial stiffness at the load [N/m].
+        """Return the axial stiffness of the nut at the load [N/m]; None without load.
 
-        The tangent at the loaded end, or with a step of load [N] as Liu's (19) to (22), by the approach of the first loaded
-        ball. None without load.
+        Parameters
+        ----------
+        step
+            Load increment [N] of Liu's secant stiffness, equations (19) to (22), by the approach of the first loaded ball.
+            With 0 the result is the tangent stiffness at the loaded end.
         """
         if self.force == 0.0:
             return None
@@ -81,22 +95,22 @@ class Row:
 
 
 def row_of(scene: Scene, *, member: int = 0, law: Law = "implicit") -> Row:
-    """Return the balls of a scene as Liu's chain.
+    """Return the balls of a single nut as the row of springs of Liu's axial model.
 
     Parameters
     ----------
     scene
-        The scene.
+        Screw, nut, balls and loads.
     member
         Number of the specimen, for a scene with random errors.
     law
-        Interpretation of the equation of the contact angle; Liu's is ``"implicit"``.
+        How the contact angle follows from the approach, equation (10); Liu's law is ``"implicit"``.
 
     Raises
     ------
     UnfitKey
-        What the model does not cover: preload, a screw fixed along its axis, axial loads that do not act at one end of the
-        balls.
+        If the model does not cover the scene: preload, a screw fixed along its axis, or axial loads that do not act at one
+        end of the row of balls.
     """
     layout = ball_layout(scene)
     force, beyond, low = _loaded_end(scene, layout.z)
@@ -124,24 +138,42 @@ def row_of(scene: Scene, *, member: int = 0, law: Law = "implicit") -> Row:
 
 
 def _loaded_end(scene: Scene, z: Array) -> tuple[float, float, bool]:
-    """Return the axial load [N], its station [m] (of several the nearest), and whether it acts below the balls at z [m]."""
+    """Return the axial load [N], its axial position [m], and whether it acts at the lower end of the balls.
+
+    Of several loads, the position is that of the nearest to the balls.
+
+    Parameters
+    ----------
+    scene
+        Screw, nut, balls and loads.
+    z
+        Axial positions of the balls [m].
+
+    Raises
+    ------
+    UnfitKey
+        If Liu's model does not cover the scene.
+    """
     if scene.errors.balls.oversize > 0.0 or scene.errors.lead_offset != 0.0:
         key = "errors.lead_offset" if scene.errors.lead_offset else "errors.balls.oversize"
-        raise UnfitKey(key, "Liu's model knows no preload: a ball touches screw and nut once each; leave the preload out")
+        reason = "Liu's model has no preload, since each ball has one contact with the screw and one with the nut"
+        raise UnfitKey(key, f"{reason}; set it to 0, or use the model lin")
     if any(name == "uz" for s in scene.supports for name, _ in s.fixed):
-        raise UnfitKey("supports", "Liu's model takes the load from the nut: let uz of the screw free, or use lin")
+        reason = "Liu's model balances the axial load by the nut only; leave uz of the screw free, or use the model lin"
+        raise UnfitKey("supports", reason)
     loads = [x for x in scene.loads if x.force[2] != 0.0]
     slack = 0.5 * scene.balls.radius
     below, above = ([x for x in loads if s * (x.at - end) <= slack] for s, end in ((1.0, z.min()), (-1.0, z.max())))
     if len(below) < len(loads) and len(above) < len(loads):
-        raise UnfitKey("loads", "Liu's model is loaded at one end of the balls: put all axial loads beyond the same one")
+        reason = "Liu's model has axial loads at one end of the balls only; move all axial loads beyond the same end"
+        raise UnfitKey("loads", reason)
     low = len(below) == len(loads)
     ends = [x.at for x in loads] or [float(z.min())]
     return sum(x.force[2] for x in loads), max(ends) if low else min(ends), low
 
 
 def describes(scene: Scene) -> bool:
-    """Return whether Liu's model covers a scene and only axial loads act on its screw.
+    """Return whether Liu's model can solve a scene and nothing but axial loads acts on its screw.
 
     Parameters
     ----------
@@ -156,29 +188,29 @@ def describes(scene: Scene) -> bool:
 
 
 def solve_liu(scene: Scene, *, member: int = 0, law: Law = "implicit", compiled: bool = False) -> StaticResult:
-    """Compute contact loads by Liu's self-adjusting model.
+    """Compute the contact loads of a single nut by Liu's self-adjusting axial model.
 
-    Range: approaches small against the distance of the groove centres, balls evenly spread along bars, so that no wall of
-    the nut widens. Motions are of the screw, with the nut at rest at its loaded end; without load the screw is at its
-    nominal position.
+    The model is valid if contact approaches are small against the distance of the groove centres, and if the balls are
+    distributed evenly, so that the nut's wall is not widened locally. Reported motions are those of the screw, while the
+    nut is at rest at its loaded end. Without load the screw is at its nominal position.
 
     Parameters
     ----------
     scene
-        The scene.
+        Screw, nut, balls and loads.
     member
         Number of the specimen, for a scene with random errors.
     law
-        Interpretation of the equation of the contact angle; Liu's unless given.
+        How the contact angle follows from the approach, equation (10); Liu's law is ``"implicit"``.
     compiled
         Whether to use compiled kernels.
 
     Raises
     ------
     UnfitKey
-        What the model does not cover, see `row_of`.
+        If the model does not cover the scene, see `row_of`.
     ValueError
-        Errors that reach half the distance of the groove centres.
+        If errors reach half the distance of the groove centres.
 
     References
     ----------
@@ -239,7 +271,17 @@ def solve_liu(scene: Scene, *, member: int = 0, law: Law = "implicit", compiled:
 
 
 def sines(chain: Chain, errors: Array, state: ChainState) -> Array:
-    """Return the sine of the contact angle of every loaded ball of a solved chain ``(M,)``; the free angle's for others."""
+    """Return the sine of the contact angle of every ball in Liu's model ``(M,)``; for unloaded balls of the nominal angle.
+
+    Parameters
+    ----------
+    chain
+        Data of Liu's equations; its ``law`` is the relation between approach and contact angle.
+    errors
+        Interference of each ball along the contact normal ``(M,)`` [m].
+    state
+        Solution.
+    """
     cosine = np.full(errors.size, np.cos(chain.contact_angle))
     if chain.law != "constant":
         apart = chain.groove_distance - errors + contact_approach(state.load, chain.C)
@@ -249,13 +291,27 @@ def sines(chain: Chain, errors: Array, state: ChainState) -> Array:
 
 
 def _screw_motion(row: Row, state: ChainState) -> Array:
-    """Return the motion of the screw at the balls in the load's direction ``(M,)`` [m]; the nut's loaded end is fixed."""
+    """Return the axial motion of the screw at each ball along the load ``(M,)`` [m], with the nut's loaded end fixed."""
     lost = np.concatenate([[0.0], np.cumsum(-np.diff(state.motion))])
     return np.asarray(state.motion[0] - row.share * lost)
 
 
 def _centreline(scene: Scene, row: Row, at_balls: Array, moved: Array) -> tuple[Array, Array]:
-    """Return stations of the shaft and its axial motion ``(k,)`` [m]: a bar up to the load, at rest beyond the balls."""
+    """Return axial positions along the screw ``(k,)`` [m] and the axial motions there ``(k,)`` [m].
+
+    Between balls and load the screw is a stretched bar. Beyond the other end of the balls it moves as a rigid body.
+
+    Parameters
+    ----------
+    scene
+        Scene with the length of the screw.
+    row
+        Balls in Liu's model.
+    at_balls
+        Axial positions of the balls, from the loaded end ``(M,)`` [m].
+    moved
+        Motions of the screw at the balls ``(M,)`` [m].
+    """
     ends = np.array([0.0, scene.screw.length, row.beyond])
     outside = ends[(ends < at_balls.min()) | (ends > at_balls.max())]
     near = np.abs(outside - at_balls[0]) <= np.abs(outside - at_balls[-1])
@@ -266,7 +322,15 @@ def _centreline(scene: Scene, row: Row, at_balls: Array, moved: Array) -> tuple[
 
 
 def _balance(applied: float, carried: float) -> Equilibrium:
-    """Return the balance of axial forces on the screw [N]: of the loads, and what its contacts carry."""
+    """Return the check of axial equilibrium of the screw.
+
+    Parameters
+    ----------
+    applied
+        Sum of the axial loads [N].
+    carried
+        Axial force that the contacts carry [N].
+    """
     zero = np.zeros(3)
     pushed, held = np.array([0.0, 0.0, applied]), np.array([0.0, 0.0, -carried])
     return Equilibrium(pushed, zero, zero, zero, held, zero, abs(applied - carried) / max(abs(applied), 1e-300), 0.0)

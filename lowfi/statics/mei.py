@@ -1,7 +1,7 @@
-"""Mei's axial model (Mei et al. 2003, as Lin 2.4.1 uses it): bars for the screw, constant contact directions.
+"""Mei's axial model (Mei et al. 2003, as used in Lin 2.4.1): the screw is a row of bars, contact directions are constant.
 
-The baseline of Lin's case study 1: it has no bending, no twist and no change of contact angle, so an axial load gives
-contact loads that fall steadily along the nut.
+It is the model with which Lin compares case study 1. It has no bending, no twist and no change of contact angles, so that
+contact loads under an axial load decrease monotonically along the nut.
 """
 
 from __future__ import annotations
@@ -24,9 +24,9 @@ from rollbench.meshes.helix import BallLayout, ball_layout, lead_angle
 from rollbench.meshes.parts import Scene
 from rollbench.meshes.section import merge_stations, screw_section, tube_section
 
-#: Newton steps after which the axial model is given up.
+#: Largest number of Newton steps.
 MAX_ITERATIONS = 100
-#: Statements that hold for every run of this model.
+#: Assumptions of every run of Mei's model.
 ASSUMPTIONS = (
     "axial displacements only: no bending, no torsion, no lateral load or moment (Mei et al. 2003; Lin 2.4.1)",
     "contact angles stay nominal; geometric errors count along the nominal contact normal",
@@ -35,27 +35,53 @@ ASSUMPTIONS = (
 
 @dataclass(frozen=True)
 class _Chain:
-    """Axial chain: unknowns are screw motions at ``nodes`` and, with an elastic nut, the nut's at the ball stations."""
+    """Arrays of Mei's axial model: bars of screw and nut, joined by N balls.
 
+    Unknowns are the axial motions of the screw at its nodes and, with an elastic nut, of the nut at the same positions.
+    """
+
+    #: Axial positions of the nodes [m].
     nodes: Array
-    K: Array  # lower band, (bandwidth + 1, unknowns)
+    #: Lower band of the bars' stiffness matrix [N/m], ``(bandwidth + 1, unknowns)``.
+    K: Array
+    #: Axial loads on the unknowns [N].
     load: Array
+    #: Which unknowns are fixed.
     fixed: NDArray[np.bool_]
+    #: Prescribed values of the fixed unknowns [m].
     prescribed: Array
+    #: Unknown of the screw's motion at each ball ``(N,)``.
     screw: NDArray[np.int64]
+    #: Unknown of the nut's motion at each ball ``(N,)``; -1 for a rigid nut.
     nut: NDArray[np.int64]
+    #: Approach of a flank pair per axial motion: sine of the contact angle times cosine of the lead angle.
     slope: float
+    #: Interference of the flank pairs (SL, NR) and (SR, NL) at each ball by errors and oversize ``(N, 2)`` [m].
     closure: Array
+    #: Hertz constants of these pairs, both contacts in series ``(N, 2)`` [m/N^(2/3)].
     C: Array
 
 
 def nut_bar(scene: Scene) -> float:
-    """Return E A [N] of the nut as a bar: a tube from the contacts with its groove outwards."""
+    """Return the tensile stiffness E A [N] of the nut, a tube whose bore is the diameter of the contacts in its groove."""
     bore = 2.0 * (scene.track.pitch_radius + scene.balls.radius * cos(scene.track.contact_angle))
     return tube_section(scene.nut.outer_diameter, bore, scene.nut.material).EA
 
 
 def _bars(k: Array, order: NDArray[np.int64], stations: Array, stiffness: float) -> None:
+    """Add a row of bars to a stiffness matrix.
+
+    Parameters
+    ----------
+    k
+        Lower band of the stiffness matrix [N/m], changed in place.
+    order
+        Unknowns at the ends of the bars.
+    stations
+        Axial positions of these ends [m].
+    stiffness
+        Tensile stiffness E A of the bars [N].
+    """
     for a, b, length in zip(order[:-1], order[1:], np.diff(stations), strict=True):
         s = stiffness / length
         low, high = min(a, b), max(a, b)
@@ -65,6 +91,7 @@ def _bars(k: Array, order: NDArray[np.int64], stations: Array, stiffness: float)
 
 
 def _chain(scene: Scene, layout: BallLayout, member: int, *, elastic_nut: bool) -> _Chain:
+    """Return the arrays of Mei's model of a scene, for one specimen with random errors."""
     drawn = specimen(scene, layout, member)
     _, closure = centre_distances(scene, drawn)
     constants = hertz_C(error_free(scene), drawn)
@@ -74,7 +101,7 @@ def _chain(scene: Scene, layout: BallLayout, member: int, *, elastic_nut: bool) 
     nodes = merge_stations(np.concatenate([layout.z, list(held), list(loads)]), np.array(list(held)))
     n = nodes.size
     width = 2 if elastic_nut else 1
-    # screw node j is unknown width * j; the nut's motion at the same station follows it
+    # unknown width * j is the motion of screw node j; the next one is the nut's motion at the same axial position
     total = width * n + (1 if elastic_nut else 0)
     k = np.zeros((width + 2, total))
     order = width * np.arange(n, dtype=np.int64)
@@ -103,13 +130,34 @@ def _chain(scene: Scene, layout: BallLayout, member: int, *, elastic_nut: bool) 
 
 
 def _contact(chain: _Chain, x: Array) -> tuple[Array, Array]:
-    """Return normal forces ``(N, 2)`` [N] of the pairs (SL, NR) and (SR, NL) and their tangents by the closure [N/m]."""
+    """Return the contact forces ``(N, 2)`` [N] of the flank pairs (SL, NR) and (SR, NL), and their stiffness [N/m].
+
+    The stiffness ``(N, 2)`` is the derivative of the force by the approach of both contacts in series.
+
+    Parameters
+    ----------
+    chain
+        Arrays of the model.
+    x
+        Axial motions of all unknowns [m].
+    """
     relative = x[chain.screw] - np.where(chain.nut >= 0, x[chain.nut], 0.0)
     delta = chain.closure + chain.slope * relative[:, None] * np.array([1.0, -1.0])
     return contact_force(delta, chain.C), contact_slope(delta, chain.C)
 
 
 def _gradient(chain: _Chain, x: Array) -> tuple[Array, Array, Array]:
+    """Return unbalanced axial forces of all unknowns [N], contact forces ``(N, 2)`` [N], and axial contact stiffness.
+
+    The stiffness ``(N,)`` [N/m] is that of both flank pairs of each ball between screw and nut.
+
+    Parameters
+    ----------
+    chain
+        Arrays of the model.
+    x
+        Axial motions of all unknowns [m].
+    """
     force, tangent = _contact(chain, x)
     axial = chain.slope * (force[:, 0] - force[:, 1])
     g = -chain.load.copy()
@@ -126,7 +174,7 @@ def _gradient(chain: _Chain, x: Array) -> tuple[Array, Array, Array]:
 
 
 def _newton(chain: _Chain) -> tuple[Array, int, float]:
-    """Return solution, iterations and relative residual of the regularised Newton iteration on the convex energy."""
+    """Minimise the convex energy by a regularised Newton iteration; return motions [m], steps and relative residual."""
     x = np.where(chain.fixed, chain.prescribed, 0.0)
     free = ~chain.fixed
     total = max(float(np.abs(chain.load).sum()), 1e-300)
@@ -165,23 +213,23 @@ def _newton(chain: _Chain) -> tuple[Array, int, float]:
 
 
 def solve_mei(scene: Scene, *, member: int = 0, elastic_nut: bool = False) -> StaticResult:
-    """Compute contact loads by the axial model.
+    """Compute the contact loads of a ball screw by Mei's axial model.
 
-    Lateral loads, moments and lateral supports are left out and named.
+    Lateral loads, moments and lateral supports are neglected; the result states so in ``left_out``.
 
     Parameters
     ----------
     scene
-        The scene.
+        Screw, nut, balls, supports and loads.
     member
         Number of the specimen, for a scene with random errors.
     elastic_nut
-        Whether the nut is a bar clamped at its left face, as in Mei's model; otherwise rigid, as in ``lin``.
+        Whether the nut is a bar clamped at its left face, as in Mei's model; otherwise it is rigid, as in the model lin.
 
     Returns
     -------
     StaticResult
-        The result; an axial load that nothing can carry is reported in ``status``.
+        Loads and axial motions; if nothing can carry the axial load, ``status`` says so.
 
     References
     ----------
@@ -240,7 +288,7 @@ def solve_mei(scene: Scene, *, member: int = 0, elastic_nut: bool = False) -> St
         "interpreted",
         "axial bars",
     )
-    nut_text = "the nut is an elastic bar held at its left face" if elastic_nut else "the nut is rigid"
+    nut_text = "the nut is an elastic bar fixed at its left face" if elastic_nut else "the nut is rigid"
     return StaticResult(
         model="mei-nut" if elastic_nut else "mei",
         status=status,

@@ -1,9 +1,9 @@
-"""Contact loads without a full result record: of balls at any positions, and the number of contacts of the nominal screw.
+"""Contact loads of balls at arbitrary positions, and the number of loaded contacts of the screw without errors.
 
-How many contacts the nominal screw loads is what the mean contact load of a scene is divided by. The nominal screw is
-the scene with its preload (oversize of all balls, lead offset), supports and loads, and without all other errors of balls
-and grooves. Its contacts are those that Lin's model (`lin`) finds loaded: one number for a scene, whatever model, mesh or
-drawn specimen the loads are of.
+The mean contact load of a scene is the sum of its contact loads divided by the number of loaded contacts of the nominal
+screw. The nominal screw has the preload (oversize of all balls, lead offset), supports and loads of the scene, but no other
+errors of balls and grooves. Its loaded contacts are counted by Lin's model. Thus there is one number for a scene, whichever
+model, mesh or specimen with random errors is evaluated.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from rollbench.lowfi.statics.problem import centre_distances
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.lowfi.statics.selection import all_sides, choose_sides
 from rollbench.lowfi.statics.settle import contact_angles
-from rollbench.lowfi.statics.static import Build, Engine, Solution, Unheld, pick_engine, solve_sides
+from rollbench.lowfi.statics.static import Build, Engine, Solution, UnrestrainedProblem, pick_engine, solve_sides
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.errors import Specimen, specimen
 from rollbench.meshes.helix import BallLayout, ball_layout
@@ -29,25 +29,37 @@ from rollbench.meshes.parts import BallErrors, Errors, Scene
 
 @dataclass(frozen=True)
 class ContactLoads:
-    """Contact loads of N balls."""
+    """Contact forces and contact angles of N balls, without the other results of a static solution."""
 
     #: Contact forces ``(N, 4)`` [N].
     load: Array
-    #: ``(N, 4)`` [rad]; nan without contact.
+    #: Contact angles ``(N, 4)`` [rad]; nan without contact.
     contact_angle: Array
     #: Hertz constants ``(N, 4)`` [m/N^(2/3)].
     hertz_C: Array
-    #: How the solution ended.
+    #: Whether the solve converged, and if not, the reason.
     status: str
 
     @property
     def converged(self) -> bool:
-        """Whether the loads may be used."""
+        """Return whether the solve converged, so that the contact forces are valid."""
         return self.status == "converged"
 
 
 def beam_loads(scene: Scene, drawn: Specimen, layout: BallLayout, engine: Engine = "auto") -> ContactLoads:
-    """Return the contact loads of balls with errors ``drawn`` at positions ``layout`` by `solve_static`'s model."""
+    """Return the contact loads of balls at arbitrary positions by Lin's model, with the screw as a beam (`solve_static`).
+
+    Parameters
+    ----------
+    scene
+        Screw, nut, balls, supports and loads.
+    drawn
+        Dimensions of the parts with their manufacturing errors.
+    layout
+        Positions of the balls.
+    engine
+        Numerical kernels, as for `solve_static`.
+    """
     known = centre_distances(scene, drawn)
     use = choose_sides(scene, drawn, known)
     return _loads(solve_sides(Build(scene, drawn, layout, use, pick_engine(engine, layout.z.size), known=known)))
@@ -61,17 +73,31 @@ def elastic_loads(
     backend: Backend = REFINED,
     whole: WholeBody = whole_body,
 ) -> ContactLoads:
-    """Return contact loads of balls with errors ``drawn`` at positions ``layout`` with elastic bodies (`solve_elastic`).
+    """Return the contact loads of balls at arbitrary positions with elastic screw, nut and balls (`solve_elastic`).
 
-    whole: computes the compliance of a whole body, see `body_compliance`.
+    Parameters
+    ----------
+    scene
+        Screw, nut, balls, supports and loads.
+    drawn
+        Dimensions of the parts with their manufacturing errors.
+    layout
+        Positions of the balls.
+    engine
+        Numerical kernels, as for `solve_static`.
+    backend
+        Method by which the compliance of screw, nut and balls is computed.
+    whole
+        Function that computes the compliance of a screw or nut as a whole, see `body_compliance`.
     """
     use = all_sides(scene) if drawn.profile.shape[1] else choose_sides(scene, drawn)
     parts = scene, drawn, layout, use, pick_engine(engine, layout.z.size)
     return _loads(solve_sides(ElasticBuild(*parts, backend=backend, whole=whole)))
 
 
-def _loads(solved: Solution | Unheld) -> ContactLoads:
-    if isinstance(solved, Unheld):
+def _loads(solved: Solution | UnrestrainedProblem) -> ContactLoads:
+    """Return the contact forces and angles of a solution; nan for a problem without equilibrium."""
+    if isinstance(solved, UnrestrainedProblem):
         C = solved.problem.C.copy()
         return ContactLoads(np.full(C.shape, np.nan), np.full(C.shape, np.nan), C, solved.status)
     problem, contact, _, _ = solved.system.flanks()[0]
@@ -81,7 +107,7 @@ def _loads(solved: Solution | Unheld) -> ContactLoads:
 
 
 def nominal(scene: Scene) -> Scene:
-    """Return the scene with its preload but without other errors, and without names, on which no number depends.
+    """Return the nominal scene: with its preload by oversized balls and lead offset, but without other errors and names.
 
     Parameters
     ----------
@@ -93,14 +119,15 @@ def nominal(scene: Scene) -> Scene:
 
 
 def nominal_contacts(scene: Scene, solved: StaticResult | None = None) -> int:
-    """Return the number of contacts that the nominal screw loads; 0 where it loads none or has no equilibrium.
+    """Return the number of loaded contacts of the nominal screw; 0 if none is loaded or there is no equilibrium.
 
     Parameters
     ----------
     scene
-        The scene.
+        Screw, nut, balls, supports and loads.
     solved
-        A converged result of the scene, whose contacts are counted where it is of `lin` and the scene has no other errors.
+        Converged result of the scene. Its contacts are counted if it is of the model lin and the scene has no errors except
+        preload, which saves a solve.
     """
     bare = nominal(scene)
     if solved is not None and solved.model == "lin" and bare == replace(scene, name="", title="", assumed=()):
@@ -110,9 +137,10 @@ def nominal_contacts(scene: Scene, solved: StaticResult | None = None) -> int:
 
 @lru_cache(maxsize=256)
 def _contacts(scene: Scene) -> int:
+    """Return the number of loaded contacts of a nominal scene by the model lin, from a cache."""
     layout = ball_layout(scene)
     try:
         result = beam_loads(scene, specimen(scene, layout), layout)
-    except ValueError:  # an impossible scene is reported by its solution
+    except ValueError:  # the solve of the scene itself reports impossible dimensions
         return 0
     return int(np.count_nonzero(result.load > 0.0)) if result.converged else 0

@@ -1,4 +1,4 @@
-"""Arrays of a static problem from its parts, and supports that contradict each other on a rigid screw."""
+"""Arrays of the static problem of one ball screw, and a check whether supports of a rigid screw contradict each other."""
 
 from __future__ import annotations
 
@@ -15,62 +15,64 @@ from rollbench.meshes.helix import BallLayout, groove_radii, nominal_contact_poi
 from rollbench.meshes.parts import FREEDOMS, SIDE_SIGNS, Scene
 from rollbench.meshes.section import MERGE, BeamSection, beam_nodes, contact_stations, screw_section
 
-#: Signs of the contact directions, shape (4, 2).
+#: Signs of radial and axial component of the direction from ball to groove, for each flank SL, SR, NL, NR ``(4, 2)``.
 SIGNS = np.array(SIDE_SIGNS)
 
 
 @dataclass(frozen=True)
 class Problem:
-    """Arrays of one static problem with n nodes, N balls and m = 6 or 12 freedoms per flank."""
+    """Arrays of the static problem of a ball screw: n beam nodes, N balls, m = 6 or 12 node motions that move a flank."""
 
-    #: The scene.
+    #: Scene: screw, nut, balls, supports and loads.
     scene: Scene
     #: Positions of the balls.
     layout: BallLayout
-    #: Parts with their errors.
+    #: Dimensions of the parts with their manufacturing errors.
     drawn: Specimen
-    #: Stations of the beam's nodes ``(n,)`` [m].
+    #: Axial positions of the beam's nodes ``(n,)`` [m].
     nodes: Array
-    #: Section of the screw.
+    #: Cross-section of the screw.
     section: BeamSection
-    #: Fixed freedoms ``(n, 6)``.
+    #: Which degrees of freedom of the nodes are fixed ``(n, 6)``.
     fixed: NDArray[np.bool_]
-    #: Values of the fixed freedoms ``(n, 6)`` [m, rad].
+    #: Prescribed values of the fixed degrees of freedom ``(n, 6)`` [m, rad].
     prescribed: Array
     #: Loads on the nodes ``(n, 6)`` [N, N m].
     load: Array
-    #: First node that moves each screw flank of a ball ``(N, 2)``.
+    #: First node whose motion moves each screw flank at a ball ``(N, 2)``.
     node: NDArray[np.int64]
-    #: Motion of those flanks in the section plane by the nodes' motions ``(N, 2, 2, m)``.
+    #: Motions of these flanks in the plane of the ball's section ``(N, 2, 2, m)``, per unit motion of that node, or of the
+    #: two nodes of its element.
     B: Array
-    #: Contacts as the kernels take them ``(N, 4, 9)``, see ``kernel.ball``.
+    #: Geometry and Hertz constant of each contact for the kernels ``(N, 4, 9)``, see ``kernel.ball``.
     geometry: Array
-    #: Nominal interference of the diagonal pairs of flanks ``(N, 2)`` [m].
+    #: Nominal interference of ball and grooves across each diagonal pair of flanks ``(N, 2)`` [m].
     closure: Array
-    #: Flanks that are built ``(4,)``.
+    #: Which of the flanks SL, SR, NL, NR have contacts ``(4,)``.
     use: NDArray[np.bool_]
-    #: Number of beam elements left out.
+    #: Number of beam elements left out because they carry no load.
     left_out_elements: int
-    #: For a rigid screw, motions by the free and fixed coordinates ``(6, 6)``; else None.
+    #: For a rigid screw, the matrix ``(6, 6)`` from its free and fixed coordinates to its motions; None for a beam.
     basis: Array | None = None
-    #: Freedoms of the first node (columns of the basis) that are fixed because nothing drives or resists them.
+    #: Degrees of freedom of the first node (for a rigid screw, columns of the basis) that are fixed although no support
+    #: fixes them, because no load drives and nothing resists them.
     pins: tuple[int, ...] = ()
-    #: Section of every element, where they differ.
+    #: Cross-section of every beam element; None: ``section`` everywhere.
     sections: tuple[BeamSection, ...] | None = None
 
     @property
     def C(self) -> Array:
-        """Hertz constants of each ball and flank ``(N, 4)`` [m/N^(2/3)], a view that is updated in place."""
+        """Return a view of the Hertz constants C ``(N, 4)`` [m/N^(2/3)] in approach = C Q^(2/3) at force Q."""
         return self.geometry[:, :, 4]
 
     @property
     def unknowns(self) -> int:
-        """Number of free motions of the screw; centres and contact angles of the balls are eliminated."""
+        """Return the number of unknown motions of the screw; the balls' positions are eliminated and do not count."""
         return int(np.count_nonzero(~self.fixed))
 
     @property
     def half_bandwidth(self) -> int:
-        """Half bandwidth of the stiffness matrix."""
+        """Return the half bandwidth of the screw's stiffness matrix, coupling by balls included."""
         width = 11 if self.nodes.size > 1 else 5
         used = [s for s in range(2) if self.use[s]]
         if used:
@@ -82,41 +84,46 @@ class Problem:
 
 @dataclass(frozen=True)
 class SolvedState:
-    """Motions, contacts and reactions at the end of a solve, with n nodes and N balls."""
+    """Solution of a static problem with n beam nodes and N balls: motions, contact forces and support reactions."""
 
-    #: The problem.
+    #: Arrays of the problem.
     problem: Problem
     #: Motion of the nodes ``(n, 6)`` [m, rad].
     motion: Array
-    #: Shifts of the balls in their sections ``(N, 2)`` [m].
+    #: Displacements of the ball centres in their section planes ``(N, 2)`` [m].
     centre: Array
     #: Contact forces ``(N, 4)`` [N].
     force: Array
     #: Unit vectors from ball to groove in the section ``(N, 4, 2)``.
     normal: Array
-    #: Of the supports on the nodes ``(n, 6)`` [N, N m]; zero for a rigid screw, whose reactions follow from the balance.
+    #: Forces and moments of the supports on the nodes ``(n, 6)`` [N, N m]. They are zero for a rigid screw, whose reactions
+    #: follow from its equilibrium.
     reactions: Array
-    #: Motions of the flanks in the section ``(N, 4, 2)`` [m]; None where all flanks are circular arcs.
+    #: Motions of the flanks in the plane of the ball's section ``(N, 4, 2)`` [m]; None if all flanks are circular arcs.
     shifts: Array | None
-    #: Largest force met [N].
+    #: Largest contact force during the iteration [N].
     scale: float
 
 
 def pack_geometry(
     scene: Scene, drawn: Specimen, C: Array, use: NDArray[np.bool_], known: tuple[Array, Array] | None = None
 ) -> tuple[Array, Array]:
-    """Return the contacts ``(N, 4, 9)`` and pair closures ``(N, 2)`` [m] as the kernels take them (see ``kernel.ball``).
+    """Return the kernels' array of contact data ``(N, 4, 9)``, and the interference of each ball across flank pairs.
+
+    The layout of the first array is described in ``kernel.ball``. The second has shape ``(N, 2)`` [m].
 
     Parameters
     ----------
-    scene, drawn
-        The scene and its parts with their errors.
+    scene
+        Nominal screw, nut and balls.
+    drawn
+        Dimensions of the parts with their manufacturing errors.
     C
         Hertz constants ``(N, 4)`` or ``(4,)`` [m/N^(2/3)].
     use
-        Flanks that are built ``(4,)``.
+        Which of the flanks SL, SR, NL, NR have contacts ``(4,)``.
     known
-        `distances` of the parts, where they have been computed.
+        Result of `centre_distances` for these parts; None: computed here.
     """
     offset, closure = known or centre_distances(scene, drawn)
     n = offset.shape[0]
@@ -130,16 +137,17 @@ def pack_geometry(
 
 
 def centre_distances(scene: Scene, drawn: Specimen | Specimens) -> tuple[Array, Array]:
-    """Return the distances of ball centres and groove centres, and the interference of diagonal pairs of flanks.
+    """Return the distances between ball centres and groove centres, and the interference across diagonal pairs of flanks.
 
-    Built from differences, so that a nominal contact has an approach of zero to round-off of its errors.
+    The approach is computed from deviations, so that parts without errors have an approach of exactly zero, and small
+    errors lose no digits.
 
     Parameters
     ----------
     scene
-        The scene.
+        Nominal screw, nut and balls.
     drawn
-        Its parts with their errors, of one specimen or many.
+        Dimensions of the parts with their manufacturing errors, of one specimen or many.
 
     Returns
     -------
@@ -161,32 +169,42 @@ def centre_distances(scene: Scene, drawn: Specimen | Specimens) -> tuple[Array, 
 
 
 def largest_interference(problem: Problem) -> float:
-    """Return the interference of the tightest ball [m]; zero where it is below the round-off of the lengths."""
+    """Return the interference of the tightest ball [m]; zero if it is within the round-off of the coordinates."""
     closed = float(problem.closure.max(initial=0.0))
     return closed if closed > round_off_approach(problem) else 0.0
 
 
 def round_off_approach(problem: Problem) -> float:
-    """Return the approach [m] that is round-off of the lengths that make it."""
+    """Return the contact approach [m] that round-off of the coordinates can feign: 16 machine epsilons of a ball radius."""
     return 16.0 * float(np.finfo(float).eps) * problem.scene.balls.radius
 
 
 def _length(x: Array, z: Array) -> Array:
-    """Return length of vectors by operations that round alike everywhere (numpy's hypot depends on memory alignment)."""
+    """Return the length of vectors (x, z), rounded alike wherever they lie in memory, unlike numpy's hypot."""
     return np.asarray(np.sqrt(x * x + z * z))
 
 
 def flank_rows(parts: tuple[Scene, Specimen, BallLayout, Array | None], side: int, origin_z: Array) -> Array:
-    """Return rows e . (u + theta x r) that give the motion of the flank's loaded point from u, theta at ``origin_z``.
+    """Return the matrix from a body's six motions to the motion of one of its flanks at each ball.
 
-    That point is the groove's centre of curvature, which lies on every line of action of the arc (plus ``arms`` ``(N, 4,
-    2)``
-    where the profile is no arc), or, with frozen arms, the nominal contact point.
+    The rows are e . (u + theta x r), with displacement u and rotation theta of the body, arm r and axis e of the ball's
+    section. The arm ends at the groove's centre of curvature, because the force on a circular arc always acts through it.
+    With the lever arm "nominal", r ends at the nominal contact point instead.
+
+    Parameters
+    ----------
+    parts
+        Scene, dimensions with errors, ball positions, and extra lever arms ``(N, 4, 2)`` [m] for flanks that are not
+        circular arcs (None: none).
+    side
+        Number of the flank in the order SL, SR, NL, NR.
+    origin_z
+        Axial position [m] of the point at which the body's motion is taken, for each ball ``(N,)``.
 
     Returns
     -------
     Array
-        ``(..., N, 2, 6)``, for both axes e of each ball's section.
+        ``(..., N, 2, 6)``: both axes e of each ball's section, six motions.
     """
     scene, drawn, layout, arms = parts
     if scene.ingredients.arm == "nominal":
@@ -200,12 +218,21 @@ def flank_rows(parts: tuple[Scene, Specimen, BallLayout, Array | None], side: in
 
 
 def wrench_rows(layout: BallLayout, r: Array) -> Array:
-    """Return rows (e, r x e) for both axes e of each ball's section at points r ``(..., N, 3)`` [m].
+    """Return the matrix from a body's six motions about its origin to the motion of points r, in each ball's section plane.
+
+    The rows are (e, r x e) for both axes e of the section plane.
+
+    Parameters
+    ----------
+    layout
+        Positions and section planes of the N balls.
+    r
+        Points ``(..., N, 3)`` [m] of the body.
 
     Returns
     -------
     Array
-        ``(..., N, 2, 6)``: motions there by those of the body about its origin.
+        ``(..., N, 2, 6)``.
     """
     rows = np.empty((*r.shape[:-1], 2, 6))
     rows[..., 0, :3], rows[..., 1, :3] = layout.radial, layout.binormal
@@ -216,14 +243,19 @@ def wrench_rows(layout: BallLayout, r: Array) -> Array:
 
 
 def lever_arms(problem: Problem, centre: Array) -> Array:
-    """Return ``Problem.B`` of k specimens ``(k, N, 2, 2, m)`` from the centres of their grooves ``(k, N, 4, 2)`` [m].
+    """Return the matrices from node motions to flank motions (`Problem.B`) for k specimens of a ball screw with errors.
 
     Parameters
     ----------
     problem
-        The static problem of N balls.
+        Static problem of one specimen, with N balls.
     centre
-        Centres of the grooves' arcs, ``(k, N, 4, 2)`` [m].
+        Centres of the groove arcs of all specimens in the section planes ``(k, N, 4, 2)`` [m].
+
+    Returns
+    -------
+    Array
+        ``(k, N, 2, 2, m)``.
     """
     parts = (problem.scene, replace(problem.drawn, centre=centre), problem.layout, None)
     B = np.zeros((len(centre), *problem.B.shape))
@@ -240,14 +272,20 @@ def lever_arms(problem: Problem, centre: Array) -> Array:
 
 
 def _supports(scene: Scene, nodes: Array) -> tuple[NDArray[np.bool_], Array, Array]:
-    """Return fixed freedoms, their values, and loads of the nodes, ``(n, 6)`` each; ValueError for one fixed twice."""
+    """Return the fixed degrees of freedom of the nodes, their prescribed values, and the nodal loads, ``(n, 6)`` each.
+
+    Raises
+    ------
+    ValueError
+        If two supports fix the same degree of freedom of one node.
+    """
     fixed = np.zeros((nodes.size, 6), dtype=bool)
     prescribed, load = np.zeros((nodes.size, 6)), np.zeros((nodes.size, 6))
     for support in scene.supports:
         j = int(np.abs(nodes - support.at).argmin())
         for name, value in support.fixed:
             if fixed[j, FREEDOMS.index(name)]:
-                raise ValueError(f"two supports hold {name} at {1e3 * support.at:g} mm, less than {1e6 * MERGE:g} um apart")
+                raise ValueError(f"two supports less than {1e6 * MERGE:g} um apart fix {name} at {1e3 * support.at:g} mm")
             fixed[j, FREEDOMS.index(name)] = True
             prescribed[j, FREEDOMS.index(name)] = value
     for x in scene.loads:
@@ -270,29 +308,33 @@ def build(
     section: BeamSection | None = None,
     known: tuple[Array, Array] | None = None,
 ) -> Problem:
-    """Return the arrays of the static problem.
+    """Return the arrays of the static problem of a ball screw.
 
     Parameters
     ----------
-    scene, drawn, layout
-        The scene, its parts with their errors, positions of the balls.
+    scene
+        Screw, nut, balls, supports and loads.
+    drawn
+        Dimensions of the parts with their manufacturing errors.
+    layout
+        Positions of the balls.
     use
-        Flanks to build ``(4,)``.
+        Which of the flanks SL, SR, NL, NR get contacts ``(4,)``.
     everything
-        Whether the shaft without influence is built too.
+        Whether to model also the ends of the shaft that carry no load.
     refine
-        Elements that each beam element is split into.
+        Number of elements that each beam element is split into.
     arms
-        Additional lever arms ``(N, 4, 2)`` [m], see `flank_rows`.
+        Extra lever arms of the contacts ``(N, 4, 2)`` [m], see `flank_rows`; None: none.
     section
-        Section of the screw in place of the scene's (Lin C.8).
+        Cross-section of the screw; None: computed from the scene's dimensions (Lin C.8).
     known
-        `distances` of the parts, where they have been computed.
+        Result of `centre_distances` for these parts; None: computed here.
 
     Raises
     ------
     ValueError
-        Supports that contradict each other.
+        If supports contradict each other.
     """
     parts = (scene, drawn, layout, arms)
     geometry, closure = pack_geometry(scene, drawn, hertz_C(scene, drawn), use, known)
@@ -328,6 +370,7 @@ def build(
 
 
 def _nearest(nodes: Array, stations: Array) -> NDArray[np.int64]:
+    """Return the index of the nearest of the sorted nodes for each axial position."""
     j = np.clip(np.searchsorted(nodes, stations), 1, nodes.size - 1)
     return np.where(stations - nodes[j - 1] < nodes[j] - stations, j - 1, j).astype(np.int64)
 
@@ -339,9 +382,14 @@ def _rigid(
     closure: Array,
     section: BeamSection,
 ) -> Problem:
-    """Return the problem of a rigid screw, its motion taken at the nut's centre.
+    """Return the static problem of a rigid screw, whose six motions are taken at the nut's centre.
 
-    Supports are linear constraints on that motion; ValueError where they contradict each other.
+    The supports are linear constraints on these motions.
+
+    Raises
+    ------
+    ValueError
+        If supports contradict each other.
     """
     scene, drawn, layout, _ = parts
     z0 = scene.nut.position
@@ -371,37 +419,38 @@ def _rigid(
     return Problem(scene, layout, drawn, *shaft, geometry, closure, use, 0, to_motion)
 
 
-#: Part of a constraint that must be new, relative to its size, for it to count as independent of those before it.
+#: A constraint counts as independent of earlier ones if their best combination differs from it by more than this, relative
+#: to its norm.
 INDEPENDENT = 1e-9
-#: Difference of prescribed values that counts as none, relative to the largest of them.
+#: Two prescribed values count as equal if they differ by less than this, relative to the largest prescribed value.
 AGREES = 1e-9
 
 
 @dataclass(frozen=True)
 class Held:
-    """One freedom fixed by a support."""
+    """One degree of freedom of the screw that a support fixes, with its prescribed value."""
 
     #: Number of the support in the scene, from 0.
     support: int
-    #: Name of the freedom.
+    #: Name of the degree of freedom.
     freedom: str
-    #: Prescribed value of the freedom [m or rad].
+    #: Prescribed value [m or rad].
     value: float
 
 
 @dataclass(frozen=True)
 class Contradiction:
-    """Freedom of a rigid screw that other supports already fix at another value."""
+    """Degree of freedom of a rigid screw whose prescribed value differs from the one that other supports imply."""
 
-    #: The freedom and its value.
+    #: The degree of freedom with its prescribed value.
     held: Held
-    #: Value that the others give it [m or rad].
+    #: Value that the other supports imply [m or rad].
     implied: float
-    #: Other freedoms that imply this value.
+    #: Fixed degrees of freedom of other supports that imply this value.
     by: tuple[Held, ...]
 
     def message(self, scene: Scene) -> str:
-        """Return the contradiction as one sentence, with stations in mm."""
+        """Return the contradiction as one sentence for the user, with the supports' axial positions in mm."""
         names = ", ".join(f"{x.freedom} at {_station(scene, x)}" for x in self.by)
         contradicted = f"{self.held.freedom} at {_station(scene, self.held)}"
         return (
@@ -411,28 +460,29 @@ class Contradiction:
 
 
 def _station(scene: Scene, held: Held) -> str:
+    """Return the axial position and the key of a support as text, for example "120 mm (supports[1])"."""
     return f"{1e3 * scene.supports[held.support].at:g} mm (supports[{held.support}])"
 
 
 def show(held: Held) -> str:
-    """Return the value of a fixed freedom as text with its unit, um or mrad.
+    """Return the prescribed value of a fixed degree of freedom as text: um for a displacement, mrad for a rotation.
 
     Parameters
     ----------
     held
-        A fixed freedom with its value.
+        Fixed degree of freedom with its value.
     """
     return f"{1e6 * held.value:.6g} um" if held.freedom in FREEDOMS[:3] else f"{1e3 * held.value:.6g} mrad"
 
 
 def rigid_rows(scene: Scene) -> tuple[Array, Array, list[Held]]:
-    """Return the constraints of the supports on a rigid screw.
+    """Return the supports of a rigid screw as k linear constraints on its six motions at the nut's centre.
 
     Returns
     -------
     tuple[Array, Array, list[Held]]
-        Rows ``(k, 6)`` on its motion at the nut's centre, values ``(k,)``, and the fixed freedoms. Rotations count as
-        lengths at the pitch radius in rows and values [m].
+        Matrix ``(k, 6)`` and right-hand side ``(k,)`` [m] of the constraints, and the k fixed degrees of freedom. Rotations
+        are multiplied by the pitch radius.
     """
     arm = scene.track.pitch_radius
     scale = np.array([1.0, 1.0, 1.0, 1.0 / arm, 1.0 / arm, 1.0 / arm])
@@ -446,12 +496,17 @@ def rigid_rows(scene: Scene) -> tuple[Array, Array, list[Held]]:
 
 
 def contradiction(scene: Scene) -> Contradiction | None:
-    """Return the first fixed freedom that earlier ones fix at another value if the screw is rigid; None where all agree.
+    """Return the first prescribed displacement of a rigid screw that contradicts the supports before it.
 
     Parameters
     ----------
     scene
         Screw with supports.
+
+    Returns
+    -------
+    Contradiction | None
+        None if all supports agree.
     """
     rows, values, held = rigid_rows(scene)
     size = float(np.abs(values).max(initial=0.0))

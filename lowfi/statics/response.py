@@ -1,7 +1,7 @@
-"""Compliance of a scene's shaft and bodies at the contacts, and the flanks of a problem as the kernels take them.
+"""Compliance of shaft, screw and nut at the contacts, and arrays of the flanks' motions for the numerical kernels.
 
-Responses do not depend on the loads and the radii of the balls. They are cached for the problems that share them: load
-cases, samples of a sweep, a scene with and without its loads.
+The compliance depends neither on the loads nor on the radii of the balls. It is cached, because load cases, sweeps over
+loads and specimens with other ball radii share it.
 """
 
 from __future__ import annotations
@@ -43,90 +43,103 @@ if TYPE_CHECKING:
     from rollbench.lowfi.compliance.bodies import Condensed
 
 
-#: Largest number of balls whose responses are kept.
+#: Largest number of balls up to which compliance is cached.
 KEPT = 250
-#: Share of a contact's tangent compliance that Hertz's law may lend to the bodies: it falls with the force's cube root, and
-#: is left positive up to 64 times the typical force.
+#: Largest share of a contact's tangent compliance that is moved from Hertz's law to the bodies. The tangent compliance
+#: falls with the cube root of the force; with this share the remaining part is positive up to 64 times the typical force.
 LENT = 0.25
 
 
 def by_ball(N: int, sides: int) -> NDArray[np.int64]:
-    """Return the indices of (ball, flank, axis) in arrays ordered flank after flank, ``(N * sides * 2,)``."""
+    """Return the permutation ``(N * sides * 2,)`` from the order (flank, ball, axis) to the order (ball, flank, axis)."""
     return np.arange(sides * N * 2).reshape(sides, N, 2).swapaxes(0, 1).ravel()
 
 
 def of_both(G: Array, used: NDArray[np.bool_], N: int) -> Array:
-    """Return compliance ``(4 N, 4 N)`` of both flanks of a body from that of its ``used`` ones ``(2,)``, zero elsewhere."""
+    """Return the compliance ``(4 N, 4 N)`` of both flanks of a body, with zeros for a flank that is not in use.
+
+    Parameters
+    ----------
+    G
+        Compliance matrix of the flanks in use [m/N].
+    used
+        Which of the two flanks are in use ``(2,)``.
+    N
+        Number of balls.
+    """
     full, on = np.zeros((4 * N, 4 * N)), np.tile(np.repeat(used, 2), N)
     full[np.ix_(on, on)] = G
     return full
 
 
 def positive(G: Array, normals: Array, tangent: float) -> tuple[Array, Array, float]:
-    """Return a compliance without negative eigenvalues, which would make the energy concave.
+    """Remove the negative eigenvalues of a body's compliance, which would make the energy non-convex.
 
-    Near a fixed face a body adds less than nothing to a contact's motion. Where that is no more than `LENT` of the
-    ``tangent``
-    compliance of a contact [m/N], it is moved into the contact's law, which loses it, and the sum is exact.
+    Near a fixed face the compliance of a body, beyond the one that Hertz's law contains, is negative. The missing
+    compliance is added to the body along the contact's normal and must be subtracted from the contact's law, so that the
+    sum is exact. At most the share `LENT` of a contact's tangent compliance is moved; what stays negative is set to zero.
 
     Parameters
     ----------
     G
-        Compliance ``(2 n, 2 n)`` [m/N].
+        Compliance matrix ``(2 n, 2 n)`` [m/N] between n contacts.
     normals
-        Of the contacts ``(n, 2)``.
+        Unit normals of the contacts ``(n, 2)``.
     tangent
         Tangent compliance of a contact [m/N].
 
     Returns
     -------
     tuple[Array, Array, float]
-        G without negative eigenvalues, what was added along the contacts' normals to that end ``(n,)`` [m/N], and the
-        largest negative eigenvalue that was removed nonetheless [m/N].
+        G without negative eigenvalues; compliance that was added along the normals ``(n,)`` [m/N]; and the magnitude of the
+        largest negative eigenvalue that was set to zero [m/N].
     """
     mended, lent, cut = Compliance(G, normals).positive(tangent)
     return mended.G, lent, cut
 
 
 class Compliance:
-    """Compliance between contacts, with derived quantities that are computed once; read-only."""
+    """Compliance matrix of a body between n contacts; derived quantities are computed once, so that it is read-only."""
 
     def __init__(self, G: Array, normals: Array) -> None:
-        """Store a compliance G ``(2 n, 2 n)`` [m/N] between contacts of ``normals`` ``(n, 2)``."""
+        """Store the compliance matrix ``G`` ``(2 n, 2 n)`` [m/N] and the unit ``normals`` of the contacts ``(n, 2)``."""
         self.G, self.normals = np.ascontiguousarray(G), normals
 
     @cached_property
     def is_positive(self) -> bool:
-        """Whether it has no negative eigenvalues but for round-off."""
+        """Return whether the matrix has no negative eigenvalues apart from round-off."""
         return _is_positive(self.G)
 
     @cached_property
     def lacks(self) -> Array:
-        """Compliance missing along the normals ``(n,)`` [m/N], by the negative eigenvalues."""
+        """Return the compliance that is missing along each normal ``(n,)`` [m/N] for the matrix to be positive.
+
+        It is bounded by the sum of magnitudes in the row of the matrix's negative part.
+        """
         negative = negative_part(self.G)[0].reshape(len(self.normals), 2, -1, 2)
         missing = np.einsum("ia,iajb,jb->ij", self.normals, negative, self.normals)
         return np.asarray(np.abs(missing).sum(axis=1))
 
     @cached_property
     def mended(self) -> tuple[Compliance, float]:
-        """Result of `lending` all that is missing."""
+        """Return the matrix with all missing compliance added, and the eigenvalue that was set to zero, see `lending`."""
         return self.lending(self.lacks)
 
     def lending(self, lent: Array) -> tuple[Compliance, float]:
-        """Return the compliance with additions along the normals, and without what stays negative.
+        """Add compliance along the normals, and set eigenvalues that are still negative to zero.
 
-        Contacts without a normal, those of rollers, move as the beam does, which nothing may be taken from: of the others
-        the negative part is that of the compliance with the forces on contacts without a normal eliminated.
+        Rollers have no normal here; they move with the beam alone, whose compliance must not change. The negative
+        eigenvalues are therefore those of the other contacts while the rollers do not move (`reduced`).
 
         Parameters
         ----------
         lent
-            Additions ``(n,)`` [m/N].
+            Compliance to add at each contact ``(n,)`` [m/N].
 
         Returns
         -------
         tuple[Compliance, float]
-            The compliance, and the largest negative eigenvalue that was removed [m/N].
+            The positive compliance, and the magnitude of the largest negative eigenvalue that was set to zero [m/N].
         """
         contact, G = np.arange(lent.size), self.G.copy()
         across = self.normals[:, :, None] * self.normals[:, None, :]
@@ -139,7 +152,10 @@ class Compliance:
         return Compliance(G, self.normals), max(0.0, -least)
 
     def positive(self, tangent: float) -> tuple[Compliance, Array, float]:
-        """Return the compliance without negative eigenvalues, as the function `positive`."""
+        """Return the compliance without negative eigenvalues, what was added, and what was set to zero [m/N].
+
+        See the function `positive`; ``tangent`` is the tangent compliance of a contact [m/N].
+        """
         if self.is_positive:
             return self, np.zeros(len(self.normals)), 0.0
         lent = np.minimum(self.lacks, LENT * tangent)
@@ -148,9 +164,9 @@ class Compliance:
 
 
 def reduced(G: Array, kept: NDArray[np.bool_]) -> Array:
-    """Return the compliance of the ``kept`` freedoms while the others do not move (Schur complement).
+    """Return the compliance of the ``kept`` degrees of freedom while all others are fixed (Schur complement).
 
-    The others' compliance may be singular: rollers on one node move together.
+    The compliance of the others may be singular, since rollers on one node move together.
     """
     if kept.all():
         return G
@@ -161,6 +177,7 @@ def reduced(G: Array, kept: NDArray[np.bool_]) -> Array:
 
 
 def _is_positive(G: Array) -> bool:
+    """Return whether a symmetric matrix is positive semidefinite, by a Cholesky factor with a slightly raised diagonal."""
     if G.size == 0:
         return True
     raised, diagonal = G.copy(), np.arange(len(G))
@@ -173,60 +190,64 @@ def _is_positive(G: Array) -> bool:
 
 
 def normals_of(geometry: Array) -> Array:
-    """Return unit vectors of contacts ``(..., 2)`` from the geometry of flanks (`lowfi.statics.kernel.ball`)."""
+    """Return the unit normals of contacts ``(..., 2)`` from their geometry ``(..., 9)`` (`lowfi.statics.kernel.ball`)."""
     return np.asarray(geometry[..., :2] / np.maximum(geometry[..., 2:3], 1e-30))
 
 
 def typical_axes(problem: Problem, force: float) -> tuple[float, float]:
-    """Return the semi-axes of a contact under a force [N], across the groove and along it [m]."""
+    """Return the semi-axes of the mean contact ellipse under a force [N]: across the groove and along it [m]."""
     constants, grow = error_free_hertz(problem.scene), float(np.cbrt(force))
     return float(np.mean(constants.C_a)) * grow, float(np.mean(constants.C_b)) * grow
 
 
 def one_pair(problem: Problem) -> tuple[int, int] | None:
-    """Return the only diagonal pair of flanks in use, the screw's first; None where there are two or flanks are no arcs."""
+    """Return the numbers of the two flanks of the only diagonal pair in use, the screw's flank first.
+
+    None if all four flanks are in use or the flanks are not circular arcs.
+    """
     if problem.drawn.profile.shape[1] or np.all(problem.use):
         return None
     a = 0 if problem.use[0] else 1
     return a, 3 - a
 
 
-#: Compliance between no contacts.
+#: Empty compliance, between zero contacts.
 NOTHING = Compliance(np.zeros((0, 0)), np.zeros((0, 2)))
 
 
 @dataclass(frozen=True)
 class Response:
-    """Compliance of shaft and bodies, whatever the loads, the prescribed displacements and the radii of the balls.
+    """Compliance of shaft, screw and nut at the contacts of N balls; independent of loads and ball radii.
 
-    Besides Hertz's law the approach of a contact has a linear term e and a term h F^(4/3), for N balls and k free motions.
+    In addition to Hertz's law, the approach of a contact has a linear term e F and a term h F^(4/3) of its force F.
     """
 
-    #: Beam of the screw under some loads.
+    #: Beam of the screw with k free rigid motions, under the loads of the first problem that used this compliance.
     shaft: Shaft
-    #: Compliance of screw and nut on their built flanks, ball by ball [m/N].
+    #: Compliance matrices of screw and nut between their flanks in use, ordered ball by ball [m/N].
     bodies: tuple[Array, Array]
-    #: Compliance of both together for one pair of flanks, or of each on all its flanks.
+    #: Compliance that the kernels use: the sum of screw and nut if one diagonal pair of flanks is in use, else each of them
+    #: with all its flanks.
     solved: tuple[Compliance, ...]
-    #: Motion of the screw's flanks by the free motions ``(N, 2, 2, k)``.
+    #: Motions of the screw's flanks per metre of the free rigid motions ``(N, 2, 2, k)``.
     R: Array
-    #: Coupling of contact and section forces of the shaft under those loads; None without it.
+    #: Coupling of contact deformation and section forces of the shaft, under the same loads; None: not modelled.
     squeeze: Squeeze | None
-    #: Compliance of the balls at 1 N.
+    #: Compliance of the balls at a force of 1 N.
     ball: BallCompliance
-    #: Linear compliance of each flank's contacts at a force of 1 N ``(4,)`` [m/N].
+    #: Linear compliance e of the contacts at each flank, for a contact ellipse at 1 N ``(4,)`` [m/N].
     e: Array
-    #: ``(4,)`` [m/N^(4/3)], apart from what the slope contributes.
+    #: Factor h of F^(4/3) ``(4,)`` [m/N^(4/3)], without the contribution of ``slope``.
     h: Array
-    #: Derivative of e by the logarithm of the contact's size ``(4,)`` [m/N].
+    #: Derivative of e by the logarithm of the size of the contact ellipse ``(4,)`` [m/N].
     slope: Array
-    #: Assumptions about the bodies.
+    #: Assumptions about the bodies, as sentences for the report.
     assumed: tuple[str, ...]
 
 
 @dataclass(frozen=True)
 class _Asked:
-    """Request for a response; equal requests have equal ``key``."""
+    """Input of a compliance computation, as argument of the cache; inputs with equal ``key`` have the same result."""
 
     key: tuple[object, ...]
     problem: Problem = field(compare=False)
@@ -237,9 +258,22 @@ class _Asked:
 def response_of(
     problem: Problem, layout: BallLayout, backend: Backend, condensed: Condensed | None, whole: WholeBody
 ) -> Response:
-    """Return the response of a problem for a backend, not to be written to.
+    """Return the compliance of shaft, screw and nut for a problem. The result may be shared and must not be changed.
 
-    Not cached for balls that travel, whose positions do not recur. whole: see `body_compliance`.
+    It is not cached if it comes from a 3D model or from another function ``whole``, or if there are more than `KEPT` balls.
+
+    Parameters
+    ----------
+    problem
+        Static problem.
+    layout
+        Positions of the balls.
+    backend
+        Method by which the compliance of screw, nut and balls is computed.
+    condensed
+        Compliance condensed from a 3D model, in place of a computed one; None: computed.
+    whole
+        Function that computes the compliance of a screw or nut as a whole, see `body_compliance`.
     """
     if condensed is not None or whole is not whole_body or layout.z.size > KEPT:
         return _response(problem, layout, backend, condensed, whole)
@@ -252,14 +286,14 @@ def response_of(
 
 @lru_cache(maxsize=4)
 def kept_response(asked: _Asked) -> Response:
-    """Return the requested response from a cache of the last four."""
+    """Return the compliance of shaft, screw and nut from a cache of the last four; computed if it is not there."""
     return _response(asked.problem, asked.layout, asked.backend, None, whole_body)
 
 
 def _response(
     problem: Problem, layout: BallLayout, backend: Backend, condensed: Condensed | None, whole: WholeBody
 ) -> Response:
-    """Return the response, which is not in the cache."""
+    """Compute the compliance of shaft, screw and nut without the cache; parameters as for `response_of`."""
     scene, shaft, N = problem.scene, shaft_of(problem), layout.z.size
     axes = typical_axes(problem, 1.0)
     ball = ball_compliance(scene, axes, backend)
@@ -303,56 +337,59 @@ def _response(
 
 
 def forget() -> None:
-    """Clear the caches of bodies, so that the next solve is timed with its set-up."""
+    """Clear all caches of compliance, so that the measured time of the next solve includes its computation."""
     forget_bodies()
     kept_response.cache_clear()
 
 
-#: Largest number of balls: compliance between all contacts is formed whole, so memory and set-up grow as its square.
+#: Largest number of balls. The compliance matrix between all contacts is dense, so that memory grows as its square.
 LARGEST = 1000
 
 
 @dataclass(frozen=True)
 class Flanks:
-    """Motions of the flanks of all N balls by forces: four flanks each (d = 8 motions), or a pair's relative motion (2)."""
+    """Compliance of all flanks under N balls, and terms of the contact law besides Hertz, under given loads.
 
-    #: Compliance as the kernels take it.
+    The kernels take either the 8 motions of the four flanks of each ball, or the 2 relative motions of one diagonal pair.
+    """
+
+    #: Compliance of the bodies as arrays for the kernels.
     bodies: Bodies
-    #: Linear compliance besides Hertz ``(N, 4)`` [m/N].
+    #: Linear compliance of each contact in addition to Hertz's law ``(N, 4)`` [m/N].
     e: Array
-    #: Factor of F^(4/3) besides Hertz ``(N, 4)`` [m/N^(4/3)].
+    #: Factor of F^(4/3) in each contact's approach in addition to Hertz's law ``(N, 4)`` [m/N^(4/3)].
     h: Array
-    #: Largest negative compliance that was removed, over a contact's.
+    #: Magnitude of the largest negative compliance that was set to zero, relative to the compliance of a contact.
     clipped: float
-    #: What the flanks' motions are computed from again: compliance of screw and nut on the built flanks, v0 ``(N, 2, 2)``
-    #: and R ``(N, 2, 2, k)`` of the screw's flanks.
+    #: Terms of the flanks' motions for the result: compliance matrices of screw and nut between flanks in use, and motions
+    #: of the screw's flanks by loads ``(N, 2, 2)`` and per metre of its free rigid motions ``(N, 2, 2, k)``.
     kept: tuple[Array, Array, Array, Array]
-    #: Derivative of e by the logarithm of the cube root of the typical force ``(4,)`` [m/N], which h has over that root.
+    #: Derivative of e by the logarithm of s, the cube root of the typical force, ``(4,)`` [m/N]; h contains slope / s.
     slope: Array
-    #: Largest compliance moved from a contact's law to the bodies [m/N], see `positive`.
+    #: Largest compliance that was moved from a contact's law to the bodies [m/N], see `positive`.
     lent: float
-    #: Coupling with the shaft's section forces, where it carries load beyond the contacts.
+    #: Coupling with the shaft's section forces; None: not modelled.
     squeeze: Squeeze | None = None
 
 
 def contact_compliance(problem: Problem, force: float) -> float:
-    """Return the tangent compliance of a contact [m/N] under a force [N]."""
+    """Return the tangent compliance of a contact [m/N] under a force [N], by Hertz's law with the mean constant."""
     return float(1.0 / contact_stiffness(force, float(np.mean(problem.C))))
 
 
 def flanks_of(problem: Problem, force: float, shaft: Shaft, response: Response) -> Flanks:
-    """Return the motions of all flanks of a problem, with what the balls add to the contacts' laws.
+    """Return the compliance of all flanks, and the terms of the contact law besides Hertz, under the loads of a problem.
 
     Parameters
     ----------
     problem
-        The problem.
+        Static problem.
     force
-        Typical force [N], at which small terms are taken that depend on a contact's size.
+        Typical contact force [N], at which small terms that depend on the size of the contact ellipse are evaluated.
     shaft
-        The beam under the problem's loads.
+        Beam of the screw under the loads of the problem.
     response
-        Compliance of shaft and bodies.
+        Compliance of shaft, screw and nut.
     """
     N, squeeze = len(problem.C), response.squeeze
     size, tangent = float(np.cbrt(force)), contact_compliance(problem, force)
@@ -363,7 +400,7 @@ def flanks_of(problem: Problem, force: float, shaft: Shaft, response: Response) 
         moved = moved + squeeze.moved
     v0[:, sides] = moved[by_ball(N, len(sides))].reshape(N, len(sides), 2)
     e, h = np.zeros((N, 4)), np.zeros((N, 4))
-    used = problem.use  # e by its tangent at the typical force, as the logarithm of F^(1/3) is taken
+    used = problem.use  # log F^(1/3) in e is replaced by its tangent at the typical force
     e[:, used] = (response.e + response.slope * (np.log(size) - 1.0))[used]
     h[:, used] = (response.h + response.slope / size)[used]
     pair = one_pair(problem)
@@ -385,7 +422,17 @@ def flanks_of(problem: Problem, force: float, shaft: Shaft, response: Response) 
 
 
 def pair_data(problem: Problem, pair: tuple[int, int], e: Array, h: Array) -> Array:
-    """Return the rows of `lowfi.statics.kernel.elastic.pair_balls`, ``(N, 7)``."""
+    """Return the contact data of N balls between one diagonal pair of flanks ``(N, 7)``, see `kernel.elastic.pair_balls`.
+
+    Parameters
+    ----------
+    problem
+        Static problem.
+    pair
+        Numbers of the two flanks.
+    e, h
+        Coefficients ``(N, 4)`` of the linear and the F^(4/3) term of each contact's approach.
+    """
     a, b = pair
     geometry = problem.geometry
     D = geometry[:, b, :2] - geometry[:, a, :2]
@@ -395,7 +442,22 @@ def pair_data(problem: Problem, pair: tuple[int, int], e: Array, h: Array) -> Ar
 
 
 def spring_rows(problem: Problem, pair: tuple[int, int] | None, stiffness: float) -> Array:
-    """Return linear springs between opposite flanks, ``(N, 1, 2)`` for one pair or ``(N, 2, 8)``, for first iteration."""
+    """Return linear springs between opposite flanks of each ball, which replace the contacts in the first, linear solve.
+
+    Parameters
+    ----------
+    problem
+        Static problem of N balls.
+    pair
+        Numbers of the two flanks if only one diagonal pair is in use, else None.
+    stiffness
+        Stiffness of each spring [N/m].
+
+    Returns
+    -------
+    Array
+        Square root of the stiffness times direction, ``(N, 1, 2)`` for one pair, ``(N, 2, 8)`` for all flanks.
+    """
     w = normals_of(problem.geometry)
     root = np.sqrt(stiffness)
     if pair is not None:

@@ -1,6 +1,6 @@
-"""Results of the static models, of one set of balls or several: frozen records in SI units.
+"""Results of the static models for a single ball screw or bearing, and for shafts with several: frozen records in SI units.
 
-A scene without equilibrium is no exception: the record's status says why there are no loads.
+A scene without equilibrium raises no exception; the status of its result gives the reason.
 """
 
 from __future__ import annotations
@@ -18,12 +18,12 @@ from rollbench.meshes.quantity import Stated, quantity, record
 Ended = Literal["converged", "not held", "not converged", "stopped"]
 Cause = Literal["", "crossed row", "mounting", "not unique"]
 
-#: Units of the six motions in results, and factors to them.
+#: Keys of the six motions in JSON results, with their units, and factors from m and rad to these units.
 MOTION = (("ux_um", 1e6), ("uy_um", 1e6), ("uz_um", 1e6), ("rx_mrad", 1e3), ("ry_mrad", 1e3), ("rz_mrad", 1e3))
 
 
 def by_freedoms(motion: Array) -> dict[str, float]:
-    """Return a motion ``(6,)`` [m, rad] by the names of its freedoms, in um and mrad.
+    """Return three displacements and three rotations as a dictionary in um and mrad with keys such as "ux_um".
 
     Parameters
     ----------
@@ -34,7 +34,7 @@ def by_freedoms(motion: Array) -> dict[str, float]:
 
 
 class Status(str):
-    """How a solution ended, as text: its kind and, where it did not converge, the reason.
+    """Text that states whether a solve converged, and if not, the kind of failure and its reason.
 
     Examples
     --------
@@ -43,81 +43,92 @@ class Status(str):
     ("not held: rotation about the screw's axis", 'not held', "rotation about the screw's axis")
     """
 
-    #: Converged; not held: the loads drive a motion that nothing resists; not converged; stopped by a matrix that is not
-    #: positive definite.
+    #: "converged"; "not held": the loads drive a motion that no support or contact resists; "not converged"; or "stopped":
+    #: a stiffness matrix was not positive definite.
     kind: Ended
-    #: Why there is no solution; empty where there is one.
+    #: Reason why there is no solution; empty if converged.
     reason: str
-    #: Known cause: a bearing row loaded against its direction, preloads not reached at mounting, contacts that are not
-    #: unique.
+    #: Known cause of the failure: "crossed row", a bearing loaded against its direction of thrust; "mounting", preloads
+    #: that are not reached; "not unique", several possible contact patterns; empty if unknown.
     cause: Cause
 
     def __new__(cls, kind: Ended, reason: str = "", cause: Cause = "") -> Status:
-        """Make a status, whose text is the kind where there is no reason to give."""
+        """Make a status with the text "kind: reason", or the kind alone if there is no reason."""
         status = super().__new__(cls, f"{kind}: {reason}" if reason else kind)
         status.kind, status.reason, status.cause = kind, reason, cause
         return status
 
     def __getnewargs__(self) -> tuple[Ended, str, Cause]:  # type: ignore[override]
-        """Return the arguments from which a copy is made, also in another process."""
+        """Return the constructor's arguments, from which pickle makes a copy."""
         return self.kind, self.reason, self.cause
 
 
 @record
 class Equilibrium:
-    """Global balance of the screw: forces [N] and moments about the origin [N m] on it.
+    """Check of equilibrium: sums of the forces [N] and of the moments about the origin [N m] on the screw or shaft.
 
-    The contact loads are summed at their contact points and the reactions come from the beam, so that the balance checks
-    the solution independently. A free motion that nothing drives is prevented by a pin; what the pin carries, because the
-    model's sections are planar, is no reaction of the scene. The residuals include the pin.
+    Contact forces are summed at their contact points, and reactions are computed from the beam, so that the sums check the
+    solution independently of the solved equations. A free motion that no load drives is prevented by a pin, a degree of
+    freedom that is fixed although no support fixes it. Since the model keeps balls in their section planes, the pin may
+    carry a small load, which is not a reaction of a support. The residuals include it.
     """
 
-    #: Sum of the loads ``(3,)`` [N].
-    applied_force: Array = quantity("external_force_N", "sum of the loads, x, y, z", parts="[]")
-    #: Moment of the loads about the origin ``(3,)`` [N m].
-    applied_moment: Array = quantity("external_moment_Nm", "moment of the loads about the origin", parts="[]")
+    #: Sum of the external loads ``(3,)`` [N].
+    applied_force: Array = quantity("external_force_N", "sum of the external loads, x, y, z", parts="[]")
+    #: Moment of the external loads about the origin ``(3,)`` [N m].
+    applied_moment: Array = quantity(
+        "external_moment_Nm", "moment of the external loads about the origin, x, y, z", parts="[]"
+    )
     #: Sum of the supports' reactions ``(3,)`` [N].
     reaction_force: Array = quantity("reaction_force_N", "sum of the supports' reactions", parts="[]")
-    #: Moment of the reactions about the origin ``(3,)`` [N m].
-    reaction_moment: Array = quantity("reaction_moment_Nm", "moment of the reactions about the origin", parts="[]")
+    #: Moment of the supports' reactions about the origin ``(3,)`` [N m].
+    reaction_moment: Array = quantity(
+        "reaction_moment_Nm", "moment of the supports' reactions about the origin", parts="[]"
+    )
     #: Sum of the contact loads on the screw ``(3,)`` [N].
     contact_force: Array = quantity("contact_force_N", "sum of the contact loads on the screw", parts="[]")
     #: Moment of the contact loads about the origin ``(3,)`` [N m].
-    contact_moment: Array = quantity("contact_moment_Nm", "moment of the contact loads", parts="[]")
-    #: Largest component of the sum of all forces over the largest force.
+    contact_moment: Array = quantity("contact_moment_Nm", "moment of the contact loads about the origin", parts="[]")
+    #: Largest component of the sum of all forces, divided by the largest force.
     force_residual: float = quantity(
         "force_residual",
         "sum of loads, reactions and contact loads over the largest force; does not use the solved equations",
     )
-    #: Largest component of the sum of all moments over the largest moment.
-    moment_residual: float = quantity("moment_residual", "the same of moments")
+    #: Largest component of the sum of all moments, divided by the largest moment.
+    moment_residual: float = quantity(
+        "moment_residual", "sum of the moments of loads, reactions and contact loads over the largest moment"
+    )
     #: Force of the pin ``(3,)`` [N].
     pin_force: Array = quantity(
         "pin_force_N",
-        "what the pin of a free motion takes; no reaction of the scene",
+        "force of the pin that prevents a motion which nothing else resists; not a reaction of a support",
         parts="[]",
         default_factory=lambda: np.zeros(3),
     )
     #: Moment of the pin ``(3,)`` [N m].
-    pin_moment: Array = quantity("pin_moment_Nm", "its moment", parts="[]", default_factory=lambda: np.zeros(3))
-    #: Largest component of the pin's force or moment over the largest force or moment.
-    pin_share: float = quantity("pin_share", "its largest part over the largest force or moment", default=0.0)
-    #: Largest net contact load on a ball over the largest force.
+    pin_moment: Array = quantity(
+        "pin_moment_Nm", "moment of this pin about the origin", parts="[]", default_factory=lambda: np.zeros(3)
+    )
+    #: Largest component of the pin's force or moment, divided by the largest force or moment.
+    pin_share: float = quantity(
+        "pin_share", "largest component of the pin's force or moment over the largest force or moment", default=0.0
+    )
+    #: Largest resultant contact force on a ball, divided by the largest force.
     ball_residual: float = quantity(
         "ball_residual", "largest unbalanced force of a ball over the largest force", default=0.0
     )
-    #: Number of that ball, from 1.
+    #: Number of the ball with this force, from 1.
     worst_ball: int = 0
 
     @property
     def largest(self) -> float:
-        """Largest residual of screw and balls."""
+        """Return the largest of the residuals of forces, moments and balls."""
         return max(self.force_residual, self.moment_residual, self.ball_residual)
 
 
 @record
 class SolverReport:
-    """Effort and accuracy of a solve."""
+    """Record of the effort and the accuracy of a solve."""
 
     #: Newton steps.
     iterations: int = quantity("iterations", "Newton steps")
@@ -135,79 +146,83 @@ class SolverReport:
     engine: str = quantity("engine")
     #: Formulation that is solved.
     formulation: str = quantity("formulation")
-    #: Residual that rounding in double precision can leave.
+    #: Relative residual that rounding errors in double precision can leave.
     round_off_bound: float = quantity("round_off_bound", "bound of the residual due to rounding only", default=0.0)
-    #: Largest change of a contact load with a finer beam [N]; None where it was not computed.
+    #: Largest change of a contact load [N] if every beam element is halved; None if it was not computed.
     discretisation: float | None = quantity(
         "discretisation_percent",
         "change of the loads when every beam element is halved, in per cent of the mean load",
         show=lambda _: None,
         default=None,
     )
-    #: Time before the iteration [s].
+    #: Time to set up the equations, before the iteration [s].
     setup_seconds: float = 0.0
-    #: Remarks on the course of the solution.
+    #: Sentences on special events of the solve, such as a second solve with more flanks.
     notes: tuple[str, ...] = quantity("notes", default=())
 
 
 @dataclass(frozen=True)
 class Answering:
-    """Record with results that are set to nan where the solution did not converge."""
+    """Record some of whose fields are replaced by nan if the solution did not converge."""
 
-    #: Names of the fields that are results.
+    #: Names of the fields that are replaced.
     ANSWERS: ClassVar[tuple[str, ...]] = ()
 
     def without_answers(self) -> Self:
-        """Return a copy with nan in place of the results, also of nested records."""
+        """Return a copy in which the fields named in ``ANSWERS`` are nan, also in nested records."""
         return replace(self, **{name: unknown(getattr(self, name)) for name in self.ANSWERS})
 
 
 @dataclass(frozen=True, kw_only=True)
 class Solved(Answering):
-    """Static solution of a shaft, whatever its model."""
+    """Static solution of a shaft by any model: the part that results of single screws and of assemblies have in common."""
 
     #: Name of the model.
     model: str
-    #: How the solution ended.
+    #: Whether the solve converged, and if not, the reason.
     status: Status
-    #: Stations along the shaft ``(k,)`` [m].
+    #: Axial positions along the shaft's centreline ``(k,)`` [m].
     centreline_z: Array
-    #: Displacements and rotations there ``(k, 6)`` [m, rad].
+    #: Displacements and rotations of the shaft there ``(k, 6)`` [m, rad].
     centreline: Array
-    #: Balance of the shaft; None without a solution.
+    #: Sums of forces and moments on the shaft; None without a solution.
     equilibrium: Equilibrium | None
-    #: Effort and accuracy.
+    #: Effort and accuracy of the solve.
     solver: SolverReport
-    #: Assumptions, of the scene and of the model.
+    #: Assumptions of the scene and of the model, as sentences.
     assumed: tuple[str, ...]
-    #: Neglected effects, with reasons.
+    #: Neglected effects with reasons, as sentences.
     left_out: tuple[str, ...]
-    #: Where the solution leaves the range of validity.
+    #: Warnings where the solution leaves the model's range of validity.
     warnings: tuple[Warned, ...] = ()
     #: Number of the specimen, for a scene with random errors.
     member: int = 0
-    #: Force and moment of every support on the shaft, at its station ``(s, 6)`` [N, N m].
+    #: Force and moment of every support on the shaft, at the support's axial position ``(s, 6)`` [N, N m].
     reactions: Array = field(default_factory=lambda: np.zeros((0, 6)))
-    #: Names of the fields that are results.
+    #: Names of the fields that are replaced by nan if the solution did not converge.
     ANSWERS: ClassVar[tuple[str, ...]] = ("centreline", "equilibrium", "reactions")
 
     @property
     def converged(self) -> bool:
-        """Whether the loads may be used."""
+        """Return whether the solve converged, so that loads and motions are valid."""
         return self.status == "converged"
 
     def of_balls(self) -> tuple[StaticResult, ...]:
-        """Return the contacts of each set of balls."""
+        """Return the contact results of each ball nut and ball bearing."""
         return ()
 
     def answers(self) -> Self:
-        """Return the result itself where it converged, else `without_answers`."""
+        """Return this result if it converged, else a copy with nan in place of loads and motions."""
         return self if self.converged else self.without_answers()
 
 
 @dataclass(frozen=True, kw_only=True)
 class StaticResult(Solved):
-    """Static load distribution of one set of n balls, by ball and flank (SL, SR, NL, NR: screw and nut, left and right)."""
+    """Static load distribution over the n balls of one ball nut or ball bearing.
+
+    Arrays with an axis of length 4 are ordered by flank: SL, SR, NL, NR for screw (or inner ring) and nut (or outer ring),
+    left and right.
+    """
 
     #: Azimuth of the balls ``(n,)`` [rad].
     azimuth: Array
@@ -215,19 +230,19 @@ class StaticResult(Solved):
     z: Array
     #: Contact forces ``(n, 4)`` [N].
     load: Array
-    #: ``(n, 4)`` [rad]; nan without contact.
+    #: Contact angles ``(n, 4)`` [rad]; nan without contact.
     contact_angle: Array
-    #: Contact point in space ``(n, 4, 3)`` [m].
+    #: Contact points in space ``(n, 4, 3)`` [m].
     contact_point: Array
     #: Unit vectors of the forces on the ball ``(n, 4, 3)``.
     force_direction: Array
-    #: Motion of the ball's centre in its section plane ``(n, 2)`` [m].
+    #: Displacement of the ball's centre in its section plane ``(n, 2)`` [m].
     centre_shift: Array
-    #: Hertz constants ``(n, 4)`` [m/N^(2/3)].
+    #: Hertz constants C ``(n, 4)`` [m/N^(2/3)]: approach = C load^(2/3).
     hertz_C: Array
-    #: Largest pressures ``(n, 4)`` [Pa] of a model that computes them; None: by Hertz from the loads.
+    #: Largest contact pressures ``(n, 4)`` [Pa] of a model that computes them; None: by Hertz from the loads.
     pressure: Array | None = None
-    #: Names of the fields that are results.
+    #: Names of the fields that are replaced by nan if the solution did not converge.
     ANSWERS: ClassVar[tuple[str, ...]] = (
         *Solved.ANSWERS,
         "load",
@@ -239,44 +254,50 @@ class StaticResult(Solved):
     )
 
     def of_balls(self) -> tuple[StaticResult, ...]:
-        """Return the result itself, the contacts of its only set."""
+        """Return this result, as the only element of a tuple."""
         return (self,)
 
 
 @record
 class SetResult(Answering):
-    """One set of rolling elements of an assembly."""
+    """Result of one bearing or ball nut of an assembly."""
 
-    #: The set.
+    #: The bearing or ball nut.
     of: RollingSet = quantity(
         "name",
         "",
         Stated("kind", show=lambda of: of.kind),
-        Stated("position_mm", "station of the set's centre", show=lambda of: of.position),
+        Stated("position_mm", "axial position of the centre of the bearing or nut", show=lambda of: of.position),
         Stated("housing", show=lambda of: of.housing),
-        Stated("offset_um", "axial offset of its outer body", show=lambda of: of.offset),
+        Stated("offset_um", "axial offset of the outer ring or nut", show=lambda of: of.offset),
         show=lambda of: of.name,
     )
-    #: Force of its elements on the shaft ``(3,)`` [N].
-    force: Array = quantity("force_on_shaft_N", "force of the set on the shaft, x, y, z", parts="[]")
-    #: Their moment about the axis point at the set's position ``(3,)`` [N m].
-    moment: Array = quantity("moment_on_shaft_Nm", "its moment about the set's centre", parts="[]")
-    #: Force and moment on the outer part there ``(6,)`` [N, N m], the opposite but for lever arms that grow with the
-    #: displacements.
+    #: Force of the balls or rollers on the shaft ``(3,)`` [N].
+    force: Array = quantity("force_on_shaft_N", "force of the bearing or nut on the shaft, x, y, z", parts="[]")
+    #: Moment of these forces about the axis point at the centre of the bearing or nut ``(3,)`` [N m].
+    moment: Array = quantity(
+        "moment_on_shaft_Nm", "moment of the bearing or nut on the shaft about its centre, x, y, z", parts="[]"
+    )
+    #: Force and moment on the outer ring or nut about the same point ``(6,)`` [N, N m]. They are opposite to those on the
+    #: shaft except for the change of lever arms by displacements.
     reaction: Array
-    #: Tangent stiffness of the set between inner and outer part ``(6, 6)`` [N/m, N, N m].
-    stiffness: Array = quantity("stiffness", "the same of one set between its two bodies", parts="[][]")
-    #: Motion of the outer part at the set's position, with its offset ``(6,)`` [m, rad].
-    outer: Array = quantity("outer_motion", "displacement and rotation of its outer body", show=by_freedoms, parts=".*")
-    #: Contacts, without ``equilibrium``; None for rollers.
+    #: Tangent stiffness between inner and outer part ``(6, 6)`` [N/m, N, N m].
+    stiffness: Array = quantity(
+        "stiffness", "tangent stiffness of one bearing or nut between its inner and outer part", parts="[][]"
+    )
+    #: Motion of the outer ring or nut at its centre, its offset included ``(6,)`` [m, rad].
+    outer: Array = quantity(
+        "outer_motion", "displacement and rotation of the outer ring or nut", show=by_freedoms, parts=".*"
+    )
+    #: Contact results of balls, without ``equilibrium``; None for rollers.
     balls: StaticResult | None = None
-    #: Roller azimuth of the rollers ``(count,)`` [rad]; None for balls.
+    #: Azimuth of the rollers ``(count,)`` [rad]; None for balls.
     roller_azimuth: Array | None = None
-    #: Force of either race on each roller ``(count,)`` [N]; None for balls.
+    #: Force between each roller and either raceway ``(count,)`` [N]; None for balls.
     roller_load: Array | None = None
-    #: Loads per length of the rollers' slices ``(count, slices)`` [N/m]; None for balls.
+    #: Load per unit length of the rollers' slices ``(count, slices)`` [N/m]; None for balls.
     line_loads: Array | None = None
-    #: Names of the fields that are results.
+    #: Names of the fields that are replaced by nan if the solution did not converge.
     ANSWERS: ClassVar[tuple[str, ...]] = (
         "force",
         "moment",
@@ -291,72 +312,80 @@ class SetResult(Answering):
     @property
     @Stated(
         "largest_load_N",
-        "its largest load of a contact or roller",
+        "largest contact or roller load of the bearing or nut",
         error="model form",
         show=lambda loads: loads.max(initial=0.0),
     )
     @Stated(
         "loaded",
-        "its loaded contacts or rollers",
+        "number of loaded contacts or rollers of the bearing or nut",
         show=lambda loads: int((loads > 0.0).sum()) if np.isfinite(loads).all() else None,
     )
     def loads(self) -> Array:
-        """Forces of the contacts of balls ``(n, 4)``, or of the rollers ``(count,)`` [N]."""
+        """Return the contact forces of the balls ``(n, 4)`` [N], or the forces on the rollers ``(count,)`` [N]."""
         return self.balls.load if self.balls is not None else np.zeros(0) if self.roller_load is None else self.roller_load
 
 
 @record
 class HousingResult(Answering):
-    """Housing of an assembly."""
+    """Result of one housing of an assembly."""
 
     #: Name of the housing.
     name: str = quantity("name")
-    #: Displacement and rotation at its station ``(6,)`` [m, rad].
+    #: Displacement and rotation at the housing's reference point ``(6,)`` [m, rad].
     motion: Array = quantity(
-        "motion", "displacement and rotation of the housing at its station", show=by_freedoms, parts=".*"
+        "motion", "displacement and rotation of the housing at its axial position", show=by_freedoms, parts=".*"
     )
-    #: Force and moment of the frame on it there, by fixed freedoms and springs ``(6,)`` [N, N m].
+    #: Force and moment that fixed degrees of freedom and springs exert on the housing, about this point ``(6,)`` [N, N m].
     wrench: Array = quantity(
         "frame_force_N",
-        "force on it of what holds it and of its springs, x, y, z",
-        Stated("frame_moment_Nm", "their moment about its station", show=lambda wrench: wrench[3:], parts="[]"),
+        "force on the housing by its fixed freedoms and its springs, x, y, z",
+        Stated(
+            "frame_moment_Nm",
+            "moment of these forces about the housing's axial position",
+            show=lambda wrench: wrench[3:],
+            parts="[]",
+        ),
         show=lambda wrench: wrench[:3],
         parts="[]",
     )
-    #: Unbalanced force and moment over the largest force.
-    residual: float = quantity("residual", "what is left of its balance, over the largest force")
-    #: Names of the fields that are results.
+    #: Unbalanced force and moment on the housing, divided by the largest force.
+    residual: float = quantity("residual", "unbalanced force and moment on the housing over the largest force")
+    #: Names of the fields that are replaced by nan if the solution did not converge.
     ANSWERS: ClassVar[tuple[str, ...]] = ("motion", "wrench", "residual")
 
 
 @dataclass(frozen=True, kw_only=True)
 class AxisResult(Solved):
-    """Static equilibrium of an assembly: a shaft with several sets of rolling elements."""
+    """Static equilibrium of an assembly: a shaft with several bearings and ball nuts."""
 
-    #: Results of the sets.
+    #: Results of the bearings and ball nuts.
     sets: tuple[SetResult, ...] = ()
     #: Results of the housings.
     housings: tuple[HousingResult, ...] = ()
-    #: What ``stiffness`` refers to: a station of the shaft or a housing.
+    #: Location at which ``stiffness`` is taken, as text: an axial position of the shaft, or a housing.
     stiffness_at: str = ""
-    #: Station to which ``stiffness`` refers [m]; None for a housing.
+    #: Axial position at which ``stiffness`` is taken [m]; None for a housing.
     station: float | None = None
-    #: Tangent stiffness of the whole assembly there ``(6, 6)`` [N/m, N, N m]; None where that is fixed.
+    #: Tangent stiffness of the whole assembly at this location ``(6, 6)`` [N/m, N, N m]; None if the location is fixed.
     stiffness: Array | None = None
-    #: Names of the fields that are results.
+    #: Names of the fields that are replaced by nan if the solution did not converge.
     ANSWERS: ClassVar[tuple[str, ...]] = (*Solved.ANSWERS, "sets", "housings")
 
     def of_balls(self) -> tuple[StaticResult, ...]:
-        """Return the contacts of each set of balls."""
+        """Return the contact results of each ball nut and ball bearing."""
         return tuple(s.balls for s in self.sets if s.balls is not None)
 
     def without_answers(self) -> Self:
-        """Return a copy with nan or None in place of loads, motions, stiffness and balance."""
+        """Return a copy with nan or None in place of loads, motions, stiffness and equilibrium sums."""
         return replace(super().without_answers(), stiffness=None)
 
 
 def unknown(value: Any) -> Any:
-    """Return the placeholder of a result that is not known: nan for numbers, also within records; None for a balance."""
+    """Return a placeholder for a value of a solution that did not converge.
+
+    Numbers and arrays become nan, also within records and tuples; an `Equilibrium` becomes None.
+    """
     if isinstance(value, tuple):
         return tuple(unknown(x) for x in value)
     if isinstance(value, Answering):

@@ -1,4 +1,7 @@
-"""Parts of a scene that need not be built: flanks that cannot touch, shaft without influence, torsion and absent errors."""
+"""Choice of what the static model may leave out: flanks that cannot touch a ball, and unloaded parts of the shaft.
+
+The left-out parts are reported to the user with the reasons.
+"""
 
 from __future__ import annotations
 
@@ -21,7 +24,7 @@ from rollbench.meshes.section import MERGE, contact_stations
 
 
 def all_sides(scene: Scene) -> Mask:
-    """Return the flanks that a scene has ``(4,)``: all, or one on either body for grooves of one arc.
+    """Return which of the flanks SL, SR, NL, NR a scene has ``(4,)``: all, or one per body if grooves are single arcs.
 
     Parameters
     ----------
@@ -32,18 +35,20 @@ def all_sides(scene: Scene) -> Mask:
 
 
 def choose_sides(scene: Scene, drawn: Specimen, known: tuple[Array, Array] | None = None) -> Mask:
-    """Return the flanks worth building ``(4,)``.
+    """Return which of the flanks SL, SR, NL, NR to model ``(4,)``.
 
-    A diagonal pair is left out when no ball is tight in it and the axial load opens it. That is a guess: after the solution
-    every ball is tested against all four flanks, and the pair is built if one touches. The energy is convex, so a pair that
-    carries nothing at the solution of the smaller problem changes nothing.
+    A diagonal pair of flanks is left out if no ball has interference with it and the axial load opens it. This is a guess:
+    every ball of the solution is tested against all four flanks, and if one touches the pair, the problem is solved again
+    with it. Since the energy is convex, a pair that no ball touches in the solution would not change it.
 
     Parameters
     ----------
-    scene, drawn
-        The scene and its parts with their errors.
+    scene
+        Screw, nut, balls, supports and loads.
+    drawn
+        Dimensions of the parts with their manufacturing errors.
     known
-        `distances` of the parts, where they have been computed.
+        Result of `centre_distances` for these parts; None: computed here.
     """
     use = all_sides(scene)
     force = sum(load.force[2] for load in scene.loads)
@@ -61,9 +66,14 @@ def choose_sides(scene: Scene, drawn: Specimen, known: tuple[Array, Array] | Non
 
 
 def flank_motions(problem: Problem, motion: Array) -> Array:
-    """Return the motion of both screw flanks of every ball in its section ``(N, 2, 2)`` [m], whether they are built or not.
+    """Return the motion of both screw flanks at every ball in its section plane ``(N, 2, 2)`` [m], also of left-out flanks.
 
-    motion: of the nodes ``(n, 6)`` [m, rad].
+    Parameters
+    ----------
+    problem
+        Static problem of N balls and n nodes.
+    motion
+        Motions of the nodes ``(n, 6)`` [m, rad].
     """
     layout, flat = problem.layout, motion.ravel()
     m = problem.B.shape[3]
@@ -80,18 +90,20 @@ def flank_motions(problem: Problem, motion: Array) -> Array:
 
 
 def motions_in_section(layout: BallLayout, centre: Array, stations: Array, motions: Array) -> Array:
-    """Return the motion in each ball's section of a groove's centre that moves rigidly with the shaft's section.
+    """Return the motion of the groove's centre of curvature at each ball, in the plane of the ball's section.
+
+    The groove moves rigidly with the shaft's cross-section.
 
     Parameters
     ----------
     layout
-        Positions of the balls.
+        Positions of the N balls.
     centre
-        Groove's centre in the section ``(N, 2)`` [m].
+        Centre of the groove arc in each section plane ``(N, 2)`` [m].
     stations
-        Station of the shaft's section ``(N,)`` [m].
+        Axial position of the shaft's cross-section for each ball ``(N,)`` [m].
     motions
-        Its motion ``(N, 6)`` [m, rad].
+        Motion of this cross-section ``(N, 6)`` [m, rad].
 
     Returns
     -------
@@ -105,9 +117,16 @@ def motions_in_section(layout: BallLayout, centre: Array, stations: Array, motio
 
 
 def shifts_of_beam(problem: Problem, motion: Array) -> Array | None:
-    """Return the motion of all flanks of every ball ``(N, 4, 2)`` [m], with a fixed nut.
+    """Return the motion of all four flanks at every ball ``(N, 4, 2)`` [m], with the nut fixed.
 
-    None where all flanks are circular arcs, whose contacts do not need it. motion: of the nodes ``(n, 6)`` [m, rad].
+    None if all flanks are circular arcs, for which contact points do not depend on it.
+
+    Parameters
+    ----------
+    problem
+        Static problem of N balls and n nodes.
+    motion
+        Motions of the nodes ``(n, 6)`` [m, rad].
     """
     if not problem.drawn.profile.shape[1]:
         return None
@@ -116,16 +135,18 @@ def shifts_of_beam(problem: Problem, motion: Array) -> Array | None:
 
 
 def gaps(centres: Array, shift: Array, geometry: Array) -> Array:
-    """Return the distance of each ball from each of its four arcs ``(k, N, 4)`` [m], negative for interference.
+    """Return the gap between each ball and each of its four groove arcs in k solutions ``(k, N, 4)`` [m].
+
+    A negative gap is an interference.
 
     Parameters
     ----------
     centres
-        Of the balls ``(k, N, 2)`` [m].
+        Displacements of the ball centres in their section planes ``(k, N, 2)`` [m].
     shift
-        Motion of the flanks ``(k, N, 4, 2)`` [m].
+        Motions of the flanks ``(k, N, 4, 2)`` [m].
     geometry
-        Contacts ``(k, N, 4, 9)``, see ``kernel.ball``.
+        Geometry of the contacts ``(k, N, 4, 9)``, see ``kernel.ball``.
     """
     x, z = (centres[:, :, None, k] - shift[..., k] for k in range(2))
     wx, wz = geometry[..., 0], geometry[..., 1]
@@ -137,24 +158,26 @@ def gaps(centres: Array, shift: Array, geometry: Array) -> Array:
 def all_clear(
     centres: Array, shift: Array, geometry: Array, loads: Array, use: Mask, margin: float = 0.0
 ) -> NDArray[np.bool_]:
-    """Return for each of k solutions whether no ball comes near a flank that was left out, ``(k,)``.
+    """Return for each of k solutions whether all balls are clear of the flanks that were left out ``(k,)``.
+
+    An unloaded ball is clear if it has room at its present position or in the middle between its flanks.
 
     Parameters
     ----------
     centres, shift, geometry
-        As for `gaps`.
+        Ball centres, flank motions and contact geometry as for `gaps`.
     loads
         Contact forces ``(k, N, 4)`` [N].
     use
-        Flanks that are built ``(4,)``.
+        Which flanks were modelled ``(4,)``.
     margin
-        Clearance that is asked for [m].
+        Least clearance required [m].
     """
     left_out = np.flatnonzero(~use)
     loaded = _extreme(np.maximum, loads) > 0.0
     if np.all(loaded):
         named: slice | Mask = ~use
-        if left_out.size == 2:  # a view of them
+        if left_out.size == 2:  # a slice gives a view, without a copy
             named = slice(left_out[0], left_out[1] + 1, left_out[1] - left_out[0])
         gap = _extreme(np.minimum, gaps(centres, shift[:, :, named], geometry[:, :, named]))
         return np.asarray((gap >= margin).all(axis=1))
@@ -167,7 +190,15 @@ def all_clear(
 
 
 def _extreme(of_two: np.ufunc, values: Array) -> Array:
-    """Return the smallest or largest along the last axis, pairwise, which is faster than a reduction along a short axis."""
+    """Return the smallest or the largest value along the last, short axis; faster than numpy's reduction.
+
+    Parameters
+    ----------
+    of_two
+        Either ``numpy.minimum`` or ``numpy.maximum``.
+    values
+        Array of any shape.
+    """
     out: Array = values[..., 0]
     for s in range(1, values.shape[-1]):
         out = of_two(out, values[..., s])
@@ -175,18 +206,20 @@ def _extreme(of_two: np.ufunc, values: Array) -> Array:
 
 
 def touched_sides(engine: ModuleType, problem: Problem, motion: Array, centres: Array, force: Array) -> Mask:
-    """Return the flanks on which any ball carries load when all four are offered to it at the solution's motions, ``(4,)``.
+    """Return which of all four flanks any ball would touch at the solution's screw motion ``(4,)``.
+
+    The equilibrium of each ball is solved with all four flanks, including those that the solution left out.
 
     Parameters
     ----------
     engine
-        Kernels.
+        Module of the numerical kernels.
     problem
-        The problem.
+        Static problem of N balls and n nodes.
     motion
-        Of the nodes ``(n, 6)`` [m, rad].
+        Motions of the nodes ``(n, 6)`` [m, rad].
     centres
-        Of the balls ``(N, 2)`` [m].
+        Displacements of the ball centres in their section planes ``(N, 2)`` [m].
     force
         Contact forces ``(N, 4)`` [N].
     """
@@ -211,32 +244,42 @@ def touched_sides(engine: ModuleType, problem: Problem, motion: Array, centres: 
 
 
 def describe_left_out(problem: Problem, mechanism: Mechanism, *, everything: bool) -> tuple[str, ...]:
-    """Return sentences on the neglected parts of the system and the reasons."""
+    """Return sentences that name the left-out parts of the model with the reasons.
+
+    Parameters
+    ----------
+    problem
+        Static problem.
+    mechanism
+        Motions of the screw that nothing resists, and the pins that prevent them.
+    everything
+        Whether the user asked to leave nothing out.
+    """
     notes: list[str] = []
     idle = [name for name, used in zip(SIDES, problem.use, strict=True) if not used]
     if idle and is_one_arc(problem.scene):
-        notes.append(f"sides {' and '.join(idle)}: the grooves are one arc each, which the other two stand for")
+        notes.append(f"flanks {' and '.join(idle)}: each groove is a single arc, which the other two flanks represent")
     elif idle:
         notes.append(
-            f"sides {' and '.join(idle)}: no ball is tight between them and the axial load opens them; "
-            "every ball was tested against all four flanks at the solution and none touches"
+            f"flanks {' and '.join(idle)}: no ball has interference between them, and the axial load opens them; "
+            "at the solution every ball was tested against all four flanks, and none touches these"
         )
     if problem.left_out_elements:
         notes.append(
-            f"{problem.left_out_elements} beam element(s) beyond the outermost support, load or contact: they carry nothing"
+            f"{problem.left_out_elements} beam element(s) beyond the outermost support, load or contact: they carry no load"
         )
     elif not everything and problem.nodes.size > 1 and problem.nodes[0] > MERGE:
-        notes.append("shaft before the first support, load or contact: it carries nothing")
+        notes.append("shaft before the first support, load or contact: it carries no load")
     if mechanism.no_torsion:
-        notes.append("torsion: without lead no contact load twists the shaft, and no moment about it is applied")
+        notes.append("torsion: without lead no contact force twists the shaft, and no moment about its axis is applied")
     notes.extend(
-        f"{FREEDOMS[k] + ' of the first node' if problem.basis is None else 'the screw'} is held at zero: {mechanism.text} "
-        "is neither driven nor resisted"
+        f"{FREEDOMS[k] + ' of the first node' if problem.basis is None else 'the screw'} is fixed at zero: "
+        f"{mechanism.text} is neither driven nor resisted"
         for k in mechanism.pins
         if not (k == 5 and mechanism.no_torsion)
     )
     if problem.drawn.profile.shape[1] == 0:
-        notes.append("groove profile errors of varying shape: there are none, flanks are exact arcs")
+        notes.append("groove profile errors: the scene has none, flanks are exact circular arcs")
     if not everything and not np.any(problem.drawn.centre_slopes):
-        notes.append("pitch and roundness errors: there are none")
+        notes.append("pitch and roundness errors: the scene has none")
     return tuple(notes)

@@ -1,6 +1,7 @@
-"""Outer iteration of the static models: Hertz constants at the actual contact angle, lever arms on uneven flanks.
+"""Outer iteration of the static models, which updates Hertz constants and lever arms until they no longer change.
 
-Both depend on the solved state, which is solved again until they no longer change; the same for one set and several.
+Hertz constants depend on the actual contact angle, lever arms on the contact point if flanks are not circular arcs. The
+equilibrium is solved again after each update. The iteration is the same for a single nut or bearing and for several.
 """
 
 from __future__ import annotations
@@ -22,53 +23,55 @@ from rollbench.lowfi.statics.problem import SIGNS, Problem
 from rollbench.lowfi.statics.result import SolverReport, Status
 from rollbench.meshes.arrays import Array
 
-#: Relative residual that the solver drives for.
+#: Relative residual at which the solver stops.
 TOLERANCE = 1e-14
+#: Largest number of Newton iterations of one solve.
 MAX_ITERATIONS = 3000
-#: Outcomes without a usable state.
+#: Solver outcomes whose state gives no contact loads.
 NO_LOADS = (NOT_HELD, SINGULAR)
-#: Relative residual at which a solution counts as converged.
+#: Relative residual up to which a solution counts as converged.
 ACCEPTED = 1e-10
-#: Relative residual of a run above which its constants or lever arms are not followed any further.
+#: Relative residual of a solve above which Hertz constants and lever arms are not updated any further.
 LOST = 1e-6
-#: Relative round-off of a force by that of the motions in its contacts: some operations of each.
+#: Relative round-off error of the motions from which a contact force is computed, about eight operations.
 ROUND_OFF = 8.0 * float(np.finfo(float).eps)
-#: Runs for the constants and for the arms, and the change (relative, or [m]) at which they have settled.
+#: Largest number of updates of Hertz constants and of lever arms, and the change (relative, or [m]) below which they count
+#: as settled.
 HERTZ_RUNS, ARM_RUNS, SETTLED = 12, 6, 1e-13
 
 
 class Scale(NamedTuple):
-    """Scales of the forces and stiffnesses of a problem."""
+    """Typical force and stiffness of a problem's contacts, by which the solver scales residuals and tolerances."""
 
-    #: Force of a typical loaded contact [N], from loads, interference, or else an approach of a micrometre.
+    #: Force of a typical loaded contact [N]: from the loads or the interference, or else from an approach of 1 um.
     force: float
     #: Secant stiffness of a contact under that force [N/m].
     stiffness: float
-    #: Least force [N] that residuals are measured by: the largest load, moments over the arm, or the force of the tightest
-    #: ball without load.
+    #: Lower bound of the force [N] to which residuals are relative: the largest external load (moments divided by the lever
+    #: arm), or the contact force of the tightest ball without load.
     floor: float
     #: Force [N] below which a contact counts as unloaded.
     none: float
 
     @property
     def typical(self) -> float:
-        """Force [N] above zero at which small terms that depend on a contact's size are taken."""
+        """Return the typical force, at least 1e-6 N, at which terms that depend on the contact ellipse are evaluated."""
         return max(self.force, 1e-6)
 
 
 def options_of(scale: Scale, arm: float, furthest: float, tolerance: float = TOLERANCE) -> Options:
-    """Return the options of the solvers.
+    """Return the parameters of the solver's iteration and of its end.
 
     Parameters
     ----------
     scale
-        Scales of the problem.
+        Typical force and stiffness of the problem.
     arm
-        Length that makes forces of moments [m].
+        Length [m] by which moments are divided where they are compared with forces.
     furthest
-        Radius of the largest ball [m].
+        Largest motion of a flank in one step [m]: the radius of the largest ball.
     tolerance
-        Relative residual to reach.
+        Relative residual at which the iteration ends.
     """
     return Options(
         tolerance=tolerance,
@@ -82,51 +85,57 @@ def options_of(scale: Scale, arm: float, furthest: float, tolerance: float = TOL
 
 
 class Description(NamedTuple):
-    """Description of a model for the record of its solution."""
+    """Description of a model that is stored with its solution."""
 
-    #: Formulation that is solved.
+    #: Mathematical formulation, for example "convex energy".
     formulation: str
     #: Number of unknowns.
     unknowns: int
-    #: Assumptions.
+    #: Assumptions of the model, as sentences.
     assumed: tuple[str, ...]
-    #: Neglected effects.
+    #: Effects that the model neglects, as sentences.
     left_out: tuple[str, ...] = ()
 
 
 class SetFlanks(NamedTuple):
-    """Contacts, ball centres and flank motions of one set of N balls in one state of the iteration."""
+    """Contact forces, ball centres and flank motions of one bearing or nut with N balls, in one state of the iteration."""
 
-    #: The set's problem.
+    #: Contact problem of the bearing or nut.
     problem: Problem
-    #: Contacts as the kernels leave them ``(N, 4, 5)``, see ``kernel.ball``.
+    #: Force, normal, stiffness and other results of the kernels for each contact ``(N, 4, 5)``, see ``kernel.ball``.
     contact: Array
-    #: Shifts of the balls' centres ``(N, 2)`` [m].
+    #: Displacements of the ball centres in their section planes ``(N, 2)`` [m].
     centre: Array
-    #: Motions of all flanks ``(N, 4, 2)`` [m].
+    #: Motions of all flanks in the section planes ``(N, 4, 2)`` [m].
     shift: Array
 
 
 @dataclass(kw_only=True)
 class Prepared(ABC):
-    """Sets of balls ready for the kernels."""
+    """Equations of one or several bearings and nuts for the numerical kernels, with the state of the iteration."""
 
-    #: Name of the kernel that solves such a system.
+    #: Name of the kernel function that solves equations of this kind.
     SOLVER: ClassVar[str]
 
-    #: Kernels.
+    #: Module of the numerical kernels.
     engine: ModuleType
-    #: System as the kernel takes it.
+    #: Arrays of the equations for the kernel.
     given: Any
-    #: State that the kernel changes.
+    #: Unknowns, which the kernel changes.
     state: Any
-    #: Options of the iteration.
+    #: Parameters of the iteration.
     options: Options
-    #: Largest force met in the last run [N].
+    #: Largest contact force in the last solve [N].
     scale: float = 0.0
 
     def iterate(self, start: bool = True) -> Outcome:
-        """Solve from the linear start, or from the present state."""
+        """Solve the equations with constant Hertz constants and lever arms.
+
+        Parameters
+        ----------
+        start
+            Whether to start from the solution with linear springs for contacts, else from the present state.
+        """
         outcome: Outcome = getattr(self.engine, self.SOLVER)(self.given, self.state, self.options, start)
         self.scale = outcome.scale
         return outcome
@@ -134,26 +143,32 @@ class Prepared(ABC):
     @property
     @abstractmethod
     def problems(self) -> Sequence[Problem]:
-        """Problem of each set, whose Hertz constants the kernels take."""
+        """Return the contact problem of each bearing and nut; the kernels use its array of Hertz constants."""
 
     @abstractmethod
     def flanks(self) -> Sequence[SetFlanks]:
-        """Return the contacts of each set at the state."""
+        """Return contact forces, ball centres and flank motions of each bearing and nut in the present state."""
 
     @abstractmethod
     def with_arms(self, arms: Sequence[Array]) -> Self:
-        """Return the system at the state with lever arms that are longer by ``(N, 4, 2)`` [m] for each set."""
+        """Return a copy with the present state and longer lever arms of the contacts.
+
+        Parameters
+        ----------
+        arms
+            Lengths ``(N, 4, 2)`` [m] added to the lever arms, for each bearing or nut with N balls.
+        """
 
     @abstractmethod
     def round_off(self) -> float:
-        """Return the relative residual that double precision cannot get below (`least_residual`)."""
+        """Return the relative residual that rounding errors leave in double precision (`least_residual`)."""
 
     @abstractmethod
     def description(self) -> Description:
-        """Return the description of the model for the record."""
+        """Return the formulation, number of unknowns and assumptions of the model for the record of the solution."""
 
     def at_state(self, of: Prepared) -> Self:
-        """Copy the state of another system into this one, and return this one."""
+        """Copy the state of other equations ``of`` the same size into these, and return these."""
         for mine, known in zip(self.state, of.state, strict=True):
             mine[:] = known
         return self
@@ -163,24 +178,29 @@ P = TypeVar("P", bound=Prepared)
 
 
 def contact_angles(normal: Array) -> Array:
-    """Return the contact angles ``(..., 4)`` [rad] of normals from ball to groove ``(..., 4, 2)``."""
+    """Return the contact angles ``(..., 4)`` [rad] from the unit normals ``(..., 4, 2)`` from ball to groove."""
     return np.asarray(np.arctan2(SIGNS[:, 1] * normal[..., 1], SIGNS[:, 0] * normal[..., 0]))
 
 
 def no_state_found(outcome: Outcome) -> bool:
-    """Return whether a run found no state from which changed constants or lever arms could start."""
+    """Return whether a solve failed, so that Hertz constants and lever arms cannot be updated from its state."""
     return outcome.status in NO_LOADS or outcome.residual > LOST
 
 
 def settled(system: P, profile: bool = True) -> tuple[P, Outcome]:
-    """Solve from the start and update Hertz constants and lever arms until they settle.
+    """Solve the equilibrium, and update Hertz constants and lever arms until they no longer change.
 
-    Hertz constants where the scene has them "actual", lever arms on uneven flanks (``profile``).
+    Parameters
+    ----------
+    system
+        Equations to solve. Hertz constants are updated only if the scene's ``hertz`` is "actual".
+    profile
+        Whether lever arms are updated for flanks that are not circular arcs.
 
     Returns
     -------
     tuple[P, Outcome]
-        The system at its last state, and the outcome.
+        The equations at the last state, and status, residual and effort of the solver.
     """
     outcome = system.iterate()
     if system.problems and system.problems[0].scene.ingredients.hertz == "actual":
@@ -191,38 +211,39 @@ def settled(system: P, profile: bool = True) -> tuple[P, Outcome]:
 
 
 def least_residual(motions: float, stiffness: float, scale: float, problems: Iterable[Problem]) -> float:
-    """Return the relative residual that double precision cannot get below.
+    """Return the relative residual that rounding errors leave in double precision.
 
-    Eight times eps times the lengths whose difference makes the approach, times the stiffness, over the largest force.
+    It is eight machine epsilons times the lengths whose difference is the approach, times the contact stiffness, divided by
+    the largest force.
 
     Parameters
     ----------
     motions
-        Largest motion [m]; in problems with uneven flanks the ball's radius is added.
+        Largest motion [m]. If flanks are not circular arcs, the ball's radius is added to it here.
     stiffness
-        Of the contacts [N/m].
+        Stiffness of the stiffest contact or node [N/m].
     scale
-        Largest force met [N].
+        Largest contact force [N].
     problems
-        The sets.
+        Contact problems of the bearings and nuts.
     """
     radius = max((p.scene.balls.radius for p in problems if p.drawn.profile.shape[1]), default=0.0)
     return ROUND_OFF * (motions + radius) * stiffness / scale if scale else 0.0
 
 
 def status_of(outcome: Outcome, bound: float, unheld: Callable[[], Status], far: bool = False) -> Status:
-    """Return the status of a solver's outcome.
+    """Return whether a solve converged, and if not, the reason.
 
     Parameters
     ----------
     outcome
-        Of the solver.
+        Status, residual and effort of the solver.
     bound
-        Relative residual that double precision cannot get below.
+        Relative residual that rounding errors leave.
     unheld
-        Returns the status of a body that moves without limit, by a linear program.
+        Function that decides by a linear program whether a body can move without limit, and returns the status.
     far
-        Whether the state is so far away that ``unheld`` decides about it too.
+        Whether the bodies moved so far that ``unheld`` has to decide although the solver converged.
     """
     good = outcome.residual <= max(ACCEPTED, bound) and outcome.status in (CONVERGED, ITERATIONS)
     if good and not far:
@@ -251,14 +272,18 @@ def report_of(
 
     Parameters
     ----------
-    outcome, system, description
-        Of the solver.
+    outcome
+        Status, residual and effort of the solver.
+    system
+        Solved equations.
+    description
+        Formulation and number of unknowns.
     elements
         Number of beam elements.
     times
-        When the solve began and when its system was ready (`time.perf_counter`) [s].
+        Times at which the computation began and at which its equations were ready (`time.perf_counter`) [s].
     notes
-        What happened during the solve.
+        Sentences on special events during the solve, such as a second solve with more flanks.
     """
     return SolverReport(
         iterations=outcome.iterations,
@@ -276,7 +301,15 @@ def report_of(
 
 
 def follow_hertz(system: Prepared, outcome: Outcome) -> Outcome:
-    """Solve again with Hertz constants at the actual contact angles until they settle."""
+    """Update the Hertz constants to the actual contact angles and solve again, until they no longer change.
+
+    Parameters
+    ----------
+    system
+        Solved equations.
+    outcome
+        Outcome of that solve.
+    """
     for _ in range(HERTZ_RUNS):
         if no_state_found(outcome):
             break
@@ -294,9 +327,16 @@ def follow_hertz(system: Prepared, outcome: Outcome) -> Outcome:
 
 
 def follow_profile(system: P, outcome: Outcome) -> tuple[P, Outcome]:
-    """Solve again with lever arms to the flanks' centres of curvature at the contacts until they settle.
+    """Update the lever arms to the centres of curvature at the contact points and solve again, until they no longer change.
 
-    An uneven profile shifts that centre, by about the size of the profile error.
+    If a flank deviates from a circular arc, its centre of curvature shifts by about the size of the deviation.
+
+    Parameters
+    ----------
+    system
+        Solved equations.
+    outcome
+        Outcome of that solve.
     """
     before = [np.zeros((*p.C.shape, 2)) for p in system.problems]
     for _ in range(ARM_RUNS):
@@ -312,17 +352,17 @@ def follow_profile(system: P, outcome: Outcome) -> tuple[P, Outcome]:
 
 
 def uneven(problem: Problem) -> bool:
-    """Return whether lever arms depend on a set's profiles."""
+    """Return whether the lever arms of a bearing or nut depend on profile errors of its flanks."""
     return problem.drawn.profile.shape[1] > 0 and problem.scene.ingredients.arm != "nominal"
 
 
 def centre_shift(s: SetFlanks) -> Array:
-    """Return the shift from the groove's centre to the profile's centre of curvature at each loaded contact.
+    """Return the vector from the nominal arc's centre to the profile's centre of curvature at each loaded contact.
 
     Returns
     -------
     Array
-        ``(N, 4, 2)`` [m]; zero for circular arcs.
+        ``(N, 4, 2)`` [m]; zero for circular arcs and unloaded contacts.
     """
     force, normal = s.contact[..., 0], s.contact[..., 1:3]
     if not uneven(s.problem):
@@ -334,5 +374,5 @@ def centre_shift(s: SetFlanks) -> Array:
 
 
 def with_counts_of(first: Outcome, then: Outcome) -> Outcome:
-    """Return the later outcome with the iterations and evaluations of both."""
+    """Return the outcome ``then`` of a later solve, with the iterations and evaluations of both solves added up."""
     return then._replace(iterations=first.iterations + then.iterations, evaluations=first.evaluations + then.evaluations)

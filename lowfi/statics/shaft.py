@@ -1,26 +1,27 @@
-"""Screw as a beam with supports and loads, condensed to the motions of the flanks, and coupled to their deformation.
+"""Screw or shaft as a beam with supports and loads, condensed to the motions of the flanks under the balls.
 
-The condensation is exact for the beam. `Squeeze` is what the shaft's section forces do to the contacts beyond a beam's
-rigid sections, and the contacts to the shaft.
+The condensation is exact for the beam. A beam's sections are rigid, however. In a solid shaft, section forces deform the
+grooves and so change the contacts' approach, and contact forces strain the shaft. `Squeeze` holds this coupling.
 
-A stretch of shaft between its cut ends is a body on which contact loads f and the wrench F of all that lies above it act;
-the rest is equilibrium. Fixed at its low end it has the complementary energy
+Consider the stretch of shaft under one nut or bearing, cut out of the shaft. Contact loads f act on it, and at its upper
+end the wrench F (force and moment) of the shaft above; the lower end carries the resultant. Fixed at its lower end the
+stretch has the complementary energy
 
     f . G f / 2 + f . D^T F + F . H F / 2                                                                              (1)
 
-beyond that of the beam: G is what `lowfi.compliance.bodies` gives, D and H are `lowfi.compliance.between`, Saint-Venant's
-contraction under tension and bending and the warping under shear among them. The beam has the wrench F = S q from the
-motions q of its nodes. As F is the derivative of the energy by the jump d = D f + H F that the stretch adds at its cut, the
-beam with these jumps responds to loads p by q = K^-1 (p + S^T d), F = S q - k d (k: stiffness of the cut element), and with
-p = L^T f
+in addition to that of the beam. G is the compliance of `lowfi.compliance.bodies`. D and H come from
+`lowfi.compliance.between` and contain among others Saint-Venant's lateral contraction under tension and bending, and the
+warping under shear. The beam has the wrench F = S q from the motions q of its nodes. The stretch adds a jump
+d = D f + H F of the motion at its upper cut. With these jumps the beam responds to nodal loads p by
+q = K^-1 (p + S^T d), and the wrench is F = S q - k d (k: stiffness of the cut element). With p = L^T f follows
 
     F = (I + B H)^-1 (A - B D) f,   A = S K^-1 L^T,   B = k - S K^-1 S^T,                                              (2)
 
-B being the stiffness of the supported shaft against a jump: zero where it is statically determinate. Contacts move by
-L q + G f + D^T F. The energy of a body does not depend on the end at which it is fixed, so that neither does the result,
-however many stretches there are. Each contact's jump lies at its station: sections between it and the cut move by it too,
-and a load on one of them is felt by the contacts below. Supports between the contacts of one set are taken as if they were
-below them.
+where B is the stiffness of the supported shaft against a jump: zero if the shaft is statically determinate. Contacts move
+by L q + G f + D^T F. The energy of a body does not depend on the end at which it is fixed, hence the result does not
+either, for any number of stretches. The jump of each contact is located at the contact's axial position: sections between
+this position and the cut move by it too, and by reciprocity a load on such a section moves the contacts below it. Supports
+between the contacts of one nut or bearing are treated as if they were below these contacts.
 """
 
 from __future__ import annotations
@@ -43,27 +44,28 @@ from rollbench.meshes.helix import BallLayout
 from rollbench.meshes.parts import Scene
 from rollbench.meshes.section import MERGE, contact_stations
 
-#: Right-hand sides solved at a time.
+#: Number of right-hand sides solved at a time, to limit memory.
 CHUNK = 512
 
 
 @dataclass
 class Shaft:
-    """Beam of a problem with its supports, and pins where these leave k rigid motions."""
+    """Beam model of a screw on its supports; if these leave k rigid motions free, one node is pinned against them."""
 
-    #: The problem.
+    #: Arrays of the static problem.
     problem: Problem
-    #: Those rigid motions of node ``pin`` by amplitudes in metres, rotations times the pitch radius ``(6, k)``.
+    #: Free rigid motions ``(6, k)``, as motions of the node ``pin`` per metre of amplitude; a rotation's amplitude is the
+    #: angle times the pitch radius.
     motions: Array
-    #: Work of the loads on them ``(k,)`` [N].
+    #: Work of the external loads on the free rigid motions per metre of amplitude ``(k,)`` [N].
     work: Array
-    #: Number of the node nearest to the nut.
+    #: Number of the pinned node, the one nearest to the nut.
     pin: int
-    #: Freedoms that are neither fixed nor pinned ``(6 n,)``.
+    #: Degrees of freedom that are neither fixed nor pinned ``(6 n,)``.
     free: NDArray[np.bool_]
-    #: Factor of the stiffness.
+    #: Factor of the stiffness matrix.
     factor: tuple[Array, Array] = field(repr=False)
-    #: Stiffness in the lower band ``(12, 6 n)``.
+    #: Lower band of the stiffness matrix ``(12, 6 n)``.
     band: Array = field(repr=False)
 
     def under(self, problem: Problem) -> Shaft:
@@ -71,7 +73,10 @@ class Shaft:
         return replace(self, problem=problem, work=_work(problem, self.motions, self.pin))
 
     def solve(self, loads: Array) -> Array:
-        """Return the motions ``(6 n, c)`` of all nodes by nodal loads ``(6 n, c)``, fixed freedoms at zero."""
+        """Return the motions ``(6 n, c)`` of all nodes under c cases of nodal loads ``(6 n, c)``.
+
+        Fixed and pinned degrees of freedom are zero.
+        """
         out = np.where(self.free[:, None], loads, 0.0)
         if self.free.any():
             substitute_blocks(self.factor, out)
@@ -79,11 +84,11 @@ class Shaft:
 
     @cached_property
     def by_loads(self) -> tuple[Array, Array]:
-        """Result of `free_state`, computed once."""
+        """Return the nodal motions by external loads and prescribed displacements, see `free_state`; computed once."""
         return free_state(self)
 
     def times(self, q: Array) -> Array:
-        """Return the stiffness times motions ``(6 n,)``: the nodal forces that they need."""
+        """Return the nodal forces ``(6 n,)`` [N, N m] that nodal motions q ``(6 n,)`` [m, rad] require."""
         out = self.band[0] * q
         for k in range(1, self.band.shape[0]):
             out[k:] += self.band[k, : q.size - k] * q[: q.size - k]
@@ -91,8 +96,8 @@ class Shaft:
         return np.asarray(out)
 
 
-def unheld(problem: Problem) -> Array:
-    """Return the rigid motions ``(6, k)`` of the node nearest the nut that no support prevents."""
+def unsupported_motions(problem: Problem) -> Array:
+    """Return the k rigid motions of the screw that no support prevents ``(6, k)``, at the node nearest to the nut."""
     scale, z = in_metres(problem), problem.nodes
     origin = z[pin_node(problem)]
     rows = rigid_transport(z - origin)[problem.fixed] * scale
@@ -104,7 +109,7 @@ def unheld(problem: Problem) -> Array:
 
 
 def in_metres(problem: Problem) -> Array:
-    """Return the motions ``(6,)`` [m, rad] of a node by one metre of each freedom: rotations over the pitch radius."""
+    """Return factors ``(6,)`` from amplitudes in metres to motions: 1 for displacements, 1/pitch radius for rotations."""
     return np.repeat([1.0, 1.0 / problem.scene.track.pitch_radius], 3)
 
 
@@ -114,7 +119,7 @@ def pin_node(problem: Problem) -> int:
 
 
 def shaft_of(problem: Problem) -> Shaft:
-    """Return the factored stiffness of the beam; a rigid screw has only its free motions."""
+    """Return the beam model of a screw with its factored stiffness. A rigid screw has only its free rigid motions."""
     if problem.basis is not None:
         motions = np.diag(in_metres(problem))[:, ~problem.fixed[0]]
         none, no = np.zeros(6, dtype=bool), np.zeros((0, 6, 6))
@@ -126,7 +131,7 @@ def shaft_of(problem: Problem) -> Shaft:
     constants = np.array([(s.EA, s.EI, s.GJ, s.kGA) for s in sections]).reshape(-1, 4).T
     add: Callable[..., None] = add_element  # as plain Python it takes all elements at once
     add(band, np.arange(lengths.size), lengths, constants)
-    motions = unheld(problem)
+    motions = unsupported_motions(problem)
     pin = pin_node(problem)
     held = problem.fixed.copy()
     if motions.shape[1]:
@@ -137,7 +142,7 @@ def shaft_of(problem: Problem) -> Shaft:
 
 
 def _work(problem: Problem, motions: Array, pin: int) -> Array:
-    """Return the work ``(k,)`` [N] of the loads on free rigid motions ``(6, k)``."""
+    """Return the work of the external loads on free rigid motions ``(6, k)``, per metre of amplitude ``(k,)`` [N]."""
     if problem.basis is not None:
         return np.asarray(problem.load[0] @ motions)
     at_pin = np.einsum("nij,ni->j", rigid_transport(problem.nodes - problem.nodes[pin]), problem.load)
@@ -145,25 +150,49 @@ def _work(problem: Problem, motions: Array, pin: int) -> Array:
 
 
 def _factor(band: Array, free: NDArray[np.bool_]) -> Array:
-    """Return factor of a lower band ``(6 n, 12)`` (`kernel.matrices`), with a unit diagonal at freedoms not free."""
+    """Return the factor of a beam's stiffness matrix, given as lower band ``(6 n, 12)``, see `kernel.matrices`.
+
+    Degrees of freedom that are not ``free`` are decoupled and get a unit diagonal.
+    """
     kept = band.copy()
     for k in range(1, band.shape[1]):
         kept[: len(free) - k, k] *= free[: len(free) - k] & free[k:]
     kept[~free, 0] = 1.0
     if not factor_band(kept):
-        raise np.linalg.LinAlgError("the stiffness of a shaft with supports is not positive")
+        raise np.linalg.LinAlgError("the stiffness matrix of the supported shaft is not positive definite")
     return kept
 
 
 def rows_of(problem: Problem, used: list[int]) -> tuple[NDArray[np.int64], Array]:
-    """Return the freedoms ``(c, m)`` and rows ``(c, 2, m)`` of the flanks in use, flank after flank."""
+    """Return which nodal motions move each screw flank, and by how much: indices ``(c, m)``, coefficients ``(c, 2, m)``.
+
+    Parameters
+    ----------
+    problem
+        Static problem of N balls.
+    used
+        Screw flanks in use, out of 0 and 1. The c = N len(used) flanks at the balls are ordered flank after flank.
+    """
     m = problem.B.shape[3]
     dof = [6 * problem.node[:, s, None] + np.arange(m) for s in used]
     return np.concatenate(dof), np.concatenate([problem.B[:, s] for s in used])
 
 
 def flank_response(shaft: Shaft, used: list[int]) -> tuple[Array, Array]:
-    """Return compliance of the flanks in use through the beam ``(2 c, 2 c)`` [m/N], and their free motions ``(2 c, k)``."""
+    """Return how the screw's flanks move by bending and stretching of the beam, and by its free rigid motions.
+
+    Parameters
+    ----------
+    shaft
+        The beam with k free rigid motions.
+    used
+        Screw flanks in use, out of 0 and 1, at all balls: c flanks.
+
+    Returns
+    -------
+    tuple[Array, Array]
+        Compliance ``(2 c, 2 c)`` [m/N], and motions per metre of free motion ``(2 c, k)``.
+    """
     problem = shaft.problem
     dof, rows = rows_of(problem, used)
     count = rows.shape[0]
@@ -182,7 +211,7 @@ def flank_response(shaft: Shaft, used: list[int]) -> tuple[Array, Array]:
 
 
 def flank_motions_by_loads(shaft: Shaft, used: list[int]) -> Array:
-    """Return the motion ``(2 c,)`` [m] of the flanks in use by loads and prescribed displacements."""
+    """Return the motions ``(2 c,)`` [m] of the c screw flanks in use by external loads and prescribed displacements."""
     problem = shaft.problem
     dof, rows = rows_of(problem, used)
     if problem.basis is not None:
@@ -191,10 +220,10 @@ def flank_motions_by_loads(shaft: Shaft, used: list[int]) -> Array:
 
 
 def free_state(shaft: Shaft) -> tuple[Array, Array]:
-    """Return the nodal motions ``(6 n,)`` by loads and prescribed displacements, as a rigid part and the rest.
+    """Return the nodal motions by external loads and prescribed displacements: a rigid part and the rest, ``(6 n,)`` each.
 
-    The rigid part is the motion that the prescribed displacements are, or zero where they strain the beam: round-off of a
-    rigid motion that was solved for would strain it.
+    If the prescribed displacements are a rigid motion of the shaft, this motion is the rigid part; otherwise it is zero.
+    It is kept apart because its round-off, multiplied with the stiffness, would appear as a strain of the beam.
     """
     problem, held = shaft.problem, shaft.problem.fixed
     prescribed = np.where(held, shaft.problem.prescribed, 0.0)
@@ -210,22 +239,22 @@ def free_state(shaft: Shaft) -> tuple[Array, Array]:
 
 
 def rigid_nodes(shaft: Shaft) -> Array:
-    """Return the nodal motions ``(6 n, k)`` by the free rigid motions."""
+    """Return the motions of all nodes per metre of each free rigid motion ``(6 n, k)``."""
     z = shaft.problem.nodes
     return np.asarray((rigid_transport(z - z[shaft.pin]) @ shaft.motions).reshape(6 * z.size, -1))
 
 
 def node_motions(shaft: Shaft, loads: Array, amplitudes: Array) -> Array:
-    """Return the nodal motions ``(n, 6)`` by additional nodal loads and free motions.
+    """Return the nodal motions ``(n, 6)`` [m, rad] by external loads, additional nodal loads, and free rigid motions.
 
     Parameters
     ----------
     shaft
-        The shaft.
+        The beam.
     loads
-        Nodal loads ``(6 n,)`` in addition to the scene's [N, N m].
+        Nodal loads ``(6 n,)`` [N, N m] in addition to the external loads.
     amplitudes
-        Of the free motions ``(k,)`` [m].
+        Amplitudes of the free rigid motions ``(k,)`` [m].
     """
     problem = shaft.problem
     if problem.basis is not None:
@@ -236,12 +265,12 @@ def node_motions(shaft: Shaft, loads: Array, amplitudes: Array) -> Array:
 
 
 def node_forces(shaft: Shaft, loads: Array) -> Array:
-    """Return the forces and moments ``(n, 6)`` [N, N m] on the beam's nodes for the motion of `node_motions`."""
+    """Return the forces and moments ``(n, 6)`` [N, N m] on the beam's nodes at the motions of `node_motions`."""
     return shaft.times(shaft.by_loads[1] + shaft.solve(loads[:, None])[:, 0]).reshape(-1, 6)
 
 
 def flank_loads(problem: Problem, forces: Array, used: list[int]) -> Array:
-    """Return the nodal loads ``(6 n,)`` of the flanks' forces ``(c, 2)`` [N]."""
+    """Return the nodal loads ``(6 n,)`` [N, N m] equivalent to the forces ``(c, 2)`` [N] on the screw's flanks in use."""
     dof, rows = rows_of(problem, used)
     out = np.zeros(6 * problem.nodes.size)
     np.add.at(out, dof, np.einsum("cak,ca->ck", rows, forces))
@@ -253,47 +282,48 @@ Ints = NDArray[np.int64]
 
 @dataclass(frozen=True)
 class Stretch:
-    """Shaft under one set."""
+    """Part of the shaft under one nut or bearing, which deforms beyond the rigid sections of a beam."""
 
-    #: Indices of its contacts' motions among those of all ``(m,)``.
+    #: Indices of its flanks' motions among those of all flanks ``(m,)``.
     flanks: Ints
-    #: Stations of the contacts ``(m,)`` [m].
+    #: Axial positions of the contacts ``(m,)`` [m].
     stations: Array
-    #: D^T of (1) by the wrench at the cut ``(m, 6)``.
+    #: D^T of equation (1) of the module: motions of the flanks per unit wrench at the upper cut ``(m, 6)``.
     feel: Array
-    #: H of (1) by the wrench at the cut ``(6, 6)``.
+    #: H of equation (1): jump of the motion at the upper cut per unit wrench there ``(6, 6)``.
     at_cut: Array
-    #: Number of the node above its contacts.
+    #: Number of the node at the upper cut, above all contacts.
     cut: int
-    #: Motions of the flanks ``(m, 6)`` by loads on nodes below the cut, beyond those that the wrench at a contact makes.
+    #: For each loaded node below the cut, motions of the flanks per unit load ``(m, 6)``, without the part that follows
+    #: from the wrench in the shaft at a contact.
     sections: dict[int, Array]
 
 
 @dataclass(frozen=True)
 class Inside:
-    """Motions of a shaft's nodes within its stretches by jumps at the contacts.
+    """Motions of the shaft's nodes between a contact and the upper cut, caused by the jump that the contact's force makes.
 
-    Of the nodes from the contacts to the cuts, and beyond a cut that carries no wrench.
+    If the shaft carries no load beyond a cut, the nodes beyond this cut are included.
     """
 
-    #: The problem.
+    #: Arrays of the static problem.
     problem: Problem
-    #: The stretches.
+    #: Parts of the shaft under nuts and bearings.
     stretches: Sequence[Stretch]
-    #: Number c of flanks.
+    #: Number c of flanks at all balls.
     flanks: int
 
     def _moves(self, x: Stretch) -> tuple[Array, Ints]:
-        """Return the motions ``(m, 6, 6)`` of the nodes below the end of a stretch by a jump at its cut, and first nodes.
+        """Return the motions ``(m, 6, 6)`` of the first m nodes per unit jump at a stretch's cut, and nodes of the flanks.
 
-        The first node above each of its flanks.
+        The second array holds, for each flank of the stretch, the number of the first node above it.
         """
         nodes = self.problem.nodes
         z = nodes[: x.cut + 1] if loaded_beyond(self.problem, x.cut) else nodes
         return rigid_transport(z - nodes[x.cut]), np.searchsorted(z, x.stations - MERGE)
 
     def by_flanks(self, pushes: Array) -> Array:
-        """Return the motions ``(6 n,)`` of the nodes by the flanks' forces ``(2 c,)`` [N]."""
+        """Return the motions ``(6 n,)`` [m, rad] of the shaft's nodes by the forces on the flanks ``(2 c,)`` [N]."""
         out = np.zeros((self.problem.nodes.size, 6))
         for x in self.stretches:
             moves, first = self._moves(x)
@@ -305,7 +335,10 @@ class Inside:
         return out.ravel()
 
     def by_loads(self, loads: Array) -> Array:
-        """Return the motions ``(2 c, k)`` of the flanks by loads ``(6 n, k)`` on the nodes: reciprocal to `by_flanks`."""
+        """Return the motions of the flanks ``(2 c, k)`` under k cases of nodal loads ``(6 n, k)``.
+
+        By Maxwell's reciprocity the coefficients are those of `by_flanks`.
+        """
         out, nodal = np.zeros((2 * self.flanks, loads.shape[1])), loads.reshape(-1, 6, loads.shape[1])
         for x in self.stretches:
             moves, first = self._moves(x)
@@ -319,51 +352,73 @@ class Inside:
 
 @dataclass(frozen=True)
 class Squeeze:
-    """Coupling of contact loads and section forces of a shaft of n nodes with c flanks, by (2).
+    """Coupling between contact deformation and section forces of a shaft with n nodes and c flanks, equation (2).
 
-    W = 6 wrench components for each cut that carries a wrench. Only ``moved`` and ``given`` depend on the loads (`under`).
+    Section forces of the shaft deform the grooves and so move the flanks; contact forces in turn strain the shaft. Each cut
+    that carries load contributes 6 wrench components, W in all. Only ``moved`` and ``given`` depend on the external loads.
     """
 
-    #: Added to the compliance of the flanks ``(2 c, 2 c)`` [m/N].
+    #: Addition to the compliance matrix of the flanks ``(2 c, 2 c)`` [m/N].
     added: Array
-    #: Motion of the flanks by the scene's loads and prescribed displacements ``(2 c,)`` [m].
+    #: Additional motion of the flanks by external loads and prescribed displacements ``(2 c,)`` [m].
     moved: Array
-    #: S ``(W, 6 n)``.
+    #: S of equation (2): wrenches at the cuts per unit motion of the nodes ``(W, 6 n)``.
     wrenches: Array
-    #: Motions of the flanks by S q ``(2 c, W)``.
+    #: Motions of the flanks per unit wrench S q of the beam without coupling ``(2 c, W)``.
     feel: Array
-    #: Motions of the nodes by S q ``(6 n, W)``.
+    #: Motions of the nodes per unit wrench S q of the beam without coupling ``(6 n, W)``.
     nodes: Array
-    #: d by the flanks' forces ``(W, 2 c)``.
+    #: Jumps d at the cuts per unit force on the flanks ``(W, 2 c)``.
     jumps: Array
-    #: d by loads ``(W,)``.
+    #: Jumps d at the cuts by external loads ``(W,)`` [m, rad].
     given: Array
-    #: Motion of the nodes by the flanks' forces that the beam's nodal loads do not produce.
+    #: Motions of the nodes between contacts and cuts by the forces on the flanks, which equivalent nodal loads on the beam
+    #: do not produce.
     inside: Inside
-    #: Jumps by wrenches ``(W, W)``.
+    #: Jumps at the cuts per unit wrench ``(W, W)``.
     bent: Array
 
     def under(self, shaft: Shaft, thermal: Array | float = 0.0) -> Squeeze:
-        """Return the coupling under the loads and prescribed displacements of a shaft.
+        """Return a copy of the coupling for the external loads and prescribed displacements of a shaft.
 
-        thermal ``(W,)`` [N, N m]: wrenches at the cuts that are among its loads and do not strain the stretches.
+        Parameters
+        ----------
+        shaft
+            The beam with its loads.
+        thermal
+            Part of the wrenches at the cuts ``(W,)`` [N, N m] that stands for free thermal expansion and causes no stress.
         """
         wrench = self.wrenches @ shaft.by_loads[1] - thermal
         moved = self.feel @ wrench + self.inside.by_loads(shaft.problem.load.reshape(-1, 1))[:, 0]
         return replace(self, moved=moved, given=self.bent @ wrench)
 
     def node_loads(self, pushes: Array) -> Array:
-        """Return the nodal loads ``(6 n,)`` equivalent to the jumps, by the flanks' forces ``(2 c,)`` [N]."""
+        """Return the nodal loads ``(6 n,)`` [N, N m] equivalent to the jumps by forces on the flanks ``(2 c,)`` [N]."""
         return np.asarray(self.wrenches.T @ (self.jumps @ pushes + self.given))
 
     def with_inside(self, motion: Array, pushes: Array, fixed: NDArray[np.bool_]) -> Array:
-        """Return motions ``(n, 6)`` of the nodes with what the flanks' forces add within the stretches, where not fixed."""
+        """Add to nodal motions ``(n, 6)`` the jumps of all contacts between each contact and the upper cut.
+
+        Parameters
+        ----------
+        motion
+            Motions of the nodes ``(n, 6)`` [m, rad].
+        pushes
+            Forces on the flanks [N], 2 c components.
+        fixed
+            Which degrees of freedom are fixed ``(n, 6)``; they stay unchanged.
+        """
         return np.where(fixed, motion, motion + (self.inside.by_flanks(pushes.ravel())).reshape(-1, 6))
 
     def by_loads(self, loads: Array, motions: Array) -> tuple[Array, Array]:
-        """Return the added motions of the flanks ``(2 c, k)`` and of the nodes ``(6 n, k)`` by nodal loads ``(6 n, k)``.
+        """Return the motions of flanks ``(2 c, k)`` and nodes ``(6 n, k)`` that the coupling adds under k load cases.
 
-        motions: of the beam under these loads without the coupling.
+        Parameters
+        ----------
+        loads
+            Nodal loads ``(6 n, k)`` [N, N m].
+        motions
+            Motions of the beam's nodes ``(6 n, k)`` under these loads without the coupling.
         """
         wrench = self.wrenches @ motions
         return np.asarray(self.feel @ wrench + self.inside.by_loads(loads)), np.asarray(self.nodes @ wrench)
@@ -372,9 +427,22 @@ class Squeeze:
 def stretch_of(
     problem: Problem, scene: Scene, layout: BallLayout, backend: Backend, used: Sequence[int], balls: slice
 ) -> Stretch | None:
-    """Return the stretch under some balls of a problem, those of ``scene``; None where the shaft is rigid there.
+    """Return the part of the shaft under the balls of one nut or bearing; None if it is rigid or no flank is in use.
 
-    used: the flanks that are built.
+    Parameters
+    ----------
+    problem
+        Static problem of all balls on the shaft.
+    scene
+        The nut or bearing with its part of the shaft.
+    layout
+        Positions of its balls.
+    backend
+        Method by which the compliance of the shaft is computed.
+    used
+        Screw flanks in use, out of 0 and 1.
+    balls
+        Indices of its balls among all balls of the problem.
     """
     response = None if problem.basis is not None else end_response(scene, layout, backend)
     if response is None or not used:
@@ -396,15 +464,34 @@ def stretch_of(
 
 
 def loaded_beyond(problem: Problem, cut: int) -> bool:
-    """Return whether the beam carries anything beyond a node: support, load or contact."""
+    """Return whether a support, load or contact acts on the beam above a node, so that a wrench passes the node's cut.
+
+    Parameters
+    ----------
+    problem
+        Static problem.
+    cut
+        Number of the node.
+    """
     beyond = slice(cut + 1, None)
     return bool(problem.fixed[beyond].any() or problem.load[beyond].any() or (problem.node > cut).any())
 
 
 def cut_stiffness(problem: Problem, cut: int) -> tuple[Array, Array, float]:
-    """Return k ``(6, 6)`` and S ``(6, 12)`` of the element above a node, and its EA [N].
+    """Return the stiffness of the beam element above a cut, as the wrench on the shaft below the cut.
 
-    The wrench on what is below, by a jump there and by the motions of both its nodes.
+    Parameters
+    ----------
+    problem
+        Static problem.
+    cut
+        Number of the node at the cut.
+
+    Returns
+    -------
+    tuple[Array, Array, float]
+        Wrench per unit jump at the cut, k ``(6, 6)``; wrench per unit motion of the element's two nodes, S ``(6, 12)``; and
+        tensile stiffness EA [N] of the element.
     """
     section = problem.section if problem.sections is None else problem.sections[cut]
     length = float(problem.nodes[cut + 1] - problem.nodes[cut])
@@ -417,7 +504,19 @@ def cut_stiffness(problem: Problem, cut: int) -> tuple[Array, Array, float]:
 
 
 def squeezed(shaft: Shaft, used: Sequence[int], stretches: Sequence[Stretch], strain: float = 0.0) -> Squeeze | None:
-    """Return the terms that stretches add to a shaft and its flanks in use; None without stretches."""
+    """Return the coupling between contact deformation and section forces of a shaft; None without ``stretches``.
+
+    Parameters
+    ----------
+    shaft
+        The beam.
+    used
+        Screw flanks in use, out of 0 and 1.
+    stretches
+        Parts of the shaft under nuts and bearings.
+    strain
+        Free thermal strain of the shaft.
+    """
     if not stretches:
         return None
     problem = shaft.problem
@@ -430,7 +529,7 @@ def squeezed(shaft: Shaft, used: Sequence[int], stretches: Sequence[Stretch], st
     for i, x in enumerate(loaded):
         block = slice(6 * i, 6 * i + 6)
         stiff, S[block, 6 * x.cut : 6 * x.cut + 12], EA = cut_stiffness(problem, x.cut)
-        for j, other in enumerate(loaded):  # jumps of one element share its stiffness
+        for j, other in enumerate(loaded):  # jumps at the same cut share the stiffness of one element
             if other.cut == x.cut:
                 k[block, 6 * j : 6 * j + 6] = stiff
         D[block, x.flanks], H[block, block], warm[6 * i + 2] = x.feel.T, x.at_cut, EA * strain

@@ -1,4 +1,4 @@
-"""Shape functions of the Timoshenko element (Lin C.1, C.2, with the transpose in 2.20 corrected)."""
+"""Shape functions of the Timoshenko beam element (Lin C.1 and C.2; the transpose in Lin's equation 2.20 is corrected)."""
 
 from __future__ import annotations
 
@@ -10,26 +10,26 @@ from rollbench.meshes.section import BeamSection
 
 
 def shear_ratio(length: float | Array, section: BeamSection) -> float | Array:
-    """Return Phi = 12 E I/(kappa G A L^2) of an element of a length [m]."""
+    """Return the ratio of bending to shear stiffness, Phi = 12 E I/(kappa G A L^2), of a beam element of length L [m]."""
     return 12.0 * section.EI / (section.kGA * length**2)
 
 
 def motion_matrices(z: Array, nodes: Array, section: BeamSection) -> tuple[NDArray[np.int64], Array]:
-    """Return the matrices that interpolate motions at stations from the two adjacent nodes.
+    """Return the matrices that interpolate the shaft's motions at axial positions from the two adjacent nodes.
 
     Parameters
     ----------
     z
-        Stations ``(k,)`` [m].
+        Axial positions ``(k,)`` [m]; beyond the nodes the shaft moves as a rigid body.
     nodes
-        Stations of the nodes ``(n,)`` [m].
+        Axial positions of the nodes ``(n,)`` [m].
     section
-        Section of the shaft.
+        Cross-section of the shaft.
 
     Returns
     -------
     tuple[NDArray[np.int64], Array]
-        First node of each station ``(k,)`` and matrices ``(k, 6, 12)``.
+        First of the two nodes for each position ``(k,)``, and matrices ``(k, 6, 12)``.
     """
     last = nodes.size - 1
     j = np.clip(np.searchsorted(nodes, z, side="right") - 1, 0, last - 1).astype(np.int64)
@@ -44,25 +44,42 @@ def motion_matrices(z: Array, nodes: Array, section: BeamSection) -> tuple[NDArr
 
 
 def motions_at(z: Array, nodes: Array, section: BeamSection, motion: Array) -> Array:
-    """Return the motions ``(k, 6)`` at stations z ``(k,)`` [m] from those of the nodes ``(n, 6)``."""
+    """Return the shaft's motions ``(k, 6)`` [m, rad] at axial positions z ``(k,)`` [m].
+
+    Parameters
+    ----------
+    z
+        Axial positions ``(k,)`` [m].
+    nodes
+        Axial positions of the nodes ``(n,)`` [m].
+    section
+        Cross-section of the shaft.
+    motion
+        Motions of the nodes ``(n, 6)`` [m, rad].
+    """
     j, m = motion_matrices(z, nodes, section)
     return np.asarray(np.einsum("kab,kb->ka", m, np.concatenate([motion[j], motion[j + 1]], axis=1)))
 
 
 def lifted(nodes: Array, fixed: NDArray[np.bool_], prescribed: Array) -> tuple[Array, Array]:
-    """Return motions of the nodes that have the prescribed values, and the elements' deformations by them.
+    """Return initial node motions that satisfy the prescribed displacements, and the elements' deformations by them.
+
+    Between the prescribed values, each of the six motions is interpolated linearly along the shaft.
 
     Parameters
     ----------
     nodes
-        Stations ``(n,)`` [m].
-    fixed, prescribed
-        Fixed freedoms and their values ``(n, 6)``; each freedom is interpolated along the shaft.
+        Axial positions of the nodes ``(n,)`` [m].
+    fixed
+        Which degrees of freedom are fixed ``(n, 6)``.
+    prescribed
+        Values of the fixed degrees of freedom ``(n, 6)`` [m, rad].
 
     Returns
     -------
     tuple[Array, Array]
-        Motions ``(n, 6)``, and motion of each element's end against its rigidly moved start ``(n - 1, 6)``.
+        Motions of the nodes ``(n, 6)``, and for each element the motion of its end relative to its rigidly moved start
+        ``(n - 1, 6)``.
     """
     q = np.zeros((nodes.size, 6))
     if not prescribed.any():
@@ -75,12 +92,12 @@ def lifted(nodes: Array, fixed: NDArray[np.bool_], prescribed: Array) -> tuple[A
 
 
 def rigid_transport(reach: float | Array) -> Array:
-    """Return the matrix of the rigid motion of a station that is ``reach`` [m] beyond another, u + theta x reach e_z.
+    """Return the matrix from a rigid body's motion at one point of the axis to that at another, u + theta x reach e_z.
 
     Parameters
     ----------
     reach
-        Distance between the stations [m], any shape.
+        Axial distance from the first to the second point [m], any shape.
 
     Returns
     -------
@@ -95,25 +112,25 @@ def rigid_transport(reach: float | Array) -> Array:
 
 
 def shape_polynomials(xi: Array, length: Array, section: BeamSection, order: int = 0) -> Array:
-    """Return the shape functions of elements, or their derivatives by xi.
+    """Return the shape functions of Timoshenko beam elements, or their derivatives by the position xi.
 
-    Exact for an element loaded at its nodes only.
+    They are exact for an element that is loaded at its nodes only.
 
     Parameters
     ----------
     xi
-        Position in the element, 0 to 1 ``(n,)``.
+        Relative position in the element, 0 to 1 ``(n,)``.
     length
-        Of the elements ``(n,)`` [m].
+        Lengths of the elements ``(n,)`` [m].
     section
-        Section of the shaft.
+        Cross-section of the shaft.
     order
-        Of the derivative, 0 to 2.
+        Order of the derivative, 0 to 2.
 
     Returns
     -------
     Array
-        Motions at xi by those of both nodes ``(n, 6, 12)``.
+        Matrices from the motions of both nodes to the motions at xi ``(n, 6, 12)``.
 
     References
     ----------
@@ -127,6 +144,7 @@ def shape_polynomials(xi: Array, length: Array, section: BeamSection, order: int
     ]
 
     def at(*coefficients: Array | float) -> Array:
+        """Return the value at xi of a polynomial, or of its derivative, from its coefficients in ascending order."""
         return sum((c * p for c, p in zip(coefficients, powers[: len(coefficients)], strict=True)), start=zero)
 
     n = np.zeros((xi.size, 6, 12))
@@ -155,16 +173,22 @@ def shape_polynomials(xi: Array, length: Array, section: BeamSection, order: int
 
 
 def principal(rows: Array) -> tuple[Array, Array]:
-    """Return the singular values and all right singular vectors ``(k, k)`` of rows ``(m, k)``.
+    """Return the singular values and all right singular vectors ``(k, k)`` of a matrix ``(m, k)``.
 
-    By a QR decomposition first, so that the cost does not grow with the square of the number of rows.
+    A QR decomposition comes first, so that the cost does not grow with the square of the number of rows.
     """
     _, size, vt = np.linalg.svd(np.linalg.qr(rows, mode="r"))
     return np.asarray(size), np.asarray(vt)
 
 
 def unresisted(rows: Array) -> Array:
-    """Return the combinations ``(c, k)`` of k motions on which ``rows`` ``(m, k)``, each of a size about one, vanish."""
+    """Return the c combinations of k motions that none of m constraints resists ``(c, k)``: the null space of ``rows``.
+
+    Parameters
+    ----------
+    rows
+        Constraints ``(m, k)``, each with a norm of about one.
+    """
     if not rows.size:
         return np.eye(rows.shape[1])
     size, vt = principal(rows)
@@ -172,7 +196,7 @@ def unresisted(rows: Array) -> Array:
 
 
 def pivots(rows: Array) -> list[int]:
-    """Return as many columns of rows ``(k, m)`` as their rank, as a QR decomposition with column pivoting chooses them."""
+    """Return the numbers of linearly independent columns of a matrix ``(k, m)``, by QR with column pivoting."""
     remainder, chosen = rows.copy(), []
     for _ in range(min(rows.shape)):
         sizes = (remainder * remainder).sum(axis=0)

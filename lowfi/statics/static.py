@@ -51,25 +51,27 @@ from rollbench.meshes.section import BeamSection
 
 Engine = Literal["auto", "interpreted", "compiled"]
 
-#: Above this many balls the compiled engine pays even for a single solve: where machine code is kept, and where not.
+#: Number of balls above which the compiled kernels are faster even for a single solve: if their machine code is cached on
+#: disk, and if it has to be compiled first.
 COMPILE_ABOVE, COMPILE_ALONE = 120, 1000
-#: The same where flanks are no arcs: every contact is a search for its place on the profile.
+#: The same number for flanks that are not circular arcs, where each contact point is found by an iteration.
 COMPILE_UNEVEN = 24
-#: Share of the largest force or moment from which on what a pin takes is looked into.
+#: Share of the largest force or moment above which the reaction at a pin is reported.
 PIN_SHOWN = 1e-9
 
 
 def pick_engine(engine: Engine, balls: int, uneven: bool = False) -> ModuleType:
-    """Return the kernels to use: interpreted for one small solve, compiled for large or many ones.
+    """Return the module of numerical kernels: interpreted for a small problem, compiled for a large one.
 
     Parameters
     ----------
     engine
-        ``"interpreted"``, ``"compiled"``, or ``"auto"``.
+        ``"interpreted"``, ``"compiled"``, or ``"auto"``, which chooses by the number of balls and uses compiled kernels
+        that are loaded already.
     balls
         Number of balls.
     uneven
-        Whether flanks deviate from circular arcs, with which a contact costs an iteration.
+        Whether flanks deviate from circular arcs, so that each contact point needs an iteration.
     """
     most = COMPILE_UNEVEN if uneven else COMPILE_ABOVE
     many = balls > most and (uneven or balls > COMPILE_ALONE or jit.is_machine_code_cached(jit.STATICS))
@@ -78,10 +80,11 @@ def pick_engine(engine: Engine, balls: int, uneven: bool = False) -> ModuleType:
 
 
 def scale_of(problem: Problem) -> Scale:
-    """Return the scales of forces and stiffnesses of a problem.
+    """Return the typical force and stiffness of a problem's contacts, by which the solver scales residuals.
 
-    A contact that counts as unloaded has the round-off of a typical force. Where only motions are prescribed, which may
-    meet no resistance in the end, the typical force says little, and forces that tend to zero must be followed there.
+    A contact counts as unloaded if its force is below the round-off of the typical force. If there are neither loads nor
+    preload but only prescribed displacements, which may meet no resistance, the limit is higher, so that forces that tend
+    to zero end as unloaded.
 
     Parameters
     ----------
@@ -93,7 +96,7 @@ def scale_of(problem: Problem) -> Scale:
     squeeze = float(contact_force(largest_interference(problem), pair))
     (applied, turning), (largest, most) = ((x[:3], x[3:]) for x in (load.sum(axis=0), load.max(axis=0)))
     force = max(float(applied.sum() + turning.sum() / arm) / max(1, problem.C.shape[0]), squeeze)
-    if force == 0.0:  # given motions, or errors that squeeze a ball by three flanks
+    if force == 0.0:  # only prescribed displacements, or errors by which three flanks clamp a ball
         force = float(contact_force(1e-6, pair))
     floor = max(float(largest.max()), float(most.max()) / arm, squeeze)
     return Scale(force, float(np.cbrt(force) / pair), floor, (1e-14 if floor > 0.0 else 1e-10) * force)
@@ -101,41 +104,41 @@ def scale_of(problem: Problem) -> Scale:
 
 @dataclass(kw_only=True)
 class OneSet(Prepared):
-    """Problem of one set of balls, ready for the kernels."""
+    """Equations of a single ball nut or ball bearing for the numerical kernels, whichever bodies are elastic."""
 
-    #: The problem.
+    #: Arrays of the contact problem.
     problem: Problem
-    #: Makes it again with other lever arms.
+    #: Input from which the problem is built again with other lever arms.
     build: Build
 
     @property
     def problems(self) -> Sequence[Problem]:
-        """The problem, as a sequence of one."""
+        """Return the contact problem as a sequence of length one."""
         return (self.problem,)
 
     def with_arms(self, arms: Sequence[Array]) -> Self:
-        """Return the system with longer lever arms, as `Prepared.with_arms`."""
+        """Return a copy with the present state and longer lever arms of the contacts, see `Prepared.with_arms`."""
         longer: Any = self.build.ready(self.build.problem(arms[0]))
         longer.problem.C[:] = self.problem.C
         return longer.at_state(self)  # type: ignore[no-any-return]
 
     @abstractmethod
     def clears(self) -> bool:
-        """Return whether no ball touches a flank that was left out, at the solution."""
+        """Return whether the balls are clear of all flanks that were left out of the solved problem."""
 
     @abstractmethod
     def solved(self) -> SolvedState:
-        """Return the solved state with the reactions."""
+        """Return motions, contact forces and support reactions at the solution."""
 
 
 @dataclass(kw_only=True)
 class Beam(OneSet):
-    """Screw as a beam, or rigid, in a rigid nut."""
+    """Equations of a screw, modelled as a beam or as rigid, in a rigid nut."""
 
     SOLVER = "solve_beam"
-    #: Beam and balls as the kernels take them.
+    #: Arrays of beam and balls for the kernels.
     given: BeamSystem
-    #: Motions, deformations and contacts.
+    #: Node motions, element deformations and contacts: the unknowns of the iteration.
     state: RowState
 
     @property
@@ -144,25 +147,28 @@ class Beam(OneSet):
         return np.asarray(self.state.contact[..., 0])
 
     def flanks(self) -> Sequence[SetFlanks]:
-        """Return the contacts at the state."""
+        """Return contact forces, ball centres and flank motions in the present state."""
         moved = np.zeros((len(self.state.p), 4, 2))
         moved[:, :2] = flank_motions(self.problem, self.state.q)
         return (SetFlanks(self.problem, self.state.contact, self.state.p, moved),)
 
     def clears(self) -> bool:
-        """Return whether no omitted flank touches, by offering all four flanks to every ball."""
+        """Return whether no ball touches a left-out flank, by solving every ball with four flanks at fixed screw motion."""
         touched = touched_sides(self.engine, self.problem, self.state.q, self.state.p, self.force)
         return not np.any(touched & ~self.problem.use)
 
     def round_off(self) -> float:
-        """Return the residual that rounding leaves, by the largest motion and the stiffest node's flanks together."""
+        """Return the relative residual that rounding errors leave.
+
+        It follows from the largest motion, and the largest sum of contact stiffnesses on one node.
+        """
         problem, motion = self.problem, float(np.abs(self.state.q[:, :3]).max(initial=0.0))
         stiff = contact_stiffness(self.force[:, :2], problem.C[:, :2])
         most = float(np.bincount(problem.node.ravel(), weights=stiff.ravel()).max(initial=0.0))
         return least_residual(motion, most, self.scale, [problem])
 
     def solved(self) -> SolvedState:
-        """Return the solved state; the reactions are the energy's gradient at the fixed freedoms."""
+        """Return motions, contact forces and support reactions: the gradient of the energy at the fixed freedoms."""
         problem, gradient, force = self.problem, np.zeros(self.state.q.shape), self.force.copy()
         motion, centre, normal = self.state.q.copy(), self.state.p.copy(), self.state.contact[..., 1:3].copy()
         if problem.basis is None:
@@ -171,23 +177,23 @@ class Beam(OneSet):
         return SolvedState(problem, motion, centre, force, normal, held, shifts_of_beam(problem, motion), self.scale)
 
     def description(self) -> Description:
-        """As `Prepared.description`."""
+        """Return the formulation, number of unknowns and assumptions of the model for the record of the solution."""
         return Description("convex energy", self.problem.unknowns, model_assumptions(self.problem.scene))
 
 
 def prepare(problem: Problem, engine: ModuleType, *, tolerance: float = TOLERANCE, build: Build | None = None) -> Beam:
-    """Return a problem ready for the kernels, with a start that has the prescribed displacements.
+    """Return the equations of a screw in a rigid nut, with an initial state that satisfies the prescribed displacements.
 
     Parameters
     ----------
     problem
-        The static problem.
+        Arrays of the static problem.
     engine
-        Kernels, plain or compiled.
+        Module of the numerical kernels, interpreted or compiled.
     tolerance
-        Largest relative residual.
+        Relative residual at which the iteration ends.
     build
-        Function that packs the problem for the kernels; None: the beam's.
+        Input from which the problem was built; None: taken from ``problem``.
     """
     lengths, s = np.diff(problem.nodes), problem.section
     sections = np.tile([s.EA, s.EI, s.GJ, s.kGA], (lengths.size, 1))
@@ -211,35 +217,41 @@ def prepare(problem: Problem, engine: ModuleType, *, tolerance: float = TOLERANC
 
 @dataclass(frozen=True)
 class Build:
-    """Everything from which a scene's problem is built, and built again with other flanks or lever arms."""
+    """Input of a ball screw's static problem, from which it is built, and rebuilt with other flanks or lever arms."""
 
-    #: The scene.
+    #: Scene: screw, nut, balls, supports and loads.
     scene: Scene
-    #: Parts of the scene with their errors.
+    #: Dimensions of the parts with their manufacturing errors.
     drawn: Specimen
     #: Positions of the balls.
     layout: BallLayout
-    #: Flanks to build ``(4,)``.
+    #: Which of the flanks SL, SR, NL, NR get contacts ``(4,)``.
     use: Mask
-    #: Kernels.
+    #: Module of the numerical kernels.
     engine: ModuleType
-    #: Whether nothing is left out, see `solve_static`.
+    #: Whether to model also the flanks and the parts of the shaft that carry no load, see `solve_static`.
     everything: bool = False
-    #: Elements that each beam element is split into.
+    #: Number of elements that each beam element is split into.
     refine: int = 1
-    #: `distances` of the parts, where they have been computed.
+    #: Result of `centre_distances` for these parts; None: not computed yet.
     known: tuple[Array, Array] | None = None
-    #: Fixed freedoms of the nodes and their values ``(n, 6)`` each, and which freedoms of the first node are pins; None: as
-    #: the scene has them.
+    #: Fixed degrees of freedom of the nodes ``(n, 6)``, their values ``(n, 6)``, and which of the first node's are pins;
+    #: None: the supports of the scene.
     held: tuple[NDArray[np.bool_], Array, tuple[int, ...]] | None = None
 
     @property
     def section(self) -> BeamSection | None:
-        """Section of the screw; None: the scene's."""
+        """Return the screw's cross-section to use in place of the one from the scene's dimensions; None: no replacement."""
         return None
 
     def problem(self, arms: Array | None = None) -> Problem:
-        """Return the problem; arms: see `lowfi.statics.problem.build`."""
+        """Return the arrays of the static problem.
+
+        Parameters
+        ----------
+        arms
+            Extra lever arms of the contacts ``(N, 4, 2)`` [m]; None: none.
+        """
         parts = self.scene, self.drawn, self.layout, self.use
         how: dict[str, Any] = {"everything": self.everything, "refine": self.refine, "known": self.known}
         found = build(*parts, arms=arms, section=self.section, **how)
@@ -247,63 +259,69 @@ class Build:
         return found if held is None else replace(found, fixed=held[0], prescribed=held[1], pins=held[2])
 
     def holding(self, pinned: Problem) -> Self:
-        """Return a copy with the fixed freedoms of another problem."""
+        """Return a copy of this input with the fixed degrees of freedom of another problem."""
         return replace(self, held=(pinned.fixed, pinned.prescribed, pinned.pins))
 
     def ready(self, problem: Problem) -> OneSet:
-        """Return a problem ready for the kernels."""
+        """Return the equations of the problem for the numerical kernels."""
         return prepare(problem, self.engine, build=self)
 
     def touched(self) -> str:
-        """Return the note that the flanks left out are touched."""
+        """Return the note that balls touch flanks that were left out, so that all four flanks were solved."""
         names = ", ".join(name for name, used in zip(SIDES, self.use, strict=True) if not used)
-        return f"sides {names} touch in the solution without them: solved again with all four"
+        return f"flanks {names} touch balls in the solution without these flanks: solved again with all four flanks"
 
 
 class Solution(NamedTuple):
-    """Scene at the outcome of its solver."""
+    """Equations of a ball screw at the state where the solver ended."""
 
-    #: The system at its last state.
+    #: Equations with their last state.
     system: OneSet
-    #: Outcome of the solver.
+    #: Status, residual and effort of the solver.
     outcome: Outcome
-    #: Function object that built the system.
+    #: Input from which the equations were built.
     build: Build
-    #: Free motions of the screw.
+    #: Motions of the screw that nothing resists.
     mechanism: Mechanism
     #: Notes on the flanks that were left out.
     notes: tuple[str, ...]
-    #: When the system was ready (`time.perf_counter`) [s].
+    #: Time at which the iteration could begin (`time.perf_counter`) [s].
     prepared_at: float
 
     @property
     def status(self) -> Status:
-        """Return the status of the solution."""
-        return status_of(self.outcome, self.system.round_off(), partial(unheld, self.system.problem))
+        """Return whether the solver converged, and if not, the reason."""
+        return status_of(self.outcome, self.system.round_off(), partial(runaway_status, self.system.problem))
 
 
-class Unheld(NamedTuple):
-    """Problem whose load drives a motion that nothing resists."""
+class UnrestrainedProblem(NamedTuple):
+    """Static problem without equilibrium: its load drives a motion of the screw that nothing resists."""
 
-    #: The problem.
+    #: Arrays of the problem.
     problem: Problem
-    #: The driven motion.
+    #: The motion that the load drives.
     mechanism: Mechanism
 
     @property
     def status(self) -> Status:
-        """Status of the problem."""
+        """Return the status "not held" with a sentence that describes the motion."""
         return Status("not held", self.mechanism.text)
 
 
-def solve_sides(build: Build) -> Solution | Unheld:
-    """Solve with the flanks of ``build``, and again with all four where a ball touches one of the others."""
+def solve_sides(build: Build) -> Solution | UnrestrainedProblem:
+    """Solve a ball screw with the chosen flanks, and again with all four if a ball touches a flank that was left out.
+
+    Parameters
+    ----------
+    build
+        Input of the problem, with the chosen flanks.
+    """
     notes: tuple[str, ...] = ()
     while True:
         problem = build.problem()
         mechanism = free_motions(problem)
         if mechanism.driven:
-            return Unheld(problem, mechanism)
+            return UnrestrainedProblem(problem, mechanism)
         problem = pin(problem, mechanism)
         system = build.holding(problem).ready(problem)
         prepared_at = perf_counter()
@@ -323,35 +341,35 @@ def solve_static(
     refine: int = 1,
     discretisation: bool = False,
 ) -> StaticResult:
-    """Compute contact loads, contact angles and shaft motion of a scene in static equilibrium, by Lin's model.
+    """Compute contact loads, contact angles and shaft motion of a ball screw in static equilibrium, by Lin's model.
 
-    The screw is a Timoshenko beam, or rigid, the nut rigid; every contact follows Hertz. The equilibrium is the minimum of
-    a convex energy.
+    The screw is a Timoshenko beam, or rigid. The nut is rigid, and every contact follows Hertz's law. The equilibrium is
+    the minimum of a convex energy.
 
     Parameters
     ----------
     scene
-        The scene.
+        Screw, nut, balls, supports and loads.
     engine
-        Kernels: ``"interpreted"``, ``"compiled"``, or ``"auto"``, by size.
+        Numerical kernels: ``"interpreted"``, ``"compiled"``, or ``"auto"``, which chooses by the number of balls.
     everything
-        Whether to leave nothing out: flanks that cannot touch, shaft without influence.
+        Whether to model also flanks that cannot touch a ball, and ends of the shaft that carry no load.
     member
-        Number of the specimen, for a scene with random errors.
+        Number of the specimen, for a scene with random errors: each number gives other errors.
     refine
-        Elements that each beam element is split into.
+        Number of elements that each beam element is split into.
     discretisation
         Whether to estimate the error of the beam's discretisation too.
 
     Returns
     -------
     StaticResult
-        The result; for a scene without equilibrium its ``status`` gives the reason.
+        Loads, angles and motions; if there is no equilibrium, ``status`` gives the reason.
 
     Raises
     ------
     UnfitKey
-        Keys of the scene that contradict each other or that the model cannot represent.
+        If keys of the scene contradict each other or the model cannot represent them.
 
     References
     ----------
@@ -378,19 +396,19 @@ def solve_static(
 
 
 def solve_built(build: Build, name: str, start: float) -> StaticResult:
-    """Solve a model for what is built.
+    """Solve the static problem that an input describes, and return loads, motions and status.
 
     Parameters
     ----------
     build
-        What the problem is built from.
+        Input of the problem; its class decides which bodies are elastic.
     name
-        Of the model, for the record.
+        Name of the model in the result.
     start
-        When the solve began (`time.perf_counter`) [s].
+        Time at which the computation began (`time.perf_counter`) [s].
     """
     solved = solve_sides(build)
-    if isinstance(solved, Unheld):
+    if isinstance(solved, UnrestrainedProblem):
         return failed_result(solved.problem, name, solved.status, perf_counter() - start)
     system, outcome, mechanism = solved.system, solved.outcome, solved.mechanism
     problem, status = system.problem, solved.status
@@ -401,54 +419,57 @@ def solve_built(build: Build, name: str, start: float) -> StaticResult:
     left_out = (*describe_left_out(problem, mechanism, everything=build.everything), *description.left_out)
     result = assemble_result(system.solved(), name, status, report, left_out, description.assumed)
 
-    def otherwise() -> Array | None:
+    def loads_with_other_pins() -> Array | None:
+        """Return the contact loads ``(N, 4)`` [N] with the alternative pins; None if the solver finds no solution."""
         again = pin(solved.build.problem(), mechanism, True)
         other, found = settled(solved.build.holding(again).ready(again), profile=False)
         return None if no_state_found(found) else other.flanks()[0].contact[..., 0]
 
-    return with_other_pin(result, mechanism, otherwise)
+    return with_other_pin(result, mechanism, loads_with_other_pins)
 
 
-def with_other_pin(result: StaticResult, mechanism: Mechanism, otherwise: Callable[[], Array | None]) -> StaticResult:
-    """Return the result with a note on how much the choice of the pin changes the loads, where the pin carries any.
+def with_other_pin(result: StaticResult, mechanism: Mechanism, other_loads: Callable[[], Array | None]) -> StaticResult:
+    """Return the result with a note on how much the contact loads depend on the choice of pinned degrees of freedom.
+
+    A pin fixes a motion that neither load nor support determines. Without a noticeable reaction at the pin the result
+    is returned unchanged.
 
     Parameters
     ----------
     result
-        The result.
+        Result with the first choice of pins.
     mechanism
-        Free motions, with the freedoms that could be pinned instead.
-    otherwise
-        Finds the loads ``(N, 4)`` [N] with the other pins; None where there are none.
+        Motions that nothing resists, with the degrees of freedom that could be pinned instead.
+    other_loads
+        Function that computes the contact loads ``(N, 4)`` [N] with the other pins; None if the solver finds no solution.
     """
     balance = result.equilibrium
     if balance is None or balance.pin_share <= PIN_SHOWN or not result.converged or not mechanism.others:
         return result
-    load = otherwise()
+    load = other_loads()
     pins, others = (" and ".join(FREEDOMS[k] for k in x) for x in (mechanism.pins, mechanism.others))
-    words = f"{mechanism.text} is held by {pins} of the first node; held by {others} instead, "
+    words = f"{mechanism.text} is prevented by fixing {pins} of the first node; if {others} is fixed instead, "
     if load is None:
-        words += "no loads are found"
+        words += "the solver finds no equilibrium"
     else:
         change = float(np.abs(load - result.load).max())
-        words += f"loads change by up to {change:.2g} N, the largest is {result.load.max():.4g} N"
+        words += f"contact loads change by up to {change:.2g} N (largest load {result.load.max():.4g} N)"
     return replace(result, solver=replace(result.solver, notes=(*result.solver.notes, words)))
 
 
 def pin(problem: Problem, mechanism: Mechanism, other: bool = False) -> Problem:
-    """Return the problem with pins at motions that nothing resists and nothing drives.
+    """Return the problem with fixed degrees of freedom, "pins", against motions that nothing resists and no load drives.
 
-    Torsion is fixed too where no contact can twist the shaft. other: pin the freedoms that the mechanism names as
-    alternative.
+    If no contact can twist the shaft, its torsion is fixed too.
 
     Parameters
     ----------
     problem
-        The static problem.
+        Arrays of the static problem.
     mechanism
-        Motions that nothing resists.
+        Motions that nothing resists, and the degrees of freedom that can be pinned.
     other
-        Whether the alternative freedoms of the mechanism are fixed.
+        Whether to pin the alternative degrees of freedom of the mechanism instead of the first choice.
     """
     chosen = mechanism.others if other else mechanism.pins
     if not mechanism.pins and not mechanism.no_torsion:
@@ -464,8 +485,11 @@ def pin(problem: Problem, mechanism: Mechanism, other: bool = False) -> Problem:
     return replace(problem, fixed=fixed, prescribed=prescribed, pins=chosen)
 
 
-def unheld(problem: Problem) -> Status:
-    """Return the status of a screw that moved without limit; "not held" only if a linear program proves it."""
+def runaway_status(problem: Problem) -> Status:
+    """Return the status of a screw that moved far away in the iteration.
+
+    The status is "not held" only if a linear program proves that contacts and supports cannot carry the load.
+    """
     from rollbench.lowfi.statics.held import describe_motion, opening_motion, ran_away
 
     opens = "the load opens every contact that could carry it, so the screw moves without limit (linear program: {})"
@@ -473,18 +497,19 @@ def unheld(problem: Problem) -> Status:
 
 
 def with_discretisation(scene: Scene, result: StaticResult, solve: Callable[..., StaticResult]) -> StaticResult:
-    """Return the result with the beam's discretisation error, the largest change of a contact load [N].
+    """Return the result with an estimate of the beam's discretisation error: the largest change of a contact load [N].
 
-    A nodal partition is compared with the same one at half the element length, any other with the nodal one.
+    With the partition "nodal" (a node at every contact) the result is compared with one of half the element length. With
+    any other partition it is compared with the nodal one.
 
     Parameters
     ----------
     scene
-        The scene.
+        Scene that was solved.
     result
         Its result.
     solve
-        Computes the result of a scene, with ``refine`` for split elements.
+        Function that computes the result of a scene; its argument ``refine`` splits the elements.
     """
     if scene.ingredients.screw == "rigid":
         return replace(result, solver=replace(result.solver, discretisation=0.0))

@@ -1,4 +1,4 @@
-"""Result record from the solver's arrays: contact points, equilibrium, centreline."""
+"""Conversion of the solver's arrays into the result: contact points, equilibrium check, reactions, shaft centreline."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from rollbench.meshes.arrays import Array
 from rollbench.meshes.parts import FREEDOMS, Load, Scene, Support
 from rollbench.meshes.section import BeamSection
 
-#: Statements that hold for every run of the source's low-order model.
+#: Assumptions of every run of Lin's low-order model.
 MODEL_ASSUMPTIONS = (
     "the nut is rigid and fixed, apart from the Hertzian contacts (Lin 2.3.1)",
     "sections of the screw stay plane and rigid; the shaft is a straight Timoshenko beam (Lin 2.18)",
@@ -31,25 +31,33 @@ MODEL_ASSUMPTIONS = (
 )
 
 
-#: Distance of the stations that the centreline is given at, besides the nodes [m].
+#: Axial distance [m] of the points at which the centreline's displacement is reported, in addition to the nodes.
 STATION = 10e-3
-#: Place of the statement about the screw in MODEL_ASSUMPTIONS, and what is there for a rigid one.
+#: Index of the assumption about the screw in `MODEL_ASSUMPTIONS`, and its replacement for a rigid screw.
 SCREW, RIGID_SCREW = 1, "the screw is rigid, apart from the Hertzian contacts"
-#: Balance of screw and balls, over the largest force or moment, beyond which nothing counts as converged.
+#: Largest sum of forces or moments on screw or ball, relative to the largest force or moment, of a converged solution.
 BALANCE = 1e-6
-#: What of it holds as well where screw, nut and ball are elastic between their contacts.
+#: Assumptions of Lin's model that hold also for elastic screw, nut and balls.
 ELASTIC_ASSUMPTIONS = MODEL_ASSUMPTIONS[2:]
 
 
 def model_assumptions(scene: Scene) -> tuple[str, ...]:
-    """Return the assumptions of Lin's model for a scene."""
+    """Return the assumptions of Lin's model for a scene as sentences; they depend on whether its screw is rigid."""
     if scene.ingredients.screw != "rigid":
         return MODEL_ASSUMPTIONS
     return (*MODEL_ASSUMPTIONS[:SCREW], RIGID_SCREW, *MODEL_ASSUMPTIONS[SCREW + 1 :])
 
 
 def centreline(problem: Problem, q: Array) -> tuple[Array, Array]:
-    """Return stations over the whole screw ``(k,)`` [m], nodes included, and the motions there ``(k, 6)`` [m, rad]."""
+    """Return axial positions along the whole screw ``(k,)`` [m], and the motions of its sections there ``(k, 6)`` [m, rad].
+
+    Parameters
+    ----------
+    problem
+        Static problem with n nodes.
+    q
+        Motions of the nodes ``(n, 6)`` [m, rad]; for a rigid screw its six free and fixed coordinates.
+    """
     length, nodes = problem.scene.screw.length, tuple(problem.nodes.tolist())
     if problem.basis is not None:
         stations, motion = stations_of(length, nodes), problem.basis @ q.ravel()
@@ -61,20 +69,31 @@ def centreline(problem: Problem, q: Array) -> tuple[Array, Array]:
 
 
 def stations_of(length: float, nodes: tuple[float, ...]) -> Array:
-    """Return the stations [m] of the centreline of a screw with nodes at given stations."""
+    """Return the sorted axial positions [m] at which the centreline of a screw is reported: every 10 mm, and all nodes.
+
+    Parameters
+    ----------
+    length
+        Length of the screw [m].
+    nodes
+        Axial positions of the beam's nodes [m].
+    """
     steps = np.arange(0.0, length + 0.5 * STATION, STATION)
     return np.array([z for z in sorted({*steps.tolist(), *nodes, length}) if z <= length])
 
 
 @lru_cache(maxsize=8)
 def _shapes(length: float, nodes: tuple[float, ...], section: BeamSection) -> tuple[Array, NDArray[np.int64], Array]:
-    """Return `stations_of` a shaft and their `motion_matrices`, cached by length, nodes and section."""
+    """Return the axial positions of `stations_of`, and the beam's `motion_matrices` there, from a cache of eight."""
     stations = stations_of(length, nodes)
     return stations, *motion_matrices(stations, np.array(nodes), section)
 
 
 def contact_geometry(solved: SolvedState) -> tuple[Array, Array]:
-    """Return contact points on the undeformed flanks [m] and directions of the forces on the ball, ``(N, 4, 3)`` each."""
+    """Return the contact points on the undeformed flanks [m], and unit vectors of the forces on the balls, in space.
+
+    Both arrays have shape ``(N, 4, 3)``.
+    """
     problem, normal = solved.problem, solved.normal
     layout = problem.layout
     axes = np.stack([layout.radial, layout.binormal], axis=1)
@@ -88,16 +107,19 @@ def contact_geometry(solved: SolvedState) -> tuple[Array, Array]:
 
 
 def equilibrium(solved: SolvedState, points: Array, on_ball: Array) -> Equilibrium:
-    """Return the global balance of the screw and the balance of every ball.
+    """Return the sums of forces and moments on the screw, and the largest sum of forces on a ball.
 
-    Applied loads, support reactions, contact loads at their contact points, and what a pin carries that no support can.
+    The screw is loaded by external loads, support reactions, contact forces at the contact points, and by pins: degrees of
+    freedom that are fixed although no support fixes them.
 
     Parameters
     ----------
     solved
-        The solved state.
-    points, on_ball
-        `contact_geometry` of it.
+        Solution.
+    points
+        Contact points ``(N, 4, 3)`` [m].
+    on_ball
+        Unit vectors of the contact forces on the balls ``(N, 4, 3)``.
     """
     problem, force, nodal = solved.problem, solved.force, solved.reactions
     scene, pins = problem.scene, np.isin(np.arange(6), problem.pins)
@@ -109,14 +131,14 @@ def equilibrium(solved: SolvedState, points: Array, on_ball: Array) -> Equilibri
         pinned = np.where(pins, nodal[0], 0.0)
         held = np.concatenate([[nodal[0] - pinned], nodal[1:]])
         reaction, pin = about_origin(problem.nodes, held), about_origin(problem.nodes[:1], pinned[None])
-    else:  # the supports of a rigid screw take what is left along the motions they hold
+    else:  # the supports of a rigid screw carry the remaining load along the motions that they prevent
         t, z0 = problem.basis, problem.nodes[:1]
         along = np.where(problem.fixed[0], t.T @ about_origin(-z0, (applied + contact)[None]), 0.0)
         each = (np.asarray(np.linalg.solve(t.T, np.where(taken, along, 0.0)))[None] for taken in (~pins, pins))
         reaction, pin = (about_origin(z0, -taken) for taken in each)
     size = max(
         *(float(np.abs(x[:3]).max()) for x in (applied, contact, reaction)),
-        float(np.abs(nodal[:, 3:]).max()) / scene.track.pitch_radius,  # supports may only twist against one another
+        float(np.abs(nodal[:, 3:]).max()) / scene.track.pitch_radius,  # supports may load the screw by torsion alone
         float(force.max(initial=0.0)),
         solved.scale,
     )
@@ -128,16 +150,16 @@ def equilibrium(solved: SolvedState, points: Array, on_ball: Array) -> Equilibri
 
 
 def reactions_of(solved: SolvedState, reaction: Array) -> Array:
-    """Return force and moment of every support on the screw, at its station ``(s, 6)`` [N, N m].
+    """Return force and moment of every support on the screw, at the support's axial position ``(s, 6)`` [N, N m].
 
-    Where statics does not determine the reactions of a rigid screw, they are the least ones.
+    If the supports of a rigid screw are statically indeterminate, the reactions of least norm are returned.
 
     Parameters
     ----------
     solved
-        The solved state.
+        Solution.
     reaction
-        Of all supports about the origin ``(6,)`` [N, N m].
+        Sum of force and moment of all supports about the origin ``(6,)`` [N, N m].
     """
     problem, supports = solved.problem, solved.problem.scene.supports
     if problem.basis is None:
@@ -151,7 +173,17 @@ def reactions_of(solved: SolvedState, reaction: Array) -> Array:
 
 
 def nodal_reactions(nodes: Array, supports: Sequence[Support], held: Array) -> Array:
-    """Return force and moment of every support on the shaft ``(s, 6)`` from those on its nodes ``(n, 6)`` [N, N m]."""
+    """Return force and moment of every support on the shaft ``(s, 6)`` [N, N m] from the reactions at the beam's nodes.
+
+    Parameters
+    ----------
+    nodes
+        Axial positions of the nodes ``(n,)`` [m].
+    supports
+        Supports with their fixed degrees of freedom.
+    held
+        Reactions at the nodes ``(n, 6)`` [N, N m].
+    """
     out = np.zeros((len(supports), 6))
     for i, support in enumerate(supports):
         freedoms = [FREEDOMS.index(name) for name, _ in support.fixed]
@@ -160,50 +192,58 @@ def nodal_reactions(nodes: Array, supports: Sequence[Support], held: Array) -> A
 
 
 def about_origin(stations: Array, wrenches: Array) -> Array:
-    """Return sum about origin ``(6,)`` of forces and moments ``(n, 6)`` [N, N m] at stations ``(n,)`` [m] of the axis.
+    """Return the resultant force and moment about the origin ``(6,)`` [N, N m] of wrenches that act on points of the axis.
 
     Parameters
     ----------
     stations
-        Axial positions, ``(n,)`` [m].
+        Axial positions of the points, ``(n,)`` [m].
     wrenches
-        Forces and moments there, ``(n, 6)`` [N, N m].
+        Forces and moments at the points, ``(n, 6)`` [N, N m].
     """
     return np.asarray(np.einsum("nij,ni->j", rigid_transport(stations), wrenches))
 
 
 def wrench_of(loads: Sequence[Load]) -> Array:
-    """Return the sum of loads about the origin ``(6,)`` [N, N m].
+    """Return the resultant force and moment about the origin ``(6,)`` [N, N m] of external loads.
 
     Parameters
     ----------
     loads
-        Loads of a scene.
+        External loads of a scene, each at a point of the axis.
     """
     wrenches = np.array([(*x.force, *x.moment) for x in loads]).reshape(-1, 6)
     return about_origin(np.array([x.at for x in loads]), wrenches)
 
 
 def net_forces(force: Array, normal: Array) -> Array:
-    """Return the net contact load on each ball ``(N,)`` [N] from forces ``(N, 4)`` [N] and normals ``(N, 4, 2)``."""
+    """Return the magnitude of the resultant contact force on each ball ``(N,)`` [N], which is zero in equilibrium.
+
+    Parameters
+    ----------
+    force
+        Contact forces ``(N, 4)`` [N].
+    normal
+        Unit normals of the contacts in the section plane ``(N, 4, 2)``.
+    """
     return np.asarray(np.linalg.norm((force[..., None] * normal).sum(axis=1), axis=1))
 
 
 def balance_of(sums: Sequence[Array], size: float, arm: float, noise: tuple[float, float], net: Array) -> Equilibrium:
-    """Return the balance of a body by its loads, reactions, contact loads and pins.
+    """Return the check of equilibrium of a body: sums of forces and moments, relative to the largest force and moment.
 
     Parameters
     ----------
     sums
-        Those four, ``(6,)`` each about the origin [N, N m].
+        Force and moment about the origin ``(6,)`` [N, N m] of external loads, support reactions, contact forces and pins.
     size
-        Largest force met [N].
+        Largest force of the solution [N].
     arm
-        Length that makes a moment of it [m].
+        Length [m] by which this force is multiplied to give the largest moment.
     noise
-        Force and moment that double precision leaves [N, N m].
+        Force [N] and moment [N m] that rounding errors leave; they are subtracted from the sums.
     net
-        Net force on every ball ``(N,)`` [N].
+        Magnitude of the resultant force on each ball ``(N,)`` [N].
     """
     applied, reaction, contact, pin = sums
     size_m = max(max(float(np.abs(x[3:]).max()) for x in (applied, reaction, contact)), size * arm)
@@ -228,16 +268,16 @@ def balance_of(sums: Sequence[Array], size: float, arm: float, noise: tuple[floa
 
 
 def round_off(lengths: Array, sections: Array, motion: Array) -> tuple[float, float]:
-    """Return the force [N] and moment [N m] that the last digit of the motions makes in a beam's stiffest elements.
+    """Return the force [N] and moment [N m] in a beam's stiffest elements by rounding errors of the node motions.
 
     Parameters
     ----------
     lengths
-        Of the elements ``(e,)`` [m].
+        Lengths of the elements ``(e,)`` [m].
     sections
-        EA, EI, GJ, kGA of the elements ``(e, 4)`` or ``(1, 4)``.
+        EA [N], EI [N m^2], GJ [N m^2], kGA [N] of the elements ``(e, 4)`` or ``(1, 4)``.
     motion
-        Of the nodes ``(n, 6)`` [m, rad].
+        Motions of the nodes ``(n, 6)`` [m, rad].
     """
     if not lengths.size:
         return 0.0, 0.0
@@ -249,18 +289,21 @@ def round_off(lengths: Array, sections: Array, motion: Array) -> tuple[float, fl
 
 
 def judged(status: Status, balance: Equilibrium, frozen: bool, body: str = "the screw", ball: str = "") -> Status:
-    """Return the status, or "not converged" where the sums over the whole body or a ball are out of balance.
+    """Return the status of a solution after the check of equilibrium: "not converged" if a body or ball is out of balance.
 
     Parameters
     ----------
     status
-        Status by the solver.
+        Status that the solver reported.
     balance
-        The sums.
+        Sums of forces and moments.
     frozen
-        Whether lever arms are those of the nominal contact points, so that moments about the true ones do not balance.
-    body, ball
-        Names of the body and, where its number is not enough, of the worst ball.
+        Whether the model's lever arms end at the nominal contact points, so that moments about the true points do not
+        balance and only the balls are checked.
+    body
+        Name of the body for the message.
+    ball
+        Name of the worst ball for the message; empty: its number.
     """
     if status != "converged" or (balance.ball_residual if frozen else balance.largest) <= BALANCE:
         return status
@@ -271,7 +314,10 @@ def judged(status: Status, balance: Equilibrium, frozen: bool, body: str = "the 
 
 
 def where_not_unique(status: Status, warnings: Sequence[Warned]) -> Status:
-    """Return the status; where it did not converge and the contact pattern is not unique, with that reason."""
+    """Return the status, with an added reason if the solver did not converge and the contact pattern is not unique.
+
+    Uneven flanks can touch a ball at several places; a warning of the kind "profile" says so.
+    """
     places = [w for w in warnings if w.kind == "profile"]
     if status.kind != "not converged" or not places:
         return status
@@ -281,18 +327,20 @@ def where_not_unique(status: Status, warnings: Sequence[Warned]) -> Status:
 def contacts_of(
     solved: SolvedState, z: Array, motion: Array, report: SolverReport, *, both_ways: bool = False
 ) -> StaticResult:
-    """Return the contacts of a finished solve as a record.
+    """Return the result of a solve with loads, angles and points of all contacts, still without name and equilibrium.
 
     Parameters
     ----------
     solved
-        The solved state.
-    z, motion
-        Stations ``(k,)`` [m] and motions ``(k, 6)`` [m, rad] of the centreline.
+        Solution.
+    z
+        Axial positions of the shaft's centreline ``(k,)`` [m].
+    motion
+        Motions of the shaft there ``(k, 6)`` [m, rad].
     report
-        Effort and accuracy.
+        Effort and accuracy of the solve.
     both_ways
-        Whether the one arc of each groove extends to either side of its bottom.
+        Whether each groove is one arc that extends to both sides of its bottom, as in a deep groove bearing.
     """
     problem, force = solved.problem, solved.force
     raw = contact_angles(solved.normal)
@@ -328,22 +376,25 @@ def assemble_result(
     *,
     own_arms: bool = False,
 ) -> StaticResult:
-    """Return the result record of a finished solve.
+    """Return the complete result of a solve: contacts, reactions, equilibrium check, status and assumptions.
 
     Parameters
     ----------
     solved
-        The solved state.
+        Solution.
     model
         Name of the model.
     status
-        Status by the solver.
+        Status that the solver reported.
     report
-        Effort and accuracy.
-    left_out, idealised
-        What is left out; assumptions of the model.
+        Effort and accuracy of the solve.
+    left_out
+        Effects that the model neglects, as sentences.
+    idealised
+        Assumptions of the model, as sentences.
     own_arms
-        Whether the model's lever arms and directions are not those of the contacts, so that sums over these do not balance.
+        Whether the model uses other lever arms and force directions than the true contacts have, so that forces at the true
+        contacts do not balance. The equilibrium check then does not change the status.
     """
     problem = solved.problem
     result = contacts_of(solved, *centreline(problem, solved.motion), report)
@@ -358,7 +409,19 @@ def assemble_result(
 
 
 def failed_result(problem: Problem, model: str, status: Status, seconds: float) -> StaticResult:
-    """Return the result record of a scene that has no equilibrium: no loads, and the reason."""
+    """Return the result of a scene without equilibrium: its status gives the reason, and all loads are nan.
+
+    Parameters
+    ----------
+    problem
+        Static problem.
+    model
+        Name of the model.
+    status
+        Status with the reason.
+    seconds
+        Computing time [s].
+    """
     report = SolverReport(0, 0, float("nan"), seconds, problem.unknowns, problem.nodes.size - 1, "none", "none")
     assumed = (*problem.scene.assumed, *model_assumptions(problem.scene))
     n, layout = problem.layout.z.size, problem.layout

@@ -1,13 +1,14 @@
-"""Tangent stiffness of a solved scene at one section of the screw, against the fixed nut.
+"""Tangent stiffness of a loaded ball screw between one section of the screw and the fixed nut.
 
-The supports of the screw are taken away and its section at the station is clamped. Small motions d (6) of the clamp move
-the flanks by R_z d; with the stiffness S^T S of all balls and G the compliance of the bodies, the screw clamped there,
+The supports of the solved screw are removed, and one section is clamped instead. Six small motions d of the clamp move the
+flanks by R_z d. With the stiffness S^T S of all balls, and the compliance G of the bodies with the screw clamped at this
+section, the forces and moments at the clamp per unit motion are
 
-    K = (S R_z)^T (I + S G S^T)^-1 (S R_z),                                                                            (1)
+    K = (S R_z)^T (I + S G S^T)^-1 (S R_z).                                                                            (1)
 
-the forces and moments (6) at the clamp per motion: symmetric, not negative, and next to zero along the helix, which no
-frictionless contact resists (planar sections of the balls leave a trace: see `lowfi.statics.held`). A machine model
-takes it between the screw's node and the nut's, and adds its shaft and bearings.
+K is symmetric and positive semidefinite. It is almost zero for the screw motion along the helix, which no frictionless
+contact resists (a small artefact of the balls' planar sections remains, see `lowfi.statics.held`). In the model of a
+machine K is the stiffness between a node of the screw and a node of the nut; shaft and bearings are modelled separately.
 """
 
 from __future__ import annotations
@@ -24,7 +25,7 @@ from rollbench.lowfi.statics.problem import Problem
 from rollbench.lowfi.statics.selection import all_sides, choose_sides
 from rollbench.lowfi.statics.shaft import rows_of
 from rollbench.lowfi.statics.shape import rigid_transport
-from rollbench.lowfi.statics.static import Unheld, pick_engine, solve_sides
+from rollbench.lowfi.statics.static import UnrestrainedProblem, pick_engine, solve_sides
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.errors import specimen
 from rollbench.meshes.helix import ball_layout
@@ -36,18 +37,26 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Tangent:
-    """Tangent stiffness at a section of the screw."""
+    """Tangent stiffness of a ball screw between a section of the screw and the fixed nut."""
 
-    #: Station of the section [m].
+    #: Axial position of the section [m].
     station: float
-    #: ``(6, 6)``, freedoms ux, uy, uz, rx, ry, rz [N/m, N/rad, N m/rad]; nan without convergence, and for freedoms that a
-    #: model does not have.
+    #: Stiffness matrix ``(6, 6)`` in ux, uy, uz, rx, ry, rz [N/m, N/rad, N m/rad]; nan if the solve did not converge, and
+    #: for motions that the model does not have.
     matrix: Array
-    #: How the solution ended.
+    #: Whether the solve converged, and if not, the reason.
     status: str
 
     def rigidity(self, freedom: str) -> float:
-        """Return force (moment) per motion of one freedom, with rz fixed and all others free; zero without resistance."""
+        """Return the force or moment per unit of one motion, while rz is fixed and all other motions are free.
+
+        Zero if nothing resists the motion.
+
+        Parameters
+        ----------
+        freedom
+            Name of the motion: ux, uy, uz, rx or ry.
+        """
         known = ~np.isnan(np.diag(self.matrix))
         free = [k for k, name in enumerate(FREEDOMS) if name != "rz" and known[k]]
         arm = self._arm()
@@ -61,7 +70,7 @@ class Tangent:
         return float(1.0 / np.sum(V[k, kept] ** 2 / lam[kept]) / scale[k] ** 2)
 
     def _arm(self) -> float:
-        """Length [m] that makes rotations comparable with displacements."""
+        """Return the length [m] that scales rotations to displacements: the root of largest moment over force stiffness."""
         diagonal = np.diag(self.matrix)
         force, moment = float(diagonal[:3].max()), float(diagonal[3:].max())
         return float(np.sqrt(moment / force)) if force > 0.0 and moment > 0.0 else 1.0
@@ -70,38 +79,39 @@ class Tangent:
 def tangent_stiffness(
     scene: Scene, station: float, *, backend: Backend = REFINED, condensed: Condensed | None = None, member: int = 0
 ) -> Tangent:
-    """Return the tangent stiffness at a station of the screw in the equilibrium of a scene, by (1).
+    """Return the tangent stiffness of a loaded ball screw between a section of the screw and the fixed nut, equation (1).
 
-    The change of Hertz constants with the contact angle and of the lever arms of uneven profiles is neglected.
+    The change of Hertz constants with the contact angle, and of the lever arms on uneven profiles, is neglected.
 
     Parameters
     ----------
     scene
-        The scene.
+        Screw, nut, balls, supports and loads.
     station
-        [m].
+        Axial position of the screw's section [m].
     backend
-        Model of the bodies' compliance.
+        Method by which the compliance of screw, nut and balls is computed.
     condensed
-        Compliance from a 3D model instead.
+        Compliance of the bodies condensed from a 3D model, in place of a computed one.
     member
         Number of the specimen, for a scene with random errors.
 
     Raises
     ------
     ValueError
-        A station off the screw, or bodies with impossible dimensions.
+        If the position is not on the screw, or a body has impossible dimensions.
     """
     if not 0.0 <= station <= scene.screw.length:
-        raise ValueError(f"the screw reaches from 0 to {1e3 * scene.screw.length:g} mm")
+        length = f"{1e3 * scene.screw.length:g} mm"
+        raise ValueError(f"the position {1e3 * station:g} mm is not on the screw, which reaches from 0 to {length}")
     layout = ball_layout(scene)
     drawn = specimen(scene, layout, member)
     every = condensed is not None or "kernel" in (backend.screw, backend.nut) or drawn.profile.shape[1] > 0
-    use = all_sides(scene) if every else choose_sides(scene, drawn)  # a beam's compliance lends nothing to contacts
+    use = all_sides(scene) if every else choose_sides(scene, drawn)  # no negative compliance from beams
     parts = scene, drawn, layout, use, pick_engine("auto", layout.z.size)
     solved = solve_sides(ElasticBuild(*parts, backend=backend, condensed=condensed))
     status = solved.status
-    if isinstance(solved, Unheld) or status != "converged":
+    if isinstance(solved, UnrestrainedProblem) or status != "converged":
         return Tangent(station, np.full((6, 6), np.nan), status)
     clamp = Support(station, tuple((name, 0.0) for name in FREEDOMS))
     held = replace(solved.build, scene=replace(scene, supports=(clamp,), loads=()))
@@ -109,7 +119,17 @@ def tangent_stiffness(
 
 
 def _condensed(solved: Any, clamped: Any, station: float) -> Array:
-    """Return K of (1) from the balls of the solved system and the bodies of the clamped one."""
+    """Return the stiffness K ``(6, 6)`` of equation (1).
+
+    Parameters
+    ----------
+    solved
+        Solved equations, which give the stiffness of the balls.
+    clamped
+        Equations with the screw clamped at the section, which give the compliance of the bodies.
+    station
+        Axial position of the section [m].
+    """
     N, d = solved.state.phi.shape
     rows, counts = np.zeros((N, 6, d)), np.zeros(N, dtype=np.int64)
     ball_rows(solved.given.contacts, solved.state.contact, rows, counts)
@@ -122,7 +142,7 @@ def _condensed(solved: Any, clamped: Any, station: float) -> Array:
     if solved.pair is None:
         screw, nut = S[:, :, :4].reshape(ball.size, 4 * N), S[:, :, 4:].reshape(ball.size, 4 * N)
         A += nut @ bodies.second @ nut.T
-    else:  # motions of the screw's flank less those of the nut's
+    else:  # the motions are those of the screw's flank relative to the nut's
         screw = S.reshape(ball.size, 2 * N)
         by_clamp = by_clamp.reshape(N, 2, 2, 6)[:, solved.pair[0]].reshape(2 * N, 6)
     A += screw @ bodies.first @ screw.T
@@ -132,12 +152,19 @@ def _condensed(solved: Any, clamped: Any, station: float) -> Array:
 
 
 def flanks_by_clamp(problem: Problem, station: float) -> Array:
-    """Return the motions of the screw's flanks by those of a section at ``station`` [m] that moves the screw rigidly.
+    """Return the motions of the screw's flanks per unit motion of one section, while the screw moves as a rigid body.
+
+    Parameters
+    ----------
+    problem
+        Static problem of N balls.
+    station
+        Axial position of the section [m].
 
     Returns
     -------
     Array
-        R_z ``(4 N, 6)``, ball after ball (SL x3, z3, SR x3, z3).
+        R_z ``(4 N, 6)``, ball after ball: flank SL along x3 and z3, then SR along x3 and z3.
     """
     dof, rows = rows_of(problem, [0, 1])
     nodes = np.concatenate([rigid_transport(float(z - station)) for z in problem.nodes])

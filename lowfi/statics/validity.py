@@ -1,4 +1,4 @@
-"""Warnings of solutions that leave the range in which the static models are valid."""
+"""Warnings for solutions of the static models that are outside the models' range of validity."""
 
 from __future__ import annotations
 
@@ -19,34 +19,36 @@ from rollbench.meshes.section import groove_section, nut_groove_range
 
 Element = Literal["ball", "roller"]
 
-#: Tilt [rad] from which on a result warns of small rotations (directions off by as much), or from which share of the
-#: largest contact approach that they neglect.
+#: Limits of the theory of small rotations: tilt of the screw [rad], by which force directions are wrong; and neglected
+#: second-order motion of a groove relative to the largest contact approach.
 SMALL_TILT, SECOND_ORDER = 3e-3, 0.01
-#: Rotation of any section of the shaft [rad] beyond which a linear beam is left: half its square is a per mille.
+#: Largest rotation of a shaft section [rad] for which the linear beam is valid: half its square is 0.1 %.
 SMALL_ROTATION = 0.045
-#: Largest pressure [Pa] that ISO 76 rates contacts of hardened bearing steel at, of ball and of roller bearings: beyond it
-#: they keep a dent of more than about 1e-4 of the element's diameter.
+#: Largest contact pressure [Pa] by ISO 76 for hardened steel in ball and in roller bearings. Higher pressures leave a
+#: permanent indentation of more than about 1e-4 of the rolling element's diameter.
 DENT_PRESSURE, ROLLER_DENT_PRESSURE = 4.2e9, 4.0e9
-#: Semi-axis over ball radius up to which Hertz's half space holds: there the ball leaves its paraboloid by a quarter of the
-#: square, 2 %.
+#: Largest ratio of semi-axis to ball radius for which Hertz's half space is valid. At this ratio the sphere differs from
+#: its paraboloid by a quarter of the ratio's square, 2 %.
 LARGE = 0.3
-#: Part of the distance between groove centre and ball centre by which an uneven profile may shift the centre of curvature.
+#: Largest shift of a profile's centre of curvature by profile errors, relative to the distance of groove and ball centre.
 PROFILE_SHARE = 0.5
-#: Overlap of neighbouring balls [m] from which on they are called wedged.
+#: Overlap of neighbouring balls [m] above which a warning is given that they are wedged.
 OVERLAP = 1e-9
 
 
 def warnings_of(solved: SolvedState, gamma: Array, z: Array, motion: Array) -> tuple[Warned, ...]:
-    """Return all warnings of a solved state.
+    """Return all warnings that a static solution leaves the model's range of validity.
 
     Parameters
     ----------
     solved
-        The solved state.
+        Solution with N balls.
     gamma
         Contact angles ``(N, 4)`` [rad].
-    z, motion
-        Stations ``(k,)`` [m] and motions ``(k, 6)`` [m, rad] of the centreline.
+    z
+        Axial positions of the shaft's centreline ``(k,)`` [m].
+    motion
+        Motions of the shaft there ``(k, 6)`` [m, rad].
     """
     problem, force = solved.problem, solved.force
     constants = own_hertz(problem.scene, problem.drawn)
@@ -64,10 +66,10 @@ def warnings_of(solved: SolvedState, gamma: Array, z: Array, motion: Array) -> t
 
 
 def groove_range(scene: Scene) -> tuple[Array, Array]:
-    """Return the smallest and largest contact angle of each flank's arc, ``(4,)`` each [rad].
+    """Return the smallest and the largest contact angle that each flank's arc allows, ``(4,)`` each [rad].
 
-    From the apex between two arcs to the land; for one arc from one land to the other, with shoulders of equal height, as a
-    scene gives one diameter for both.
+    The arc of a Gothic groove reaches from the apex at the groove's bottom to the land. A groove of a single arc reaches
+    from one land to the other, with shoulders of equal height.
     """
     screw, nut = groove_section(scene), nut_groove_range(scene)
     if is_one_arc(scene):
@@ -77,12 +79,24 @@ def groove_range(scene: Scene) -> tuple[Array, Array]:
 
 
 def ends_of_arc(scene: Scene) -> str:
-    """Return the names of what a groove's arc ends at."""
+    """Return the names of the ends of a groove's arc for messages: "land edge", or "apex or land edge"."""
     return "land edge" if is_one_arc(scene) else "apex or land edge"
 
 
 def _places(problem: Problem, force: Array, gamma: Array, shift: Array) -> list[Warned]:
-    """Return warnings of contacts or ellipses beyond the arc, and of balls that move far."""
+    """Return warnings of contacts or contact ellipses that lie beyond the groove's arc, and of balls that move far.
+
+    Parameters
+    ----------
+    problem
+        Static problem of N balls.
+    force
+        Contact forces ``(N, 4)`` [N].
+    gamma
+        Contact angles ``(N, 4)`` [rad].
+    shift
+        Displacements of the loaded balls' centres in their section planes ``(N, 2)`` [m].
+    """
     notes: list[str] = []
     loaded = force > 0.0
     low, high = groove_range(problem.scene)
@@ -90,8 +104,8 @@ def _places(problem: Problem, force: Array, gamma: Array, shift: Array) -> list[
     off = loaded & ((gamma < low) | (gamma > high))
     if off.any():
         notes.append(
-            f"{int(off.sum())} contact(s) lie beyond the groove's arc ({ends_of_arc(problem.scene)}), where the model does "
-            "not hold"
+            f"{int(off.sum())} contact(s) lie beyond the groove's arc ({ends_of_arc(problem.scene)}), where the model is "
+            "not valid"
         )
     semi_axis = own_hertz(problem.scene, problem.drawn).C_a * np.cbrt(force)  # the long axis lies across the groove
     half = semi_axis / problem.drawn.radius
@@ -99,19 +113,29 @@ def _places(problem: Problem, force: Array, gamma: Array, shift: Array) -> list[
     if cut.any():
         worst = int(np.argmax(np.where(cut, np.maximum(low - gamma + half, gamma + half - high), -np.inf)))
         notes.append(
-            f"the ellipse of {int(cut.sum())} contact(s) reaches beyond the groove's arc ({ends_of_arc(problem.scene)}), "
-            f"most on ball {worst // 4 + 1}: pressure is higher there than Hertz's, and so is the approach"
+            f"the contact ellipse of {int(cut.sum())} contact(s) reaches beyond the groove's arc "
+            f"({ends_of_arc(problem.scene)}), farthest on ball {worst // 4 + 1}: pressure and approach are higher there "
+            "than by Hertz"
         )
     if float(np.abs(shift).max(initial=0.0)) > 0.1 * radius:
-        notes.append("a ball moves by more than a tenth of its radius: small-displacement theory no longer holds")
+        notes.append("a ball moves by more than a tenth of its radius: the theory of small displacements is not valid")
     return [Warned("place", note) for note in notes]
 
 
 def _counted_twice(problem: Problem, force: Array, gamma: Array) -> list[Warned]:
-    """Return a warning of balls whose contacts with both flanks of a groove lie within one ellipse.
+    """Return a warning of balls whose contacts with both flanks of a groove lie within one contact ellipse.
 
-    The angles ``(N, 4)`` [rad] are apart by their sum. The flanks' arcs are one circle there, and two springs represent one
-    contact.
+    The groove is then a single arc, and the model represents one contact by two springs. Since contact angles count from
+    the groove's bottom to either side, the angle between both contacts is the sum of their contact angles.
+
+    Parameters
+    ----------
+    problem
+        Static problem of N balls.
+    force
+        Contact forces ``(N, 4)`` [N].
+    gamma
+        Contact angles ``(N, 4)`` [rad].
     """
     half = own_hertz(problem.scene, problem.drawn).C_a * np.cbrt(force) / problem.drawn.radius
     pairs = force.reshape(-1, 2, 2)
@@ -125,46 +149,47 @@ def _counted_twice(problem: Problem, force: Array, gamma: Array) -> list[Warned]
     left, right = pairs[ball, body]
     place = f"ball {int(ball) + 1} of the {('screw', 'nut')[body]}"
     text = (
-        f"{int(double.any(axis=1).sum())} ball(s) touch both flanks of a groove within one contact ellipse: there the arcs "
-        f"are one groove, and the forces are those of one contact counted twice ({place}: {left:.4g} N and {right:.4g} N "
-        f"for one of up to {left + right:.4g} N); its pressure is higher by up to "
+        f"{int(double.any(axis=1).sum())} ball(s) touch both flanks of a groove within one contact ellipse, where the "
+        f"flanks are a single arc: the two forces are those of one contact counted twice ({place}: {left:.4g} N and "
+        f"{right:.4g} N in place of one force of up to {left + right:.4g} N); its pressure is higher by up to "
         f"{100.0 * (worst - 1.0):.2g} %, its approach by up to {100.0 * (worst**2 - 1.0):.2g} %"
     )
     return [Warned("two flanks", text)]
 
 
 def size_warnings(semi_axis: Array, radius: float, element: Element = "ball") -> list[Warned]:
-    """Return a warning of contacts that are large against their ball or roller.
+    """Return a warning if a contact is too large, relative to its ball or roller, for Hertz's half space.
 
     Parameters
     ----------
     semi_axis
-        Of the ellipses, or half-width of line contacts [m], any shape.
+        Semi-axes of contact ellipses, or half-widths of line contacts [m], any shape.
     radius
-        Of the ball or roller [m].
+        Radius of the ball or roller [m].
     element
-        Which of the two.
+        "ball" or "roller".
     """
     most = float(semi_axis.max(initial=0.0)) / radius
     if most <= LARGE:
         return []
     shape, half = ("contact ellipse", "semi-axis") if element == "ball" else ("line contact", "half-width")
-    words = f"a {half} is {most:.2g} of the {element}'s radius; Hertz's half space does not hold beyond {LARGE:g}"
+    words = f"a {half} is {most:.2g} of the {element}'s radius; Hertz's half space is valid up to {LARGE:g}"
     return [Warned("size", f"{shape} too large: {words}", f"{shape} of {most:.2g} of the {element}'s radius")]
 
 
 def contact_warnings(pressure: Array, semi_axis: Array, radius: float, element: Element = "ball") -> list[Warned]:
-    """Return warnings of contacts that are too large for Hertz's half space or leave a permanent indentation.
+    """Return warnings of contacts that are too large for Hertz's half space, or that leave a permanent indentation.
 
     Parameters
     ----------
-    pressure, semi_axis
-        Largest pressure [Pa] and semi-axis [m] of the contacts of each ball ``(N, 4)``, or of each roller with its races
-        ``(N, 2)``.
+    pressure
+        Largest pressure [Pa] of the contacts of each ball ``(N, 4)``, or of each roller with both raceways ``(N, 2)``.
+    semi_axis
+        Long semi-axis of contact ellipses, or half-width of line contacts [m], of the same contacts.
     radius
-        Of the ball or roller [m].
+        Radius of the ball or roller [m].
     element
-        Which of the two.
+        "ball" or "roller".
     """
     allow = DENT_PRESSURE if element == "ball" else ROLLER_DENT_PRESSURE
     notes, beyond = size_warnings(semi_axis, radius, element), pressure > allow
@@ -173,15 +198,23 @@ def contact_warnings(pressure: Array, semi_axis: Array, radius: float, element: 
         allowed, most = f"{1e-9 * allow:g} GPa", f"{1e-9 * float(pressure.max()):.3g} GPa"
         text = (
             f"contact pressure too high: {int(beyond.sum())} contact(s) above {allowed}, up to {most} on {element} "
-            f"{worst}; hardened steel keeps a dent of more than 1e-4 of the {element}'s diameter there (ISO 76), and the "
-            "computed loads assume elastic bodies"
+            f"{worst}; above this pressure hardened steel is permanently indented by more than 1e-4 of the {element}'s "
+            "diameter (ISO 76), while the computed loads assume elastic contacts"
         )
         notes.append(Warned("pressure", text, f"contact pressure {most}, above {allowed}"))
     return notes
 
 
 def _wedged(problem: Problem, shift: Array) -> list[Warned]:
-    """Return a warning of neighbouring balls that overlap at the solution, by their shifts in their sections."""
+    """Return a warning if neighbouring balls overlap in the solution, since the model has no contact between balls.
+
+    Parameters
+    ----------
+    problem
+        Static problem of N balls.
+    shift
+        Displacements of the balls' centres in their section planes ``(N, 2)`` [m].
+    """
     layout, radius = problem.layout, problem.drawn.ball_radius
     centre = layout.centre + shift[:, :1] * layout.radial + shift[:, 1:] * layout.binormal
     if not np.isfinite(centre).all():
@@ -197,18 +230,18 @@ def _wedged(problem: Problem, shift: Array) -> list[Warned]:
     i, j = sorted((int(a[worst]) + 1, int(b[worst]) + 1))
     text = (
         f"balls {i} and {j} overlap by {1e6 * overlap[worst]:.3g} um ({int((overlap > OVERLAP).sum())} pair(s) in all): "
-        "they are wedged against one another, and contact between balls is left out"
+        "in reality they are wedged against one another; the model neglects contact between balls"
     )
     return [Warned("wedged", text)]
 
 
 def profile_warning(solved: SolvedState) -> list[Warned]:
-    """Return a warning where an uneven profile lets a ball touch a flank at several positions, or at none that balances.
+    """Return a warning if profile errors of a groove allow several contact points of one ball and flank, or none.
 
-    The profile's centre of curvature lies off the groove's centre by its slope rho' [m]: where that is of the size of the
-    distance of the ball's centre from there, there may be several contact positions. The profile is a polynomial of the
-    angle from -180 to 180 deg: where it ends it jumps, and a ball that is pressed onto the jump balances on neither side of
-    it.
+    The centre of curvature of the profile lies off the groove's centre by the profile's slope rho' [m]. If this is not
+    small against the distance between groove centre and ball centre, there may be several contact points. The profile error
+    is a polynomial of the angle from -180 to 180 deg with a jump at its ends. A ball that is pressed onto the jump has no
+    equilibrium on either side of it.
     """
     profile = solved.problem.drawn.profile
     if not profile.shape[1] or solved.shifts is None:
@@ -223,14 +256,15 @@ def profile_warning(solved: SolvedState) -> list[Warned]:
     ball, side = np.unravel_index(int((share + at_end * share.max()).argmax()), share.shape)
     if at_end[ball, side]:
         why = (
-            f"the centre has gone to the far side of groove {SIDES[side]}'s, where the profile error, a polynomial of the "
-            f"angle, ends with a jump of {1e6 * jump[side]:.3g} um, so that it may balance on neither side of it"
+            f"the ball's centre lies on the far side of the centre of groove arc {SIDES[side]}, where the profile error, a "
+            f"polynomial of the angle, ends with a jump of {1e6 * jump[side]:.3g} um, so that the ball may have no "
+            "equilibrium on either side of the jump"
         )
     elif share[ball, side] > PROFILE_SHARE:
         why = (
             "the groove's profile error shifts the flank's centre of curvature by "
-            f"{100.0 * share[ball, side]:.3g} % of its distance from the ball's, so that it may touch that flank in more "
-            "than one place; the model finds one of them"
+            f"{100.0 * share[ball, side]:.3g} % of its distance from the ball's centre, so that the ball may touch that "
+            "flank at several points; the model finds one of them"
         )
     else:
         return []
@@ -238,10 +272,21 @@ def profile_warning(solved: SolvedState) -> list[Warned]:
 
 
 def tilt_warning(problem: Problem, force: Array, z: Array, motion: Array) -> list[Warned]:
-    """Return a warning where the screw tilts so far at the balls that neglected second-order terms show in the contacts.
+    """Return a warning if the screw tilts so much at the balls that neglected second-order terms matter for the contacts.
 
-    A tilt t moves a groove by R t^2/2 beyond its linear motion, R the pitch radius; rotations about the axis are exact on
-    the helix. force ``(N, 4)`` [N]; z ``(k,)`` [m] and motion ``(k, 6)`` [m, rad] of the centreline.
+    In addition to its linear motion, a tilt t moves a groove by R t^2/2, with the pitch radius R. Rotations about the
+    screw's axis have no such error.
+
+    Parameters
+    ----------
+    problem
+        Static problem of N balls.
+    force
+        Contact forces ``(N, 4)`` [N].
+    z
+        Axial positions of the shaft's centreline ``(k,)`` [m].
+    motion
+        Motions of the shaft there ``(k, 6)`` [m, rad].
     """
     approach = float(contact_approach(force, problem.C).max(initial=0.0))
     low, high = float(problem.layout.z.min()), float(problem.layout.z.max())
@@ -253,39 +298,45 @@ def tilt_warning(problem: Problem, force: Array, z: Array, motion: Array) -> lis
 
 
 def tilted(tilt: float, radius: float, approach: float, element: Element = "ball") -> list[Warned]:
-    """Return the warning of `tilt_warning`.
+    """Return a warning if the shaft's tilt is too large for the theory of small rotations, see `tilt_warning`.
 
     Parameters
     ----------
     tilt
-        Of the shaft at the elements [rad].
+        Tilt of the shaft at the balls or rollers [rad].
     radius
         Pitch radius [m].
     approach
         Largest contact approach [m].
     element
-        Ball or roller.
+        "ball" or "roller".
     """
     beyond = 0.5 * radius * tilt**2
     if approach == 0.0 or (tilt <= SMALL_TILT and beyond <= SECOND_ORDER * approach):
         return []
     share = f"{100.0 * beyond / approach:.2g} % of" if beyond < approach else "more than"
     text = (
-        f"the screw tilts by {1e3 * tilt:.2g} mrad at the {element}s: small rotations neglect {1e6 * beyond:.2g} um "
-        f"of a {'groove' if element == 'ball' else 'race'}'s motion, {share} the largest contact approach"
+        f"the screw tilts by {1e3 * tilt:.2g} mrad at the {element}s: the theory of small rotations neglects "
+        f"{1e6 * beyond:.2g} um of a {'groove' if element == 'ball' else 'raceway'}'s motion, {share} the largest contact "
+        "approach"
     )
     return [Warned("tilt", text)]
 
 
 def rotation_warning(z: Array, motion: Array) -> list[Warned]:
-    """Return a warning where a section of the shaft rotates beyond the range of a linear beam.
+    """Return a warning if a section of the shaft rotates too much for a linear beam.
 
-    z ``(k,)`` [m] and motion ``(k, 6)`` [m, rad] of the centreline.
+    Parameters
+    ----------
+    z
+        Axial positions of the shaft's centreline ``(k,)`` [m].
+    motion
+        Motions of the shaft there ``(k, 6)`` [m, rad].
     """
     size = np.abs(motion[:, 3:]).max(axis=1)
     if not size.size or not float(size.max()) > SMALL_ROTATION:
         return []
     at = int(size.argmax())
     most, small = f"{1e3 * size[at]:.3g} mrad", f"{1e3 * SMALL_ROTATION:g} mrad"
-    text = f"a section of the screw turns by {most} (at {1e3 * z[at]:.4g} mm): the linear beam holds up to {small}"
+    text = f"a section of the screw rotates by {most} (at {1e3 * z[at]:.4g} mm): the linear beam is valid up to {small}"
     return [Warned("rotation", text, f"rotations of {most}, above {small}")]

@@ -30,9 +30,9 @@ SIDES_OF = {"both": (0, 1, 2, 3), "+z": (0, 3), "-z": (1, 2), "deep groove": (0,
 CLOSE = 1e-9
 #: Round-off of an elastic force over its stiffness times the motions: some operations of each.
 STIFF = 64.0 * float(np.finfo(float).eps)
-#: Words for a free motion that is held at the shaft's first node or at a housing, where planar sections may ask for a share
-#: of the forces.
-HELD = "held where it is"
+#: Words for a free motion that is pinned at the shaft's first node or at a housing, where planar sections may ask for a
+#: share of the forces.
+HELD = "fixed at its initial position"
 #: Motion over the pitch radius, and rotation, from which on a linear program must not find an opening motion.
 FAR = 0.1
 #: Work of the loads along an opening motion of size one, over the largest, from which on it is a proof.

@@ -1,8 +1,9 @@
-"""Several rolling sets with elastic bodies: compliance of shaft, housings and of each set's bodies at all flanks.
+"""Refined model of a shaft with several bearings and ball nuts, whose shaft, screws, nuts and balls are elastic.
 
-The shaft is a beam with its supports; beyond it the screw, nut and balls of a set respond to contact loads as in the
-refined model of one set (`lowfi.compliance`), as long as the force is of that set: between sets act only beam and housings,
-and the beam's section forces, which squeeze the contacts (`lowfi.statics.shaft`).
+The shaft is a beam on its supports. In addition, the screw, nut and balls of one bearing or nut deform under their own
+contact forces as in the refined model of a single one (`lowfi.compliance`). Different bearings and nuts affect each other
+only through the beam, the housings, and the beam's section forces, which change the contacts' approach
+(`lowfi.statics.shaft`).
 """
 
 from __future__ import annotations
@@ -25,7 +26,7 @@ from rollbench.lowfi.statics.axis.system import (
     BallSet,
     RollerElements,
     System,
-    asked_row,
+    reported_row,
     roller_elements,
     roller_springs,
     scale_of,
@@ -68,39 +69,41 @@ from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly, RollerRow
 from rollbench.meshes.section import BeamSection
 
-#: Statements that hold for every run of the refined model on several sets.
+#: Assumptions of every run of the refined model on an assembly.
 ASSUMPTIONS = (
-    "the shaft is a Timoshenko beam between its sets; beyond the beam the screw, nut and balls of a set are elastic for "
-    "that set's own contacts, and feel those of another set by the section forces of the shaft",
-    "housings are rigid; nuts and outer rings are held in them as a scene of one set holds them",
+    "the shaft is a Timoshenko beam between its bearings and nuts; in addition the screw, nut and balls of each bearing or "
+    "nut deform under their own contact forces, and respond to contacts elsewhere only by the section forces of the shaft",
+    "housings are rigid; nuts and outer rings are fixed in them as the nut of a single ball screw is fixed in its scene",
     *ELASTIC_ASSUMPTIONS,
 )
-#: What a row of rollers leaves out.
-RIGID_RINGS = "elastic rings: cone and cup are rigid beyond the line contacts, whose law holds both to their depth"
+#: Effect that the model neglects for tapered roller bearings.
+RIGID_RINGS = (
+    "elastic rings: cone and cup are rigid apart from the line contacts, whose force law includes the local deformation"
+)
 
-#: What an inner ring on a housing leaves out.
-RIGID_INNER = "elastic inner ring: as the housing that it sits on, it is rigid beyond its contacts"
+#: Effect that the model neglects for an inner ring that a housing carries.
+RIGID_INNER = "elastic inner ring: apart from its contacts it is rigid, like the housing that carries it"
 
 
 @dataclass(frozen=True)
 class Housings:
-    """Housings of an assembly as one linear body of m moving housings."""
+    """The m moving housings of an assembly and the springs between them, as one linear elastic system."""
 
-    #: Free freedoms.
+    #: Indices of the free degrees of freedom, of which k are pinned and left out if springs leave k motions loose.
     free: NDArray[np.int64]
-    #: Factor of their stiffness.
+    #: Cholesky factor of the stiffness matrix of these degrees of freedom; None: there are none.
     factor: tuple[Array, bool] | None
-    #: Stiffness of all freedoms.
+    #: Stiffness matrix of all degrees of freedom ``(6 m, 6 m)``.
     stiffness: Array
-    #: Motions that nothing resists ``(6 m, k)``, which pins at some freedoms determine.
+    #: Rigid motions ``(6 m, k)`` that no spring resists.
     motions: Array
-    #: Motion by loads and prescribed displacements ``(6 m,)``.
+    #: Motions of the housings by external loads and prescribed displacements ``(6 m,)`` [m, rad].
     given: Array
-    #: Work of the loads on the motions ``(k,)``.
+    #: Work of the external loads on the k loose motions ``(k,)``.
     work: Array
 
     def solve(self, loads: Array) -> Array:
-        """Return motions ``(6 m, c)`` by loads ``(6 m, c)``, with the loose motions pinned."""
+        """Return the housings' motions ``(6 m, c)`` under c load cases ``(6 m, c)``, with the loose motions pinned."""
         out = np.zeros_like(loads)
         if self.factor is not None:
             out[self.free] = cho_solve(self.factor, loads[self.free])
@@ -109,60 +112,61 @@ class Housings:
 
 @dataclass(kw_only=True)
 class ElasticSets(Sets):
-    """Assembly of elastic bodies with N balls and m housings, ready for the kernels."""
+    """Equations of an assembly with elastic bodies, N balls and rollers, and m moving housings, for the kernels."""
 
     SOLVER = "solve_forces"
-    #: Bodies and rolling elements as the kernels take them.
+    #: Arrays of bodies and rolling elements for the kernels.
     given: BodySystem
-    #: Forces, free motions and contacts.
+    #: Contact forces, free motions of the bodies, and contacts: the unknowns of the iteration.
     state: BodyState
-    #: Model of the bodies' compliance.
+    #: Method by which the compliance of screws, nuts and balls is computed.
     backend: Backend
-    #: All balls and rollers as one problem on the shaft.
+    #: All balls and rollers as one contact problem on the shaft.
     whole: Problem
     #: Beam of the shaft.
     shaft: Shaft
-    #: The housings.
+    #: The moving housings.
     housings: Housings
-    #: Motion of the nuts' flanks by the housings ``(4 N, 6 m)``.
+    #: Motions ``(4 N, 6 m)`` of the flanks of nuts and outer rings per unit motion of the housings.
     on_housings: Array
-    #: Motion of inner flanks that housings carry ``(4 N, 6 m)``.
+    #: Motions ``(4 N, 6 m)`` of the flanks of inner rings that housings carry, per unit motion of the housings.
     carried: Array
-    #: Compliance of each set's screw and nut, ball by ball ``(4 N_s, 4 N_s)`` each [m/N].
+    #: Compliance matrices ``(4 N_s, 4 N_s)`` [m/N] of screw and nut, for each bearing or nut with N_s balls.
     own: list[tuple[Array, Array]]
-    #: Assumptions about the bodies.
+    #: Assumptions about the bodies, as sentences for the report.
     assumed: tuple[str, ...]
-    #: Coupling with the shaft's section forces; None without it.
+    #: Change of the contacts' approach by the shaft's section forces; None: not modelled.
     squeeze: Squeeze | None
 
     def flanks(self) -> Sequence[SetFlanks]:
-        """Return the contacts at the state."""
+        """Return contact forces, ball centres and flank motions of each bearing and nut in the present state."""
         return set_flanks(self.system, self.row_states()[0], self.shifts())
 
     def with_arms(self, arms: Sequence[Array]) -> Self:
-        """Return the system with longer lever arms, as `Prepared.with_arms`."""
-        longer: Any = ready(with_arms(self.system, arms), self.backend, self.engine).at_state(self)
+        """Return a copy with the present state and longer lever arms of the contacts, see `Prepared.with_arms`."""
+        longer: Any = prepare_elastic_sets(with_arms(self.system, arms), self.backend, self.engine).at_state(self)
         return longer  # type: ignore[no-any-return]
 
     def round_off(self) -> float:
-        """Return the residual that rounding leaves, by the largest motions and the stiffest contact."""
+        """Return the relative residual that rounding errors leave, from the largest motion and the stiffest contact."""
         state, v0 = self.state, self.given.bodies.v0
         motion = 2.0 * float(np.abs(v0).max(initial=0.0)) + float(np.abs(state.inner[:, :2]).max(initial=0.0))
         return least_residual(motion, float(state.contact[..., 3].max(initial=0.0)), self.scale, self.problems)
 
     def description(self) -> Description:
-        """Return the description of the model, as `Prepared.description`."""
+        """Return the formulation, number of unknowns and assumptions of the model for the record of the solution."""
         return Description(CONDENSED, self.state.phi.size + self.state.a.size, self.assumed)
 
     def forces(self) -> Array:
-        """Return the forces of the balls on their flanks ``(N, 4, 2)`` [N]: those that the bodies are in equilibrium with.
+        """Return the forces of the balls on their flanks ``(N, 4, 2)`` [N] with which the bodies are in equilibrium.
 
-        A long shaft makes motions of their difference from the contacts' law.
+        They differ from the forces that the contact law gives by the residual of the iteration, which must not be used in
+        their place: even a small difference moves a long, compliant shaft noticeably.
         """
         return self.state.phi.reshape(-1, 4, 2)
 
     def shifts(self) -> Array:
-        """Return the motions of all flanks ``(N, 4, 2)`` [m]."""
+        """Return the motions of all flanks ``(N, 4, 2)`` [m] by body deformation, free motions and prescribed offsets."""
         bodies, forces = self.given.bodies, self.forces()
         N = len(forces)
         out = (bodies.v0 + bodies.R @ self.state.a).reshape(N, 4, 2)
@@ -171,7 +175,7 @@ class ElasticSets(Sets):
         return np.asarray(out)
 
     def row_states(self) -> tuple[RowState, Array]:
-        """Return motions and reactions, as `Sets.row_states`."""
+        """Return the motions of shaft nodes and housings, and the reactions at fixed freedoms, see `Sets.row_states`."""
         system, shaft = self.system, self.shaft
         structure, forces = system.structure, self.forces()
         n, k = structure.nodes.size, shaft.work.size
@@ -198,13 +202,21 @@ class ElasticSets(Sets):
         return state, held
 
     def stiffness(self) -> tuple[Sequence[Array], Array | None]:
-        """Return stiffness matrices, as `Sets.stiffness`."""
+        """Return the tangent stiffness ``(6, 6)`` of each bearing or nut, and of the assembly, see `Sets.stiffness`."""
         S = ball_roots(self)
         return [own_stiffness(self, i, b, S) for i, b in enumerate(self.system.balls)], elastic_stiffness(self, S)
 
 
 def housings_of(structure: Structure, arm: float) -> Housings:
-    """Return the housings with the springs between them and to the frame."""
+    """Return the moving housings with the springs between them and to the frame.
+
+    Parameters
+    ----------
+    structure
+        Shaft, housings and springs.
+    arm
+        Length [m] by which rotations are scaled to translations in the search for loose motions.
+    """
     n, m = structure.nodes.size, structure.at.size
     K = np.zeros((6 * m, 6 * m))
     for ends, reach, stiffness in zip(structure.ends, structure.reach, structure.springs, strict=True):
@@ -231,19 +243,34 @@ def housings_of(structure: Structure, arm: float) -> Housings:
 
 
 def on_shaft(b: BallSet) -> Problem:
-    """Return the set's problem with inner flanks on the shaft, or on nothing where a housing carries them."""
+    """Return the contact problem of a ball nut or bearing in which only the shaft moves the inner flanks.
+
+    If a housing carries the inner ring, the inner flanks do not move with the shaft.
+    """
     p = b.problem
     return p if b.of.carrier is None else replace(p, node=np.zeros_like(p.node), B=np.zeros_like(p.B))
 
 
 def section_of(assembly: Assembly, backend: Backend) -> BeamSection | None:
-    """Return the section of the threaded shaft by a backend; None: the scene's."""
+    """Return the cross-section of the threaded shaft with its groove; None: the one from the assembly's dimensions.
+
+    Parameters
+    ----------
+    assembly
+        Shaft with bearings and ball nuts.
+    backend
+        Method of computing compliance: with ``section`` "cell" the stiffness of the grooved section is computed.
+    """
     thread = threaded(assembly) if backend.section == "cell" else None
     return None if thread is None else grooved_section(geometry_only(thread), True)
 
 
-def combined(system: System, rollers: RollerElements) -> Problem:
-    """Return all balls of all sets, then all rollers, as one problem on one shaft, for the beam only."""
+def combined_problem(system: System, rollers: RollerElements) -> Problem:
+    """Return all balls, then all rollers of an assembly as one contact problem on the shaft's beam.
+
+    It serves to compute the response of the beam to contact forces. Its scene and errors are those of the first bearing
+    or nut only.
+    """
     s, problems = system.structure, [on_shaft(b) for b in system.balls]
     first = problems[0]
     on_cones = np.stack([rollers.B[:, 0], np.zeros((rollers.count, 2, 6))], axis=1)
@@ -264,21 +291,23 @@ def combined(system: System, rollers: RollerElements) -> Problem:
 def own_bodies(
     b: BallSet, backend: Backend, force: float
 ) -> tuple[tuple[Array, Array], Array, Array, Array, tuple[str, ...]]:
-    """Return the compliance of a set's screw and nut, and the terms of its contacts besides Hertz.
+    """Return the compliance of screw and nut of one ball nut or bearing, and the terms of its contacts besides Hertz.
 
     Parameters
     ----------
     b
-        The set.
+        The ball nut or bearing, with N balls.
     backend
-        Model of the bodies' compliance.
+        Method by which the compliance of screw, nut and balls is computed.
     force
-        Of a typical contact [N], at which terms that depend on its size are taken.
+        Force of a typical contact [N], at which terms that depend on the size of the contact ellipse are evaluated.
 
     Returns
     -------
     tuple[tuple[Array, Array], Array, Array, Array, tuple[str, ...]]
-        Compliance ``(4 N, 4 N)`` of screw and nut [m/N]; e and h ``(N, 4)``; the ball's coupling g ``(4,)``; assumptions.
+        Compliance matrices ``(4 N, 4 N)`` of screw and nut [m/N]; coefficients e and h ``(N, 4)`` of the linear and the
+        size-dependent term of each contact's approach; coupling g ``(4,)`` of opposite contacts through the ball;
+        assumptions as sentences.
     """
     problem, scene = b.problem, b.problem.scene
     N, layout = problem.layout.z.size, problem.layout
@@ -299,7 +328,10 @@ def own_bodies(
 
 
 def housing_rows(system: System, rollers: RollerElements) -> tuple[Array, Array]:
-    """Return the motions ``(4 N, 6 m)`` of flanks and cups on housings per unit motion of m housings."""
+    """Return the motions ``(4 N, 6 m)`` of outer, and of inner flanks on housings per unit motion of the m housings.
+
+    Balls come first, then rollers, whose outer flank is the cup.
+    """
     n, m, balls = system.structure.nodes.size, system.structure.at.size, system.contacts.r_ball.size
     outer, inner = np.zeros((2, balls + rollers.count, 2, 2, 6 * m))
     for b in system.balls:
@@ -313,22 +345,30 @@ def housing_rows(system: System, rollers: RollerElements) -> tuple[Array, Array]
     return outer.reshape(4 * len(outer), 6 * m), inner.reshape(4 * len(inner), 6 * m)
 
 
-def ready(system: System, backend: Backend, engine: ModuleType) -> ElasticSets:
-    """Return a system ready for the kernels.
+def prepare_elastic_sets(system: System, backend: Backend, engine: ModuleType) -> ElasticSets:
+    """Return the equations of an assembly with elastic bodies.
 
-    Some set has balls, and the system was built with `section_of` the backend.
+    Parameters
+    ----------
+    system
+        Arrays of the assembly, with at least one ball nut or ball bearing, and the shaft section of `section_of`.
+    backend
+        Method by which the compliance of screws, nuts and balls is computed.
+    engine
+        Module of the numerical kernels, compiled or interpreted.
 
     Raises
     ------
     ValueError
-        Inner rings on housings that stand on springs, too many elements, or bodies with impossible dimensions.
+        If an inner ring sits on a housing that stands on springs, there are more than `LARGEST` rolling elements, or a
+        body has impossible dimensions.
     """
     rollers = roller_elements(system.rollers)
     balls = system.contacts.r_ball.size
     N = balls + rollers.count
     if N > LARGEST:
-        raise ValueError(f"{N} balls and rollers: elastic bodies are limited to {LARGEST}; use the model lin")
-    whole, s = combined(system, rollers), system.structure
+        raise ValueError(f"{N} balls and rollers: the model with elastic bodies takes at most {LARGEST}; use the model lin")
+    whole, s = combined_problem(system, rollers), system.structure
     shaft, housings = shaft_of(whole), housings_of(s, system.arm)
     order = by_ball(N, 2)
     (beam, rigid), moved = flank_response(shaft, [0, 1]), flank_motions_by_loads(shaft, [0, 1])
@@ -345,8 +385,8 @@ def ready(system: System, backend: Backend, engine: ModuleType) -> ElasticSets:
     flat, carried = housing_rows(system, rollers)
     if np.any(carried @ housings.solve(carried.T)):
         raise ValueError(
-            "an inner ring on a housing that stands on springs: its motion couples inner and outer flanks, which elastic "
-            "bodies keep apart: use the model lin"
+            "an inner ring sits on a housing that stands on springs: the motion of the housing couples inner and outer "
+            "flanks, which the model with elastic bodies cannot represent; use the model lin"
         )
     rigid_rings = np.zeros((4 * rollers.count,) * 2)
     compliance = min(contact_compliance(b.problem, x) for b, x in zip(system.balls, forces, strict=True))
@@ -392,7 +432,8 @@ def ready(system: System, backend: Backend, engine: ModuleType) -> ElasticSets:
     )
     state = BodyState(np.zeros((N, 8)), np.zeros(work.size), np.zeros((N, 3)), np.zeros((N, 4, 5)))
     cut = max(low, high) / compliance
-    notes = (f"negative compliance of the bodies, up to {100 * cut:.2g} % of a contact's: cut away",) if cut > 1e-6 else ()
+    clipped = f"negative compliance of the bodies, up to {100 * cut:.2g} % of a contact's, is set to zero"
+    notes = (clipped,) if cut > 1e-6 else ()
     assumed = tuple(dict.fromkeys(f"{b.of.name}: {x}" for b, p in zip(system.balls, parts, strict=True) for x in p[4]))
     return ElasticSets(
         engine=engine,
@@ -413,15 +454,18 @@ def ready(system: System, backend: Backend, engine: ModuleType) -> ElasticSets:
 
 
 def ball_roots(elastic: ElasticSets) -> list[Array]:
-    """Return square roots S_i ``(rows, 8)`` of the balls' stiffness by the motion of their flanks."""
+    """Return for each ball i a matrix S_i ``(rows, 8)`` such that S_i^T S_i is its stiffness for motions of its flanks.
+
+    The eight motions of the four flanks are in the order of `BodyState`.
+    """
     N = elastic.state.contact.shape[0]
     S, counts = np.zeros((N, 6, 8)), np.zeros(N, dtype=np.int64)
     elastic.engine.ball_rows(elastic.given.contacts, elastic.state.contact, S, counts)
     return [S[i, : counts[i]] for i in range(N)]
 
 
-def spread(S: list[Array]) -> Array:
-    """Return the square roots of all balls as one matrix ``(rows, 8 N)``."""
+def block_diagonal(S: list[Array]) -> Array:
+    """Return the matrices ``(rows_i, 8)`` of N balls as diagonal blocks of one matrix ``(rows, 8 N)``."""
     out = np.zeros((sum(len(s) for s in S), 8 * len(S)))
     row = 0
     for i, s in enumerate(S):
@@ -430,8 +474,14 @@ def spread(S: list[Array]) -> Array:
     return out
 
 
-def both(first: Array, second: Array) -> Array:
-    """Return the compliance ``(8 N, 8 N)`` of all flanks, ball by ball, from that of screw and nut ``(4 N, 4 N)``."""
+def joint_compliance(first: Array, second: Array) -> Array:
+    """Return the compliance matrix ``(8 N, 8 N)`` [m/N] of all flanks of N balls, ordered ball by ball.
+
+    Parameters
+    ----------
+    first, second
+        Compliance matrices ``(4 N, 4 N)`` [m/N] of the screw (or inner rings) and of the nut (or outer rings).
+    """
     N = len(first) // 4
     out = np.zeros((N, 2, 4, N, 2, 4))
     out[:, 0, :, :, 0] = first.reshape(N, 4, N, 4)
@@ -440,18 +490,35 @@ def both(first: Array, second: Array) -> Array:
 
 
 def own_stiffness(elastic: ElasticSets, i: int, b: BallSet, S: list[Array]) -> Array:
-    """Return the stiffness ``(6, 6)`` of one set with its elastic bodies, inner part moved rigidly, outer part fixed."""
-    root = spread(S[b.balls])
+    """Return the stiffness ``(6, 6)`` of one ball nut or bearing: inner part moved rigidly, outer part fixed.
+
+    Parameters
+    ----------
+    elastic
+        Solved assembly.
+    i
+        Number of the ball nut or bearing.
+    b
+        The ball nut or bearing.
+    S
+        Square roots of the balls' stiffness from `ball_roots`.
+    """
+    root = block_diagonal(S[b.balls])
     rows = np.zeros((b.problem.layout.z.size, 8, 6))
     rows[:, :4] = rigid_rows(b, elastic.system.structure.stations)
     moved = root @ rows.reshape(-1, 6)
-    return np.asarray(moved.T @ np.linalg.solve(np.eye(len(root)) + root @ both(*elastic.own[i]) @ root.T, moved))
+    compliance = joint_compliance(*elastic.own[i])
+    return np.asarray(moved.T @ np.linalg.solve(np.eye(len(root)) + root @ compliance @ root.T, moved))
 
 
 def elastic_stiffness(elastic: ElasticSets, S: list[Array]) -> Array | None:
-    """Return the tangent stiffness ``(6, 6)`` of the whole at the reported row, as `whole_stiffness` of the model lin."""
+    """Return the tangent stiffness ``(6, 6)`` of the whole assembly at the reported shaft node or housing.
+
+    None if that housing is fixed, or the assembly has no resistance to some motion. `whole_stiffness` is the counterpart
+    for rigid bodies (model lin).
+    """
     system, structure = elastic.system, elastic.system.structure
-    row = asked_row(system)
+    row = reported_row(system)
     if row < 0:
         return None
     n, k, N = structure.nodes.size, elastic.shaft.work.size, len(S)
@@ -475,11 +542,12 @@ def elastic_stiffness(elastic: ElasticSets, S: list[Array]) -> Array | None:
         answer = elastic.housings.solve(unit)
         v[:, 2:] = (elastic.on_housings @ answer).reshape(N, 2, 2, 6)
         work[k:] = elastic.housings.motions.T @ unit
-    root, load = spread(S), v.reshape(8 * N, 6)
-    SR = root @ elastic.given.bodies.R.reshape(8 * N, -1)
+    root, load = block_diagonal(S), v.reshape(8 * N, 6)
+    bodies = elastic.given.bodies
+    SR = root @ bodies.R.reshape(8 * N, -1)
     matrix = np.block(
         [
-            [np.eye(len(root)) + root @ both(elastic.given.bodies.first, elastic.given.bodies.second) @ root.T, -SR],
+            [np.eye(len(root)) + root @ joint_compliance(bodies.first, bodies.second) @ root.T, -SR],
             [SR.T, np.zeros((SR.shape[1],) * 2)],
         ]
     )
@@ -494,26 +562,26 @@ def elastic_stiffness(elastic: ElasticSets, S: list[Array]) -> Array | None:
 def solve_refined(
     assembly: Assembly, *, engine: Engine = "auto", member: int = 0, backend: Backend = REFINED, name: str = "refined"
 ) -> AxisResult:
-    """Compute loads, stiffness and motions of an assembly with elastic bodies.
+    """Compute contact forces, stiffness and motions of an assembly with elastic bodies.
 
-    An assembly with rollers only has nothing elastic but the beam and the line contacts: the model lin.
+    If all bearings are roller bearings, only the shaft's beam and the line contacts are elastic; the model lin is solved.
 
     Parameters
     ----------
     assembly
-        The assembly.
+        Shaft with bearings and ball nuts.
     engine, member
-        As for `solve_assembly`.
+        Kernels, and number of the specimen with random errors, as for `solve_assembly`.
     backend
-        Model of the bodies' compliance.
+        Method by which the compliance of screws, nuts and balls is computed.
     name
-        Of the model, for the record.
+        Name of the model in the result.
 
     Raises
     ------
     ValueError
-        Inner rings on housings that stand on springs, more than `LARGEST` balls and rollers, or bodies with impossible
-        dimensions.
+        If an inner ring sits on a housing that stands on springs, there are more than `LARGEST` balls and rollers, or a
+        body has impossible dimensions.
     """
     rigid = rigid_rings(assembly)
     if not assembly.ball_count:
@@ -521,7 +589,8 @@ def solve_refined(
         return replace(result, model=name, left_out=(*result.left_out, *rigid))
 
     def made_ready(system: System, kernels: ModuleType) -> ElasticSets:
-        return ready(system, backend, kernels)
+        """Return the equations of an assembly with elastic bodies, with the compliance of the chosen backend."""
+        return prepare_elastic_sets(system, backend, kernels)
 
     again = partial(solve_refined, engine=engine, member=member, backend=backend, name=name)
     model = Model(name, ASSUMPTIONS, rigid, made_ready, section_of(assembly, backend), False)
@@ -529,6 +598,6 @@ def solve_refined(
 
 
 def rigid_rings(assembly: Assembly) -> tuple[str, ...]:
-    """Return sentences on what rows of rollers and inner rings on housings leave out."""
+    """Return sentences that name the roller bearings and inner rings whose elasticity the model neglects."""
     rollers = tuple(f"{s.name}: {RIGID_RINGS}" for s in assembly.sets if isinstance(s.parts, RollerRow))
     return rollers + tuple(f"{s.name}: {RIGID_INNER}" for s in assembly.sets if s.carrier is not None)

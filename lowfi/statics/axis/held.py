@@ -1,11 +1,12 @@
-"""Motions of shaft and housings that nothing resists, and whether contacts can carry the loads of an assembly at all.
+"""Rigid motions of shaft and housings that nothing resists, and a proof whether contacts can carry an assembly's loads.
 
-Rigid motions without resistance are found before anything is solved; whether loads can be carried is decided by a linear
-program on compressive contact loads.
+Rigid motions without resistance are determined before the equilibrium is solved. Whether the contacts can carry the loads
+is decided by a linear program for compressive contact forces.
 
-As in `lowfi.statics.held` for one set: either compressive forces at the nominal contacts of balls and rollers, with what
-supports and springs do, balance the loads, or a motion of shaft and housings as rigid bodies opens every contact, or leaves
-it unchanged, while the loads do work. Only the second proves that they are not held.
+As for a single nut or bearing (`lowfi.statics.held`), exactly one of two statements holds. Either compressive forces at the
+nominal contacts of balls and rollers balance the loads, together with supports and springs. Or a rigid motion of shaft and
+housings opens every contact, or leaves it unchanged, while the loads do work. Only the second proves that the assembly is
+not restrained.
 """
 
 from __future__ import annotations
@@ -27,20 +28,20 @@ from rollbench.meshes.parts import FREEDOMS
 
 @dataclass(frozen=True)
 class Loose:
-    """Rigid motions of shaft and housings that nothing resists."""
+    """Rigid motions of shaft and housings that no support, spring or contact resists, and pins that prevent them."""
 
-    #: Whether the loads drive one.
+    #: Whether the loads drive such a motion, so that there is no equilibrium.
     driven: bool
-    #: Description of the motions.
+    #: Description of the motions for the user.
     text: str
-    #: Row and freedom of each pin.
+    #: Each pin: number of the shaft node or housing, and of its degree of freedom to fix.
     pins: tuple[tuple[int, int], ...] = ()
 
 
 def loose_motions(system: System) -> Loose:
-    """Return the motions of shaft and housings as rigid bodies without resistance from supports, springs or elements.
+    """Return the rigid motions of shaft and housings that no support, spring, ball or roller resists.
 
-    As in `lowfi.statics.held.free_motions`, the motion at a ball's centre represents its flanks.
+    As in `lowfi.statics.held.free_motions`, the bodies' motion at a ball's centre stands for the motion of its flanks.
     """
     s = system.structure
     motions = rigid_motions(s, system.arm)
@@ -77,7 +78,15 @@ def loose_motions(system: System) -> Loose:
 
 
 def describe_motions(system: System, free: Array) -> str:
-    """Return a description of motions ``(r, 6)`` or ``(r, 6, k)`` of all rows as rigid bodies."""
+    """Return a description in words of rigid motions of shaft and housings, such as "rigid motion of the shaft in uz".
+
+    Parameters
+    ----------
+    system
+        Arrays of the assembly.
+    free
+        Motions ``(r, 6)`` of all shaft nodes and moving housings, or k of them ``(r, 6, k)``.
+    """
     free = free.reshape(len(free), 6, -1)
     s, n = system.structure, system.structure.nodes.size
     names = {row: name for name, row in s.row.items() if row >= 0}
@@ -92,7 +101,7 @@ def describe_motions(system: System, free: Array) -> str:
 
 
 def pinned(system: System, loose: Loose) -> System:
-    """Return the system with pins at its loose motions."""
+    """Return the assembly's arrays with fixed degrees of freedom ("pins") against motions that nothing resists."""
     if not loose.pins:
         return system
     fixed = system.structure.fixed.copy()
@@ -102,24 +111,25 @@ def pinned(system: System, loose: Loose) -> System:
     return replace(system, structure=structure, axis=system.axis._replace(fixed=fixed))
 
 
-#: Contact angle [rad] below which a contact of a one-way row lies beyond the bottom of its groove, or on it.
+#: Contact angle [rad] below which a contact of a bearing for one direction of thrust lies on or beyond the groove's bottom.
 APEX = 1e-6
 
 
 def opening_motion(system: System) -> Array | None:
-    """Return a motion of shaft and housings as rigid bodies that opens all contacts while the loads do work.
+    """Find a rigid motion of shaft and housings that opens all contacts while the loads do work, by a linear program.
 
-    Contacts at their nominal angles; a linear program.
+    Contacts are taken at their nominal angles.
 
     Returns
     -------
     Array | None
-        ``(r, 6)`` [m, rad], of size one with rotations times the arm; None where compressive forces balance the loads.
+        Motion of all shaft nodes and moving housings ``(r, 6)`` [m, rad], with displacements up to 1 m. None if compressive
+        contact forces can balance the loads.
 
     Raises
     ------
     ArithmeticError
-        The linear program finds neither.
+        If the linear program fails.
     """
     from scipy.sparse import csr_array, hstack, vstack
 
@@ -138,19 +148,37 @@ def opening_motion(system: System) -> Array | None:
 
 
 def _ball_rows(b: BallSet, system: System, by_row: Array) -> Array:
-    """Return the approach of every contact that a set uses, by the rigid motions and by the centres of all balls.
+    """Return the change of the approach of every contact of one nut or bearing, per unit motion of bodies and balls.
 
-    It must not grow. The one arc of a deep groove counts at its contact angle to either side.
+    In an opening motion no approach may grow. The single arc of a deep groove has contacts at its contact angle on both
+    sides.
+
+    Parameters
+    ----------
+    b
+        The nut or bearing.
+    system
+        Arrays of the assembly.
+    by_row
+        Rigid motions of all shaft nodes and housings ``(r, 6, k)``.
     """
     beta = b.problem.scene.track.contact_angle
     angles = (beta, -beta) if b.of.thrust == "deep groove" else (beta,)
-    moved, balls = b.moved(by_row), system.contacts.r_ball.size
+    moved, balls = b.flank_motions(by_row), system.contacts.r_ball.size
     used = [(int(side), angle) for side in np.flatnonzero(b.problem.use) for angle in angles]
     return np.concatenate([approach(s, angle, moved[:, s], b.balls.start, balls) for s, angle in used])
 
 
 def _roller_rows(system: System, by_row: Array) -> list[Array]:
-    """Return the approach of the slices of every row of rollers by the rigid motions."""
+    """Return the change of the approach of all roller slices per unit of the k rigid motions, for each roller bearing.
+
+    Parameters
+    ----------
+    system
+        Arrays of the assembly.
+    by_row
+        Rigid motions of all shaft nodes and housings ``(r, 6, k)``.
+    """
     out = []
     for a in (x.arrays for x in system.rollers):
         ends = [np.einsum("mk,mkj->mj", a.B[:, e], by_row[a.row[:, e]]) * (a.row[:, e] >= 0)[:, None] for e in range(2)]
@@ -159,7 +187,10 @@ def _roller_rows(system: System, by_row: Array) -> list[Array]:
 
 
 def unheld(system: System) -> Status:
-    """Return the status of a shaft or housing that moved without limit; "not held" only if a linear program proves it."""
+    """Return the status of an assembly in which the shaft or a housing moved without limit in the iteration.
+
+    The status is "not held" only if a linear program proves that the contacts cannot carry the loads.
+    """
     opens = "the loads open every contact that could carry them (linear program: {})"
     return ran_away(
         partial(opening_motion, system),
@@ -169,22 +200,25 @@ def unheld(system: System) -> Status:
 
 
 def reversed_status(system: System, name: str, thrust: str, angle: float, load: float) -> Status:
-    """Return the status of a one-way row whose balls carry load beyond the bottom of the groove.
+    """Return the status "not held" for a bearing whose balls carry load on the side of the groove for the reverse thrust.
 
-    Where forces at nominal contacts could balance the loads there is a proof all the same: with arcs that go on beyond the
-    bottom the energy is convex, so its equilibrium is the only one. One with every loaded ball on the side that carries
-    thrust would be an equilibrium of these arcs too, and so be the one that was found.
+    The bearing carries thrust in one direction only, but the model continues its groove arcs beyond the bottom. The proof
+    holds even if forces at the nominal contacts could balance the loads: with continued arcs the energy is convex, so that
+    its equilibrium is unique. An equilibrium with every loaded ball on the proper side would also be one of the continued
+    arcs, hence the one that was found.
 
     Parameters
     ----------
     system
-        The assembly.
-    name, thrust
-        Name of the row and the direction of thrust that it carries.
+        Arrays of the assembly.
+    name
+        Name of the bearing.
+    thrust
+        Direction of thrust that it carries.
     angle
-        Contact angle [rad].
+        Contact angle [rad] of a ball on the wrong side.
     load
-        Contact force [N].
+        Contact force [N] of this ball.
     """
     try:
         opened = opening_motion(system) is not None
@@ -195,8 +229,7 @@ def reversed_status(system: System, name: str, thrust: str, angle: float, load: 
     on = abs(angle) < APEX
     place = "0 deg, on the groove's bottom" if on else f"{np.degrees(angle):.1f} deg, across the groove's bottom"
     reason = (
-        f"no equilibrium has all loaded balls of {name} on the side of the groove that carries thrust along "
-        f"{thrust}: in the only one that there is (the energy is convex) a ball carries {load:.3g} N at a contact angle of "
-        f"{place}"
+        f"no equilibrium has all loaded balls of {name} on the side of the groove that carries thrust along {thrust}: "
+        f"in the only equilibrium (the energy is convex) a ball carries {load:.3g} N at a contact angle of {place}"
     )
     return Status("not held", reason, "crossed row")

@@ -1,4 +1,4 @@
-"""Preload by a force at mounting: the shift of each outer part that produces it."""
+"""Preload that is prescribed as a force: search for the axial shift of each outer ring or nut that produces it."""
 
 from __future__ import annotations
 
@@ -17,45 +17,50 @@ from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly, Housing, Joint, RollerRow, RollingSet, diagonal_stiffness
 from rollbench.meshes.parts import FREEDOMS
 
-#: Corrections of the shifts that are tried at most.
+#: Largest number of Newton steps.
 STEPS = 12
-#: Step of the differences that make the slope, as a part of the shift that closes a row.
+#: Step of the difference quotients that approximate the Jacobian matrix, relative to the shift that gives the preload.
 DIFFERENCE = 1e-3
-#: Part of the slope's largest singular value below which a direction is noise: forces are known to ``ACCEPTED``, so that
-#: differences of their logarithms over ``DIFFERENCE`` are known to this. Nuts that press one another carry one force: the
-#: slope then has no other direction.
+#: Singular values of the Jacobian matrix below this share of the largest are noise: forces are accurate to ``ACCEPTED``,
+#: hence difference quotients of their logarithms over ``DIFFERENCE`` to this. If two nuts press against each other, their
+#: preload is one and the same force, and the matrix has one singular value only.
 NOISE = ACCEPTED / DIFFERENCE
-#: Relative errors of a preload that are reported, and that are a failure.
+#: Relative error of a preload above which it is reported, and above which the search has failed.
 TOLD, FAILED = 1e-8, 1e-4
-#: Springs [N/m, N m] that tie an outer part to a housing that moves, in all but the axis.
+#: Stiffness [N/m, N m] of springs that join an outer ring or nut to a moving housing in all motions except the axial one.
 TIED = diagonal_stiffness((1e12, 1e12, 0.0, 1e9, 1e9, 1e9))
 
 
 @dataclass(frozen=True)
 class _Mounting:
-    """An assembly as mounted, and its solver; ``key`` identifies the solver."""
+    """Assembly at mounting, and the function that solves it, as argument of the cache of shifts."""
 
+    #: Assembly without loads and without thermal expansion.
     bare: Assembly
+    #: Identification of the solver and its options.
     key: tuple[object, ...]
+    #: Function that solves an assembly.
     solve: Callable[[Assembly], AxisResult] = field(compare=False)
 
 
 def mount(assembly: Assembly, solve: partial[AxisResult]) -> tuple[Assembly, tuple[str, ...], Status | None]:
-    """Return the assembly with offsets in place of its preloads by force.
+    """Replace the preload forces of an assembly by axial offsets of outer rings and nuts that produce them.
 
-    At these offsets each such set carries its force, without loads and before the shaft warms.
+    At these offsets each preloaded bearing or nut carries its preload force, without external loads and before thermal
+    expansion.
 
     Parameters
     ----------
     assembly
-        The assembly.
+        Shaft with bearings and ball nuts.
     solve
-        Solves an assembly.
+        Function that solves an assembly.
 
     Returns
     -------
     tuple[Assembly, tuple[str, ...], Status | None]
-        The assembly, notes, and a status for preloads that are not reached (else None).
+        The assembly with offsets; notes for the report; and a status that gives the reason if preloads are not reached,
+        else None.
     """
     numbers = _preloaded(assembly)
     if not numbers:
@@ -67,26 +72,32 @@ def mount(assembly: Assembly, solve: partial[AxisResult]) -> tuple[Assembly, tup
 
 
 def _preloaded(assembly: Assembly) -> list[int]:
-    """Return the indices of the sets that are preloaded by a force."""
+    """Return the indices of the bearings and nuts whose preload is prescribed as a force."""
     return [i for i, s in enumerate(assembly.sets) if s.preload > 0.0]
 
 
 @lru_cache(maxsize=4)
 def _shifts(mounting: _Mounting) -> tuple[tuple[float, ...] | None, tuple[str, ...], Status | None]:
-    """Return the shifts [m] of the sets preloaded by a force against their rows, notes, and a status.
+    """Find the axial shifts [m] by which outer rings and nuts must be pressed against their balls to give the preloads.
 
-    None for shifts that find no equilibrium; cached for the load cases of an assembly, which all are mounted alike.
+    First the outer parts are free to slide along the axis and are pushed by their preload forces. As the energy is convex
+    also in their positions, they come to rest where the preloads are reached, or the solution proves that there is no
+    equilibrium. If a part sits on a moving housing, the springs that join it are not quite rigid, and Newton's method on
+    the logarithms of the forces corrects the shifts. If all parts can be shifted together without change of the forces,
+    the mean shift is set to zero. The result is cached, since all load cases of an assembly have the same mounting.
 
-    The energy is convex in the shifts too: outer parts that slide along the axis and are pushed by their preloads come to
-    rest where these are reached, or at none, which the solution then proves. Where a housing moves, to which they are only
-    tied, Newton's method on the logarithms of the forces corrects their shifts. Parts that may be moved all together are
-    moved as far one way as the other.
+    Returns
+    -------
+    tuple[tuple[float, ...] | None, tuple[str, ...], Status | None]
+        Shifts, None if there is no equilibrium; notes for the report; and a status with the reason if preloads are not
+        reached, else None.
     """
     bare, solve = mounting.bare, mounting.solve
     numbers = _preloaded(bare)
     goal = np.log([bare.sets[i].preload for i in numbers])
 
     def excess(shift: Array) -> Array:
+        """Return the logarithms of the ratio of preload force at some shifts [m] to required preload; nan if unloaded."""
         result = solve(_shifted(bare, numbers, shift))
         forces = np.array([abs(result.sets[i].force[2]) for i in numbers]) if result.converged else np.zeros(len(numbers))
         return np.asarray(np.log(np.where(forces > 0.0, forces, np.nan)) - goal)
@@ -98,7 +109,7 @@ def _shifts(mounting: _Mounting) -> tuple[tuple[float, ...] | None, tuple[str, .
     ways = np.array([-1.0 if bare.sets[i].thrust == "+z" else 1.0 for i in numbers])
     shift = pushed - ways * float((ways * pushed).mean())
     value = excess(shift) if len(numbers) > 1 else np.array([np.nan])
-    if not float(np.abs(value).max()) < DIFFERENCE:  # the axis is held where it is
+    if not float(np.abs(value).max()) < DIFFERENCE:  # the shaft's axial position is fixed
         shift = pushed
         value = excess(shift)
     steps, slope = np.diag([DIFFERENCE * closing(bare.sets[i]) for i in numbers]), np.zeros((0, 0))
@@ -113,21 +124,34 @@ def _shifts(mounting: _Mounting) -> tuple[tuple[float, ...] | None, tuple[str, .
         move = np.linalg.lstsq(slope, -value, rcond=NOISE)[0]
         new = excess(shift + move)
         if not float(np.abs(new).max()) < worst:
-            break  # the forces are not known any better
+            break  # the forces are not more accurate than this
         shift, value = shift + move, new
     words = ", ".join(f"{bare.sets[i].name} {1e6 * d:.5g} um" for i, d in zip(numbers, shift, strict=True))
-    note = f"preload by force: before loading, outer parts are moved against their rows by {words}"
+    note = f"preload by force: before loading, outer rings or nuts are pressed against the rolling elements by {words}"
     worst = float(np.abs(value).max())
     if not worst < TOLD:
-        note += f"; the forces are off by {100.0 * worst:.1e} %"
-    failed = Status("not converged", f"preloads by force are not met, off by {100.0 * worst:.2g} %: {words}")
+        note += f"; the preload forces differ from the required ones by up to {100.0 * worst:.1e} %"
+    reason = f"preload forces differ from the required ones by {100.0 * worst:.2g} % at shifts {words}"
+    failed = Status("not converged", reason)
     return tuple(shift), (note,), None if worst < FAILED else failed
 
 
 def _pushed(bare: Assembly, numbers: Sequence[int], solve: Callable[[Assembly], AxisResult]) -> tuple[Array | None, Status]:
-    """Return the shifts [m] against their rows of outer parts that slide along the axis, pushed by their preloads.
+    """Return the axial shifts [m] of outer rings and nuts that can slide along the axis, pushed by their preload forces.
 
-    None where they find no equilibrium, and the status of that solution.
+    Parameters
+    ----------
+    bare
+        Assembly without loads and thermal expansion.
+    numbers
+        Indices of the preloaded bearings and nuts.
+    solve
+        Function that solves an assembly.
+
+    Returns
+    -------
+    tuple[Array | None, Status]
+        Shifts against the rolling elements, None if there is no equilibrium; and the status of the solution.
     """
     sets, joints, bodies = list(bare.sets), list(bare.joints), {h.name: h for h in bare.housings}
     seats: list[tuple[str, str | None, float]] = []
@@ -151,7 +175,7 @@ def _pushed(bare: Assembly, numbers: Sequence[int], solve: Callable[[Assembly], 
 
 
 def closing(rolling: RollingSet) -> float:
-    """Return the shift [m] that closes a row to its preload, with everything else rigid."""
+    """Return the axial shift [m] of the outer part that gives a bearing or nut its preload force, with rigid bodies."""
     if isinstance(rolling.parts, RollerRow):
         bearing = tapered_bearing(rolling.parts)
         sin = float(np.sin(bearing.cup_angle))
@@ -161,7 +185,17 @@ def closing(rolling: RollingSet) -> float:
 
 
 def _shifted(assembly: Assembly, numbers: Sequence[int], shift: Array) -> Assembly:
-    """Return the assembly with some rows closed by shifts [m] of their outer parts, in place of their preloads."""
+    """Return the assembly with axial offsets of outer rings and nuts in place of their preload forces.
+
+    Parameters
+    ----------
+    assembly
+        Shaft with bearings and ball nuts.
+    numbers
+        Indices of the preloaded bearings and nuts.
+    shift
+        Shifts of their outer parts against the rolling elements [m].
+    """
     sets = list(assembly.sets)
     for i, x in zip(numbers, shift, strict=True):
         away = -float(x) if sets[i].thrust == "+z" else float(x)

@@ -1,9 +1,9 @@
-"""Equilibrium of several rolling sets on one shaft: one energy, Newton's method.
+"""Equilibrium of several bearings and ball nuts on one shaft, as the minimum of one energy, found by Newton's method.
 
-By Lin's model (`lin`) here, with elastic bodies in `lowfi.statics.axis.elastic`.
+This module contains Lin's model ("lin"); the model with elastic bodies is in `lowfi.statics.axis.elastic`.
 
-Flanks that load and preload open are left out: such a flank needs no node of the shaft and no rows of the matrix. The
-energy is convex: where every ball clears the flanks left out at the solution without them, that is the solution with them.
+Flanks that load and preload lift off the balls are left out, which saves shaft nodes and rows of the matrix. As the energy
+is convex, the solution without these flanks is also the solution with them, provided that no ball touches them in it.
 """
 
 from __future__ import annotations
@@ -29,11 +29,11 @@ from rollbench.lowfi.statics.axis.system import (
     BallSet,
     Placed,
     System,
-    asked_row,
+    ball_positions,
     build,
     motions_of,
     moved_flanks,
-    placed,
+    reported_row,
     scale_of,
     set_flanks,
     with_arms,
@@ -65,18 +65,32 @@ from rollbench.meshes.section import BeamSection, contact_stations
 
 
 def likely_sides(assembly: Assembly, places: Sequence[Placed]) -> list[Mask]:
-    """Return the flanks ``(4,)`` of each set of balls that thrust, load and offsets leave: a guess, tested by `clear`."""
+    """Guess which flanks of each ball nut or ball bearing can be loaded; `clear` tests the guess at the solution.
+
+    Parameters
+    ----------
+    assembly
+        Shaft with bearings and ball nuts.
+    places
+        Ball positions and errors, from `ball_positions`.
+
+    Returns
+    -------
+    list[Mask]
+        For each ball nut or ball bearing, whether to use the flanks SL, SR, NL, NR ``(4,)``.
+    """
     sets = [(s, s.parts) for s in assembly.sets if isinstance(s.parts, Scene)]
     if len(sets) < len(assembly.sets) or any(s.carrier is not None for s, _ in sets):
         return all_sides(assembly)
     along = axial_place(assembly, sets)
-    return [_of_set(s, scene, along - s.offset, drawn) for (s, scene), (_, drawn) in zip(sets, places, strict=True)]
+    return [_flanks_of_set(s, scene, along - s.offset, drawn) for (s, scene), (_, drawn) in zip(sets, places, strict=True)]
 
 
 def axial_place(assembly: Assembly, sets: Sequence[tuple[RollingSet, Scene]]) -> float:
-    """Return the axial position of the shaft [m] with everything else rigid.
+    """Estimate the axial displacement of the shaft [m], with all bodies rigid.
 
-    Where it is fixed, or where the sets' forces balance its load.
+    It is the prescribed displacement of a support, or else the one at which the contact forces of all bearings and nuts
+    balance the axial load.
     """
     held = [value for s in assembly.supports for name, value in s.fixed if name == "uz"]
     force = sum(x.force[2] for x in assembly.loads)
@@ -88,16 +102,17 @@ def axial_place(assembly: Assembly, sets: Sequence[tuple[RollingSet, Scene]]) ->
     offset = np.array([s.offset for s, _ in sets])
 
     def excess(u: float) -> float:
+        """Return the axial contact forces minus the axial load [N] at an axial displacement u [m] of the shaft."""
         return float(np.sum(np.sign(u - offset) * share * contact_force(abs(u - offset) * sin, pair))) - force
 
     reach = 1e-9 + float((contact_approach(abs(force) / share, pair) / sin).max())
     return float(brentq(excess, offset.min() - reach, offset.max() + reach, xtol=1e-9))
 
 
-def _of_set(rolling: RollingSet, scene: Scene, shift: float, drawn: Specimen) -> Mask:
-    """Return the flanks that a set uses when the shaft moves by ``shift`` [m] along z.
+def _flanks_of_set(rolling: RollingSet, scene: Scene, shift: float, drawn: Specimen) -> Mask:
+    """Return which flanks of one ball nut or bearing have contact when the shaft moves by ``shift`` [m] along z.
 
-    A positive shift closes SL-NR and opens SR-NL, by the contact angle's sine.
+    A positive shift closes the flank pair SL-NR and opens SR-NL by the shift times the sine of the contact angle.
     """
     use = USE[rolling.thrust]
     if rolling.thrust != "both" or drawn.profile.shape[1]:
@@ -109,11 +124,12 @@ def _of_set(rolling: RollingSet, scene: Scene, shift: float, drawn: Specimen) ->
 
 
 def clear(system: System, state: RowState) -> bool:
-    """Return whether all balls clear the flanks that a set could use and that were left out."""
+    """Return whether no ball touches a flank that was left out although its direction of thrust allows contact."""
     return all(_set_clear(system, b, state) for b in system.balls if np.any(USE[b.of.thrust] & ~b.problem.use))
 
 
 def _set_clear(system: System, b: BallSet, state: RowState) -> bool:
+    """Return whether no ball of one ball nut or bearing touches a flank that was left out."""
     contact = state.contact[b.balls]
     shift = moved_flanks(b, state.q)
     for s in range(2):
@@ -124,7 +140,7 @@ def _set_clear(system: System, b: BallSet, state: RowState) -> bool:
 
 
 def _flank_motion(system: System, b: BallSet, s: int, q: Array) -> Array:
-    """Return the motion ``(N, 2)`` [m] of a screw flank that has no node: the beam's at its station."""
+    """Return the motion ``(N, 2)`` [m] of a left-out screw flank at each ball, interpolated between the beam's nodes."""
     stations = contact_stations(b.problem.scene, b.problem.layout)[:, s]
     j, m = motions_of(system.structure, stations)
     moved = np.einsum("nab,nb->na", m, np.concatenate([q[j], q[j + 1]], axis=1))
@@ -132,23 +148,37 @@ def _flank_motion(system: System, b: BallSet, s: int, q: Array) -> Array:
 
 
 def all_sides(assembly: Assembly) -> list[Mask]:
-    """Return all flanks ``(4,)`` that each set of balls can use."""
+    """Return for each ball nut or ball bearing which flanks its direction of thrust can load ``(4,)``."""
     return [USE[s.thrust] for s in assembly.sets if isinstance(s.parts, Scene)]
 
 
-def complete(uses: Sequence[Mask], assembly: Assembly) -> bool:
-    """Return whether nothing that the sets can use is left out."""
+def uses_all_flanks(uses: Sequence[Mask], assembly: Assembly) -> bool:
+    """Return whether the chosen flanks ``uses`` are all flanks that the directions of thrust can load."""
     return all(np.array_equal(a, b) for a, b in zip(uses, all_sides(assembly), strict=True))
 
 
 def whole_stiffness(
     system: System, engine: ModuleType, given: AxisSystem, state: RowState, hessians: Array
 ) -> Array | None:
-    """Return stiffness ``(6, 6)`` [N/m, N, N m] against wrenches on the reported row, with everything else free to follow.
+    """Return the tangent stiffness ``(6, 6)`` [N/m, N, N m] of the assembly at the reported shaft node or housing.
 
-    Rows and columns of fixed freedoms are nan. None where the row is fixed, or where contacts carry too little to be stiff.
+    It is the wrench per unit motion there while all other bodies follow freely. Rows and columns of fixed degrees of
+    freedom are nan. None if the housing is fixed, or the contacts carry too little load to resist.
+
+    Parameters
+    ----------
+    system
+        Arrays of the assembly.
+    engine
+        Module of the numerical kernels.
+    given
+        Arrays that the kernels were called with.
+    state
+        Solution.
+    hessians
+        Second derivatives of each ball's energy by the motions of its flanks [N/m].
     """
-    row = asked_row(system)
+    row = reported_row(system)
     if row < 0:
         return None
     r = system.structure.stations.size
@@ -167,10 +197,18 @@ def whole_stiffness(
 
 
 def inverse(compliance: Array, free: NDArray[np.bool_], arm: float) -> Array | None:
-    """Return the stiffness ``(6, 6)`` of the free freedoms from a compliance, nan for the others.
+    """Return the stiffness ``(6, 6)`` of the free degrees of freedom, from the compliance ``(6, 6)``; nan for the others.
 
-    None for a matrix that is no compliance: contacts that carry nothing leave round-off. arm [m]: makes rotations
-    comparable.
+    None if the matrix is not a positive compliance but round-off, as happens if no contact carries load.
+
+    Parameters
+    ----------
+    compliance
+        Compliance matrix ``(6, 6)``.
+    free
+        Which degrees of freedom are free ``(6,)``.
+    arm
+        Length [m] that scales rotations to displacements.
     """
     rows = np.flatnonzero(free)
     out = np.full((6, 6), np.nan)
@@ -189,68 +227,92 @@ def inverse(compliance: Array, free: NDArray[np.bool_], arm: float) -> Array | N
 
 
 def rigid_rows(b: BallSet, stations: Array) -> Array:
-    """Return the motion ``(N, 4, 6)`` of the inner flanks of a set, two axes each, by its inner part as a rigid body.
+    """Return the motions ``(N, 4, 6)`` of the two inner flanks, two axes each, per unit motion of the rigid inner part.
 
-    The motion is taken at the set's position. stations: of all rows [m].
+    The motion of the inner part is taken at the axial position of the nut or bearing.
+
+    Parameters
+    ----------
+    b
+        The ball nut or bearing, with N balls.
+    stations
+        Axial positions of all shaft nodes and moving housings [m].
     """
-    return b.moved(rigid_transport(stations - b.of.position))[:, :2].reshape(-1, 4, 6)
+    return b.flank_motions(rigid_transport(stations - b.of.position))[:, :2].reshape(-1, 4, 6)
 
 
 def set_stiffness(b: BallSet, stations: Array, hessians: Array) -> Array:
-    """Return the stiffness ``(6, 6)`` of a set against motions of its inner part at its position, the outer part fixed.
+    """Return the stiffness ``(6, 6)`` of one ball nut or bearing against motions of its inner part, the outer part fixed.
 
-    hessians ``(N, 4, 4)``: second derivatives of the balls' energy by the motion of their screw flanks [N/m].
+    Parameters
+    ----------
+    b
+        The ball nut or bearing, with N balls; motions are taken at its axial position.
+    stations
+        Axial positions of all shaft nodes and moving housings [m].
+    hessians
+        Second derivatives of each ball's energy by the motions of its inner flanks ``(N, 4, 4)`` [N/m].
     """
     rows = rigid_rows(b, stations)
     return np.asarray(np.einsum("nai,nab,nbj->ij", rows, hessians, rows))
 
 
-#: Motion over the largest pitch radius, and rotation, from which on a linear program says whether contacts hold the loads.
+#: If a body moves by more than this times the largest pitch radius, or rotates by more than this [rad], a linear program
+#: decides whether the contacts can carry the loads.
 FAR = 0.1
 
 
 @dataclass(kw_only=True)
 class Sets(Prepared):
-    """Assembly ready for the kernels."""
+    """Equations of an assembly for the numerical kernels, whichever bodies are elastic."""
 
-    #: The assembly as arrays.
+    #: Arrays of the assembly.
     system: System
 
     @property
     def problems(self) -> Sequence[Problem]:
-        """Problem of each set of balls."""
+        """Return the contact problem of each ball nut and ball bearing."""
         return [b.problem for b in self.system.balls]
 
     @abstractmethod
     def row_states(self) -> tuple[RowState, Array]:
-        """Return the motions of all rows with their contacts, and the reaction forces of fixed rows ``(r, 6)``."""
+        """Return the motions of shaft nodes and housings with all contacts, and the reactions at fixed freedoms ``(r, 6)``.
+
+        Reactions are forces [N] and moments [N m], zero at free degrees of freedom.
+        """
 
     @abstractmethod
     def stiffness(self) -> tuple[Sequence[Array], Array | None]:
-        """Return the stiffness ``(6, 6)`` of each set of balls, and of the whole at the reported row."""
+        """Return the tangent stiffness ``(6, 6)`` of each ball nut or bearing, and of the assembly where it is reported.
+
+        The second is None if the assembly has no stiffness there.
+        """
 
 
 @dataclass(kw_only=True)
 class RigidSets(Sets):
-    """Assembly with the shaft as a beam and rigid outer parts."""
+    """Equations of an assembly whose shaft is a beam and whose nuts, outer rings and housings are rigid (model lin)."""
 
     SOLVER = "solve_axis"
-    #: Shaft and rolling elements as the kernels take them.
+    #: Arrays of shaft and rolling elements for the kernels.
     given: AxisSystem
-    #: Motions, deformations and contacts.
+    #: Motions, element deformations and contacts: the unknowns of the iteration.
     state: RowState
 
     def flanks(self) -> Sequence[SetFlanks]:
-        """Return the contacts at the state."""
+        """Return contact forces, ball centres and flank motions of each bearing and nut in the present state."""
         return set_flanks(self.system, self.state)
 
     def with_arms(self, arms: Sequence[Array]) -> Self:
-        """Return the system with longer lever arms, as `Prepared.with_arms`."""
+        """Return a copy with the present state and longer lever arms of the contacts, see `Prepared.with_arms`."""
         system = with_arms(self.system, arms)
         return replace(self, system=system, given=self.given._replace(balls=system.contacts))
 
     def round_off(self) -> float:
-        """Return the residual that rounding leaves, by the largest motions and the stiffest contact, and by the springs."""
+        """Return the relative residual that rounding errors leave.
+
+        It is the larger of two bounds: one from the largest motion and the stiffest contact, one from the springs.
+        """
         state, v0 = self.state, self.given.balls.v0
         motion = float(np.abs(state.q[:, :3]).max(initial=0.0)) + float(np.abs(v0).max(initial=0.0))
         stiff = float(state.contact[..., 3].max(initial=0.0)) + float(state.slices[:, 1].max(initial=0.0))
@@ -259,33 +321,41 @@ class RigidSets(Sets):
         return max(contacts, least_residual(springs, 1.0, self.scale, ()))
 
     def description(self) -> Description:
-        """Return the description of the model; its assumptions are part of the model."""
+        """Return the formulation and the number of unknowns for the record; the assumptions are those of `Model`."""
         return Description("convex energy", int(np.count_nonzero(~self.system.structure.fixed)), ())
 
     def slopes(self) -> Slopes:
-        """Return the derivatives of the energy at the state."""
+        """Return the first and second derivatives of the energy in the present state."""
         out = Slopes(np.zeros(self.state.q.shape), np.zeros((len(self.state.p), 8, 8)))
         self.engine.evaluate_axis(self.given, self.state, out)
         return out
 
     def row_states(self) -> tuple[RowState, Array]:
-        """Return motions and reactions; these are the gradient at the fixed freedoms."""
+        """Return the present state, and the reactions: the gradient of the energy at the fixed degrees of freedom."""
         return self.state, np.where(self.system.structure.fixed, self.slopes().gradient, 0.0)
 
     def stiffness(self) -> tuple[Sequence[Array], Array | None]:
-        """Return stiffness matrices, as `Sets.stiffness`."""
+        """Return the tangent stiffness ``(6, 6)`` of each bearing or nut, and of the assembly, see `Sets.stiffness`."""
         system, hessians = self.system, self.slopes().hessians
         sets = [set_stiffness(b, system.structure.stations, hessians[b.balls, :4, :4]) for b in system.balls]
         return sets, whole_stiffness(system, self.engine, self.given, self.state, hessians)
 
 
 def far_off(q: Array, system: System) -> bool:
-    """Return whether rows move so far that contacts may resist by a curvature that linear motions lack; q ``(r, 6)``."""
+    """Return whether a body moved so far that the linear kinematics of the contacts no longer hold.
+
+    Parameters
+    ----------
+    q
+        Motions of shaft nodes and housings ``(r, 6)`` [m, rad].
+    system
+        Arrays of the assembly.
+    """
     return not float((np.abs(q) / np.repeat([system.arm, 1.0], 3)).max()) <= FAR
 
 
 def prepare(system: System, engine: ModuleType) -> RigidSets:
-    """Return a system ready for the kernels, with a start that has the prescribed displacements."""
+    """Return the equations of an assembly (model lin), with an initial state that has the prescribed displacements."""
     s, n = system.structure, system.structure.nodes.size
     scale, furthest = scale_of(system), float(system.contacts.r_ball.max(initial=0.0))
     q = np.zeros((s.stations.size, 6))
@@ -300,59 +370,74 @@ def prepare(system: System, engine: ModuleType) -> RigidSets:
 
 
 class Model(NamedTuple):
-    """Model of an assembly."""
+    """Mechanical model by which an assembly is solved."""
 
     #: Name of the model.
     name: str
-    #: Assumptions of the model.
+    #: Assumptions of the model, as sentences.
     assumed: tuple[str, ...]
-    #: Effects that the model neglects.
+    #: Effects that the model neglects, as sentences.
     left_out: tuple[str, ...]
-    #: Makes a system ready for the kernels.
+    #: Function that makes the equations for the kernels from the arrays of an assembly.
     ready: Callable[[System, ModuleType], Sets]
-    #: Section of the threaded shaft; None: the scene's.
+    #: Cross-section of the threaded shaft; None: computed from the assembly's dimensions.
     section: BeamSection | None
-    #: Whether flanks that load and offsets open are left out.
+    #: Whether flanks are left out that load and offsets lift off the balls.
     fewer: bool
 
 
 def solve_assembly(assembly: Assembly, *, engine: Engine = "auto", member: int = 0) -> AxisResult:
-    """Compute loads, stiffness and motions of an assembly in static equilibrium, shaft a beam, outer parts rigid.
+    """Compute contact forces, stiffness and motions of a shaft with several bearings and nuts in static equilibrium.
+
+    The shaft is a beam; nuts, outer rings and housings are rigid (model lin).
 
     Parameters
     ----------
     assembly
-        The assembly.
+        Shaft with bearings and ball nuts.
     engine
-        Kernels: ``"interpreted"``, ``"compiled"``, or ``"auto"``, by size.
+        Numerical kernels: ``"interpreted"``, ``"compiled"``, or ``"auto"``, which chooses by the size of the problem.
     member
-        Number of the specimen, for random errors.
+        Number of the specimen: each number gives other random errors.
 
     Returns
     -------
     AxisResult
-        The result; for an assembly without equilibrium its ``status`` gives the reason.
+        Forces, stiffness and motions; if there is no equilibrium, ``status`` gives the reason.
 
     Raises
     ------
     ValueError
-        Dimensions that leave no body.
+        If dimensions leave a part without material.
     """
     model = Model("lin", AXIS_ASSUMPTIONS, (), prepare, None, True)
     return equilibrium(assembly, model, engine, member, partial(solve_assembly, engine=engine, member=member))
 
 
 def equilibrium(assembly: Assembly, model: Model, engine: Engine, member: int, again: partial[AxisResult]) -> AxisResult:
-    """Solve an assembly by a model, as `solve_assembly`; again: function that solves the assembly as mounted."""
+    """Compute the static equilibrium of an assembly by a model, and return forces, stiffness and motions.
+
+    Parameters
+    ----------
+    assembly
+        Shaft with bearings and ball nuts.
+    model
+        Mechanical model.
+    engine, member
+        Kernels, and number of the specimen with random errors, as for `solve_assembly`.
+    again
+        Function that solves an assembly by the same model, used to find the offsets that give the required preload.
+    """
     start = perf_counter()
 
     def failed(status: Status) -> AxisResult:
+        """Return the result of an assembly without equilibrium."""
         return failed_axis(assembly, model.name, status, perf_counter() - start, model.assumed)
 
     mounted, notes, unmet = mount(assembly, again)
     if unmet:
         return failed(unmet)
-    kernels, places = engine_for(assembly, engine), placed(mounted, member)
+    kernels, places = engine_for(assembly, engine), ball_positions(mounted, member)
     uses = likely_sides(mounted, places) if model.fewer else all_sides(mounted)
     while True:
         system = build(mounted, member, uses, places, model.section)
@@ -362,12 +447,12 @@ def equilibrium(assembly: Assembly, model: Model, engine: Engine, member: int, a
         prepared = model.ready(pinned(system, loose), kernels)
         ready = perf_counter()
         prepared, outcome = settled(prepared)
-        if complete(uses, mounted) or (outcome.status == 0 and clear(prepared.system, prepared.state)):
+        if uses_all_flanks(uses, mounted) or (outcome.status == 0 and clear(prepared.system, prepared.state)):
             break
         uses = all_sides(mounted)
-        notes = (*notes, "flanks that load or offsets should open touch in the solution: solved again with all of them")
+        notes = (*notes, "balls touch flanks that load or offset should lift off: solved again with all flanks")
     state, held = prepared.row_states()
-    proven = system if model.fewer else prepared.system  # with elastic bodies loose motions are held in the proof too
+    proven = system if model.fewer else prepared.system  # elastic bodies: loose motions stay fixed in the proof
     status = status_of(outcome, prepared.round_off(), partial(unheld, proven), far_off(state.q, proven))
     if outcome.status in NO_LOADS:
         return failed(status)
@@ -389,7 +474,10 @@ def equilibrium(assembly: Assembly, model: Model, engine: Engine, member: int, a
 
 
 def engine_for(assembly: Assembly, engine: Engine) -> ModuleType:
-    """Return kernels: interpreted for one small solve, compiled for many elements, several solves, or where available."""
+    """Return the module of numerical kernels for an assembly, see `pick_engine`.
+
+    The size of the problem counts the balls, the rollers' slices at a quarter each, and a further solve for each preload.
+    """
     slices = sum(s.parts.count * s.parts.slices for s in assembly.sets if isinstance(s.parts, RollerRow))
     preloads = sum(s.preload > 0.0 for s in assembly.sets)
     return pick_engine(engine, (assembly.ball_count + slices // 4) * (1 + preloads))

@@ -1,4 +1,7 @@
-"""Shaft, housings and springs of an assembly as rows of motions, with their fixed freedoms."""
+"""Shaft, housings and springs of an assembly as a linear elastic structure, with supports and loads.
+
+Each shaft node and each moving housing has six motions, which form one row of the arrays.
+"""
 
 from __future__ import annotations
 
@@ -27,39 +30,52 @@ Ints = NDArray[np.int64]
 
 @dataclass(frozen=True)
 class Structure:
-    """Assembly without its rolling elements: r rows of six motions, of n shaft nodes and then of the moving housings."""
+    """Shaft, moving housings and springs of an assembly without its rolling elements.
 
-    #: Stations of the shaft's nodes ``(n,)`` [m].
+    The r bodies are the n nodes of the shaft, followed by the moving housings; each has six motions.
+    """
+
+    #: Axial positions of the shaft's nodes ``(n,)`` [m].
     nodes: Array
-    #: Stations of the moving housings ``(r - n,)`` [m].
+    #: Axial positions of the moving housings ``(r - n,)`` [m].
     at: Array
-    #: Section of each element.
+    #: Cross-section of each beam element.
     sections: tuple[BeamSection, ...]
-    #: Fixed freedoms ``(r, 6)``.
+    #: Which degrees of freedom are fixed ``(r, 6)``.
     fixed: NDArray[np.bool_]
-    #: Values of the fixed freedoms ``(r, 6)`` [m, rad].
+    #: Prescribed values of the fixed degrees of freedom ``(r, 6)`` [m, rad].
     prescribed: Array
-    #: Loads ``(r, 6)`` [N, N m].
+    #: Loads ``(r, 6)`` [N, N m], those of thermal expansion included.
     load: Array
-    #: Rows joined by each spring ``(k, 2)``, see `lowfi.statics.kernel_types.AxisArrays`.
+    #: Numbers of the two bodies joined by each spring, -1 for the frame ``(k, 2)``.
     ends: Ints
-    #: Motion of the springs' ends by those rows ``(k, 2, 6, 6)``.
+    #: Matrices from the motions of these bodies to those of the spring's ends, the second with negative sign
+    #: ``(k, 2, 6, 6)``.
     reach: Array
-    #: Stiffness of the springs ``(k, 6, 6)``.
+    #: Stiffness matrices of the springs ``(k, 6, 6)``.
     springs: Array
-    #: Row of each housing by its name, -1 for one that is fixed.
+    #: Number of each housing among the r bodies by its name, -1 for a fixed housing.
     row: dict[str, int]
 
     @property
     def stations(self) -> Array:
-        """Station at which each row's motion is taken ``(r,)`` [m]."""
+        """Return the axial positions at which the motions of the r bodies are taken ``(r,)`` [m]."""
         return np.concatenate([self.nodes, self.at])
 
 
 def shaft_nodes(assembly: Assembly, stations: Array) -> Array:
-    """Return the nodes [m] at contacts, supports, loads, changes of section and the station of the requested stiffness.
+    """Return the axial positions of the shaft's nodes [m].
 
-    The shaft beyond the outermost support, load or contact carries nothing and is left out. Every support is a node.
+    Nodes lie at supports, loads, changes of cross-section and the position of the requested stiffness. They also lie at
+    contacts or at fixed distances, depending on the scene's ``partition``. The shaft beyond the outermost support, load or
+    contact carries no load and is left out.
+
+    Parameters
+    ----------
+    assembly
+        Shaft with bearings and ball nuts.
+    stations
+        Axial positions of the contacts [m].
     """
     needed = [*stations, *(s.at for s in assembly.supports), *(x.at for x in assembly.loads)]
     if isinstance(assembly.stiffness_at, float):
@@ -79,7 +95,7 @@ def shaft_nodes(assembly: Assembly, stations: Array) -> Array:
 
 
 def threaded(assembly: Assembly) -> Scene | None:
-    """Return the parts of the first ball nut, whose thread the shaft has; None without a ball nut."""
+    """Return the first ball nut of an assembly, whose thread determines the shaft's section; None without a ball nut."""
     for s in assembly.sets:
         if isinstance(s.parts, Scene) and s.parts.track.lead > 0.0:
             return s.parts
@@ -87,7 +103,17 @@ def threaded(assembly: Assembly) -> Scene | None:
 
 
 def element_sections(assembly: Assembly, nodes: Array, section: BeamSection | None = None) -> tuple[BeamSection, ...]:
-    """Return section of each element: that of its plain segment, else of the threaded shaft (``section``, where given)."""
+    """Return the cross-section of each beam element of the shaft: of its plain segment, else of the threaded shaft.
+
+    Parameters
+    ----------
+    assembly
+        Shaft with plain segments, bearings and ball nuts.
+    nodes
+        Axial positions of the nodes [m].
+    section
+        Cross-section of the threaded shaft; None: computed from its dimensions.
+    """
     screw, thread = assembly.screw, threaded(assembly)
     plain_screw = partial(tube_section, screw.outer_diameter, screw.bore, screw.material)
     base = section or (plain_screw() if thread is None else screw_section(thread))
@@ -97,9 +123,21 @@ def element_sections(assembly: Assembly, nodes: Array, section: BeamSection | No
 
 
 def structure_of(assembly: Assembly, stations: Array, section: BeamSection | None = None) -> Structure:
-    """Return the rows of an assembly whose contacts load the shaft at ``stations`` [m].
+    """Return shaft, moving housings and springs of an assembly as arrays.
 
-    section: of the threaded shaft, in place of the scene's. Raises ValueError for a freedom that is fixed twice.
+    Parameters
+    ----------
+    assembly
+        Shaft with bearings, ball nuts and housings.
+    stations
+        Axial positions at which contacts load the shaft [m].
+    section
+        Cross-section of the threaded shaft; None: computed from its dimensions.
+
+    Raises
+    ------
+    ValueError
+        If two supports fix the same degree of freedom of one node.
     """
     nodes = shaft_nodes(assembly, stations)
     moving = [h for h in assembly.housings if not h.stands]
@@ -111,7 +149,7 @@ def structure_of(assembly: Assembly, stations: Array, section: BeamSection | Non
         for name, value in held:
             k = FREEDOMS.index(name)
             if fixed[j, k]:
-                raise ValueError(f"two supports hold {name} at {1e3 * at:g} mm, less than {1e6 * MERGE:g} um apart")
+                raise ValueError(f"two supports less than {1e6 * MERGE:g} um apart fix {name} at {1e3 * at:g} mm")
             fixed[j, k], prescribed[j, k] = True, value
     for x in assembly.loads:
         j = int(np.abs(nodes - x.at).argmin())
@@ -119,7 +157,7 @@ def structure_of(assembly: Assembly, stations: Array, section: BeamSection | Non
     for i, body in enumerate(moving):
         load[nodes.size + i] += np.concatenate([body.force, body.moment])
     sections = element_sections(assembly, nodes, section)
-    for e, section in enumerate(sections):  # what holds a warm shaft at its length pushes its nodes apart
+    for e, section in enumerate(sections):  # thermal expansion as forces that push the nodes of an element apart
         load[e, 2] -= section.EA * assembly.thermal_strain
         load[e + 1, 2] += section.EA * assembly.thermal_strain
     row = {h.name: -1 for h in assembly.housings} | {h.name: nodes.size + i for i, h in enumerate(moving)}
@@ -129,7 +167,22 @@ def structure_of(assembly: Assembly, stations: Array, section: BeamSection | Non
 
 
 def _springs(assembly: Assembly, moving: list[Housing], row: dict[str, int]) -> tuple[Ints, Array, Array]:
-    """Return the springs to the frame and between housings."""
+    """Return ends, lever arms and stiffness of the springs between housings, and between housings and frame.
+
+    Parameters
+    ----------
+    assembly
+        Assembly with housings and joints.
+    moving
+        Housings that move.
+    row
+        Number of each housing among the bodies of the `Structure`.
+
+    Returns
+    -------
+    tuple[Ints, Array, Array]
+        Fields ``ends``, ``reach`` and ``springs`` of `Structure`.
+    """
     at = {h.name: h.at for h in moving}
     unit, none = np.eye(6), np.zeros((6, 6))
     springs: list[tuple[int, int, Array, Array, Array]] = [
@@ -145,9 +198,18 @@ def _springs(assembly: Assembly, moving: list[Housing], row: dict[str, int]) -> 
 
 
 def spring_terms(structure: Structure, q: Array, arm: float) -> float:
-    """Return largest term [N] in the sums that are the springs' forces, at motions q ``(r, 6)``, moments over the arm [m].
+    """Return the largest term [N] in the sums that give the spring forces, from which their round-off error follows.
 
-    Stiff springs between bodies that move far together subtract large motions: the sum keeps the round-off of its terms.
+    If two bodies joined by a stiff spring move far together, the spring force is a small difference of large terms.
+
+    Parameters
+    ----------
+    structure
+        Shaft, housings and springs.
+    q
+        Motions of all bodies ``(r, 6)`` [m, rad].
+    arm
+        Length [m] by which moments are divided where they are compared with forces.
     """
     worst, per = 0.0, np.repeat([1.0, arm], 3)
     for ends, reach, K in zip(structure.ends, np.abs(structure.reach), structure.springs, strict=True):
@@ -158,7 +220,20 @@ def spring_terms(structure: Structure, q: Array, arm: float) -> float:
 
 
 def rigid_motions(structure: Structure, arm: float) -> Array:
-    """Return motions ``(6 r, 6 (1 + m))`` of all rows with shaft and housings as rigid bodies, rotations by the arm [m]."""
+    """Return the rigid motions of the shaft and of each of m moving housings, as motions of all bodies.
+
+    Parameters
+    ----------
+    structure
+        Shaft, housings and springs.
+    arm
+        Length [m] by which rotations are scaled: a unit of rotation is 1/arm rad.
+
+    Returns
+    -------
+    Array
+        ``(6 r, 6 (1 + m))``: six motions of the shaft, then of each housing.
+    """
     scale = np.diag([1.0, 1.0, 1.0, 1.0 / arm, 1.0 / arm, 1.0 / arm])
     n, m = structure.nodes.size, structure.at.size
     out = np.zeros((n + m, 6, 6 * (1 + m)))
@@ -169,9 +244,16 @@ def rigid_motions(structure: Structure, arm: float) -> Array:
 
 
 def held_rows(structure: Structure, motions: Array) -> Array:
-    """Return the rows of supports and springs against rigid motions, each of size about one.
+    """Return the constraints that supports and springs impose on rigid motions, each normalised.
 
-    Zero for motions without resistance.
+    The product of the result with a combination of the motions is zero if no support or spring resists this combination.
+
+    Parameters
+    ----------
+    structure
+        Shaft, housings and springs.
+    motions
+        Result of `rigid_motions`.
     """
     arms = motions.reshape(-1, 6, motions.shape[1])
     rows = [arms[i, k] for i, k in np.argwhere(structure.fixed)]

@@ -1,4 +1,4 @@
-"""Result of an assembly from the solver's arrays: contacts and sums of each set, housings, balance, stiffness."""
+"""Conversion of the solver's arrays into the result of an assembly: bearings, nuts, housings, equilibrium, stiffness."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import numpy as np
 
 from rollbench.lowfi.rollers import slice_contacts, tapered_bearing
 from rollbench.lowfi.statics.axis.held import APEX, reversed_status
-from rollbench.lowfi.statics.axis.system import BallSet, RollerSet, System, asked, asked_row, left_out
+from rollbench.lowfi.statics.axis.system import BallSet, RollerSet, System, left_out, reported_location, reported_row
 from rollbench.lowfi.statics.kernel_types import RowState
 from rollbench.lowfi.statics.problem import SolvedState
 from rollbench.lowfi.statics.result import AxisResult, Equilibrium, HousingResult, SetResult, SolverReport, Status
@@ -34,52 +34,62 @@ from rollbench.lowfi.warned import Warned
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly, RollerRow
 
-#: Statements that hold for every run of the source's low-order model on several sets.
+#: Assumptions of every run of Lin's low-order model on a shaft with several bearings and nuts.
 AXIS_ASSUMPTIONS = (
     "nuts, outer rings and housings are rigid, apart from the contacts (Lin 2.3.1); inner rings are one with the shaft",
     *MODEL_ASSUMPTIONS[1:],
     "lever arms of contact loads are those of error-free flanks",
 )
-#: And where there are rollers.
+#: Assumption of every run with tapered roller bearings.
 ROLLERS = (
-    "rollers: slices of line contacts that do not feel one another, so that pressures leave out what straight ends add; "
-    "seated on their ribs; rings do not bend"
+    "rollers are slices with independent line contacts, so that the pressure peaks at straight ends are missing; rollers "
+    "touch their ribs; rings do not bend"
 )
 
-#: Share of the largest force met up to which a contact counts as none there: what the solver is asked for, times ten.
+#: A contact force below this share of the largest force counts as zero: ten times the accepted residual of the solver.
 NOTHING = 10.0 * ACCEPTED
 
 
 @dataclass(frozen=True)
 class Ending:
-    """Outcome of a solve of an assembly."""
+    """Data of a finished solve of an assembly that its result needs besides motions and contacts."""
 
-    #: Status by the solver.
+    #: Status that the solver reported.
     status: Status
-    #: Effort and accuracy.
+    #: Effort and accuracy of the solve.
     report: SolverReport
-    #: Description of the motions that are pinned because nothing resists them.
+    #: Description in words of the motions that are pinned because nothing resists them; empty if there are none.
     loose: str
-    #: Forces and moments of what fixes the rows ``(r, 6)`` [N, N m].
+    #: Forces and moments at the fixed degrees of freedom of shaft nodes and moving housings ``(r, 6)`` [N, N m].
     held: Array
-    #: Stiffness of each set of balls ``(6, 6)``.
+    #: Tangent stiffness of each ball nut and ball bearing ``(6, 6)``.
     sets: Sequence[Array]
-    #: Stiffness of the whole ``(6, 6)``; None where it is not defined.
+    #: Tangent stiffness of the whole assembly ``(6, 6)``; None if it is not defined.
     whole: Array | None
     #: Name of the model.
     model: str
-    #: Assumptions of the model.
+    #: Assumptions of the model, as sentences.
     assumed: tuple[str, ...]
-    #: Effects that the model neglects.
+    #: Effects that the model neglects, as sentences.
     left_out: tuple[str, ...]
-    #: Motions of the flanks of each set of balls ``(N, 4, 2)`` [m].
+    #: Motions of the flanks of each ball nut and ball bearing ``(N, 4, 2)`` [m].
     shifts: Sequence[Array]
-    #: Largest force met [N].
+    #: Largest contact force during the iteration [N].
     scale: float
 
 
 def assemble_axis(system: System, state: RowState, end: Ending) -> AxisResult:
-    """Return the result of a finished solve."""
+    """Return the result of a solved assembly: bearings, housings, reactions, equilibrium check, stiffness and status.
+
+    Parameters
+    ----------
+    system
+        Arrays of the assembly.
+    state
+        Motions of shaft nodes and housings, and all contacts.
+    end
+        Status, stiffness and other data of the solve.
+    """
     assembly, structure = system.assembly, system.structure
     r, n = structure.stations.size, structure.nodes.size
     by_name = {b.of.name: ball_result(system, i, state, end) for i, b in enumerate(system.balls)}
@@ -94,9 +104,9 @@ def assemble_axis(system: System, state: RowState, end: Ending) -> AxisResult:
     status = where_not_unique(judged_axis(end.status, system, balance, housings), warnings)
     if status == "converged":
         status = reversed_row(system, sets, end.scale) or status
-    held = (f"{end.loose}: held where it is, since nothing drives or resists it",) if end.loose else ()
-    at = asked(assembly)
-    station = None if isinstance(at, str) else float(structure.nodes[asked_row(system)])
+    held = (f"{end.loose}: fixed at its initial position, as no load drives and nothing resists it",) if end.loose else ()
+    at = reported_location(assembly)
+    station = None if isinstance(at, str) else float(structure.nodes[reported_row(system)])
     return AxisResult(
         model=end.model,
         status=status,
@@ -117,7 +127,21 @@ def assemble_axis(system: System, state: RowState, end: Ending) -> AxisResult:
 
 
 def judged_axis(status: Status, system: System, balance: Equilibrium, housings: Sequence[HousingResult]) -> Status:
-    """Return the status of an axis: "not converged" where shaft, a ball or a housing is out of balance (`judged`)."""
+    """Return the status of an assembly after the check of equilibrium of shaft, balls and housings.
+
+    It is "not converged" if one of them is out of balance, see `lowfi.statics.summary.judged`.
+
+    Parameters
+    ----------
+    status
+        Status that the solver reported.
+    system
+        Arrays of the assembly.
+    balance
+        Sums of forces and moments on shaft and balls.
+    housings
+        Results of the housings with their residuals.
+    """
     frozen, ball = system.assembly.ingredients.arm == "nominal", ""
     for b in system.balls:
         if b.balls.start < balance.worst_ball <= b.balls.stop:
@@ -131,9 +155,16 @@ def judged_axis(status: Status, system: System, balance: Equilibrium, housings: 
 
 
 def reversed_row(system: System, sets: Sequence[SetResult], scale: float) -> Status | None:
-    """Return the status of a one-way row that is loaded against its direction; None where there is none.
+    """Return the status if a bearing for one direction of thrust is loaded against this direction; None if none is.
 
-    scale: largest force met [N].
+    Parameters
+    ----------
+    system
+        Arrays of the assembly.
+    sets
+        Results of bearings and nuts.
+    scale
+        Largest contact force of the solution [N].
     """
     for s in sets:
         if s.balls is not None and s.of.thrust in ("+z", "-z"):
@@ -146,7 +177,19 @@ def reversed_row(system: System, sets: Sequence[SetResult], scale: float) -> Sta
 
 
 def ball_result(system: System, i: int, state: RowState, end: Ending) -> SetResult:
-    """Return the contacts and sums of a set of balls, by its number."""
+    """Return the result of one ball nut or ball bearing: its contacts, and force and moment on shaft and outer part.
+
+    Parameters
+    ----------
+    system
+        Arrays of the assembly.
+    i
+        Number of the nut or bearing among those with balls.
+    state
+        Motions of shaft nodes and housings, and all contacts.
+    end
+        Status, stiffness and other data of the solve.
+    """
     b = system.balls[i]
     problem = b.problem
     contact = state.contact[b.balls]
@@ -165,7 +208,17 @@ def ball_result(system: System, i: int, state: RowState, end: Ending) -> SetResu
 
 
 def roller_result(x: RollerSet, state: RowState, stations: Array) -> SetResult:
-    """Return the loads, sums and stiffness of a row of rollers."""
+    """Return the result of one tapered roller bearing: roller loads, force and moment on the shaft, and stiffness.
+
+    Parameters
+    ----------
+    x
+        The bearing.
+    state
+        Motions of shaft nodes and housings, and all contacts.
+    stations
+        Axial positions of shaft nodes and moving housings [m].
+    """
     slices = state.slices[x.slices]
     inner = float(stations[x.arrays.row[0, 0]])
     B = x.arrays.B[:, 0] @ rigid_transport(inner - x.of.position)
@@ -177,20 +230,40 @@ def roller_result(x: RollerSet, state: RowState, stations: Array) -> SetResult:
 
 
 def _outer(x: BallSet | RollerSet, state: RowState, stations: Array) -> Array:
-    """Return the motion ``(6,)`` of a set's outer part at its position, with its offset."""
+    """Return the motion ``(6,)`` [m, rad] of an outer ring or nut at its axial position, its prescribed offset included.
+
+    Parameters
+    ----------
+    x
+        Bearing or nut.
+    state
+        Motions of shaft nodes and housings.
+    stations
+        Axial positions of shaft nodes and moving housings [m].
+    """
     row = x.outer if isinstance(x, BallSet) else int(x.arrays.row[0, 1])
     moved = rigid_transport(x.of.position - float(stations[row])) @ state.q[row] if row >= 0 else np.zeros(6)
     return np.asarray(moved + np.array([0.0, 0.0, x.of.offset, 0.0, 0.0, 0.0]))
 
 
 def _sum_at(points: Array, forces: Array, station: float) -> tuple[Array, Array]:
-    """Return sum of forces ``(N, s, 3)`` [N] at points ``(N, s, 3)`` [m], and of their moments about an axis point [m]."""
+    """Return the resultant force [N] of contact forces, and their moment [N m] about a point of the axis.
+
+    Parameters
+    ----------
+    points
+        Contact points ``(N, s, 3)`` [m].
+    forces
+        Contact forces ``(N, s, 3)`` [N].
+    station
+        Axial position of the point [m].
+    """
     arm = points - np.array([0.0, 0.0, station])
     return forces.sum(axis=(0, 1)), np.cross(arm, forces).sum(axis=(0, 1))
 
 
 def _balance(system: System, state: RowState, end: Ending, sets: tuple[SetResult, ...]) -> Equilibrium:
-    """Return the balance of loads, reactions and the sets' forces on the shaft; moments about the origin."""
+    """Return the check of equilibrium of the shaft: external loads, support reactions, and forces of bearings and nuts."""
     nodes = system.structure.nodes
     applied, contact = wrench_of(system.assembly.loads), np.zeros(6)
     reaction = about_origin(nodes, end.held[: nodes.size])
@@ -208,7 +281,24 @@ def _balance(system: System, state: RowState, end: Ending, sets: tuple[SetResult
 
 
 def _housing(system: System, i: int, sets: tuple[SetResult, ...], q: Array, end: Ending) -> HousingResult:
-    """Return the balance of one housing: its load, its fixed freedoms, its springs, and the sets that it carries."""
+    """Return the result of one housing: its motion, the forces of supports and springs on it, and its residual.
+
+    The residual is the sum of external load, reactions, spring forces, and forces of the bearings and nuts that the housing
+    carries.
+
+    Parameters
+    ----------
+    system
+        Arrays of the assembly.
+    i
+        Number of the housing among the moving ones.
+    sets
+        Results of bearings and nuts.
+    q
+        Motions of shaft nodes and moving housings ``(r, 6)`` [m, rad].
+    end
+        Status, stiffness and other data of the solve.
+    """
     structure = system.structure
     row = structure.nodes.size + i
     at = float(structure.at[i])
@@ -236,7 +326,21 @@ def _housing(system: System, i: int, sets: tuple[SetResult, ...], q: Array, end:
 def failed_axis(
     assembly: Assembly, model: str, status: Status, seconds: float, assumed: tuple[str, ...] = AXIS_ASSUMPTIONS
 ) -> AxisResult:
-    """Return the result of an assembly without equilibrium: no loads, and the reason."""
+    """Return the result of an assembly without equilibrium: its status gives the reason, and there are no loads.
+
+    Parameters
+    ----------
+    assembly
+        Shaft with bearings and ball nuts.
+    model
+        Name of the model.
+    status
+        Status with the reason.
+    seconds
+        Computing time [s].
+    assumed
+        Assumptions of the model.
+    """
     report = SolverReport(0, 0, float("nan"), seconds, 0, 0, "none", "none")
     return AxisResult(
         model=model,
@@ -251,9 +355,16 @@ def failed_axis(
 
 
 def roller_warnings(s: SetResult, z: Array, motion: Array) -> tuple[Warned, ...]:
-    """Return the warnings of a row of rollers.
+    """Return the warnings that the contacts of a tapered roller bearing leave the model's range of validity.
 
-    z ``(k,)`` [m] and motion ``(k, 6)`` [m, rad] of the shaft's centreline.
+    Parameters
+    ----------
+    s
+        Result of the bearing; for other bearings there are no warnings.
+    z
+        Axial positions of the shaft's centreline ``(k,)`` [m].
+    motion
+        Motions of the shaft there ``(k, 6)`` [m, rad].
     """
     if not isinstance(s.of.parts, RollerRow) or s.line_loads is None:
         return ()

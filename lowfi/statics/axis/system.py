@@ -1,8 +1,11 @@
-"""Arrays of an assembly for the kernels: balls and rollers of all sets between the rows of a `Structure`.
+"""Arrays for the numerical kernels of a shaft with several bearings and ball nuts: balls, rollers, beam and springs.
 
-Between elastic bodies a roller is one element: a ring moves as a rigid body, so that a slice's approach is that of the
-roller's middle plus its position times the slope along the roller: two motions at each ring determine all slices, and the
-slices' law is that of the model lin.
+A *set* is one bearing row or one ball nut. A *motion row* holds the six motions (three translations, three rotations) of
+one shaft node or one moving housing; `Structure` numbers these rows.
+
+Where other bodies are elastic, a roller is one element between two rigid rings. The approach of each slice of the roller is
+then the approach at the roller's middle plus the slice's position times the slope along the roller. Two motions at each
+ring therefore determine all slices. The slices follow the same force law as in the model lin.
 """
 
 from __future__ import annotations
@@ -31,10 +34,11 @@ from rollbench.meshes.parts import SIDES, Load, Scene
 from rollbench.meshes.section import BeamSection, contact_stations
 
 Ints = NDArray[np.int64]
-#: Balls of a set: where they are, and their specimen of random errors.
+#: Positions of the balls of one bearing row or ball nut, and its randomly drawn manufacturing errors.
 Placed = tuple[BallLayout, Specimen]
 
-#: Sides that a set uses by the thrust on the shaft that it carries: SL-NR closes under thrust along +z.
+#: Which of the flanks SL, SR, NL, NR can be loaded, by the direction of the thrust on the shaft that a bearing row or ball
+#: nut carries. The diagonal pair SL-NR closes under thrust along +z.
 USE = {
     "both": np.array([True, True, True, True]),
     "+z": np.array([True, False, False, True]),
@@ -45,76 +49,87 @@ USE = {
 
 @dataclass
 class BallSet:
-    """Balls of one set among all, with N balls."""
+    """The N balls of one bearing row or ball nut of an assembly, with the motions of their four flanks."""
 
-    #: The set.
+    #: The bearing row or ball nut.
     of: RollingSet
-    #: Problem of the set, with the nodes of the whole shaft.
+    #: Contact problem of these balls, with the nodes of the whole shaft.
     problem: Problem
-    #: Indices of its balls among those of all sets.
+    #: Indices of these balls among the balls of the whole assembly.
     balls: slice
-    #: Row of its housing, -1 for a fixed one.
+    #: Motion row of the housing of the nut or outer ring; -1 if the housing is fixed.
     outer: int
-    #: First row that moves each flank ``(N, 4)``, as in `AxisBalls`.
+    #: First motion row that moves each flank ``(N, 4)``, as in `AxisBalls`.
     row: Ints
-    #: Motion of the flanks by those rows ``(N, 4, 2, m)``.
+    #: Coefficients ``(N, 4, 2, m)`` of the flanks' motions by the m motions from that row on.
     B: Array
     #: Prescribed motion of the flanks ``(N, 4, 2)`` [m].
     v0: Array
 
-    def moved(self, motions: Array) -> Array:
-        """Return the motions ``(N, 4, 2, ...)`` of the flanks by those of all rows ``(r, 6, ...)``."""
+    def flank_motions(self, motions: Array) -> Array:
+        """Return the motions of the flanks ``(N, 4, 2, ...)`` that follow from the motions of all bodies ``(r, 6, ...)``.
+
+        The r bodies are the shaft's nodes and the moving housings.
+        """
         flat = motions.reshape(-1, *motions.shape[2:])
         found = np.einsum("nsak,nsk...->nsa...", self.B, flat[6 * self.row[..., None] + np.arange(self.B.shape[3])])
         found[self.row < 0] = 0.0
         return np.asarray(found)
 
     def of_one_row(self, flanks: slice) -> Array:
-        """Return B ``(N, 2, 2, 6)`` of two flanks that one row moves."""
+        """Return the coefficients ``(N, 2, 2, 6)`` of the motions of two flanks that belong to one rigid body."""
         B = self.B[:, flanks]
         return np.asarray(B.reshape(*B.shape[:3], -1, 6).sum(axis=3))
 
 
 @dataclass(frozen=True)
 class RollerSet:
-    """Slices of one row of rollers among all."""
+    """Rollers of one tapered roller bearing of an assembly, cut into slices."""
 
-    #: The set.
+    #: The bearing as a rolling set of the assembly, with its position, housing and direction of thrust.
     of: RollingSet
-    #: The row of rollers.
+    #: Dimensions of the rollers and raceways.
     row: RollerRow
-    #: Indices of its slices among those of all rows.
+    #: Indices of the slices of this bearing among the slices of all roller bearings.
     slices: slice
     #: Azimuths of its rollers ``(count,)`` [rad].
     azimuths: Array
-    #: Slices of the rollers as the kernels take them.
+    #: Arrays of the slices for the kernels.
     arrays: AxisRollers
 
 
 @dataclass
 class System:
-    """Assembly ready for the kernels."""
+    """Shaft with its bearings, ball nuts and housings as arrays for the numerical kernels."""
 
-    #: The assembly.
+    #: Description of the assembly by the user.
     assembly: Assembly
     #: Shaft, housings and springs.
     structure: Structure
-    #: Sets of balls.
+    #: Ball nuts and ball bearings.
     balls: list[BallSet]
-    #: Rows of rollers.
+    #: Tapered roller bearings.
     rollers: list[RollerSet]
-    #: Largest pitch radius [m], which makes forces of moments.
+    #: Largest pitch radius [m]; moments are divided by it where they are compared with forces.
     arm: float
-    #: Structure as the kernels take it.
+    #: Arrays of shaft, housings and springs for the kernels.
     axis: AxisArrays = field(repr=False)
-    #: All balls.
+    #: Arrays of all balls for the kernels.
     contacts: AxisBalls = field(repr=False)
-    #: All slices.
+    #: Arrays of the slices of all rollers for the kernels.
     slices: AxisRollers = field(repr=False)
 
 
-def placed(assembly: Assembly, member: int = 0) -> list[Placed]:
-    """Return the positions of the balls of each set, and its specimen of random errors."""
+def ball_positions(assembly: Assembly, member: int = 0) -> list[Placed]:
+    """Return the ball positions and the randomly drawn errors of each ball nut and ball bearing of an assembly.
+
+    Parameters
+    ----------
+    assembly
+        Shaft with bearings and ball nuts.
+    member
+        Number of the specimen: each number gives other random errors.
+    """
     scenes = [s.parts for s in assembly.sets if isinstance(s.parts, Scene)]
     layouts = [ball_layout(scene) for scene in scenes]
     return [(x, specimen(scene, x, member)) for scene, x in zip(scenes, layouts, strict=True)]
@@ -127,30 +142,31 @@ def build(
     places: Sequence[Placed] | None = None,
     section: BeamSection | None = None,
 ) -> System:
-    """Return the arrays of an assembly.
+    """Return the arrays for the kernels of a shaft with its bearings, ball nuts and housings.
 
     Parameters
     ----------
     assembly
-        The assembly.
+        Shaft with bearings and ball nuts.
     member
-        Number of the specimen, for random errors.
+        Number of the specimen: each number gives other random errors.
     uses
-        Flanks of each set of balls that are built ``(4,)``; None: all that its direction of thrust allows.
+        For each ball nut or ball bearing, which of its four flanks get contacts ``(4,)``. None: all flanks that its
+        direction of thrust can load.
     places
-        What `placed` returns, where that is known.
+        Result of `ball_positions`, if it is known already.
     section
-        Section of the threaded shaft, in place of the scene's.
+        Cross-section of the threaded shaft; None: computed from the assembly's dimensions.
 
     Raises
     ------
     ValueError
-        Dimensions that leave no shaft, or a freedom that is fixed twice.
+        If the dimensions leave no shaft, or two supports fix the same degree of freedom.
     """
     parts = [(s, s.parts) for s in assembly.sets if isinstance(s.parts, Scene)]
     rows = [(s, s.parts) for s in assembly.sets if isinstance(s.parts, RollerRow)]
     built = [USE[s.thrust] for s, _ in parts] if uses is None else list(uses)
-    placements = placed(assembly, member) if places is None else places
+    placements = ball_positions(assembly, member) if places is None else places
     stations = [
         contact_stations(scene, x)[:, u[:2]]
         for (s, scene), (x, _), u in zip(parts, placements, built, strict=True)
@@ -184,6 +200,25 @@ def _ball_set(
     first: int,
     arms: Array | None = None,
 ) -> BallSet:
+    """Return the balls of one ball nut or bearing row, with the motions of their flanks by shaft nodes and housing.
+
+    Parameters
+    ----------
+    rolling
+        The ball nut or bearing in the assembly.
+    scene
+        Its dimensions.
+    structure
+        Shaft, housings and springs.
+    use
+        Which of the four flanks get contacts ``(4,)``.
+    place
+        Positions of the balls and randomly drawn errors.
+    first
+        Index of the first ball among all balls of the assembly.
+    arms
+        Extra lever arms of the contacts ``(N, 4, 2)`` [m]; None: none.
+    """
     layout, drawn = place
     parts = (scene, drawn, layout, arms)
     geometry, closure = pack_geometry(scene, drawn, hertz_C(scene, drawn), use)
@@ -230,7 +265,18 @@ def _ball_set(
 
 
 def motions_of(structure: Structure, stations: Array) -> tuple[Ints, Array]:
-    """Return first nodes ``(k,)`` around stations ``(k,)`` [m], and motions there by both nodes ``(k, 6, 12)``."""
+    """Interpolate the motions of the shaft between its nodes at k axial positions.
+
+    Returns the first node ``(k,)`` of the beam element at each position, and the matrices ``(k, 6, 12)`` that give the six
+    motions there from the twelve motions of the element's two nodes.
+
+    Parameters
+    ----------
+    structure
+        Shaft, housings and springs.
+    stations
+        Axial positions ``(k,)`` [m].
+    """
     nodes = structure.nodes
     element = np.clip(np.searchsorted(nodes, stations, side="right") - 1, 0, nodes.size - 2)
     sections = [structure.sections[e] for e in element]
@@ -239,9 +285,21 @@ def motions_of(structure: Structure, stations: Array) -> tuple[Ints, Array]:
 
 
 def widened(row: Ints, B: Array, width: int, rows: int) -> tuple[Ints, Array]:
-    """Return rows and coefficients ``(..., width)`` of two neighbouring rows for motions of one row, B ``(..., 6)``.
+    """Pad coefficients of the six motions of one body with zeros, to ``width`` 12: two bodies with consecutive numbers.
 
-    The last of all ``rows`` is taken as the second of two.
+    Returns the number of the first body of each pair, and the padded coefficients. A body is the first of its pair, except
+    the last body of all, which is the second.
+
+    Parameters
+    ----------
+    row
+        Number of the body (shaft node or housing) that moves each flank.
+    B
+        Coefficients ``(..., 6)`` of its motions, returned unchanged if they have ``width`` columns.
+    width
+        Number of columns to return, 6 or 12.
+    rows
+        Number of all bodies.
     """
     if B.shape[-1] == width:
         return row, B
@@ -251,7 +309,15 @@ def widened(row: Ints, B: Array, width: int, rows: int) -> tuple[Ints, Array]:
 
 
 def with_arms(system: System, arms: Sequence[Array]) -> System:
-    """Return the system with its Hertz constants and lever arms of all ball sets longer by ``(N, 4, 2)`` [m]."""
+    """Return the system with longer lever arms of the contacts and unchanged Hertz constants.
+
+    Parameters
+    ----------
+    system
+        Arrays of the assembly.
+    arms
+        Lengths ``(N, 4, 2)`` [m] added to the lever arms, for each ball nut or ball bearing.
+    """
     balls = []
     for b, m in zip(system.balls, arms, strict=True):
         p = b.problem
@@ -262,9 +328,16 @@ def with_arms(system: System, arms: Sequence[Array]) -> System:
 
 
 def set_flanks(system: System, state: RowState, shifts: Array | None = None) -> list[SetFlanks]:
-    """Return the contacts, centres and flank motions of each set of balls.
+    """Return contact forces, ball centres and flank motions of each ball nut and ball bearing.
 
-    shifts ``(N, 4, 2)`` [m]: of all flanks, where they are not those of the rows.
+    Parameters
+    ----------
+    system
+        Arrays of the assembly.
+    state
+        Solved motions, ball centres and contacts.
+    shifts
+        Motions ``(N, 4, 2)`` [m] of the flanks of all balls; None: computed from the motions in ``state``.
     """
     moved = [moved_flanks(b, state.q) if shifts is None else shifts[b.balls] for b in system.balls]
     contact, centre = state.contact, state.p
@@ -272,14 +345,22 @@ def set_flanks(system: System, state: RowState, shifts: Array | None = None) -> 
 
 
 def moved_flanks(b: BallSet, q: Array) -> Array:
-    """Return the motions ``(N, 4, 2)`` [m] of a set's flanks by those of the rows ``(r, 6)``."""
-    return np.asarray(b.v0 + b.moved(q))
+    """Return the motions ``(N, 4, 2)`` [m] of the flanks of one ball nut or bearing, prescribed offsets included.
+
+    Parameters
+    ----------
+    b
+        The ball nut or bearing, with N balls.
+    q
+        Motions ``(r, 6)`` [m, rad] of the r bodies: shaft nodes and moving housings.
+    """
+    return np.asarray(b.v0 + b.flank_motions(q))
 
 
 def _all_balls(sets: list[BallSet]) -> AxisBalls:
-    """Return the balls of all sets one after the other; the sets' problems then hold views of them.
+    """Concatenate the arrays of the balls of all nuts and bearings, whose problems then hold views of the joint array.
 
-    Profiles are padded with zeros.
+    The polynomials of the flanks' profile errors are padded with zeros to the same degree.
     """
     degree = max((b.problem.drawn.profile.shape[1] for b in sets), default=0)
     row, profile = [], []
@@ -291,10 +372,11 @@ def _all_balls(sets: list[BallSet]) -> AxisBalls:
         profile.append(np.broadcast_to(terms, (N, 4, degree)))
 
     def joined(arrays: Sequence[NDArray[Any]], shape: tuple[int, ...]) -> NDArray[Any]:
+        """Return arrays ``(N_i, *shape)`` concatenated along the first axis, also if there are none."""
         return np.ascontiguousarray(np.concatenate([np.zeros((0, *shape)), *arrays]))
 
     geometry = joined([b.problem.geometry for b in sets], (4, 9))
-    for b in sets:  # constants that change in one place change in the other
+    for b in sets:  # a view, so that an update of Hertz constants is seen in both places
         b.problem = replace(b.problem, geometry=geometry[b.balls])
     return AxisBalls(
         row=joined(row, (4,)).astype(np.int64),
@@ -309,9 +391,10 @@ def _all_balls(sets: list[BallSet]) -> AxisBalls:
 
 
 def _roller_set(rolling: RollingSet, row: RollerRow, structure: Structure, first: int) -> RollerSet:
-    """Return the slices of a row on the generators of the cup, along whose normal cone and cup approach.
+    """Return the roller slices of one tapered roller bearing, placed along the raceway of its cup.
 
-    Race and rib together give the cone the same line of action (`lowfi.rollers`).
+    Cone and cup approach each other along the normal of the cup's raceway. The forces of cone raceway and rib on a roller
+    add up to a force on the same line of action (`lowfi.rollers`).
     """
     n, bearing = structure.nodes.size, tapered_bearing(row)
     inner = int(np.abs(structure.nodes - rolling.position).argmin())
@@ -344,7 +427,7 @@ def _roller_set(rolling: RollingSet, row: RollerRow, structure: Structure, first
 
 
 def _all_rollers(sets: list[RollerSet]) -> AxisRollers:
-    """Return the slices of all rows one after the other."""
+    """Concatenate the arrays of the roller slices of all roller bearings."""
     if not sets:
         none = np.zeros(0)
         return AxisRollers(np.zeros((0, 2), dtype=np.int64), np.zeros((0, 2, 6)), none, none, none, none)
@@ -352,9 +435,9 @@ def _all_rollers(sets: list[RollerSet]) -> AxisRollers:
 
 
 def _axis(structure: Structure, contacts: AxisBalls, slices: AxisRollers) -> AxisArrays:
-    """Return the arrays of shaft, housings and springs, with the matrix envelope.
+    """Return the kernels' arrays of shaft, housings and springs, with the envelope of their stiffness matrix.
 
-    Each housing comes right after the last node with which it has common contacts.
+    To keep the envelope small, each housing is numbered right after the last shaft node with which it shares a contact.
     """
     n, r = structure.nodes.size, structure.stations.size
     pairs = np.array([(a, b) for a in range(4) for b in range(a)])
@@ -397,50 +480,57 @@ def _axis(structure: Structure, contacts: AxisBalls, slices: AxisRollers) -> Axi
 
 
 def applied(system: System) -> float:
-    """Return sum of the loads on shaft and housings [N], moments over the largest pitch radius, without thermal loads."""
+    """Return the sum of the magnitudes of all loads on shaft and housings [N], without thermal loads.
+
+    Moments count as moment divided by the largest pitch radius.
+    """
     bodies: tuple[Load | Housing, ...] = (*system.assembly.loads, *system.assembly.housings)
     return float(sum(np.abs(x.force).sum() + np.abs(x.moment).sum() / system.arm for x in bodies))
 
 
 def pair_compliance(b: BallSet) -> float:
-    """Return C of two opposite contacts in series [m/N^(2/3)]."""
+    """Return the mean Hertz compliance C of two opposite contacts of a ball in series [m/N^(2/3)]: approach = C Q^(2/3)."""
     return float(np.mean(b.problem.C[:, 0] + b.problem.C[:, 3]))
 
 
-def squeeze(b: BallSet) -> float:
-    """Return the approach [m] of a set's contacts by oversized balls or the shift of its outer part, all else fixed."""
+def preload_approach(b: BallSet) -> float:
+    """Return the contact approach [m] that preload alone causes while all bodies are fixed.
+
+    Preload comes from oversized balls, or from an axial shift of the nut or outer ring.
+    """
     shift = {"+z": -b.of.offset, "-z": b.of.offset}.get(b.of.thrust, abs(b.of.offset))
     return max(largest_interference(b.problem), shift * float(np.sin(b.problem.scene.track.contact_angle)))
 
 
 def mean_share(system: System) -> float:
-    """Return the mean share of all loads of a rolling element [N]."""
+    """Return the sum of all loads divided by the number of rolling elements [N]."""
     return applied(system) / max(1, system.contacts.r_ball.size + sum(r.row.count for r in system.rollers))
 
 
 def typical_force(system: System, b: BallSet) -> float:
-    """Return the force of a typical contact of a set, at least 1e-6 N.
+    """Return the force of a typical contact of a ball nut or bearing, at least 1e-6 N.
 
-    Its mean share of the loads, or its preload; that of an approach of a micrometre where only displacements are given.
+    This is the larger of the mean load of a rolling element and the preload of a contact. If there are neither loads nor
+    preload but prescribed displacements, it is the force at an approach of 1 um.
     """
     pair = pair_compliance(b)
-    force = max(mean_share(system), float(contact_force(squeeze(b), pair)))
+    force = max(mean_share(system), float(contact_force(preload_approach(b), pair)))
     if force == 0.0 and np.any(system.structure.prescribed):
         force = float(contact_force(1e-6, pair))
     return max(force, 1e-6)
 
 
 def scale_of(system: System) -> Scale:
-    """Return the scales of all sets.
+    """Return the typical force and stiffness of the assembly's contacts, by which the solver scales residuals.
 
-    A contact that counts as unloaded has the round-off of a typical force, or where nothing presses any, the force of an
-    approach by round-off.
+    A contact counts as unloaded below the round-off of the typical force. If nothing presses any contact, the limit is
+    instead the force at an approach of the size of the coordinates' round-off.
     """
     load, share = system.structure.load, mean_share(system)
     stiffness, squeezed = 1.0, 0.0
     for b in system.balls:
         pair = pair_compliance(b)
-        squeezed = max(squeezed, float(contact_force(squeeze(b), pair)))
+        squeezed = max(squeezed, float(contact_force(preload_approach(b), pair)))
         if share == 0.0 and squeezed == 0.0 and np.any(system.structure.prescribed):
             squeezed = float(contact_force(1e-6, pair))
     force = max(share, squeezed)
@@ -460,26 +550,27 @@ def scale_of(system: System) -> Scale:
 
 @dataclass(frozen=True)
 class RollerElements:
-    """M rollers of all rows as elements between elastic bodies."""
+    """The M rollers of all roller bearings, each as one element between a rigid cone and a rigid cup."""
 
-    #: Node of the shaft ``(M,)``.
+    #: Shaft node of each roller's cone ``(M,)``.
     node: NDArray[np.int64]
-    #: Row of the cup's motions ``(M,)``, -1 for a fixed one.
+    #: Motion row of the housing of each roller's cup ``(M,)``; -1 if the housing is fixed.
     outer: NDArray[np.int64]
-    #: Normal motion of cone and cup at the roller's middle, and its slope along the roller times the length, by those rows
-    #: ``(M, 2, 2, 6)``.
+    #: Coefficients ``(M, 2, 2, 6)``: first axis after M is cone or cup; second is the motion normal to the raceway at the
+    #: roller's middle, or the slope of that motion along the roller times the roller's length; third the six motions of
+    #: the shaft node or housing.
     B: Array
     #: Slices of the rollers.
     contacts: RollerContacts
 
     @property
     def count(self) -> int:
-        """Number of rollers."""
+        """Number M of rollers."""
         return self.node.size
 
 
 def roller_elements(sets: list[RollerSet]) -> RollerElements:
-    """Return the rollers of all rows, one after the other."""
+    """Return the rollers of all roller bearings as elements between their rigid rings, one bearing after the other."""
     M, K = sum(r.row.count for r in sets), max((r.row.slices for r in sets), default=0)
     node, outer = np.zeros(M, dtype=np.int64), np.full(M, -1, dtype=np.int64)
     B, law = np.zeros((M, 2, 2, 6)), np.zeros((2, M))
@@ -490,7 +581,7 @@ def roller_elements(sets: list[RollerSet]) -> RollerElements:
         mine = slice(first, first + r.row.count)
         first = mine.stop
         x = slice_middles(r.row.length, n) / r.row.length
-        rows = a.B.reshape(r.row.count, n, 2, 6) * np.array([1.0, -1.0])[:, None]  # lin takes the approach, this motions
+        rows = a.B.reshape(r.row.count, n, 2, 6) * np.array([1.0, -1.0])[:, None]  # lin: approach; here: motion
         base = np.linalg.pinv(np.column_stack([np.ones(n), x])) if n > 1 else np.array([[1.0], [0.0]])
         B[mine] = np.einsum("ak,ikej->ieaj", base, rows)
         place[mine, :n] = x
@@ -501,24 +592,32 @@ def roller_elements(sets: list[RollerSet]) -> RollerElements:
 
 
 def roller_springs(count: int, stiffness: float) -> Array:
-    """Return linear springs between cone and cup at the rollers' middles in place of slices ``(count, 2, 8)``.
+    """Return linear springs ``(count, 2, 8)`` between cone and cup at the middle of each roller.
 
-    As `lowfi.statics.response.spring_rows`.
+    They replace the nonlinear slices in the first, linear solve. Layout as in `lowfi.statics.response.spring_rows`.
+
+    Parameters
+    ----------
+    count
+        Number of rollers.
+    stiffness
+        Stiffness of each spring [N/m].
     """
     rows = np.zeros((count, 2, 8))
     rows[:, 0, 0], rows[:, 0, 4] = np.sqrt(stiffness), -np.sqrt(stiffness)
     return rows
 
 
-def asked(assembly: Assembly) -> float | str:
-    """Return the station [m] or housing whose motion and stiffness are reported.
+def reported_location(assembly: Assembly) -> float | str:
+    """Return where motion and stiffness are reported: an axial position on the shaft [m], or the name of a housing.
 
-    That of the assembly, else the first loaded housing, the first load, the first set.
+    This is the location that the user asked for. Without one, it is the first loaded housing, else the position of the
+    first load, else the position of the first bearing or nut.
 
     Parameters
     ----------
     assembly
-        Shaft with several sets.
+        Shaft with several bearings or nuts.
     """
     if assembly.stiffness_at is not None:
         return assembly.stiffness_at
@@ -528,17 +627,17 @@ def asked(assembly: Assembly) -> float | str:
     return assembly.loads[0].at if assembly.loads else assembly.sets[0].position
 
 
-def asked_row(system: System) -> int:
-    """Return the row of motions whose stiffness is reported; -1 for a fixed housing."""
-    at, s = asked(system.assembly), system.structure
+def reported_row(system: System) -> int:
+    """Return the number of the shaft node or housing whose stiffness is reported; -1 for a fixed housing."""
+    at, s = reported_location(system.assembly), system.structure
     return s.row[at] if isinstance(at, str) else int(np.abs(s.nodes - at).argmin())
 
 
 def left_out(system: System) -> tuple[str, ...]:
-    """Return sentences on flanks that were left out although their sets could use them."""
+    """Return a sentence for each ball nut or bearing of which some flanks were left out because no ball touches them."""
     notes = []
     for b in system.balls:
         idle = [SIDES[k] for k in np.flatnonzero(USE[b.of.thrust] & ~b.problem.use)]
         if idle:
-            notes.append(f"{b.of.name}: sides {' and '.join(idle)}: load or offset opens them, and every ball clears them")
+            notes.append(f"{b.of.name}: flanks {' and '.join(idle)} left out: load or offset lifts them off every ball")
     return tuple(notes)

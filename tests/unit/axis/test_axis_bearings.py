@@ -81,7 +81,7 @@ def test_preload_by_force_is_carried_before_loading_and_locked_then():
     base = assembly(*sets, segments=THICK, supports=(GUIDED,))
     idle = solved(base)
     assert [s.force[2] for s in idle.sets] == pytest.approx([-700.0, 700.0], rel=1e-9)
-    assert "outer parts are moved against their rows by a" in idle.solver.notes[0]
+    assert "outer rings or nuts are pressed against the rolling elements by a" in idle.solver.notes[0]
     loaded = solved(replace(base, loads=(Load(0.1, (0.0, 0.0, 300.0)),)))
     by_shift = replace(base, sets=(replace(sets[0], preload=0.0, offset=idle.sets[0].of.offset), sets[1]))
     same = solved(replace(by_shift, loads=(Load(0.1, (0.0, 0.0, 300.0)),)))

@@ -134,7 +134,7 @@ def test_inner_rings_on_housings_are_rigid_and_refused_on_springs():
     assert any("around: elastic inner ring" in x for x in found.left_out)
     parts = double_nut(count=6)
     carried = replace(bearing("c", 0.14, "both"), carrier="h")
-    with pytest.raises(ValueError, match="an inner ring on a housing that stands on springs"):
+    with pytest.raises(ValueError, match="an inner ring sits on a housing that stands on springs"):
         elastic.solve_refined(replace(parts, sets=(*parts.sets, carried)))
 
 
@@ -182,10 +182,10 @@ def test_contacts_of_one_set_squeeze_those_of_another_through_a_held_bar():
     one, other = nut("one", 0.1, count=6, turns=2.0), nut("other", 0.22, count=4, turns=1.0)  # evenly around
     parts = assembly(one, other, supports=ends)
     system = build(parts, section=elastic.section_of(parts, LADDER["refined"]))
-    added = elastic.ready(system, LADDER["refined"], kernel).squeeze.added.reshape(2, 10, 2, 2, 10, 2)
+    added = elastic.prepare_elastic_sets(system, LADDER["refined"], kernel).squeeze.added.reshape(2, 10, 2, 2, 10, 2)
     tube = smooth_body(geometry_only(one.parts), True, LADDER["refined"])
     plain = tube_section(2.0 * tube.outer, 2.0 * tube.bore, tube.material)
-    bar = elastic.combined(system, elastic.roller_elements([])).sections[0]
+    bar = elastic.combined_problem(system, elastic.roller_elements([])).sections[0]
     share = tube.material.poissons_ratio * tube.radius / plain.EA
     moved = added[:, 6:, 0, :, :6, 0].sum(axis=(2, 3))  # by forces of 1 N outwards on all flanks of the first nut
     assert moved.mean() == pytest.approx(-12.0 * share**2 * bar.EA / 0.3, rel=0.02)

@@ -20,7 +20,7 @@ from rollbench.compare.scenes import catalogue
 from rollbench.compare.studies.members import members
 from rollbench.compare.studies.members.ensemble import KEPT, STEP, contact_loads, output_names, raceway_life_sum, with_seed
 from rollbench.compare.studies.members.members import _binomial_quantile, run_members, sample_statistics
-from rollbench.lowfi.statics.axis.system import placed
+from rollbench.lowfi.statics.axis.system import ball_positions
 from rollbench.meshes.errors import without_draws
 from rollbench.meshes.parts import BallErrors
 
@@ -190,7 +190,7 @@ def test_sets_draw_errors_of_their_own(tmp_path):
     for said, alike in (("", False), ("\n[sets.errors]\nseed = 0\n", True)):
         file = tmp_path / f"{alike}.toml"
         file.write_text(first + said + SIGMA_TEXT + second + third + said + SIGMA_TEXT)
-        one, other = placed(catalogue.any_scene(str(file)), member=3)
+        one, other = ball_positions(catalogue.any_scene(str(file)), member=3)
         assert np.array_equal(one[1].ball_radius, other[1].ball_radius) == alike
 
 
