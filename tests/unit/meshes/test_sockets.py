@@ -199,11 +199,11 @@ def test_sockets_of_a_ball_stay_apart(beta, conformity):
         (small_screw(4, beta=np.radians(9.0)), (0, 1), {}, "narrow.*deg.*contact|narrow.*apex"),
         (scene("lin-case1"), (0,), {"bore_screw": 13.5e-3}, "shallow.*wall.*screw's bore.*thicken"),
         (scene("lin-case1"), (3,), {"outer_nut": 19.5e-3}, "shallow.*wall.*nut's outside.*thicken"),
-        (with_balls(small_screw(4), [0.0, 1.0, 1.06]), ALL, {}, "short.*balls 2 and 3 are 0.99 mm apart.*spread them"),
-        (with_balls(small_screw(4), [0.0, 1.0, 1.0]), ALL, {}, "only 0 %.*balls 2 and 3 are 0 mm apart"),
-        (scene("bearing-9"), ALL, {"ends": (2.5e-3, 13.5e-3)}, "outermost balls are 5.5 mm and 5.5 mm.*lengthen the nut"),
-        (scene("lin-case1"), ALL, {"ends": (0.3, 0.41)}, "from the flat ends; lengthen the nut or move balls"),
-        (with_lead(4.0e-3), ALL, {}, "next turn of the groove is 4 mm on; raise the lead"),
+        (with_balls(small_screw(4), [0.0, 1.0, 1.06]), ALL, {}, "short.*balls 2 and 3 are only 0.99 mm apart.*further apart"),
+        (with_balls(small_screw(4), [0.0, 1.0, 1.0]), ALL, {}, "only 0 %.*balls 2 and 3 are only 0 mm apart"),
+        (scene("bearing-9"), ALL, {"ends": (2.5e-3, 13.5e-3)}, "outermost balls are only 5.5 mm and 5.5 mm.*lengthen the nut"),
+        (scene("lin-case1"), ALL, {"ends": (0.3, 0.41)}, "from the flat ends; lengthen the nut or move the balls"),
+        (with_lead(4.0e-3), ALL, {}, "next turn of the groove is only 4 mm away; raise the lead"),
     ],
 )
 def test_no_room_is_refused_with_cause_and_remedy(case, sides, change, match):
@@ -217,7 +217,7 @@ def test_no_room_is_refused_with_cause_and_remedy(case, sides, change, match):
 @pytest.mark.parametrize(
     ("size", "match"),
     [
-        (replace(SIZE, gamma=0.55), "over its flank"),
+        (replace(SIZE, gamma=0.55), "beyond the flank"),
         (replace(SIZE, depth=1.8e-3), "through the wall"),
         (replace(SIZE, phi=0.6), "balls 1 and 2 overlap"),
     ],
@@ -234,7 +234,7 @@ def test_sockets_at_an_end_or_on_no_groove_are_refused():
     phi, z, side = sockets[0]
     for good in (sockets, ((phi + 2.0 * np.pi, z, side),)):
         refuse_misfit(m, SIZE, good, 16e-3, 1.5e-3, (0.08, 0.12))
-    for bad, end, why in ((sockets, 0.107, "flat end"), (((phi + 0.1, z, side),), 0.12, "lies on no groove")):
+    for bad, end, why in ((sockets, 0.107, "flat end"), (((phi + 0.1, z, side),), 0.12, "not lie on a groove")):
         with pytest.raises(ValueError, match=why):
             refuse_misfit(m, SIZE, bad, 16e-3, 1.5e-3, (0.08, end))
 
