@@ -102,7 +102,7 @@ def with_faces(mesh: Mesh, faces: Mapping[str, Index]) -> Mesh:
         place = order[np.minimum(np.searchsorted(known, wanted, sorter=order), len(order) - 1)]
         lost = int(np.count_nonzero(known[place] != wanted))
         if lost:
-            raise ValueError(f"boundary {name!r} is incomplete: {lost} of {len(wanted)} faces belong to no cell of the mesh")
+            raise ValueError(f"boundary {name!r} is incomplete: {lost} of its {len(wanted)} faces belong to no cell")
         facets[name] = np.unique(place)
     return with_boundaries(mesh, facets)
 
@@ -384,9 +384,9 @@ def node_slopes(element: Element, at: Array | None = None) -> Array:
 def scaled_jacobians(mesh: Mesh) -> Array:
     """Return, for each cell, the smallest scaled Jacobian at its nodes; 1 for the regular tetrahedron and the cube.
 
-    For hexahedra it is det J divided by the product of the lengths of J's columns. For tetrahedra it is sqrt(2) det J divided
-    by the largest product of three edges that meet in a corner, with the edges of the straight tetrahedron that has the same
-    J. The curvature of second-order cells is considered, which pyvista's cell quality ignores.
+    For hexahedra it is det J divided by the product of the lengths of J's columns. For tetrahedra it is sqrt(2) det J
+    divided by the largest product of three edges that meet in a corner; these edges are those of the straight tetrahedron
+    with the same J. The curvature of second-order cells is included, which pyvista's cell quality ignores.
 
     Returns
     -------
