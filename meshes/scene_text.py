@@ -223,7 +223,7 @@ def _track_table(scene: Scene, *, by_thrust: bool = False) -> Table:
     """Collect the keys of the ball path (table ``track``).
 
     For a deep-groove bearing, the clearance from which its contact angle follows is written instead of the angle. With
-    ``by_thrust``, the key ``thrust`` of the rolling set gives the direction of a single arc, so that no clearance is needed.
+    ``by_thrust``, the key ``thrust`` of the rolling set gives the direction of a single arc, and no clearance is written.
     """
     track = scene.track
     if track.arcs == "two" or by_thrust:

@@ -66,7 +66,7 @@ def groove_section(scene: Scene) -> GrooveSection:
     d1 = slack * sin(beta)
     d2 = slack * cos(beta) + scene.track.pitch_radius - scene.screw.outer_diameter / 2.0
     if abs(d2) >= r:
-        raise ValueError("the screw's outer surface does not cut the groove")
+        raise ValueError("the screw's outer surface does not cut the groove: change its outer diameter or groove radius")
     g1, g2 = asin(d1 / r), pi / 2.0 - asin(d2 / r)  # (C.5)
     # (C.4): twice the sector of one arc less two triangles
     area = 2.0 * (0.5 * r * r * (g2 - g1) - 0.5 * (r * sin(g2) - d1) * d2 - 0.5 * (r * cos(g1) - d2) * d1)

@@ -247,7 +247,7 @@ def half_sphere(radius: float, shell: Shell, share: float, sign: float) -> None:
     def stretch(at: Array) -> Array:
         return np.asarray(0.5 * (1.0 + np.sum((at / radius) ** 2, axis=1)))
 
-    rim = [[(equator.nodes, shell.points[equator.nodes] @ middle.T)]]  # the equator is unchanged by the projection from the pole
+    rim = [[(equator.nodes, shell.points[equator.nodes] @ middle.T)]]  # the projection keeps the equator
     shell.face("sphere", rim, space, limit, stretch)
     shell.face("cut", rim, lambda at: at @ middle, np.inf)
 
