@@ -47,7 +47,7 @@ UNITS = {"mm": Units(1e-3, 1e6, "mm, N, MPa"), "m": Units(1.0, 1.0, "m, N, Pa")}
 
 @dataclass(frozen=True)
 class DeckBody:
-    """Elastic body of an input deck: its mesh of ten-node tetrahedra, material, sets of nodes and faces, and weak springs."""
+    """Elastic body of an input deck: mesh of ten-node tetrahedra, material, sets of nodes and faces, and weak springs."""
 
     #: Name of the body, and of its element set.
     name: str
@@ -159,7 +159,7 @@ def set_lines(entries: Iterable[int]) -> Iterator[str]:
 
 
 def checked_names(names: Sequence[str]) -> None:
-    """Raise ValueError for a name that an input deck does not allow, or that occurs twice apart from upper and lower case."""
+    """Raise ValueError for a name that an input deck does not allow, or that occurs twice in upper or lower case."""
     seen = set[str]()
     for name in names:
         if not name or len(name) > LONGEST_NAME or not name.isascii() or any(c in " ,=*" for c in name):
