@@ -95,7 +95,7 @@ class Joint:
 @keyed
 @dataclass(frozen=True)
 class RollerRow:
-    """One row of tapered rollers with its rings; the cones of raceways and rollers have their apexes on the shaft's axis."""
+    """One row of tapered rollers with its rings; cones of raceways and rollers have their apexes on the shaft's axis."""
 
     #: Number of rollers.
     count: int

@@ -88,7 +88,7 @@ def rays(m: GrooveMap, socket: BallSocket, xi: Array) -> Array:
 
     In the middle of the socket, each ray meets the groove's surface at the point with the same section angle and azimuth.
     Beyond the fraction ``socket.exact`` of the length, rays are adjusted so that those at the ends of the socket lie in
-    planes through the ball's centre; otherwise the end faces would be concave in their middle.
+    planes through the ball's centre. Otherwise the end faces would be concave in their middle.
 
     Parameters
     ----------
@@ -170,8 +170,8 @@ def build_ball(
     """Mesh a ball with a socket (box left free for a fine contact patch) at each contact.
 
     The mesh of a right flank's socket is that of the left flank's, rotated. Where two sockets are close to each other, this
-    can lead gmsh to fill the gap with flat cells. Then each socket is meshed independently, and no contact patch of the ball
-    is a rotated copy of another.
+    can lead gmsh to fill the gap with flat cells. Then each socket is meshed independently, and no contact patch of the
+    ball is a rotated copy of another.
 
     Parameters
     ----------
