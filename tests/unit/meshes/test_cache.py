@@ -101,7 +101,7 @@ def test_a_mesh_comes_back_with_its_names_and_another_class_is_refused(tmp_path:
     np.testing.assert_array_equal(found.doflocs, mesh.doflocs)
     np.testing.assert_array_equal(found.boundaries["end"], [0, 1])
     np.testing.assert_array_equal(found.subdomains["all"], np.arange(5))
-    with pytest.raises(TypeError, match="built a float, not a Record"):
+    with pytest.raises(TypeError, match="returned a float, not a Record"):
         Cache(tmp_path).get(float, (1,), Record)
 
 
@@ -191,7 +191,7 @@ def test_a_folder_that_cannot_be_written_is_reported_once(tmp_path: Path, capsys
     for k in range(3):
         answers(store, number=k)
     error = capsys.readouterr().err
-    assert error.count("going on without it") == error.count("\n") == 1
+    assert error.count("continues without the cache") == error.count("\n") == 1
     assert store.misses == 3
 
 
