@@ -138,8 +138,8 @@ def _depth_below_surface(points: Array, depth: float, round: bool) -> Array:
 def _sweep_section(flat: Section, lines: Array) -> tuple[Index, Array, Index]:
     """Extrude a plane mesh to hexahedra whose ends are at the distances ``lines`` [m] from the apex.
 
-    Returns, for each node of the hexahedra, its node of the section and its distance from the apex [m]; and the nodes of the
-    hexahedra in gmsh's order.
+    Returns, for each node of the hexahedra, its node of the section and its distance from the apex [m]; and the nodes
+    of each hexahedron in gmsh's order.
     """
     along = np.interp(np.arange(2 * len(lines) - 1) / 2.0, np.arange(len(lines)), lines)
     n = len(flat.points)

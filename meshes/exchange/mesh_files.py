@@ -1,4 +1,4 @@
-"""Write finite element meshes to files for other programs (VTK, gmsh, MED, Abaqus), with names of regions and boundaries."""
+"""Write FE meshes to files for other programs (VTK, gmsh, MED, Abaqus), with names of regions and boundaries."""
 
 from __future__ import annotations
 
@@ -66,7 +66,7 @@ def mesh_format(path: Path, form: str = "") -> str:
         return found
     wanted = ", ".join(f".{name}" for name in FORMATS)
     what = f"format {form!r}" if form else f"suffix {path.suffix!r}"
-    raise ValueError(f"{path.name}: unknown {what} of a mesh file, expected one of {wanted}")
+    raise ValueError(f"{path.name}: a mesh file of unknown {what}, expected one of {wanted}")
 
 
 def need_package(form: str) -> None:
@@ -261,7 +261,7 @@ def _owning_sets(cells: list[Index], count: int) -> Index:
 
 
 def _as_med(plain: Any, faces: Mapping[str, Index], region: str, _: object) -> Any:
-    """Make a mesh of meshio for a .med file, with families for the cells of the region, and for faces and nodes of boundaries.
+    """Make a mesh of meshio for a .med file, with families for the region's cells and for faces and nodes of boundaries.
 
     Faces are counter-clockwise seen from outside. Cells are reordered here, because MED orients them in reverse, and meshio
     does not change their order.
