@@ -165,9 +165,7 @@ class Drive:
 
     mass: Mass = usual(0.0, "mass that the nut moves along the shaft", "200 kg")
     motor_inertia: Inertia = usual(0.0, "moment of inertia of motor and coupling", "20 kg cm2")
-    time: Duration | None = usual(
-        None, "time of the uniform acceleration from rest to the speed in [motion]", "100 ms"
-    )
+    time: Duration | None = usual(None, "time of the uniform acceleration from rest to the speed in [motion]", "100 ms")
     efficiency: Efficiency | None = usual(
         None, "efficiency of the ball screw during acceleration; 0.90 to 0.95 if left out (Smith 4.3.1)", 0.92
     )

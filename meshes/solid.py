@@ -121,7 +121,7 @@ def _check_lands(scene: Scene, land: float, depth: float) -> None:
         )
     raise UnfitKey(
         "screw.outer_diameter",
-        f"screw.outer_diameter of {outer:.4g} mm with a pitch diameter of {pitch:.4g} mm leaves no groove in the nut, whose "
+        f"screw.outer_diameter of {outer:.4g} mm with a pitch diameter of {pitch:.4g} mm leaves no groove in the nut. Its "
         "lands are assumed as far outside the pitch cylinder as the screw's are inside it: give screw.outer_diameter "
         f"between {pitch - 2e3 * depth:.4g} mm and the pitch diameter, or the nut's lands by solid.nut_inner_diameter",
     )

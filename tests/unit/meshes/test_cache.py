@@ -227,7 +227,7 @@ def test_a_folder_of_another_user_is_not_used_but_one_that_all_share_may_be_the_
     with monkeypatch.context() as patch:
         patch.setattr(os, "getuid", lambda: 4711)
         answers(Cache(root))
-    assert "not this user's alone" in capsys.readouterr().err
+    assert "belongs to another user" in capsys.readouterr().err
     tmp_path.chmod(0o1777)
     assert private_folder(tmp_path, "mine").stat().st_mode & 0o777 == 0o700
     (tmp_path / "link").symlink_to(tmp_path)
