@@ -106,13 +106,16 @@ def rays(m: GrooveMap, socket: BallSocket, xi: Array) -> Array:
     """
     n, t1, t2 = directions(m, socket.side)
 
-    def flat(at: Array) -> tuple[Array, Array]:
+    def project_to_tangent_plane(at: Array) -> tuple[Array, Array]:
         x = local_points(m, socket.groove, socket.side, at * [1.0, 0.0, 1.0]) - np.array([m.R, 0.0, 0.0])
         return (x @ t1) / (x @ n), (x @ t2) / (x @ n)
 
     line = np.linspace(-1.0, 1.0, 9)
-    along = max(float(np.abs(flat(np.stack([line, 0.0 * line, end + 0.0 * line], axis=1))[1]).max()) for end in (-1.0, 1.0))
-    s, t = flat(xi)
+    along = max(
+        float(np.abs(project_to_tangent_plane(np.stack([line, 0.0 * line, end + 0.0 * line], axis=1))[1]).max())
+        for end in (-1.0, 1.0)
+    )
+    s, t = project_to_tangent_plane(xi)
     u = np.clip((np.abs(xi[:, 2]) - socket.exact) / (1.0 - socket.exact), 0.0, 1.0)
     w = u * u * (3.0 - 2.0 * u)
     t = t * (1.0 - w) + w * along * xi[:, 2]
@@ -195,20 +198,20 @@ def build_ball(
         There is no socket, sockets overlap, or no attempt of gmsh gives a good mesh.
     """
 
-    def places(side: int) -> Callable[[Array], Array]:
+    def socket_map(side: int) -> Callable[[Array], Array]:
         like = next(socket for socket in sockets if socket.side // 2 == side // 2)
         return partial(ball_points, m, replace(like, side=side))
 
     _refuse_overlap(m, sockets)
     try:
-        return _meshed(m, sockets, [side_socket(places, socket.side, cuts) for socket in sockets], fine, coarse)
+        return _mesh_ball(m, sockets, [side_socket(socket_map, socket.side, cuts) for socket in sockets], fine, coarse)
     except ValueError:
         if not any(socket.side % 2 for socket in sockets):
             raise
-    return _meshed(m, sockets, [socket_mesh(places(socket.side), cuts) for socket in sockets], fine, coarse)
+    return _mesh_ball(m, sockets, [socket_mesh(socket_map(socket.side), cuts) for socket in sockets], fine, coarse)
 
 
-def _meshed(
+def _mesh_ball(
     m: GrooveMap, sockets: tuple[BallSocket, ...], boxes: list[tuple[SocketMesh, Array]], fine: float, coarse: float
 ) -> BallBody:
     """Mesh a ball whose sockets have the surface meshes ``boxes``, each with the bulged positions of its corner nodes."""

@@ -186,12 +186,12 @@ def tetrahedral_block(order: int, influence: Influence, size: float) -> BlockMes
 def _name_boundaries(mesh: Mesh, size: float) -> BlockMesh:
     """Return the mesh of a quarter block with its named boundaries, found by the nodes' coordinates."""
 
-    def on(axis: int, place: float) -> Callable[[Array], Array]:
+    def lies_on_plane(axis: int, place: float) -> Callable[[Array], Array]:
         return lambda x: np.abs(x[axis] - place) < 1e-9 * size
 
-    faces = {"contact": on(2, 0.0), "x = 0": on(0, 0.0), "y = 0": on(1, 0.0)}
+    faces = {"contact": lies_on_plane(2, 0.0), "x = 0": lies_on_plane(0, 0.0), "y = 0": lies_on_plane(1, 0.0)}
     facets = {name: mesh.facets_satisfying(test, boundaries_only=True) for name, test in faces.items()}
-    cut = [mesh.facets_satisfying(on(axis, size), boundaries_only=True) for axis in range(3)]
+    cut = [mesh.facets_satisfying(lies_on_plane(axis, size), boundaries_only=True) for axis in range(3)]
     return BlockMesh(with_boundaries(mesh, {**facets, "cut": np.unique(np.concatenate(cut))}), size)
 
 

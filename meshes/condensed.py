@@ -22,7 +22,7 @@ import numpy as np
 
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.canonical import digest
-from rollbench.meshes.leftovers import folder_for_group, for_group, temporary_name
+from rollbench.meshes.leftovers import make_folder_for_group, make_readable_for_group, temporary_name
 from rollbench.meshes.parts import Scene
 
 #: Version of the file format; files of other versions are not read.
@@ -133,12 +133,12 @@ class CondensedBodies:
 
 def _write_arrays(path: Path, values: Mapping[str, Any]) -> None:
     """Write arrays by their names to a compressed .npz file, which replaces an existing file only when complete."""
-    folder_for_group(path.parent)
+    make_folder_for_group(path.parent)
     name = temporary_name(path)
     try:
         with open(name, "xb") as file:
             np.savez_compressed(file, **values)
-        for_group(name)
+        make_readable_for_group(name)
         os.replace(name, path)
     finally:
         name.unlink(missing_ok=True)

@@ -342,12 +342,12 @@ def without_draws(scene: Scene) -> Scene:
         Copy of the scene without random errors.
     """
 
-    def certain(terms: tuple[FourierTerm, ...]) -> tuple[FourierTerm, ...]:
+    def without_sigma(terms: tuple[FourierTerm, ...]) -> tuple[FourierTerm, ...]:
         return tuple(replace(term, sigma=0.0) for term in terms)
 
     errors = scene.errors
     sides: dict[str, Any] = {
-        name: replace(e, profile_sigma=(), pitch=certain(e.pitch), roundness=certain(e.roundness))
+        name: replace(e, profile_sigma=(), pitch=without_sigma(e.pitch), roundness=without_sigma(e.roundness))
         for name, e in ((name, errors.side(name)) for name in SIDES)
     }
     balls = replace(errors.balls, sigma=0.0, distribution="normal")

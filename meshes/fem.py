@@ -459,7 +459,7 @@ def measure_quality(mesh: Mesh) -> Quality:
     )
 
 
-def refuse_bad(quality: Quality, name: str) -> None:
+def refuse_inverted_cells(quality: Quality, name: str) -> None:
     """Raise ValueError where the worst cell of a mesh is inverted, that is, where its scaled Jacobian is not positive.
 
     Parameters
@@ -613,7 +613,7 @@ def improve_cells(mesh: Mesh, name: str, surface: Index, keep: Index) -> tuple[M
         everywhere = np.hstack([mesh.elem.doflocs.T, INSIDE])
         found, straight = straighten(untangle(mesh, surface, everywhere), keep, everywhere)
     mesh, quality = found, measure_quality(found)
-    refuse_bad(quality, name)
+    refuse_inverted_cells(quality, name)
     return mesh, straight, quality
 
 

@@ -96,7 +96,7 @@ class GrooveEnds:
         t = np.clip(np.maximum(low - phi, phi - high) / self.length, 0.0, 1.0)
         return np.asarray(np.nan_to_num(1.0 - t * t * (3.0 - 2.0 * t)))
 
-    def in_whole(self, points: Array) -> NDArray[np.bool_]:
+    def has_full_depth(self, points: Array) -> NDArray[np.bool_]:
         """Find the points on the flanks at which the groove has its full depth.
 
         Parameters
@@ -379,9 +379,9 @@ def outer_surfaces(
     z : tuple[float, float]
         Axial positions of the nut's ends [m].
     least : float, default SAME
-        Smallest width of a surface [m]. A narrower ring between the flange's fixed ring (its seat) and its rim, or the nut's
-        outer surface, is added to the seat; a shorter centring fit is ignored. Otherwise the straight edges of neighbouring
-        circles would intersect in the mesh.
+        Smallest width of a surface [m]. A narrower ring between the flange's fixed ring (its seat) and its rim, or the
+        nut's outer surface, is added to the seat; a shorter centring fit is ignored. Otherwise the straight edges of
+        neighbouring circles would intersect in the mesh.
 
     Returns
     -------

@@ -40,7 +40,7 @@ from rollbench.meshes.shell import (
     POOREST,
     WALL,
     Curve,
-    Filled,
+    FilledShell,
     Placing,
     Shell,
     Side,
@@ -53,7 +53,7 @@ from rollbench.meshes.sockets import (
     SocketMesh,
     groove_lines,
     local_points,
-    refuse_misfit,
+    refuse_misfitting_sockets,
     side_socket,
     socket_centre,
     socket_points,
@@ -160,7 +160,7 @@ class Surface:
         m = self.m
         scale = np.array([np.hypot(m.rg, socket_centre(m, side)[0]), float(m.radius[side])])
 
-        def laid(x: Array) -> Array:
+        def to_plane(x: Array) -> Array:
             return scale * np.stack([x[:, 0] - self.groove.unrolled(side, x[:, 1])[2], x[:, 1]], axis=1)
 
         def space(plane: Array) -> Array:
@@ -169,7 +169,7 @@ class Surface:
             phi = along + turn
             return points_from_cylindrical(self.groove.radius(line, r, phi), phi, line + zeta + m.rg * phi)
 
-        loops = [[(n, laid(x)) for n, x in loop] for loop in (boundary, *self._holes(side, line))]
+        loops = [[(n, to_plane(x)) for n, x in loop] for loop in (boundary, *self._holes(side, line))]
         self.shell.face(f"flank {SIDES[side]}", loops, space, self.flank_limit)
 
     def _cylinder(self, name: str, r: float, boundary: list[Side], limit: float) -> None:
@@ -254,17 +254,17 @@ class Surface:
             faces = [(side, apex, edge, g.apex) for side, edge in zip(g.sides, (left, right), strict=True)]
         for side, first, last, begin in faces:
 
-            def seam(gamma: Array, side: int = side) -> Array:
+            def seam_points(gamma: Array, side: int = side) -> Array:
                 r, zeta = g.profile(side, gamma)
                 return points_from_cylindrical(r, self.start, line + zeta)
 
-            self._flank(side, line, self._around(first, last, (begin, g.edge), seam, self.flank_limit))
+            self._flank(side, line, self._around(first, last, (begin, g.edge), seam_points, self.flank_limit))
         return [[c.on(circle_in_plane(g.land))] for c in circles]
 
     def _helix(self) -> list[list[Side]]:
         """Triangulate the flanks and lands of a screw or nut, and return the boundaries of both flat ends."""
         g, rg, lines = self.groove, self.m.rg, groove_lines(self.m)
-        threads = [Thread(self.shell, g, line, self.z, min(self.flank_limit, self.bend * g.land)) for line in lines]
+        threads = [GrooveThread(self.shell, g, line, self.z, min(self.flank_limit, self.bend * g.land)) for line in lines]
         pitch = 2.0 * np.pi * abs(rg) / self.m.starts
         arcs = []
         for k, thread in enumerate(threads):
@@ -283,7 +283,7 @@ class Surface:
             arcs.append(pair)
         return [self._bound(threads, [pair[end] for pair in arcs], end) for end in (0, 1)]
 
-    def _bound(self, threads: list[Thread], arcs: list[Curve], end: int) -> list[Side]:
+    def _bound(self, threads: list[GrooveThread], arcs: list[Curve], end: int) -> list[Side]:
         """Return the boundary of a flat end (0 low, 1 high): alternately a flank's edge, the land, and the next flank."""
         g, step = self.groove, -1 if self.m.rg > 0.0 else 1
         loop, k = [], 0
@@ -298,7 +298,7 @@ class Surface:
         return loop
 
 
-class Thread:
+class GrooveThread:
     """Curves that bound the two flanks of one start's helical groove.
 
     The attribute ``rails`` holds the curves along the left edge, the apex and the right edge of the groove; ``cuts`` holds,
@@ -393,7 +393,7 @@ def build_body(m: GrooveMap, spec: BodySpec) -> GroovedBody:
         A socket does not fit, or no attempt of gmsh gives a good mesh.
     """
     land, behind = (spec.r_out, spec.r_in) if spec.outer else (spec.r_in, spec.r_out)
-    refuse_misfit(m, spec.size, spec.sockets, land, behind, (spec.z_low, spec.z_high))
+    refuse_misfitting_sockets(m, spec.size, spec.sockets, land, behind, (spec.z_low, spec.z_high))
     Groove.of(m, spec)
     xi = np.array(list(product((-1.0, 0.0, 1.0), (0.0, 0.5, 1.0), (-1.0, 0.0, 1.0))))
     near = np.concatenate([np.zeros((0, 3)), *(socket_points(m, spec.size, socket, xi) for socket in spec.sockets)])
@@ -409,7 +409,7 @@ def build_body(m: GrooveMap, spec: BodySpec) -> GroovedBody:
     return best_mesh("screw" if spec.outer else "nut", attempt)
 
 
-def _collect_mesh(surface: Surface, filled: Filled) -> GroovedBody:
+def _collect_mesh(surface: Surface, filled: FilledShell) -> GroovedBody:
     """Build the record of a body's mesh with named boundaries; edges that would invert cells are straightened."""
     m, spec, shell = surface.m, surface.spec, surface.shell
     places = zip(surface.corners, spec.sockets, strict=True)
@@ -419,7 +419,7 @@ def _collect_mesh(surface: Surface, filled: Filled) -> GroovedBody:
     mesh, _, quality = improve_cells(filled.named(shell), name, filled.on(shell.tris()), sockets)
     flanks = {s: points_of(mesh)[nodes_on(mesh, f"flank {SIDES[s]}")] for s in surface.groove.sides}
     ends = surface.groove.ends
-    deviation = max(_flank_deviation(m, s, x if ends is None else x[ends.in_whole(x)]) for s, x in flanks.items())
+    deviation = max(_flank_deviation(m, s, x if ends is None else x[ends.has_full_depth(x)]) for s, x in flanks.items())
     return GroovedBody(mesh, sockets, surface.boxes, deviation, quality)
 
 

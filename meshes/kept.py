@@ -65,7 +65,7 @@ def kept(type_: type[T]) -> Callable[[Callable[P, T]], Callable[P, T]]:
         Decorator for a function whose arguments are plain records. Only calls with positional arguments use the cache.
     """
 
-    def mark(build: Callable[P, T]) -> Callable[P, T]:
+    def decorate(build: Callable[P, T]) -> Callable[P, T]:
         @wraps(build)
         def cached(*args: P.args, **kwargs: P.kwargs) -> T:
             if not _stores or kwargs:
@@ -74,4 +74,4 @@ def kept(type_: type[T]) -> Callable[[Callable[P, T]], Callable[P, T]]:
 
         return cached
 
-    return mark
+    return decorate

@@ -38,7 +38,7 @@ def temporary_name(path: Path, ending: str = "tmp") -> Path:
     return path.with_name(f".{path.name}.{_machine_name()}-{os.getpid()}-{os.urandom(4).hex()}.{ending}")
 
 
-def for_group(path: Path) -> None:
+def make_readable_for_group(path: Path) -> None:
     """Make a file of this user readable for its group, whatever the umask, because stored files are meant to be shared.
 
     Parameters
@@ -50,7 +50,7 @@ def for_group(path: Path) -> None:
         path.chmod(path.stat().st_mode | 0o440)
 
 
-def folder_for_group(path: Path) -> None:
+def make_folder_for_group(path: Path) -> None:
     """Create a folder and its missing parents; the new folders are readable for the group.
 
     Parameters

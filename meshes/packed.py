@@ -125,20 +125,18 @@ def _unpack_value(tree: Any, arrays: list[Any], packages: tuple[str, ...]) -> An
         return tree
     sort, *content = tree
 
-    def unpacked(x: Any) -> Any:
+    def unpack(x: Any) -> Any:
         return _unpack_value(x, arrays, packages)
 
     makers: dict[str, Callable[[], Any]] = {
         "array": lambda: arrays[content[0]],
         "scalar": lambda: arrays[content[0]][()],
-        "tuple": lambda: tuple(map(unpacked, content)),
-        "list": lambda: list(map(unpacked, content)),
-        "dict": lambda: {unpacked(k): unpacked(x) for k, x in content},
-        "sparse": lambda: _import_class(content[0], ("scipy",))(tuple(map(unpacked, content[2:])), shape=tuple(content[1])),
+        "tuple": lambda: tuple(map(unpack, content)),
+        "list": lambda: list(map(unpack, content)),
+        "dict": lambda: {unpack(k): unpack(x) for k, x in content},
+        "sparse": lambda: _import_class(content[0], ("scipy",))(tuple(map(unpack, content[2:])), shape=tuple(content[1])),
         "class": lambda: _import_class(content[0], packages),
-        "record": lambda: _build_record(
-            _import_class(content[0], packages), {k: unpacked(x) for k, x in content[1].items()}
-        ),
+        "record": lambda: _build_record(_import_class(content[0], packages), {k: unpack(x) for k, x in content[1].items()}),
     }
     return makers[sort]()
 

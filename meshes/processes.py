@@ -30,7 +30,7 @@ from typing import Any
 VARIABLES = tuple(f"{name}_NUM_THREADS" for name in ("OMP", "OPENBLAS", "MKL", "BLIS", "VECLIB_MAXIMUM"))
 
 
-def for_one_thread() -> dict[str, str]:
+def one_thread_variables() -> dict[str, str]:
     """Return the environment variables that must be set so that linear algebra uses one thread.
 
     Returns
@@ -47,13 +47,13 @@ def one_thread() -> None:
     if "numpy" in sys.modules:
         for library in _loaded_libraries():
             library.set_num_threads(1)
-    os.environ.update(for_one_thread())
+    os.environ.update(one_thread_variables())
 
 
 @contextmanager
 def held_to_one_thread() -> Iterator[None]:
     """Limit linear algebra of this process to one thread during a ``with`` block, or a call of a decorated function."""
-    if not for_one_thread():
+    if not one_thread_variables():
         yield
         return
     import scipy.linalg  # noqa: F401 - scipy loads another BLAS, which must be loaded before threads are limited
@@ -73,7 +73,7 @@ def _loaded_libraries() -> list[Any]:
 
     Loaded libraries do not read environment variables any more, so that their number of threads must be set directly.
     """
-    left = for_one_thread()
+    left = one_thread_variables()
     if not left:
         return []
     from threadpoolctl import ThreadpoolController
@@ -107,7 +107,7 @@ def local_workers() -> Any:
 
 
 @contextmanager
-def restarts_unsaid() -> Iterator[None]:
+def without_restart_warnings() -> Iterator[None]:
     """Suppress joblib's warning about a worker that it restarts because its memory has grown by more than 300 MB."""
     with warnings.catch_warnings():
         warnings.filterwarnings("ignore", "A worker stopped while some jobs were given")

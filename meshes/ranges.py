@@ -136,7 +136,7 @@ class Quantity:
             text = f"{Decimal(f'{number:.{digits}g}'):f} {unit}"
             if added + self._number(text) == added + value:
                 return text
-        text = f"{Decimal(repr(float(value))) / Decimal(repr(self._number(f'1 {unit}')))} {unit}"  # exact for units with a decimal factor
+        text = f"{Decimal(repr(float(value))) / Decimal(repr(self._number(f'1 {unit}')))} {unit}"  # exact: decimal factor
         return text if self._number(text) == value else f"{float(value)!r} {self.unit}"
 
     @staticmethod
@@ -192,7 +192,7 @@ class ForceOrShare(Quantity):
             return super().si_value(value)
         percent = float(match[1])
         if not 0.0 < percent <= self.most:
-            advice = "give a smaller preload: manufacturers use 3 to 8 % of C, and seldom more than 10 %"
+            advice = "give a value that manufacturers use: 3 to 8 % of C, seldom more than 10 %"
             raise self._refused(f"above 0, up to {self.most:g} % of C", advice)
         return ShareOfRating(percent / 100.0)
 

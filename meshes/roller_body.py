@@ -147,18 +147,23 @@ def _sweep_section(flat: Section, lines: Array) -> tuple[Index, Array, Index]:
     quad = flat.cells
     corners = quad[:, :4]
 
-    def at(members: Index, step: int) -> Index:
+    def layer_nodes(members: Index, step: int) -> Index:
         return members + n * step
 
-    columns = [*(at(corners[:, k], 0) for k in range(4)), *(at(corners[:, k], 2) for k in range(4))]
+    columns = [*(layer_nodes(corners[:, k], 0) for k in range(4)), *(layer_nodes(corners[:, k], 2) for k in range(4))]
     for a, b in _EDGES:
         if b == a + 4:
-            columns.append(at(corners[:, a], 1))
+            columns.append(layer_nodes(corners[:, a], 1))
         else:
             i, j = sorted((a % 4, b % 4))
             middle = quad[:, 4 + (3 if (i, j) == (0, 3) else i)]
-            columns.append(at(middle, 0 if a < 4 else 2))
-    columns += [at(quad[:, 8], 0), *(at(quad[:, k], 1) for k in (4, 7, 5, 6)), at(quad[:, 8], 2), at(quad[:, 8], 1)]
+            columns.append(layer_nodes(middle, 0 if a < 4 else 2))
+    columns += [
+        layer_nodes(quad[:, 8], 0),
+        *(layer_nodes(quad[:, k], 1) for k in (4, 7, 5, 6)),
+        layer_nodes(quad[:, 8], 2),
+        layer_nodes(quad[:, 8], 1),
+    ]
     first = np.stack(columns, axis=1)
     return np.asarray(node), np.asarray(place), np.concatenate([first + 2 * n * k for k in range(len(lines) - 1)])
 
@@ -195,7 +200,7 @@ def swept_body(
         Distances from the apex at which the zone of contact begins and ends, two values of ``lines`` [m].
     place
         Function that maps nodes ``(n, 2)`` of the section, and their distances ``(n,)`` from the apex, to points ``(n, 3)``
-        of the body [m]: `on_roller` or `on_race`.
+        of the body [m]: `roller_point_map` or `raceway_point_map`.
     round
         Whether the section is a quarter of a disc (roller).
     mirrored
@@ -231,7 +236,7 @@ def _inward_direction(at: Array, depth: float, round: bool) -> Array:
     return np.asarray(inward if round else np.tile([0.0, 1.0], (len(at), 1)))
 
 
-def on_roller(radius: float, angle: float, drop: Callable[[Array], Array]) -> Callable[[Array, Array], Array]:
+def roller_point_map(radius: float, angle: float, drop: Callable[[Array], Array]) -> Callable[[Array, Array], Array]:
     """Return the function that maps the section of a tapered roller, at distances from the apex, to points of the roller.
 
     Parameters
@@ -253,7 +258,7 @@ def on_roller(radius: float, angle: float, drop: Callable[[Array], Array]) -> Ca
     return place
 
 
-def on_race(middle: float, angle: float, outward: float) -> Callable[[Array, Array], Array]:
+def raceway_point_map(middle: float, angle: float, outward: float) -> Callable[[Array, Array], Array]:
     """Return the function that maps the section of a raceway, at distances from the apex, to points of the ring.
 
     Parameters

@@ -74,6 +74,7 @@ def gmsh_session(options: Mapping[str, float] = MappingProxyType({})) -> Iterato
 
 
 def _import_gmsh() -> Any:
+    """Import gmsh, or raise ImportError with the way to install it."""
     try:
         import gmsh
     except (ImportError, OSError) as error:
@@ -318,11 +319,11 @@ class Shell:
         boundary = np.concatenate([n for n, _ in rings])
         plane = np.concatenate([x for _, x in rings])
 
-        def lengths(at: Array) -> Array:
+        def edge_lengths(at: Array) -> Array:
             size = np.minimum(self.size(space(at[:, :2])), limit)
             return size if stretch is None else size * stretch(at[:, :2])
 
-        sizes = size_callback(lengths, 0.3 * self.fine, FACE_BLOCK)
+        sizes = size_callback(edge_lengths, 0.3 * self.fine, FACE_BLOCK)
         tris, inner = triangulate(self.gmsh, [len(n) for n, _ in rings], plane, sizes, self.algorithm)
         number = np.concatenate([boundary, self.nodes(space(inner))])
         plane = np.concatenate([plane, inner])
@@ -395,7 +396,7 @@ def size_callback(lengths: Placing, grain: float, block: tuple[int, int, int]) -
     inverse, (a, b, c) = 1.0 / (MM * grain), block
     cubes = np.array(list(product(*map(range, block))))
 
-    def answer(_dim: int, _tag: int, x: float, y: float, z: float, lc: float) -> float:
+    def size_at(_dim: int, _tag: int, x: float, y: float, z: float, lc: float) -> float:
         i, j, k = round(x * inverse), round(y * inverse), round(z * inverse)
         key = (i // a, j // b, k // c)
         sizes = known.get(key)
@@ -403,7 +404,7 @@ def size_callback(lengths: Placing, grain: float, block: tuple[int, int, int]) -
             sizes = known[key] = (MM * lengths(grain * (np.multiply(key, block) + cubes))).tolist()
         return min(sizes[((i % a) * b + j % b) * c + k % c], lc)
 
-    return answer
+    return size_at
 
 
 def triangulate(
@@ -526,7 +527,7 @@ def tetrahedra(gmsh: Any, points: Array, tris: Index, sizes: Callable[..., float
 
 
 @dataclass(frozen=True)
-class Filled:
+class FilledShell:
     """Mesh of second-order tetrahedra that fills a `Shell`; corner nodes on the surface have the shell's numbers."""
 
     #: The mesh.
@@ -647,7 +648,7 @@ def drop_flat_cells(shell: Shell, points: Array, cells: Index) -> Index:
     return cells
 
 
-def fill_shell(shell: Shell, algorithm: int) -> Filled:
+def fill_shell(shell: Shell, algorithm: int) -> FilledShell:
     """Fill a closed surface with second-order tetrahedra whose size grows with the distance from the surface.
 
     Parameters
@@ -659,7 +660,7 @@ def fill_shell(shell: Shell, algorithm: int) -> Filled:
 
     Returns
     -------
-    Filled
+    FilledShell
         The mesh; its surface nodes lie exactly on the body's surface.
 
     Raises
@@ -676,11 +677,13 @@ def fill_shell(shell: Shell, algorithm: int) -> Filled:
     near = np.bincount(ends[:, 0], long) / np.bincount(ends[:, 0])
     tree = cKDTree(points)
 
-    def lengths(x: Array) -> Array:
+    def edge_lengths(x: Array) -> Array:
         distance, node = tree.query(x)
         return np.asarray(np.minimum(shell.size(x), near[node] + INWARD * distance))
 
-    cells, inner = tetrahedra(shell.gmsh, points, tris, size_callback(lengths, 0.6 * shell.fine, VOLUME_BLOCK), algorithm)
+    cells, inner = tetrahedra(
+        shell.gmsh, points, tris, size_callback(edge_lengths, 0.6 * shell.fine, VOLUME_BLOCK), algorithm
+    )
     cells = turned_right(np.concatenate([points, inner]), cells)
     corners = np.concatenate([shell.points, inner])
     cells = drop_flat_cells(shell, corners, cells)
@@ -691,7 +694,7 @@ def fill_shell(shell: Shell, algorithm: int) -> Filled:
     straight = second_order(MeshTet1(np.ascontiguousarray(corners.T), np.ascontiguousarray(cells.T)))
     pairs = np.sort(straight.edges, axis=0).T @ np.array([len(corners), 1])
     order = np.argsort(pairs)
-    filled = Filled(straight, pairs[order], straight.dofs.edge_dofs[0, order].astype(np.int64))
+    filled = FilledShell(straight, pairs[order], straight.dofs.edge_dofs[0, order].astype(np.int64))
     edges, exact = shell.exact()
     number = filled.middle(edges)[::-1]  # where an edge has several midpoints, the first one counts
     points = straight.doflocs.T.copy()

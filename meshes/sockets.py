@@ -352,11 +352,11 @@ def flank_limits(m: GrooveMap, side: int, land: float) -> tuple[float, float]:
     """
     apex = float(np.arcsin((m.radius[side] - m.ball) * np.sin(m.beta) / m.radius[side]))
 
-    def excess(gamma: float) -> float:
+    def radius_beyond_land(gamma: float) -> float:
         return float(m.unroll(*m.section_point(side, np.array(gamma), np.array(m.radius[side])))[0]) - land
 
-    if excess(m.beta) * excess(np.pi) < 0.0:
-        edge = float(brentq(excess, m.beta, np.pi, xtol=1e-14))
+    if radius_beyond_land(m.beta) * radius_beyond_land(np.pi) < 0.0:
+        edge = float(brentq(radius_beyond_land, m.beta, np.pi, xtol=1e-14))
         return (-edge if m.one_arc else apex), edge
     raise ValueError(
         f"the {SIDES[side]} flank ends before its contact at {np.degrees(m.beta):.3g} deg: with a land radius of "
@@ -466,7 +466,7 @@ def _hull_points(m: GrooveMap, size: SocketSize, side: int) -> Array:
     return local_points(m, size, side, np.stack(np.meshgrid(*axes, indexing="ij"), -1).reshape(-1, 3))
 
 
-def wall_left(m: GrooveMap, size: SocketSize, side: int, beyond: float) -> float:
+def remaining_wall(m: GrooveMap, size: SocketSize, side: int, beyond: float) -> float:
     """Return the wall thickness between the bottom of a socket and the bore of the screw or the outside of the nut.
 
     Parameters
@@ -510,7 +510,7 @@ def socket_reach(m: GrooveMap, size: SocketSize, sides: tuple[int, ...]) -> tupl
     return float(-z.min()), float(z.max())
 
 
-def turn_left(m: GrooveMap, size: SocketSize, sides: tuple[int, ...]) -> float:
+def distance_to_next_turn(m: GrooveMap, size: SocketSize, sides: tuple[int, ...]) -> float:
     """Return the smallest distance between sockets and the next turn of the groove.
 
     Where both flanks carry contacts, the distance to the plane half-way to the next turn counts too.
@@ -597,59 +597,65 @@ def fitted_socket(
     size = replace(wide, gamma=gamma)
     cause = {"gamma": why_gamma, "depth": "", "phi": ""}
 
-    def mm(x: float) -> str:
+    def in_mm(x: float) -> str:
         return f"{1e3 * x:.4g} mm"
 
     for side in sides:
         behind, name = (bore_screw, "screw's bore") if side < 2 else (outer_nut, "nut's outside")
 
-        def thick(share: float, side: int = side, behind: float = behind, size: SocketSize = size) -> bool:
+        def wall_is_thick_enough(share: float, side: int = side, behind: float = behind, size: SocketSize = size) -> bool:
             depth = share * wide.depth
-            return wall_left(m, replace(size, depth=depth), side, behind) >= UNDER * depth
+            return remaining_wall(m, replace(size, depth=depth), side, behind) >= UNDER * depth
 
-        depth = wide.depth * _largest_share(thick)
+        depth = wide.depth * _largest_share(wall_is_thick_enough)
         if depth < size.depth:
             size = replace(size, depth=depth)
-            wall = wall_left(m, replace(size, gamma=1e-3, depth=0.0), side, behind)
-            cause["depth"] = f"the wall between the contact and the {name} is only {mm(wall)} thick; thicken the wall"
+            wall = remaining_wall(m, replace(size, gamma=1e-3, depth=0.0), side, behind)
+            cause["depth"] = f"the wall between the contact and the {name} is only {in_mm(wall)} thick; thicken the wall"
 
     if layout.z.size > 1 or m.rg == 0.0:
         gaps, pairs = track_gaps(m, layout.azimuth, layout.z)
         if gaps.size and gaps.min() < (2.0 + BETWEEN) * wide.phi:
             size = replace(size, phi=float(gaps.min()) / (2.0 + BETWEEN))
             first, second = pairs[gaps.round(9).argmin()] + 1
-            cause["phi"] = (
-                f"balls {first} and {second} are only {mm(gaps.min() * m.R)} apart along the track; move them further apart"
-            )
+            apart = in_mm(gaps.min() * m.R)
+            cause["phi"] = f"balls {first} and {second} are only {apart} apart along the track; move them further apart"
 
     low, high = layout.z.min() - ends[0], ends[1] - layout.z.max()
 
-    def scaled(share: float) -> SocketSize:
+    def scaled_socket(share: float) -> SocketSize:
         narrow = max(share * size.gamma, min(size.gamma, least))
         short = max(share * size.phi, min(size.phi, need[1] / (ZONE * m.R)))
         return replace(size, gamma=narrow, depth=share * size.depth, phi=short)
 
-    def inside(share: float, away: float = AWAY) -> bool:
-        below, above = socket_reach(m, scaled(share), sides)
+    def fits_between_ends(share: float, away: float = AWAY) -> bool:
+        below, above = socket_reach(m, scaled_socket(share), sides)
         return bool(below + away * m.ball <= low and above + away * m.ball <= high)
 
-    def just_inside(share: float) -> bool:
-        return inside(share, THIN)
+    def fits_with_thin_wall(share: float) -> bool:
+        return fits_between_ends(share, THIN)
 
-    def clear(share: float) -> bool:
-        return min(turn_left(m, scaled(share), body_sides) for body_sides in bodies if body_sides) >= AWAY * m.ball
+    def clears_next_turn(share: float) -> bool:
+        return (
+            min(distance_to_next_turn(m, scaled_socket(share), body_sides) for body_sides in bodies if body_sides)
+            >= AWAY * m.ball
+        )
 
-    lip = not inside(LEAST)
+    lip = not fits_between_ends(LEAST)
     for fits, why in (
         (
-            just_inside if lip else inside,
-            f"the outermost balls are only {mm(low)} and {mm(high)} from the flat ends; lengthen the nut or move the balls",
+            fits_with_thin_wall if lip else fits_between_ends,
+            f"the outermost balls are only {in_mm(low)} and {in_mm(high)} from the flat ends; "
+            "lengthen the nut or move the balls",
         ),
-        (clear, f"the next turn of the groove is only {mm(2.0 * np.pi * abs(m.rg) / m.starts)} away; raise the lead"),
+        (
+            clears_next_turn,
+            f"the next turn of the groove is only {in_mm(2.0 * np.pi * abs(m.rg) / m.starts)} away; raise the lead",
+        ),
     ):
         share = _largest_share(fits)
         if share < 1.0:
-            size = scaled(share) if share else replace(size, gamma=0.0, depth=0.0, phi=0.0)
+            size = scaled_socket(share) if share else replace(size, gamma=0.0, depth=0.0, phi=0.0)
             cause = dict.fromkeys(cause, why)
     for name, word, floor in (
         ("gamma", "narrow", least or LEAST * GAMMA),
@@ -717,7 +723,7 @@ def _narrowed_width(
     return gamma, why
 
 
-def refuse_misfit(
+def refuse_misfitting_sockets(
     m: GrooveMap,
     size: SocketSize,
     sockets: tuple[tuple[float, float, int], ...],
@@ -755,7 +761,7 @@ def refuse_misfit(
                 f"a socket on flank {SIDES[side]}, from {m.beta - size.gamma:.3g} to {m.beta + size.gamma:.3g} rad, "
                 f"extends beyond the flank, from {apex:.3g} to {edge:.3g} rad: {remedy}"
             )
-        if wall_left(m, size, side, behind) <= 0.0:
+        if remaining_wall(m, size, side, behind) <= 0.0:
             raise ValueError(f"a socket on flank {SIDES[side]} reaches through the wall of the part: {remedy}")
         places = np.array([(a, z) for a, z, s in sockets if s == side])
         gaps, pairs = track_gaps(m, places[:, 0], places[:, 1])
@@ -765,5 +771,5 @@ def refuse_misfit(
         below, above = socket_reach(m, size, (side,))
         if places[:, 1].min() - below <= ends[0] or places[:, 1].max() + above >= ends[1]:
             raise ValueError(f"a socket on flank {SIDES[side]} reaches a flat end of the part: {remedy}")
-    if sides and turn_left(m, size, sides) <= 0.0:
+    if sides and distance_to_next_turn(m, size, sides) <= 0.0:
         raise ValueError(f"a socket reaches the next turn of the groove: {remedy}")

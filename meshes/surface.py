@@ -92,20 +92,27 @@ def surface_derivatives(scene: Scene, drawn: Specimen, side: int | slice, gamma:
 
     alpha = lead_angle(scene.track)
 
-    def local(plane: Array) -> Array:
+    def cylindrical_components(plane: Array) -> Array:
         """Convert section components (x3, z3) of vectors to radial, azimuthal and axial ones."""
         return np.stack([plane[..., 0], -plane[..., 1] * sin(alpha), plane[..., 1] * cos(alpha)], -1)
 
-    def turn(x: Array, dx: Array) -> Array:
+    def differentiate(x: Array, dx: Array) -> Array:
         """Differentiate a vector with respect to azimuth; its components are radial, azimuthal and axial."""
         return np.stack([dx[..., 0] - x[..., 1], dx[..., 1] + x[..., 0], dx[..., 2]], -1)
 
     rise = np.stack([zero, zero, zero + reduced_lead(scene.track)], -1)
-    x = local(a) + np.array([scene.track.pitch_radius, 0.0, 0.0])
-    x_p = local(a_p) + rise
-    sp = turn(x, x_p)
-    spp = turn(sp, turn(x_p, local(a_pp)))
-    return {"S": x, "Sp": sp, "Sg": local(a_g), "Spp": spp, "Spg": turn(local(a_g), np.zeros_like(x)), "Sgg": local(a_gg)}
+    x = cylindrical_components(a) + np.array([scene.track.pitch_radius, 0.0, 0.0])
+    x_p = cylindrical_components(a_p) + rise
+    sp = differentiate(x, x_p)
+    spp = differentiate(sp, differentiate(x_p, cylindrical_components(a_pp)))
+    return {
+        "S": x,
+        "Sp": sp,
+        "Sg": cylindrical_components(a_g),
+        "Spp": spp,
+        "Spg": differentiate(cylindrical_components(a_g), np.zeros_like(x)),
+        "Sgg": cylindrical_components(a_gg),
+    }
 
 
 def fundamental_forms(d: dict[str, Array]) -> tuple[Array, Array, Array]:
@@ -132,14 +139,14 @@ def fundamental_forms(d: dict[str, Array]) -> tuple[Array, Array, Array]:
     normal = np.cross(d["Sp"], d["Sg"])
     normal = normal / np.linalg.norm(normal, axis=-1, keepdims=True)
 
-    def pair(u: Array, v: Array) -> Array:
+    def dot_products(u: Array, v: Array) -> Array:
         return np.asarray(np.einsum("...i,...i->...", u, v))
 
-    cross = pair(d["Sp"], d["Sg"])
+    cross = dot_products(d["Sp"], d["Sg"])
     shape = (*cross.shape, 2, 2)
-    first = np.stack([pair(d["Sp"], d["Sp"]), cross, cross, pair(d["Sg"], d["Sg"])], -1).reshape(shape)
-    mixed = pair(d["Spg"], normal)
-    second = np.stack([pair(d["Spp"], normal), mixed, mixed, pair(d["Sgg"], normal)], -1).reshape(shape)
+    first = np.stack([dot_products(d["Sp"], d["Sp"]), cross, cross, dot_products(d["Sg"], d["Sg"])], -1).reshape(shape)
+    mixed = dot_products(d["Spg"], normal)
+    second = np.stack([dot_products(d["Spp"], normal), mixed, mixed, dot_products(d["Sgg"], normal)], -1).reshape(shape)
     return first, second, normal
 
 

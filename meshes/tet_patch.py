@@ -185,7 +185,7 @@ def _add_geometry(gmsh: Any, box: TetBox, socket: SocketMesh | None) -> tuple[in
     points = {i: geo.addPoint(*(scale * corners[i])) for i in sorted({i for p in polygons for i in p})}
     lines: dict[tuple[int, int], int] = {}
 
-    def line(i: int, j: int) -> int:
+    def add_line(i: int, j: int) -> int:
         """Return the number of the line between two corners, which is created once; negative for the reverse direction."""
         if (j, i) in lines:
             return -lines[j, i]
@@ -193,14 +193,14 @@ def _add_geometry(gmsh: Any, box: TetBox, socket: SocketMesh | None) -> tuple[in
             lines[i, j] = geo.addLine(points[i], points[j])
         return lines[i, j]
 
-    def loop(p: list[int]) -> int:
-        return int(geo.addCurveLoop([line(i, j) for i, j in zip(p, [*p[1:], p[0]], strict=True)]))
+    def add_loop(p: list[int]) -> int:
+        return int(geo.addCurveLoop([add_line(i, j) for i, j in zip(p, [*p[1:], p[0]], strict=True)]))
 
     a, b = scale[0] * box.zone[0], scale[2] * box.zone[1]
     square = [geo.addPoint(x, 0.0, z) for x, z in ((-a, -b), (a, -b), (a, b), (-a, b))]
     zone = geo.addCurveLoop([geo.addLine(square[k], square[(k + 1) % 4]) for k in range(4)])
-    inner, ring = geo.addPlaneSurface([zone]), geo.addPlaneSurface([loop(_rim_corners(corners, polygons)), zone])
-    shell = [inner, ring, *(geo.addPlaneSurface([loop(p)]) for p in polygons)]
+    inner, ring = geo.addPlaneSurface([zone]), geo.addPlaneSurface([add_loop(_rim_corners(corners, polygons)), zone])
+    shell = [inner, ring, *(geo.addPlaneSurface([add_loop(p)]) for p in polygons)]
     geo.addVolume([geo.addSurfaceLoop(shell)])
     geo.synchronize()
     return inner, ring

@@ -292,7 +292,7 @@ def _as_med(plain: Any, faces: Mapping[str, Index], region: str, _: object) -> A
 
 
 def _family_numbers(belongs: NDArray[np.bool_], names: Sequence[str]) -> tuple[Index, dict[int, list[str]]]:
-    """Number the families of a .med file: nodes or faces that belong to the same groups form one family.
+    """Assign nodes or faces to families of a .med file: those that belong to the same groups form one family.
 
     Parameters
     ----------

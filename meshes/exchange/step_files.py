@@ -144,13 +144,15 @@ def _add_ring(gmsh: Any, scene: Scene, ends: tuple[float, float], *, screw: bool
     )
     R = scene.track.pitch_radius
 
-    def point(r: float, at: float) -> int:
+    def add_point(r: float, at: float) -> int:
         return int(occ.addPoint(MM * r, 0.0, MM * at))
 
-    corners = [point(wall, ends[0]), point(land, ends[0]), point(R + left[1, 0], z + left[1, 1])]
-    apex = point(R + left[0, 0], z + left[0, 1])
-    corners += [apex, point(R + right[1, 0], z + right[1, 1]), point(land, ends[1]), point(wall, ends[1])]
-    middles = [point(R + x, z + y) for x, y in specimen(scene, ball_layout(scene)).centre[0, list(_flanks_of_body(screw))]]
+    corners = [add_point(wall, ends[0]), add_point(land, ends[0]), add_point(R + left[1, 0], z + left[1, 1])]
+    apex = add_point(R + left[0, 0], z + left[0, 1])
+    corners += [apex, add_point(R + right[1, 0], z + right[1, 1]), add_point(land, ends[1]), add_point(wall, ends[1])]
+    middles = [
+        add_point(R + x, z + y) for x, y in specimen(scene, ball_layout(scene)).centre[0, list(_flanks_of_body(screw))]
+    ]
     lines = [occ.addLine(corners[0], corners[1]), occ.addLine(corners[1], corners[2])]
     lines += [occ.addCircleArc(corners[2], middles[0], apex), occ.addCircleArc(apex, middles[1], corners[4])]
     lines += [occ.addLine(a, b) for a, b in ((corners[4], corners[5]), (corners[5], corners[6]), (corners[6], corners[0]))]

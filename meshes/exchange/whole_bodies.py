@@ -40,7 +40,7 @@ from rollbench.meshes.sockets import SocketSize, socket_points
 CUT = (0.0, np.pi)
 
 
-def sizes_as_asked(shell: Shell) -> None:
+def use_requested_sizes(shell: Shell) -> None:
     """Make gmsh use the wanted element sizes inside faces, instead of extending the fine sizes of a face's boundary."""
     shell.gmsh.option.setNumber("Mesh.MeshSizeExtendFromBoundary", 0)
 
@@ -77,7 +77,7 @@ class HalfRing:
         if m.rg or spec.r_in <= 0.0 or m.one_arc:
             raise ValueError("only a bearing ring with a bore and a groove of two arcs can be cut in halves")
         self.shell, self.groove, self.spec = shell, Groove.of(m, spec), spec
-        sizes_as_asked(shell)
+        use_requested_sizes(shell)
         g, line, (low, high) = self.groove, m.z0, (spec.z_low, spec.z_high)
         self.flank_limit = share * min(BEND[0] * float(m.radius[g.sides[0]]), FLANK * spec.coarse)
         self.land_limit = share * BEND[1] * g.land
@@ -191,14 +191,14 @@ class HalfRing:
         """Triangulate the flat end face that edge k of the cross-section generates about the axis."""
         first, last = (cut[k] for cut in self.cuts)
 
-        def edge(sign: float) -> Placing:
+        def end_edge(sign: float) -> Placing:
             return lambda t: np.stack([sign * self._straight(k, t)[0], np.zeros(t.size)], axis=1)
 
         loop = [
             self.arcs[k].on(circle_in_plane(float(self.corners[k, 0]))),
-            last.on(edge(-1.0)),
+            last.on(end_edge(-1.0)),
             self.arcs[(k + 1) % 7].back(circle_in_plane(float(self.corners[(k + 1) % 7, 0]))),
-            first.back(edge(1.0)),
+            first.back(end_edge(1.0)),
         ]
         self.shell.face(name, [loop], plane_map(float(self.corners[k, 1])), np.inf)
 
@@ -235,7 +235,7 @@ def half_sphere(radius: float, shell: Shell, share: float, sign: float) -> None:
     sign : float
         1 for the half at y >= 0, -1 for the half at y <= 0.
     """
-    sizes_as_asked(shell)
+    use_requested_sizes(shell)
     limit = share * BEND[1] * radius
     middle, pole = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0]]), np.array([0.0, -sign, 0.0])
     equator = shell.curve(lambda t: radius * (np.stack([np.cos(t), np.sin(t)], axis=1) @ middle), 0.0, 2.0 * np.pi, limit)

@@ -17,7 +17,7 @@ from rollbench.meshes.sockets import (
     SocketSize,
     fitted_socket,
     local_points,
-    refuse_misfit,
+    refuse_misfitting_sockets,
     socket_coordinates,
     socket_mesh,
     socket_points,
@@ -235,7 +235,7 @@ def test_no_room_is_refused_with_cause_and_remedy(case, sides, change, match):
 def test_misfits_are_refused(size, match):
     case = small_screw(6)
     with pytest.raises(ValueError, match=rf"socket.*{match}.*make the sockets smaller"):
-        refuse_misfit(GrooveMap.of(case), size, sockets_of(case, (0,)), 16e-3, 12.6e-3, (0.0, 0.2))
+        refuse_misfitting_sockets(GrooveMap.of(case), size, sockets_of(case, (0,)), 16e-3, 12.6e-3, (0.0, 0.2))
 
 
 def test_sockets_at_an_end_or_on_no_groove_are_refused():
@@ -243,13 +243,15 @@ def test_sockets_at_an_end_or_on_no_groove_are_refused():
     m, sockets = GrooveMap.of(case), sockets_of(case, (0,))
     phi, z, side = sockets[0]
     for good in (sockets, ((phi + 2.0 * np.pi, z, side),)):
-        refuse_misfit(m, SIZE, good, 16e-3, 1.5e-3, (0.08, 0.12))
+        refuse_misfitting_sockets(m, SIZE, good, 16e-3, 1.5e-3, (0.08, 0.12))
     for bad, end, why in ((sockets, 0.107, "flat end"), (((phi + 0.1, z, side),), 0.12, "not lie on a groove")):
         with pytest.raises(ValueError, match=why):
-            refuse_misfit(m, SIZE, bad, 16e-3, 1.5e-3, (0.08, end))
+            refuse_misfitting_sockets(m, SIZE, bad, 16e-3, 1.5e-3, (0.08, end))
 
 
 def test_sockets_of_neighbouring_turns_that_meet_are_refused():
     case = with_lead(4.4e-3)
     with pytest.raises(ValueError, match="next turn"):
-        refuse_misfit(GrooveMap.of(case), SocketSize(0.3, 0.9e-3, 0.05), sockets_of(case, (2, 3)), 15e-3, 22e-3, (0.1, 0.2))
+        refuse_misfitting_sockets(
+            GrooveMap.of(case), SocketSize(0.3, 0.9e-3, 0.05), sockets_of(case, (2, 3)), 15e-3, 22e-3, (0.1, 0.2)
+        )
