@@ -707,7 +707,7 @@ def _narrowed_width(
             (m.beta - apex, low_end, remedy_low),
             (edge - m.beta, f"edge of {at_land}", "deepen the groove"),
         ):
-            reason = f"the {name} is {np.degrees(room):.3g} deg from the contact of side {SIDES[side]}"
+            reason = f"the {name} is {np.degrees(room):.3g} deg from the contact of flank {SIDES[side]}"
             usable = ZONE * room / (1.0 + CLOSE)
             if need / radius > usable:
                 raise ValueError(
