@@ -18,7 +18,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from rollbench.compare.errors import InputError
-from rollbench.meshes.leftovers import folder_for_group, for_group, temporary_name
+from rollbench.meshes.leftovers import make_folder_for_group, make_readable_for_group, temporary_name
 from rollbench.meshes.libraries import import_fault, pip_command
 
 if TYPE_CHECKING:
@@ -156,12 +156,12 @@ def write_new(path: Path, text: str) -> None:
 def replace_file(path: Path, text: str) -> None:
     """Write ``text`` to a file, completely or not at all, replacing an earlier one; InputError if it cannot be written."""
     with os_errors_as_input_errors(path):
-        folder_for_group(path.parent)
+        make_folder_for_group(path.parent)
         name = temporary_name(path)
         try:
             with open(name, "x", encoding="utf-8") as file:
                 file.write(text)
-            for_group(name)
+            make_readable_for_group(name)
             os.replace(name, path)
         finally:
             name.unlink(missing_ok=True)
@@ -201,7 +201,7 @@ def need_writable(path: Path) -> None:
     if path.is_dir():
         raise InputError(str(path), "file", "a folder", "a file name", "add the file's name")
     with os_errors_as_input_errors(path):
-        folder_for_group(path.parent)
+        make_folder_for_group(path.parent)
         probe = temporary_name(path)
         probe.touch(exist_ok=False)
         probe.unlink()

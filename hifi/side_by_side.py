@@ -15,7 +15,7 @@ from time import perf_counter
 from typing import Any, NamedTuple
 
 from rollbench.meshes.cache import Cache
-from rollbench.meshes.processes import end_with_parent, for_one_thread, peak_MB, reset_peak, restarts_unsaid
+from rollbench.meshes.processes import end_with_parent, one_thread_variables, peak_MB, reset_peak, without_restart_warnings
 
 
 class Job(NamedTuple):
@@ -89,7 +89,7 @@ def compute_records(
     from joblib.externals.loky.process_executor import BrokenProcessPool
 
     helpers = min(processes, len(jobs)) - 1
-    of_worker = {"initializer": end_with_parent, "initargs": (os.getpid(),), "env": for_one_thread()}
+    of_worker = {"initializer": end_with_parent, "initargs": (os.getpid(),), "env": one_thread_variables()}
     others = get_memmapping_executor(helpers, **of_worker, max_nbytes=None)
     left, done, one_at_a_time = deque(enumerate(jobs)), dict[int, ComputedRecord](), Lock()
 
@@ -108,7 +108,7 @@ def compute_records(
         found: ComputedRecord = others.submit(_compute_in_worker, job, cache).result()
         return found
 
-    with restarts_unsaid(), ThreadPoolExecutor(helpers) as threads:
+    with without_restart_warnings(), ThreadPoolExecutor(helpers) as threads:
         helping = [threads.submit(take_jobs, run_in_worker) for _ in range(helpers)]
         try:
             take_jobs(lambda job: _compute_or_read(job, cache))

@@ -1,5 +1,5 @@
-"""Shared by all models: parts and their exact geometry, units, sections; meshes of bodies for the 3D reference.
+"""Parts of ball screws and bearings for all models: records, exact geometry, units; meshes for the 3D reference.
 
-Screw, nut, ball and patches are meshed by gmsh (`grooved_body`, `ball_body`, `shell`); `exchange` writes files for other
-programs. Parts, helix, surface and sections need only numpy.
+Screw, nut, balls and contact patches are meshed by gmsh (`grooved_body`, `ball_body`, `shell`, `tet_patch`). The package
+`exchange` writes files for other programs. The modules `parts`, `helix`, `surface` and `section` need only numpy.
 """

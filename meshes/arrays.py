@@ -1,4 +1,4 @@
-"""Names for arrays in annotations; shapes and units are in docstrings."""
+"""Type names for numpy arrays in annotations: numbers, indices and masks; shapes and units are given in docstrings."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
-"""Several rolling sets on one shaft: plain records in SI units.
+"""Records that describe a shaft with several ball nuts and bearings (rolling sets), in SI units.
 
-A shaft on its supports carries ball nuts and bearings. The outer part of each (nut, outer ring) is fixed, or belongs to a
-housing: a rigid body with some freedoms fixed, on springs, or joined to another housing by springs.
+The outer part of each rolling set (nut or outer ring) is fixed, or belongs to a housing. A housing is a rigid body; some of
+its degrees of freedom may be fixed, and springs may connect it to the frame or to another housing.
 """
 
 from __future__ import annotations
@@ -16,15 +16,17 @@ from rollbench.meshes.fields import about, keyed, usual
 from rollbench.meshes.parts import FREEDOMS, Friction, Ingredients, Load, Lubricant, Material, Motion, Scene, Screw, Support
 from rollbench.meshes.ranges import Bore, ContactAngle, Density, Duration, Efficiency, Inertia, Mass, Size, Station, Torque
 
-#: A symmetric stiffness (6, 6), rows by FREEDOMS [N/m, N, N m].
+#: A symmetric 6x6 stiffness matrix; rows and columns are in the order of FREEDOMS [N/m, N, N m].
 Stiffness = tuple[tuple[float, ...], ...]
-#: Direction of the thrust on the shaft that a set can carry: a gothic arch or a row each for both, one row of an
-#: angular-contact bearing for one; the one arc of a deep groove carries both and turns its contact angle.
+#: Direction of the thrust on the shaft that a rolling set can carry. A gothic arch, or two rows, carry both directions; one
+#: row of an angular contact bearing carries one. The single arc of a deep groove carries both directions, and its contact
+#: angle changes sign.
 Thrust = Literal["both", "+z", "-z", "deep groove"]
 
 
-#: Rows of a set of equal bearings from left to right, by its name: the thrust on the shaft that each carries. B: back to
-#: back, F: face to face, T: tandem; a third letter adds one row (D), a pair (B, F), or two rows (T) next to the second.
+#: Arrangements of equal bearings by their names: direction of the thrust on the shaft that each row carries, from left to
+#: right. B: back to back, F: face to face, T: tandem. A third letter adds one row (D), a pair (B, F), or two rows (T) next
+#: to the second.
 ARRANGEMENTS: dict[str, tuple[Literal["+z", "-z"], ...]] = {
     "DB": ("-z", "+z"),
     "DF": ("+z", "-z"),
@@ -41,59 +43,59 @@ ARRANGEMENTS: dict[str, tuple[Literal["+z", "-z"], ...]] = {
 @keyed
 @dataclass(frozen=True)
 class Segment:
-    """A plain stretch of the shaft.
+    """A cylindrical segment of the shaft without groove.
 
-    Stations, diameter and bore [m].
+    Axial positions, diameter and bore are in metres.
     """
 
-    start: Station = field(metadata=about("station where it begins", "0 mm"))
-    end: Station = field(metadata=about("station where it ends", "60 mm"))
-    diameter: Size = field(metadata=about("its diameter", "25 mm"))
-    bore: Bore = usual(0.0, "diameter of its hole", "6 mm")
+    start: Station = field(metadata=about("axial position at which the segment begins", "0 mm"))
+    end: Station = field(metadata=about("axial position at which the segment ends", "60 mm"))
+    diameter: Size = field(metadata=about("diameter of the segment", "25 mm"))
+    bore: Bore = usual(0.0, "diameter of the segment's bore", "6 mm")
 
 
 @keyed
 @dataclass(frozen=True)
 class Housing:
-    """Rigid body that carries nuts or outer rings; its motion is that of its point on the shaft's axis."""
+    """Rigid housing that carries nuts or outer rings; its motion is that of a reference point on the shaft's axis."""
 
-    #: Name, by which sets, joints and results refer to it.
+    #: Name of the housing, to which rolling sets, joints and results refer.
     name: str
-    #: Station of its reference point [m].
+    #: Axial position of the reference point [m].
     at: float
-    #: Pairs of a freedom (of `FREEDOMS`) and its prescribed displacement [m] or rotation [rad].
+    #: Pairs of a degree of freedom (of `FREEDOMS`) and its prescribed displacement [m] or rotation [rad].
     fixed: tuple[tuple[str, float], ...] = usual(())
-    #: Stiffness of its springs to the frame, at the reference point; None without springs.
+    #: Stiffness of the springs between housing and frame, at the reference point; None without springs.
     stiffness: Stiffness | None = usual(None)
-    #: Force on it [N], at the reference point.
+    #: Force on the housing at the reference point [N].
     force: tuple[float, float, float] = usual((0.0, 0.0, 0.0))
-    #: Moment on it [N m].
+    #: Moment on the housing [N m].
     moment: tuple[float, float, float] = usual((0.0, 0.0, 0.0))
 
     @property
     def stands(self) -> bool:
-        """Whether all freedoms of the housing are fixed at zero."""
+        """Whether all degrees of freedom of the housing are fixed at zero."""
         return {name for name, value in self.fixed if value == 0.0} == set(FREEDOMS)
 
 
 @dataclass(frozen=True)
 class Joint:
-    """Springs between two housings."""
+    """Springs that connect two housings."""
 
     #: Name of one housing.
     first: str
     #: Name of the other housing.
     second: str
-    #: Station on the axis at which the springs act [m].
+    #: Axial position at which the springs act, on the axis [m].
     at: float
-    #: Stiffness against their relative motion there.
+    #: Stiffness matrix for the relative motion of the housings at this position.
     stiffness: Stiffness
 
 
 @keyed
 @dataclass(frozen=True)
 class RollerRow:
-    """One row of tapered rollers; the cones of race and rollers have their apexes on the axis."""
+    """One row of tapered rollers with its rings; cones of raceways and rollers have their apexes on the shaft's axis."""
 
     #: Number of rollers.
     count: int
@@ -105,87 +107,88 @@ class RollerRow:
     cup_angle: ContactAngle
     #: Half included angle of a roller [rad].
     roller_angle: ContactAngle
-    #: Depth of both rings to which deformation counts [m].
+    #: Depth of both rings up to which their deformation is considered [m].
     depth: Size
     #: Elastic material of rollers and rings.
     material: Material
-    #: Radius of the crowning at both contacts [m]; infinite for straight rollers.
+    #: Radius of the crowning of the contact lines with both raceways [m]; infinite for straight rollers.
     crown: float = usual(float("inf"))
-    #: Slices into which a roller is divided.
+    #: Number of slices into which a roller is divided for computing its contact forces.
     slices: int = usual(15)
     #: Azimuth of the first roller [rad].
     phase: float = usual(0.0)
-    #: Radius of the spherical large end [m]; None where unknown.
+    #: Radius of the spherical large end of a roller [m]; None where unknown.
     end_radius: Size | None = usual(None)
-    #: Height of the rib contact above the cone's race [m]; None for the usual one.
+    #: Height of the contact with the rib above the raceway of the cone (inner ring) [m]; None for the default.
     rib_height: Size | None = usual(None)
-    #: Coefficient of friction at the rib; None for the usual one.
+    #: Coefficient of friction at the rib; None for the default.
     rib_friction: float | None = usual(None)
-    #: The maker's G_1 of Timken's torque formula; None where unknown.
+    #: Manufacturer's factor G_1 of Timken's formula for the friction torque; None where unknown.
     torque_factor: float | None = usual(None)
-    #: Radius of the rounding at both ends of the contact line [m]; None for sharp ends.
+    #: Radius of the rounded edges at both ends of the contact line [m]; None for sharp edges.
     edge_radius: Size | None = usual(None)
 
 
 @keyed
 @dataclass(frozen=True)
 class RollingSet:
-    """One ball nut or bearing on the shaft."""
+    """One ball nut, ball bearing or row of tapered rollers on the shaft, and how it is mounted."""
 
-    #: Name, by which results refer to it.
+    #: Name of the rolling set, to which results refer.
     name: str
     #: Kind of rolling set.
     kind: Literal["ball nut", "bearing", "tapered roller bearing"]
-    #: Track, grooves, balls and errors as a scene without supports and loads, whose screw is the shaft with this set's
-    #: inner groove; or a row of rollers.
+    #: Track, grooves, balls and errors as a scene without supports and loads, whose screw is the shaft with the inner
+    #: groove of this rolling set; or a row of tapered rollers.
     parts: Scene | RollerRow
-    #: Station of the centre of the outer part, or of the middle of the cup's contact lines [m].
+    #: Axial position of the centre of the outer part, or of the middle of the contact lines on the cup [m].
     position: float
-    #: Name of the housing of the outer part; None where that is fixed.
+    #: Name of the housing of the outer part; None where the outer part is fixed.
     housing: str | None = usual(None)
-    #: Shift of the outer part along +z against its housing [m].
+    #: Displacement of the outer part along +z relative to its housing, fixed at mounting [m].
     offset: float = usual(0.0)
-    #: Axial force [N] that such a shift sets at mounting, without external loads, before it is locked; 0: none.
+    #: Axial force [N] for which the outer part is displaced at mounting, without external loads, before it is fixed to its
+    #: housing; 0 for no preload.
     preload: float = usual(0.0)
-    #: Thrust on the shaft that the set can carry.
+    #: Direction of the thrust on the shaft that the rolling set can carry.
     thrust: Thrust = usual("both")
-    #: Name of the housing that the inner part belongs to, as of a bearing around a nut; None for the shaft.
+    #: Name of the housing to which the inner part belongs, such as that of a bearing around a nut; None for the shaft.
     carrier: str | None = usual(None)
-    #: Friction torque of its seals or wipers, as given [N m].
+    #: Friction torque of the seals or wipers [N m].
     seals: float = usual(0.0)
 
 
 @keyed
 @dataclass(frozen=True)
 class Drive:
-    """Parts driven by the motor in addition to the shaft, for torque and inertia of the axis."""
+    """Mass and inertia that the motor moves in addition to the shaft, for motor torque and inertia of the axis."""
 
     mass: Mass = usual(0.0, "mass that the nut moves along the shaft", "200 kg")
     motor_inertia: Inertia = usual(0.0, "moment of inertia of motor and coupling", "20 kg cm2")
-    time: Duration | None = usual(None, "time in which it comes evenly from rest to the speed of [motion]", "100 ms")
+    time: Duration | None = usual(None, "time of the uniform acceleration from rest to the speed in [motion]", "100 ms")
     efficiency: Efficiency | None = usual(
-        None, "efficiency of the nut while it accelerates the mass; 0.90 to 0.95 if left out (Smith 4.3.1)", 0.92
+        None, "efficiency of the ball screw during acceleration; 0.90 to 0.95 if left out (Smith 4.3.1)", 0.92
     )
-    torque: Torque = usual(0.0, "friction torque of all else, as given: guides, motor, coupling", "0.5 N m")
+    torque: Torque = usual(0.0, "friction torque of all other parts: guides, motor, coupling", "0.5 N m")
     density: Density = usual(7850.0, "density of the shaft", "7850 kg/m3")
 
 
 @keyed
 @dataclass(frozen=True)
 class Assembly:
-    """One load case of a shaft with its rolling sets."""
+    """One load case of a shaft with several ball nuts and bearings, in SI units."""
 
     #: Name of the scene.
     name: str
-    #: Title of the scene.
+    #: Title of the scene, for reports.
     title: str
-    #: The shaft.
+    #: Dimensions and material of the shaft.
     screw: Screw
-    #: Ball nuts and bearings on it.
+    #: Ball nuts and bearings on the shaft.
     sets: tuple[RollingSet, ...]
-    #: Plain stretches of the shaft.
+    #: Segments of the shaft without groove.
     segments: tuple[Segment, ...] = usual(())
-    #: Rigid bodies that carry outer parts.
+    #: Rigid housings that carry nuts or outer rings.
     housings: tuple[Housing, ...] = usual(())
     #: Springs between housings.
     joints: tuple[Joint, ...] = usual(())
@@ -193,55 +196,55 @@ class Assembly:
     supports: tuple[Support, ...] = usual(())
     #: Loads on the shaft.
     loads: tuple[Load, ...] = usual(())
-    #: Parts of the low-order model that are used.
+    #: Options of the low-order models.
     ingredients: Ingredients = usual(Ingredients())
-    #: Where the case comes from.
+    #: Publication from which the scene is taken.
     source: str = usual("")
-    #: Statements about what the source leaves open.
+    #: Assumptions about what the publication does not say.
     assumed: tuple[str, ...] = usual(())
-    #: Coulomb friction of the balls.
+    #: Coulomb friction of the balls; None: no friction.
     friction: Friction | None = usual(None)
-    #: Which part turns, and how fast.
+    #: Rotating part and its angular speed.
     motion: Motion | None = usual(None)
-    #: Oil or base oil.
+    #: Oil, or base oil of the grease.
     lubricant: Lubricant | None = usual(None)
-    #: Station [m] or name of the housing whose tangent stiffness is asked for; None: where the loads act.
+    #: Axial position [m], or name of the housing, at which the tangent stiffness is computed; None: where the loads act.
     stiffness_at: float | str | None = usual(None)
-    #: Thermal strain of the free shaft, the same all along it.
+    #: Thermal strain of the unconstrained shaft, uniform along it.
     thermal_strain: float = usual(0.0)
-    #: Parts that the motor moves in addition to the shaft.
+    #: Mass and inertia that the motor moves in addition to the shaft.
     drive: Drive = usual(Drive())
     kind: ClassVar[str] = "axis"
 
     def to_toml(self) -> str:
-        """Text of a scene file that reads back as this shaft with its sets."""
+        """Write the shaft with its rolling sets as text of a TOML scene file, from which the same record can be read."""
         from rollbench.meshes.scene_text import axis_tables, to_toml
 
         return to_toml(axis_tables(self))
 
     @property
     def ball_count(self) -> int:
-        """Number of balls of all sets."""
+        """Number of balls of all ball nuts and ball bearings together."""
         return sum(s.parts.ball_count for s in self.sets if isinstance(s.parts, Scene))
 
 
 def diagonal_stiffness(values: tuple[float, float, float, float, float, float]) -> Stiffness:
-    """Stiffness of six uncoupled springs.
+    """Return the stiffness matrix of six uncoupled springs.
 
     Parameters
     ----------
     values : tuple[float, float, float, float, float, float]
-        Stiffness by `FREEDOMS`: three [N/m], three [N m/rad].
+        Stiffnesses in the order of `FREEDOMS`: three in N/m, three in N m/rad.
 
     Returns
     -------
     (6, 6) tuple
-        Diagonal stiffness.
+        Diagonal stiffness matrix.
 
     Raises
     ------
     ValueError
-        As `full`.
+        A stiffness is negative.
 
     Examples
     --------
@@ -252,17 +255,17 @@ def diagonal_stiffness(values: tuple[float, float, float, float, float, float]) 
 
 
 def full_stiffness(matrix: NDArray[np.float64]) -> Stiffness:
-    """Stiffness record of a matrix.
+    """Check a stiffness matrix, and convert it to nested tuples as stored in records.
 
     Parameters
     ----------
     matrix : (6, 6) array
-        Rows and columns by `FREEDOMS` [N/m, N, N m].
+        Stiffness matrix; rows and columns in the order of `FREEDOMS` [N/m, N, N m].
 
     Returns
     -------
     (6, 6) tuple
-        The same numbers.
+        The same numbers, row by row.
 
     Raises
     ------
@@ -270,8 +273,8 @@ def full_stiffness(matrix: NDArray[np.float64]) -> Stiffness:
         The matrix is not symmetric (to 1e-9), or has a negative eigenvalue.
     """
     if matrix.shape != (6, 6) or not np.allclose(matrix, matrix.T, rtol=1e-9, atol=0.0):
-        raise ValueError("a stiffness is a symmetric matrix of six rows")
+        raise ValueError("a stiffness must be a symmetric matrix with six rows and six columns")
     scale = np.sqrt(np.where(np.diag(matrix) > 0.0, np.diag(matrix), 1.0))
     if float(np.linalg.eigvalsh(matrix / scale[:, None] / scale[None, :]).min()) < -1e-9:
-        raise ValueError("a stiffness must not be negative in any direction")
+        raise ValueError("a stiffness must not be negative in any direction: the matrix has a negative eigenvalue")
     return tuple(tuple(float(x) for x in row) for row in matrix)

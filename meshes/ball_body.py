@@ -1,7 +1,8 @@
-"""Coarse mesh of a ball by gmsh: second-order tetrahedra with a socket, a truncated pyramid, at every contact.
+"""Coarse mesh of a ball by gmsh: second-order tetrahedra, with a box left free around every contact (socket).
 
-Each half of the sphere is triangulated in the plane onto which it projects from the opposite pole; sockets become holes,
-and no seam is needed. The projection keeps angles, and stretches lengths by a known factor from 1/2 to 1.
+A socket of a ball is a truncated pyramid, which a fine contact patch fills. Each half of the sphere is triangulated in a
+plane, by stereographic projection from the opposite pole; sockets become holes, and no seam is needed. The projection
+preserves angles, and scales lengths by a known factor between 1/2 and 1.
 """
 
 from __future__ import annotations
@@ -25,54 +26,56 @@ from rollbench.meshes.sockets import SocketMesh, SocketSize, local_points, side_
 
 Flags = NDArray[np.bool_]
 
-#: Element sizes grow from `fine` to `coarse` between these distances from the sockets, over the ball's radius.
+#: Distances from the sockets between which the element size grows from `fine` to `coarse`, as ratios to the ball's radius.
 GROWTH = (0.072, 0.72)
-#: Depth of a ball's socket over that of the groove's; least depth of its corners, over the ball's radius.
+#: SHALLOWER: ratio of the depth of a ball's socket to that of the groove's socket. CORNER: least depth of the corners of a
+#: ball's socket, as a ratio to the ball's radius.
 SHALLOWER, CORNER = 0.75, 0.12
 
 
 @dataclass(frozen=True)
 class BallSocket:
-    """Socket of one side of a ball."""
+    """Socket of a ball: the box that the ball's coarse mesh leaves free around one contact, for a fine contact patch."""
 
-    #: Flank 0 to 3 that it faces.
+    #: Flank 0 to 3 with which the ball is in contact.
     side: int
-    #: Socket of the groove that it faces.
+    #: Size of the groove's socket at the same contact.
     groove: SocketSize
     #: Depth below the sphere [m].
     depth: float
-    #: Share of its length in which its rays pass exactly through the groove's surface.
+    #: Fraction of its length, in the middle, in which its rays pass exactly through the groove's surface (see `rays`).
     exact: float = 0.5
 
 
 @dataclass(frozen=True)
 class BallBody(Meshed):
-    """Mesh of a ball about its centre, in the frame of azimuth 0; boundaries "sphere", "socket SL" and so on."""
+    """Coarse mesh of a ball at azimuth 0, with its centre at the origin; boundaries "sphere", "socket SL" (SR, NL, NR)."""
 
-    #: Second-order tetrahedra.
+    #: Mesh of second-order tetrahedra.
     mesh: Mesh
-    #: Nodes of the inner faces of each socket, by flank.
+    #: Nodes on the inner faces of each socket, by flank 0 to 3.
     socket_nodes: dict[int, Index]
-    #: Mesh of the sockets' faces, by flank.
+    #: Mesh of each socket's faces, by flank 0 to 3.
     sockets: dict[int, SocketMesh]
-    #: Size and quality.
+    #: Number of cells and nodes, and the scaled Jacobians of the cells.
     quality: Quality
 
 
 def directions(m: GrooveMap, side: int) -> Array:
-    """Contact frame of a flank, for a ball at azimuth 0.
+    """Return the unit vectors of the contact frame on a flank, for a ball at azimuth 0.
 
     Parameters
     ----------
     m : GrooveMap
-        Track.
+        Groove surfaces of the track.
     side : int
-        Flank 0 to 3.
+        Flank: 0 and 1 are left and right on the screw, 2 and 3 on the nut.
 
     Returns
     -------
     (3, 3) Array
-        Rows: contact normal from the ball to the groove, direction of growing gamma, direction of growing azimuth.
+        Rows: contact normal from ball to groove; direction of increasing section angle gamma; direction of increasing
+        azimuth along the track.
     """
     sx, sz = m.signs[side]
     x3, y3, z3 = m.axes()
@@ -81,35 +84,38 @@ def directions(m: GrooveMap, side: int) -> Array:
 
 
 def rays(m: GrooveMap, socket: BallSocket, xi: Array) -> Array:
-    """Rays from the ball's centre through local coordinates of a socket.
+    """Return directions from the ball's centre to points given by local coordinates in a socket of the ball.
 
-    They pass through the groove's surface at the same gamma and azimuth. Towards the ends of the socket, beyond ``exact``
-    of its length, they turn into planes through the ball's centre, because the cone of rays through a section of the
-    groove is concave in its middle.
+    In the middle of the socket, each ray meets the groove's surface at the point with the same section angle and azimuth.
+    Beyond the fraction ``socket.exact`` of the length, rays are adjusted so that those at the ends of the socket lie in
+    planes through the ball's centre. Otherwise the end faces would be concave in their middle.
 
     Parameters
     ----------
     m : GrooveMap
-        Track.
+        Groove surfaces of the track.
     socket : BallSocket
         Socket of the ball.
     xi : (n, 3) Array
-        Local coordinates.
+        Local coordinates in the socket: section angle in [-1, 1], depth in [0, 1], azimuth in [-1, 1].
 
     Returns
     -------
     (n, 3) Array
-        Rays with a component of 1 along the contact normal.
+        Vectors along the rays, whose component along the contact normal is 1.
     """
     n, t1, t2 = directions(m, socket.side)
 
-    def flat(at: Array) -> tuple[Array, Array]:
+    def project_to_tangent_plane(at: Array) -> tuple[Array, Array]:
         x = local_points(m, socket.groove, socket.side, at * [1.0, 0.0, 1.0]) - np.array([m.R, 0.0, 0.0])
         return (x @ t1) / (x @ n), (x @ t2) / (x @ n)
 
     line = np.linspace(-1.0, 1.0, 9)
-    along = max(float(np.abs(flat(np.stack([line, 0.0 * line, end + 0.0 * line], axis=1))[1]).max()) for end in (-1.0, 1.0))
-    s, t = flat(xi)
+    along = max(
+        float(np.abs(project_to_tangent_plane(np.stack([line, 0.0 * line, end + 0.0 * line], axis=1))[1]).max())
+        for end in (-1.0, 1.0)
+    )
+    s, t = project_to_tangent_plane(xi)
     u = np.clip((np.abs(xi[:, 2]) - socket.exact) / (1.0 - socket.exact), 0.0, 1.0)
     w = u * u * (3.0 - 2.0 * u)
     t = t * (1.0 - w) + w * along * xi[:, 2]
@@ -117,17 +123,19 @@ def rays(m: GrooveMap, socket: BallSocket, xi: Array) -> Array:
 
 
 def ball_points(m: GrooveMap, socket: BallSocket, xi: Array) -> Array:
-    """Points of local coordinates in a ball's socket: on their rays, on the sphere at depth 0, on a plane at depth 1.
+    """Map local coordinates in a socket of a ball to points, which lie on the rays from the ball's centre of `rays`.
+
+    Points at depth 0 are on the sphere, points at depth 1 on a plane normal to the contact normal.
 
     Parameters
     ----------
     m, socket, xi
-        As for `rays`.
+        Groove surfaces, socket of the ball and local coordinates, as for `rays`.
 
     Returns
     -------
     (n, 3) Array
-        Points from the ball's centre [m].
+        Coordinates relative to the ball's centre [m].
     """
     ray = rays(m, socket, xi)
     outer = m.ball / np.linalg.norm(ray, axis=1)
@@ -135,21 +143,24 @@ def ball_points(m: GrooveMap, socket: BallSocket, xi: Array) -> Array:
 
 
 def ball_depth(m: GrooveMap, size: SocketSize, side: int) -> float:
-    """Depth of the socket of a ball: `SHALLOWER` of the groove's, or what leaves its corners `CORNER` ball radii deep.
+    """Compute the depth of a ball's socket from the size of the groove's socket at the same contact.
+
+    It is `SHALLOWER` times the depth of the groove's socket, or more where the corners need it to be `CORNER` ball radii
+    deep.
 
     Parameters
     ----------
     m : GrooveMap
-        Track.
+        Groove surfaces of the track.
     size : SocketSize
-        Socket of the groove.
+        Size of the groove's socket.
     side : int
-        Flank 0 to 3.
+        Flank: 0 and 1 are left and right on the screw, 2 and 3 on the nut.
 
     Returns
     -------
     float
-        [m].
+        Depth below the sphere [m].
     """
     corners = np.array([[a, 0.0, b] for a in (-1.0, 1.0) for b in (-1.0, 1.0)])
     widest = float(np.linalg.norm(rays(m, BallSocket(side, size, size.depth), corners), axis=1).max())
@@ -159,22 +170,22 @@ def ball_depth(m: GrooveMap, size: SocketSize, side: int) -> float:
 def build_ball(
     m: GrooveMap, sockets: tuple[BallSocket, ...], fine: float, coarse: float, cuts: tuple[int, int, int] = (2, 2, 2)
 ) -> BallBody:
-    """Mesh a ball with a socket for each contact.
+    """Mesh a ball with a socket (box left free for a fine contact patch) at each contact.
 
-    Sockets of right flanks are those of left ones turned. Two sockets that face each other closely can have rectangles of
-    edges across the gap, which gmsh fills with flat cells; then every socket is divided independently, and no patch of
-    the ball is a turned one.
+    The mesh of a right flank's socket is that of the left flank's, rotated. Where two sockets are close to each other, this
+    can lead gmsh to fill the gap with flat cells. Then each socket is meshed independently, and no contact patch of the
+    ball is a rotated copy of another.
 
     Parameters
     ----------
     m : GrooveMap
-        Track.
+        Groove surfaces of the track.
     sockets : tuple[BallSocket, ...]
-        Sockets of the contacts.
+        Sockets of the ball, one for each contact.
     fine, coarse : float
         Element sizes at the sockets and far from them [m].
     cuts : tuple[int, int, int], optional
-        Subdivisions of the sockets' edges.
+        Number of equal parts into which the sockets' edges are divided across, in depth and along.
 
     Returns
     -------
@@ -187,23 +198,23 @@ def build_ball(
         There is no socket, sockets overlap, or no attempt of gmsh gives a good mesh.
     """
 
-    def places(side: int) -> Callable[[Array], Array]:
+    def socket_map(side: int) -> Callable[[Array], Array]:
         like = next(socket for socket in sockets if socket.side // 2 == side // 2)
         return partial(ball_points, m, replace(like, side=side))
 
     _refuse_overlap(m, sockets)
     try:
-        return _meshed(m, sockets, [side_socket(places, socket.side, cuts) for socket in sockets], fine, coarse)
+        return _mesh_ball(m, sockets, [side_socket(socket_map, socket.side, cuts) for socket in sockets], fine, coarse)
     except ValueError:
         if not any(socket.side % 2 for socket in sockets):
             raise
-    return _meshed(m, sockets, [socket_mesh(places(socket.side), cuts) for socket in sockets], fine, coarse)
+    return _mesh_ball(m, sockets, [socket_mesh(socket_map(socket.side), cuts) for socket in sockets], fine, coarse)
 
 
-def _meshed(
+def _mesh_ball(
     m: GrooveMap, sockets: tuple[BallSocket, ...], boxes: list[tuple[SocketMesh, Array]], fine: float, coarse: float
 ) -> BallBody:
-    """Mesh of a ball with sockets of given meshes and raised corners."""
+    """Mesh a ball whose sockets have the surface meshes ``boxes``, each with the bulged positions of its corner nodes."""
     near = np.concatenate([ball_points(m, socket, box.xi) for socket, (box, _) in zip(sockets, boxes, strict=True)])
 
     def attempt(gmsh: Any, plane: int, volume: int, share: float) -> tuple[BallBody, float]:
@@ -227,18 +238,18 @@ def _meshed(
 
 
 def sphere(m: GrooveMap, shell: Shell, rims: list[Index], share: float) -> None:
-    """Triangulate the two halves of a sphere outside the sockets' rims.
+    """Triangulate the surface of a ball outside its sockets, in two halves.
 
     Parameters
     ----------
     m : GrooveMap
-        Track; gives the ball's radius.
+        Groove surfaces of the track, with the ball's radius.
     shell : Shell
-        Shell to which the faces are added.
+        Surface mesh to which the faces are added.
     rims : list[Index]
-        Corners around every socket.
+        Corner nodes around the rim of each socket.
     share : float
-        Factor on the usual longest edge.
+        Factor on the default for the longest edge.
     """
     axis, limit = parting(m), share * BEND[1] * m.ball
     along = directions(m, 0)[2]
@@ -263,14 +274,14 @@ def sphere(m: GrooveMap, shell: Shell, rims: list[Index], share: float) -> None:
 
 
 def parting(m: GrooveMap) -> Array:
-    """Compute the normal of a plane through the ball's centre that keeps away from all contacts.
+    """Return the unit normal of a plane through the ball's centre, far from all contacts, which halves the ball.
 
-    It separates screw from nut, or left flanks from right ones.
+    The plane separates the contacts on the screw from those on the nut, or those on left flanks from those on right ones.
 
     Parameters
     ----------
     m
-        Map of the groove's coordinates.
+        Groove surfaces of the track.
     """
     _, t1, _ = directions(m, 3)
     n = directions(m, 3)[0]
@@ -279,9 +290,9 @@ def parting(m: GrooveMap) -> Array:
 
 
 def _refuse_overlap(m: GrooveMap, sockets: tuple[BallSocket, ...]) -> None:
-    """Raise ValueError where there is no socket, one is too deep or too wide, or two share a part of the sphere."""
+    """Raise ValueError where a ball has no socket, a socket is too deep or too wide, or two sockets overlap."""
     if not sockets:
-        raise ValueError("a ball is meshed around its contacts: give it at least one socket")
+        raise ValueError("the ball has no contacts to mesh: give at least one socket")
     remedy = "make the sockets smaller (rollbench.meshes.sockets.fitted_socket finds a size that fits)"
     a, b = np.linspace(-1.0, 1.0, 41)[:-1], np.ones(40)
     around = np.concatenate([np.stack(x, 1) for x in ((a, 0 * a, -b), (b, 0 * a, a), (-a, 0 * a, b), (-b, 0 * a, -a))])
@@ -289,21 +300,22 @@ def _refuse_overlap(m: GrooveMap, sockets: tuple[BallSocket, ...]) -> None:
     for socket in sockets:
         name = f"socket {SIDES[socket.side]} of a ball of {1e3 * m.ball:.4g} mm radius"
         if not 0.0 < socket.depth < 0.8 * m.ball:
-            raise ValueError(f"the {name} is {1e3 * socket.depth:.4g} mm deep: {remedy}")
+            raise ValueError(f"the {name} is {1e3 * socket.depth:.4g} mm deep, not between 0 and 0.8 ball radii: {remedy}")
         points = ball_points(m, socket, around)
         if np.linalg.norm(rays(m, socket, around), axis=1).max() * (m.ball - socket.depth) >= m.ball:
             raise ValueError(f"the {name} is wider than its depth of {1e3 * socket.depth:.4g} mm allows: {remedy}")
         if np.ptp(np.sign(points @ parting(m))) > 0.0:
-            raise ValueError(f"the {name} reaches over the ball's middle: {remedy}")
+            raise ValueError(f"the {name} extends beyond one half of the ball: {remedy}")
         for other in sockets:
             if other is not socket and _inside(outlines[other.side], points, directions(m, other.side)).any():
                 raise ValueError(f"the {name} and its socket {SIDES[other.side]} overlap: {remedy}")
 
 
 def _inside(outline: Array, points: Array, frame: Array) -> Flags:
-    """Mask of points ``(n, 3)`` in the cone from the ball's centre through a closed outline ``(k, 3)``.
+    """Find the points ``(n, 3)`` inside the cone from the ball's centre through a closed outline ``(k, 3)``.
 
-    By the winding number in the plane onto which both project; frame: its normal and axes ``(3, 3)``.
+    Points and outline are projected onto a plane, and the outline's winding number about each point is computed. The rows
+    of ``frame`` (3, 3) are the plane's normal and its two axes.
     """
     before = points @ frame[0] > 0.0
     turn = np.zeros(len(points))

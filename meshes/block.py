@@ -1,7 +1,7 @@
-"""Blocks for the verification of contact: a quarter of a half-space, fine at the contact, as hexahedra or tetrahedra.
+"""Meshes of a quarter block for verifying contact solutions on a half-space: hexahedra or tetrahedra, fine at the contact.
 
-The body fills z > 0 below the contact plane z = 0; x = 0 and y = 0 are planes of symmetry through the contact's centre,
-and the block is cut off at x, y, z = size.
+The block fills z > 0; z = 0 is the contact plane. x = 0 and y = 0 are planes of symmetry through the centre of the contact,
+and the half-space is cut off at x, y, z = size.
 """
 
 from __future__ import annotations
@@ -20,10 +20,10 @@ from rollbench.meshes.shell import gmsh_session
 
 @dataclass(frozen=True)
 class BlockMesh(Meshed):
-    """A quarter block.
+    """Mesh of a quarter block, which models a half-space in contact.
 
-    Boundaries: "contact" (the plane z = 0), "x = 0" and "y = 0" (the planes of symmetry), "cut" (where the block is cut
-    off).
+    Boundaries: "contact" (the plane z = 0), "x = 0" and "y = 0" (the planes of symmetry), "cut" (where the half-space is
+    cut off).
     """
 
     #: The mesh.
@@ -33,23 +33,23 @@ class BlockMesh(Meshed):
 
     @property
     def element(self) -> str:
-        """Kind of its cells: P1, P2, Q1 or Q2."""
+        """Element type of the mesh: P1, P2, Q1 or Q2."""
         return kind_of(self.mesh)
 
 
 def graded_coordinates(cell: float, core: float, size: float, growth: float) -> Array:
-    """Corner coordinates from 0 to an end: equal cells over a core, then growing ones.
+    """Return grid coordinates along one axis of a block: cells of equal length near 0, then cells of increasing length.
 
     Parameters
     ----------
     cell : float
-        First cell [m].
+        Length of the equal cells [m].
     core : float
-        Length that the equal cells cover at least [m].
+        Length from 0 that the equal cells cover at least [m].
     size : float
-        End [m].
+        Last coordinate, the edge of the block [m].
     growth : float
-        Largest ratio of neighbouring cells, > 1.
+        Largest ratio of the lengths of neighbouring cells, above 1.
 
     Returns
     -------
@@ -67,7 +67,10 @@ def graded_coordinates(cell: float, core: float, size: float, growth: float) -> 
     [0.0, 1.0, 2.0, 3.488, 5.703, 9.0]
     """
     if not (0.0 < cell <= size and core < size and growth > 1.0):
-        raise ValueError(f"cells of {cell} m, core {core} m, block {size} m, growth {growth}: see the ranges allowed")
+        raise ValueError(
+            f"cells of {cell} m, core {core} m, block {size} m, growth {growth}: need 0 < cell <= block, core < block and "
+            "growth > 1"
+        )
     equal = int(np.ceil(core / cell - 1e-9))
     room = size - equal * cell
     count = 1
@@ -75,7 +78,7 @@ def graded_coordinates(cell: float, core: float, size: float, growth: float) -> 
         count += 1
     steps = growth ** np.arange(1, count + 1)
     low, high = 0.0, growth
-    for _ in range(80):  # the ratio at which the cells end at `size`
+    for _ in range(80):  # bisection for the ratio at which the last cell ends at `size`
         ratio = 0.5 * (low + high)
         steps = cell * ratio ** np.arange(1, count + 1)
         low, high = (ratio, high) if steps.sum() < room else (low, ratio)
@@ -85,30 +88,30 @@ def graded_coordinates(cell: float, core: float, size: float, growth: float) -> 
 
 
 def hexahedral_block(order: int, spacing: Sequence[float], core: Sequence[float], size: float, growth: float) -> BlockMesh:
-    """Tensor-graded hexahedra with 8 or 27 nodes.
+    """Mesh a quarter block with hexahedra of 8 or 27 nodes on a rectangular grid, fine at the contact.
 
     Parameters
     ----------
     order : int
-        1 or 2.
+        Order of the elements: 1 (8 nodes) or 2 (27 nodes).
     spacing : Sequence[float]
-        Distance of the nodes in the core along x, y, z [m]; cells are ``order`` times as long.
+        Distance between nodes near the contact along x, y, z [m]; cells are ``order`` times as long.
     core : Sequence[float]
-        Length of the equal cells along x, y, z [m].
+        Length that the equal cells near the contact cover along x, y, z [m].
     size : float
         Edge of the block [m].
     growth : float
-        Largest ratio of neighbouring cells outside the core.
+        Largest ratio of the lengths of neighbouring cells further away.
 
     Returns
     -------
     BlockMesh
-        The block.
+        Mesh of the block.
 
     Raises
     ------
     ValueError
-        As `graded_coordinates`.
+        The lengths or the growth are not in the range of `graded_coordinates`.
     """
     x, y, z = (graded_coordinates(order * step, length, size, growth) for step, length in zip(spacing, core, strict=True))
     return _name_boundaries(tensor_grid(x, y, z, f"Q{order}"), size)
@@ -116,45 +119,48 @@ def hexahedral_block(order: int, spacing: Sequence[float], core: Sequence[float]
 
 @dataclass(frozen=True)
 class Influence:
-    """Body of influence: size of the cells in and around an ellipsoid about the contact."""
+    """Sizes of the tetrahedra inside and outside an ellipsoid around the contact (body of influence)."""
 
-    #: Edge of the cells in the ellipsoid [m].
+    #: Edge length of the cells inside the ellipsoid [m].
     fine: float
     #: Semi-axes of the ellipsoid along x, y, z [m].
     semi: tuple[float, float, float]
-    #: Growth of the edge per unit of distance outside.
+    #: Increase of the edge length per unit of distance outside the ellipsoid.
     growth: float
-    #: Largest edge [m].
+    #: Largest edge length [m].
     coarse: float
 
     def scaled(self, factor: float) -> Influence:
-        """Copy with all lengths multiplied by a factor."""
+        """Return a copy in which all lengths are multiplied by a factor."""
         x, y, z = (factor * length for length in self.semi)
         return replace(self, fine=factor * self.fine, semi=(x, y, z), coarse=factor * self.coarse)
 
     def expression(self) -> str:
-        """Edge as a formula for gmsh; distance is that of the ellipsoid through the point, along its short axis."""
+        """Return the edge length as a formula of x, y, z for gmsh.
+
+        The distance of a point is that between the ellipsoid and the similar one through the point, along the short axis.
+        """
         x, y, z = self.semi
         away = f"({min(self.semi)!r}*Max(0, Sqrt((x/{x!r})^2+(y/{y!r})^2+(z/{z!r})^2)-1))"
         return f"Min({self.coarse!r}, {self.fine!r}+{self.growth!r}*{away})"
 
 
 def tetrahedral_block(order: int, influence: Influence, size: float) -> BlockMesh:
-    """Graded tetrahedra with 4 or 10 nodes, by gmsh.
+    """Mesh a quarter block with tetrahedra of 4 or 10 nodes by gmsh, fine at the contact.
 
     Parameters
     ----------
     order : int
-        1 or 2.
+        Order of the elements: 1 (4 nodes) or 2 (10 nodes).
     influence : Influence
-        Edges of the cells.
+        Sizes of the cells.
     size : float
         Edge of the block [m].
 
     Returns
     -------
     BlockMesh
-        The block.
+        Mesh of the block.
 
     Raises
     ------
@@ -163,7 +169,7 @@ def tetrahedral_block(order: int, influence: Influence, size: float) -> BlockMes
     """
     with gmsh_session() as gmsh:
         gmsh.model.add("block")
-        gmsh.model.occ.addBox(0.0, 0.0, 0.0, 1.0, 1.0, 1.0)  # OpenCASCADE's tolerances suit lengths about 1
+        gmsh.model.occ.addBox(0.0, 0.0, 0.0, 1.0, 1.0, 1.0)  # OpenCASCADE's tolerances are made for lengths of about 1
         gmsh.model.occ.synchronize()
         _set_edges(gmsh, influence.scaled(1.0 / size))
         gmsh.model.mesh.generate(3)
@@ -178,19 +184,19 @@ def tetrahedral_block(order: int, influence: Influence, size: float) -> BlockMes
 
 
 def _name_boundaries(mesh: Mesh, size: float) -> BlockMesh:
-    """Name the boundaries of a block."""
+    """Return the mesh of a quarter block with its named boundaries, found by the nodes' coordinates."""
 
-    def on(axis: int, place: float) -> Callable[[Array], Array]:
+    def lies_on_plane(axis: int, place: float) -> Callable[[Array], Array]:
         return lambda x: np.abs(x[axis] - place) < 1e-9 * size
 
-    faces = {"contact": on(2, 0.0), "x = 0": on(0, 0.0), "y = 0": on(1, 0.0)}
+    faces = {"contact": lies_on_plane(2, 0.0), "x = 0": lies_on_plane(0, 0.0), "y = 0": lies_on_plane(1, 0.0)}
     facets = {name: mesh.facets_satisfying(test, boundaries_only=True) for name, test in faces.items()}
-    cut = [mesh.facets_satisfying(on(axis, size), boundaries_only=True) for axis in range(3)]
+    cut = [mesh.facets_satisfying(lies_on_plane(axis, size), boundaries_only=True) for axis in range(3)]
     return BlockMesh(with_boundaries(mesh, {**facets, "cut": np.unique(np.concatenate(cut))}), size)
 
 
 def _set_edges(gmsh: Any, influence: Influence) -> None:
-    """Let only the body of influence rule the edges."""
+    """Set the element sizes of gmsh's model to those of ``influence``, and disable all other rules for sizes."""
     field = gmsh.model.mesh.field.add("MathEval")
     gmsh.model.mesh.field.setString(field, "F", influence.expression())
     gmsh.model.mesh.field.setAsBackgroundMesh(field)

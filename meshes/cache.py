@@ -1,12 +1,12 @@
-"""Disk cache of records that are slow to compute, keyed by the recipe that computes them: a function and its arguments.
+"""Cache on disk for results that are slow to compute, such as meshes; the key is the function and its arguments.
 
-A record is a file, whole or not at all; those used longest ago are dropped first. It begins with a digest of the rest,
-which is read only where that matches, so that a damaged file is computed again; only data are read (`meshes.packed`),
-from a folder of this user only (`meshes.private`).
+Each result is one file, and is never left incomplete; files not used for the longest time are deleted first. A file begins
+with a digest of its contents; if they do not match, the result is computed again. Only data are read, never pickled objects
+(`meshes.packed`), and only from a folder of this user (`meshes.private`).
 
-The key covers the function's name, the canonical form of its arguments, the record's class, the versions of gmsh,
-scikit-fem and rollbench, and the sources of the packages that make the record, because a version number stays the same
-while a mesh generator is being changed.
+The key is computed from the function's name, the canonical form of its arguments, the result's class, the versions of gmsh,
+scikit-fem and rollbench, and the sources of the packages that compute the result, because a version number does not change
+while a mesh generator is being developed.
 """
 
 from __future__ import annotations
@@ -33,13 +33,16 @@ from rollbench.meshes.private import private_folder
 
 
 class StageDone(str):
-    """Progress message of a finished stage: its name ``stage``, and ``cached``: whether all of it was read from a cache."""
+    """Progress message of a finished stage of a computation.
+
+    The attribute ``stage`` is the stage's name; ``cached`` tells whether all its results were read from the cache.
+    """
 
     stage: str
     cached: bool
 
     def __new__(cls, stage: str, text: str, *, cached: bool = False) -> StageDone:
-        """Make the text ``stage: text``."""
+        """Create the message with the text ``stage: text``."""
         done = super().__new__(cls, f"{stage}: {text}")
         done.stage, done.cached = stage, cached
         return done
@@ -47,25 +50,25 @@ class StageDone(str):
 
 T = TypeVar("T")
 
-#: Folder of the records in that of a cache, and where versions before 0.5 had theirs.
+#: Subfolder of a cache for its files, and the one that versions before 0.5 used.
 RECORDS, BEFORE = "records", ("joblib", "rollbench")
-#: Length of the digest that a file begins with.
+#: Length of the digest at the beginning of a file [bytes].
 _DIGEST = 32
-#: Seconds that a record took to make, before its content.
+#: Computing time of a result [s], stored between digest and content.
 _SECONDS = struct.Struct("<d")
-#: Largest size of a cache [bytes], by default.
+#: Default of the largest size of a cache [bytes].
 LIMIT = 4_000_000_000
 
 _BEGAN = time.time()
 
 
 def default_root() -> Path | None:
-    """Folder of the cache: environment variable ROLLBENCH_CACHE, else "rollbench" in the user's cache folder.
+    """Return the folder of the cache: environment variable ROLLBENCH_CACHE, else "rollbench" in the user's cache folder.
 
     Returns
     -------
     Path | None
-        The folder; None where the variable is "off".
+        The folder; None where the variable is "off", which switches the cache off.
     """
     named = os.environ.get("ROLLBENCH_CACHE", "").strip()
     if named.lower() == "off":
@@ -78,23 +81,23 @@ def default_root() -> Path | None:
 
 
 class Cache:
-    """Records by the content of their recipes.
+    """Cache on disk for results of functions, found again by the functions' names and arguments.
 
-    A folder that cannot be written to, or that others may write to, or a full disk is reported once on standard error;
-    work goes on without the cache. ``hits`` and ``misses`` count the answers of `get`; ``cold_seconds`` adds up the
-    seconds that the records took to compute; ``fault`` is what there is to report; ``quiet`` leaves reporting to another
-    process.
+    If the folder cannot be written to, if other users may write to it, or if the disk is full, one message is printed on
+    standard error, and the computation continues without the cache. ``hits`` and ``misses`` count the results that `get`
+    read and computed. ``cold_seconds`` is the sum of the computing times of all these results. ``fault`` is the message,
+    empty without an error; with ``quiet`` it is not printed, and left to another process.
 
     Parameters
     ----------
     root : Path | None
-        Folder, made when first used; None switches the cache off.
+        Folder of the cache, created when first used; None switches the cache off.
     limit : int, default LIMIT
-        Largest size of all files [bytes].
+        Largest size of all files together [bytes].
     """
 
     def __init__(self, root: Path | None, limit: int = LIMIT) -> None:
-        """Open a cache; nothing is read or written yet."""
+        """Create a cache without reading or writing files."""
         self.root = root
         self.limit = limit
         self.hits = 0
@@ -109,21 +112,22 @@ class Cache:
         Parameters
         ----------
         build : Callable[..., T]
-            Function of a module, whose result depends only on its arguments.
+            Function at module level whose result depends only on its arguments.
         arguments : tuple[object, ...]
-            Its arguments.
+            Arguments of the function.
         type_ : type[T]
             Class of the result.
 
         Returns
         -------
         T
-            The result.
+            Result of the function.
 
         Raises
         ------
         TypeError
-            The result is no ``type_``, or no key can be made of function or arguments.
+            The result is not a ``type_``; or no key can be computed, because the function is local or an argument has no
+            canonical form.
         """
         path = self._path(build, arguments, type_)
         record = None if path is None else _read_record(path, type_)
@@ -137,19 +141,19 @@ class Cache:
         spent = time.perf_counter() - start
         self.cold_seconds += spent
         if not isinstance(value, type_):
-            raise TypeError(f"{build.__qualname__}: built a {type(value).__name__}, not a {type_.__name__}")
+            raise TypeError(f"{build.__qualname__} returned a {type(value).__name__}, not a {type_.__name__}")
         if path is not None and not self.fault:
             self._write(path, _SECONDS.pack(spent) + pack_record(value))
         return value
 
     def report(self, fault: str) -> None:
-        """Note why nothing is written any more, and print it once on standard error."""
+        """Store the reason for which the cache is not used any more, and print it once on standard error."""
         if fault and not self.fault and not self.quiet:
-            print(f"rollbench: cache {self.root}: {fault}; going on without it", file=sys.stderr)
+            print(f"rollbench: cache {self.root}: {fault}; the computation continues without the cache", file=sys.stderr)
         self.fault = self.fault or fault
 
     def _path(self, build: Callable[..., object], arguments: tuple[object, ...], type_: type) -> Path | None:
-        """File of a record; None without a folder that is only this user's."""
+        """Return the path of the file for a result; None without a folder to which only this user can write."""
         if self.root is None:
             return None
         key = content_key(build, arguments, type_)
@@ -160,7 +164,7 @@ class Cache:
             return None
 
     def _write(self, path: Path, content: bytes) -> None:
-        """Write a record, and remove old ones that exceed the limit."""
+        """Write the file of a result, and delete the oldest files where all together exceed the limit."""
         if len(content) > self.limit:
             return
         try:
@@ -177,7 +181,7 @@ class Cache:
 
 
 def _remove_oldest_files(folder: Path, limit: int) -> None:
-    """Remove the files used longest ago until all together are no larger than a limit [bytes]."""
+    """Delete the files not used for the longest time, until the rest together does not exceed a limit [bytes]."""
     kept = []
     for file in folder.glob("*.npz"):
         with suppress(FileNotFoundError):  # another process removed it
@@ -191,27 +195,27 @@ def _remove_oldest_files(folder: Path, limit: int) -> None:
 
 
 def _read_record(path: Path, type_: type[T]) -> tuple[T, float] | None:
-    """Record in a file, and the seconds that it took to compute; None without a file that is exactly as written."""
+    """Read a result and its computing time [s] from a file; None where the file is missing, damaged or of another class."""
     try:
         with path.open("rb") as file:
             digest, content = file.read(_DIGEST), file.read()
         if hashlib.sha256(content).digest() != digest:
             return None
         value = unpack_record(content[_SECONDS.size :], type_.__module__.split(".")[0])
-    except (OSError, ValueError):  # none, or of other sources: it is built again
+    except (OSError, ValueError):  # no file, or one of other sources: the result is computed again
         return None
-    with suppress(OSError):  # a folder that may only be read
+    with suppress(OSError):  # the folder may be read-only
         os.utime(path)
     return (value, *_SECONDS.unpack_from(content)) if isinstance(value, type_) else None
 
 
 def content_key(build: Callable[..., object], arguments: tuple[object, ...], type_: type) -> str:
-    """Content key of a recipe.
+    """Compute the key under which the result of a function with its arguments is stored.
 
     Parameters
     ----------
     build, arguments, type_ : Callable[..., object]
-        As for `Cache.get`.
+        Function, its arguments, and the class of its result, as for `Cache.get`.
 
     Returns
     -------
@@ -221,28 +225,28 @@ def content_key(build: Callable[..., object], arguments: tuple[object, ...], typ
     Raises
     ------
     TypeError
-        The function is local or a lambda, or arguments have no canonical form.
+        The function is local or a lambda, or an argument has no canonical form.
     """
     name = f"{build.__module__}.{build.__qualname__}"
     if "<" in name:
-        raise TypeError(f"{name}: what is kept is made by a function of a module")
+        raise TypeError(f"{name} is not defined at module level: only results of such functions can be stored")
     made_by = sorted({"rollbench.meshes", _package_of_module(build.__module__), _package_of_module(type_.__module__)})
     programs = [*map(_installed_version, ("gmsh", "scikit-fem", "rollbench")), *map(sources_digest, made_by)]
     return digest(name, type_, programs, arguments)
 
 
 def _package_of_module(module: str) -> str:
-    """Package of a module: rollbench.hifi of rollbench.hifi.setup, else the first name."""
+    """Return the package of a module: rollbench.hifi for rollbench.hifi.setup; for other packages the first name."""
     parts = module.split(".")
     return ".".join(parts[: 2 if parts[0] == "rollbench" else 1])
 
 
 @lru_cache
 def sources_digest(package: str) -> str:
-    """Digest of all Python sources of an installed package; empty where there are none (built-ins, archives).
+    """Compute a digest of all Python sources of an installed package; empty where there are none (built-ins, archives).
 
-    A source that was changed since this process began makes the digest unique, so that no other process finds it: nobody
-    knows whether the old or the new source is running.
+    If a source was changed after the start of this process, the digest is made unique, so that no other process finds the
+    results: whether the old or the new source is running cannot be known.
     """
     spec = find_spec(package)
     digest, count = hashlib.sha256(), 0
@@ -260,9 +264,9 @@ def sources_digest(package: str) -> str:
 
 @lru_cache
 def _installed_version(package: str) -> str:
-    """Version of an installed package, from the name of its metadata folder.
+    """Return the version of an installed package, from the name of its metadata folder.
 
-    `importlib.metadata` takes longer to import than a screw to solve; it is asked where there is no such folder.
+    `importlib.metadata`, which takes longer to import than a screw to solve, is used only where there is no such folder.
     """
     name = re.sub("[-_.]+", "_", package)
     folders = [found for place in sys.path for found in glob.iglob(f"{name}-*.dist-info", root_dir=place or ".")]

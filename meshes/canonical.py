@@ -1,9 +1,10 @@
-"""One exact text for what results depend on, and its digest: keys of stored runs and of cached parts.
+"""Canonical text of values and its digest, from which the keys of stored runs and of cached results are computed.
 
-A record (dataclass or named tuple) is its name and, by name, those fields that differ from their frozen default: that of
-the day they were added (`meshes.fields`). So a field that is added changes no key, and a default that is changed later
-changes the key of all that relied on it. Equal numbers have one text, whatever their type; negative zero differs from
-zero, and all not-a-numbers are one value. The module of a record's class does not count, its name does.
+The text of a record (dataclass or named tuple) is its class's name and those fields that differ from their frozen defaults,
+sorted by name. A frozen default is the one on the day the field was added (`meshes.fields`). So a new field changes no key,
+and a default that is changed later changes the keys of all records that used it. Equal numbers have the same text whatever
+their type; negative zero differs from zero, and all NaN values are the same. The module of a record's class does not
+matter.
 """
 
 from __future__ import annotations
@@ -20,37 +21,37 @@ import numpy as np
 
 from rollbench.meshes.fields import FROZEN
 
-#: Version of the form, part of every digest: bump it when the same value gets another text.
+#: Version of the canonical text, a part of every digest; increase it when the text of any value changes.
 FORM = 1
 
 
 @dataclass(frozen=True)
 class Fields:
-    """Fields of a record as read back from a file."""
+    """Class and fields of a record as read from a file; has the same canonical text as the record."""
 
     #: Class of the record.
     record: type
-    #: Values by field; one that is absent has its frozen default.
+    #: Values by the fields' names; a field that is absent has its frozen default.
     values: Mapping[str, object]
 
 
 def digest(*parts: object) -> str:
-    """Digest of the canonical form of some values.
+    """Compute the digest of values from their canonical text.
 
     Parameters
     ----------
     *parts : object
-        Values, as `canonical` takes them.
+        Values of the types that `canonical` accepts.
 
     Returns
     -------
     str
-        SHA-256 as 64 hexadecimal digits.
+        SHA-256 digest as 64 hexadecimal digits.
 
     Raises
     ------
     TypeError
-        As `canonical`.
+        A value has no canonical text.
 
     Examples
     --------
@@ -61,23 +62,23 @@ def digest(*parts: object) -> str:
 
 
 def canonical(value: object) -> str:
-    """Text of a value: equal for equal values, different for different ones.
+    """Return the canonical text of a value: the same for equal values, and different for different ones.
 
     Parameters
     ----------
     value : object
-        Record, tuple, list, dict (whatever its order), None, truth value, number, text, class, array (as type, shape
-        and digest of its values) or compressed sparse matrix; nested as you like.
+        Record, tuple, list, dict (in any order), None, bool, number, text, class, array (written as type, shape and digest
+        of its values) or compressed sparse matrix; may be nested.
 
     Returns
     -------
     str
-        The text.
+        Canonical text.
 
     Raises
     ------
     TypeError
-        A value of any other type.
+        The value, or one inside it, is of another type.
 
     Examples
     --------
@@ -91,7 +92,7 @@ def canonical(value: object) -> str:
         return _record_text(type(value), {f.name: getattr(value, f.name) for f in fields(value)})
     if isinstance(value, tuple) and hasattr(value, "_asdict"):
         return _record_text(type(value), value._asdict())
-    if isinstance(value, str):  # a text that knows more of itself, as a status
+    if isinstance(value, str):  # a subclass of str with further attributes, such as a status
         return canonical(str(value))
     if isinstance(value, type):
         return f"class {value.__module__}.{value.__qualname__}"
@@ -104,6 +105,7 @@ def canonical(value: object) -> str:
 
 
 def _record_text(record: type, values: Mapping[str, object]) -> str:
+    """Return the canonical text of a record from its class and the values of its fields."""
     name, usual = record.__name__, _frozen_default_texts(record)
     texts = {field: canonical(value) for field, value in values.items()}
     return f"{name}({', '.join(f'{field}={texts[field]}' for field in sorted(texts) if texts[field] != usual.get(field))})"
@@ -111,28 +113,31 @@ def _record_text(record: type, values: Mapping[str, object]) -> str:
 
 @cache
 def _frozen_default_texts(record: type) -> Mapping[str, str]:
-    """Texts of the frozen defaults of a record, by field; none of a record that is not `keyed`."""
+    """Return the canonical texts of a record's frozen defaults by field; empty for a record that is not `keyed`."""
     frozen = FROZEN.get(record.__name__, {})
     return {field: f"{type(x).__name__}()" if is_dataclass(x) else canonical(x) for field, x in frozen.items()}
 
 
 def _float_text(value: float) -> str:
+    """Return the canonical text of a number; whole numbers are written as integers."""
     if value.is_integer():
         return str(int(value)) if value or math.copysign(1.0, value) > 0.0 else "-0"
     return repr(value)
 
 
 def _array_text(value: np.ndarray[Any, Any]) -> str:
+    """Return the canonical text of an array: its type, its shape and the digest of its values."""
     if value.dtype.kind not in "biufc":
         raise TypeError(f"an array of {value.dtype} has no canonical form")
     return f"array({value.dtype.str}, {value.shape}, {hashlib.sha256(np.ascontiguousarray(value).data).hexdigest()})"
 
 
 def _dict_text(value: Mapping[object, object]) -> str:
+    """Return the canonical text of a dict, with sorted items."""
     return "{" + ", ".join(sorted(f"{canonical(k)}: {canonical(v)}" for k, v in value.items())) + "}"
 
 
-#: How values of exactly these classes are written.
+#: For values of exactly these classes, the function that returns their canonical text.
 _WRITERS: Mapping[type, Callable[[Any], str]] = {
     type(None): str,
     bool: str,

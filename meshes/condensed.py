@@ -1,6 +1,6 @@
-"""File of the compliance of a screw's bodies between its contacts, from a condensed 3D model for a low-order one.
+"""Compliance matrices of screw, nut and ball between their contacts, condensed from the 3D model, and their file.
 
-The file is an ordinary .npz without pickles; it is read whole and checked before anything uses it.
+Low-order models read the file. It is an ordinary .npz file without pickled objects, and is checked completely before use.
 """
 
 from __future__ import annotations
@@ -22,44 +22,46 @@ import numpy as np
 
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.canonical import digest
-from rollbench.meshes.leftovers import folder_for_group, for_group, temporary_name
+from rollbench.meshes.leftovers import make_folder_for_group, make_readable_for_group, temporary_name
 from rollbench.meshes.parts import Scene
 
-#: Number of this format; files of another are refused.
+#: Version of the file format; files of other versions are not read.
 FORMAT = 2
-#: Largest size of all arrays of a file together [bytes]: a screw of 1000 contacts has a tenth of it.
+#: Largest size of all arrays in a file together [bytes]; those of a screw with 1000 contacts need a tenth of it.
 LARGEST_FILE = 200_000_000
-#: What the archive's reader raises of a damaged one.
+#: Exceptions that reading a damaged archive can raise.
 DAMAGE = (zipfile.BadZipFile, zlib.error, struct.error, EOFError, NotImplementedError, OverflowError, ValueError)
-#: How numpy packs members.
+#: Compression methods that numpy uses.
 PACKED = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)
-#: Header of an array as numpy writes it: numbers of one kind or a text, the first index slowest or fastest, and the shape.
+#: Header of an array in numpy's file format: type of the numbers (or text), order of the indices, and shape.
 HEAD = re.compile(
     rb"\{'descr': '([<>|=][fiuU]\d{1,4})', 'fortran_order': (True|False), 'shape': \(((?:\d{1,12},? ?)*)\), \} *\n"
 )
-#: Beginning of an array by numpy's formats 1.0 and 2.0, and the format of its header's length.
+#: First bytes of an array in numpy's formats 1.0 and 2.0, and the type of the header's length.
 BEGINNING = {b"\x93NUMPY\x01\x00": "<H", b"\x93NUMPY\x02\x00": "<I"}
-#: Difference of a compliance from its transpose, and negative eigenvalue, over its largest entry, that a mesh may leave.
+#: Largest accepted difference of a compliance matrix from its transpose, and largest accepted negative eigenvalue, both as
+#: ratios to its largest entry: numerical errors of the 3D model.
 ASYMMETRY, NEGATIVE = 1e-6, 1e-3
-#: Largest numbers that are read: compliances [m/N], Hertz's [m/N^(2/3)], forces [N], place of the screw's support [m].
+#: Largest accepted absolute values: compliances [m/N], Hertz constants [m/N^(2/3)], forces [N], position of the screw's
+#: support [m].
 LARGEST = {"screw": 1e-2, "nut": 1e-2, "ball": 1e-2, "local": 1e-2, "hertz": 1e-3, "force": 1e9, "base": 1e3}
 
 
 @dataclass(frozen=True)
 class CondensedBodies:
-    """Compliance between all contacts of one geometry, along the nominal contact normals (from ball to groove).
+    """Compliance of screw, nut and balls between their contacts, along the nominal contact normals from ball to groove.
 
-    There are N balls with k contacts each; k' of these are on the screw, or on the nut. Matrices count contacts ball
-    after ball.
+    There are N balls with k contacts each, k' of them on the screw and as many on the nut. Rows and columns of the matrices
+    are sorted by ball, then by flank.
     """
 
-    #: Digest of the parts, by `geometry_digest`.
+    #: Digest of the parts, from `geometry_digest`.
     geometry: str
-    #: Mesh level of the 3D model.
+    #: Level of refinement of the 3D model's mesh.
     level: int
     #: Flanks (0 to 3) that carry contacts ``(k,)``, ascending.
     sides: Array
-    #: Station of the section by which the screw is fixed [m].
+    #: Axial position of the section at which the screw is fixed [m].
     base: float
     #: Compliance of the screw ``(N k', N k')`` [m/N].
     screw: Array
@@ -67,40 +69,45 @@ class CondensedBodies:
     nut: Array
     #: Compliance of one ball between its contacts ``(k, k)`` [m/N].
     ball: Array
-    #: Approach of a contact over its force F beyond Hertz's C F^(-1/3) and the matrices, the same for all balls, at f
-    #: forces ``(k, f)`` [m/N].
+    #: Ratio of the approach of a contact to its force F, without the part C F^(-1/3) after Hertz and that of the matrices;
+    #: for each flank at f forces, equal for all balls ``(k, f)`` [m/N].
     local: Array
     #: Forces at which ``local`` is sampled ``(k, f)`` [N].
     force: Array
-    #: Hertz constants C ``(k,)`` [m/N^(2/3)]: approach C F^(2/3).
+    #: Hertz constants C of the flanks, with the approach C F^(2/3) under the force F ``(k,)`` [m/N^(2/3)].
     hertz: Array
 
     def local_law(self, side: int) -> tuple[float, float]:
-        """Fit the approach e F + h F^(4/3) of one flank's contacts beyond Hertz's.
+        """Fit e F + h F^(4/3) to the approach of a flank's contacts under the force F, without the part after Hertz.
 
-        Beyond the linear elasticity of the bodies (e) the next term of a smooth contact is of the order of its area times
-        F, F^(4/3) (h); a logarithm of its size fits no better. Least squares over the samples, relative to the approach.
+        The first term is the linear elasticity of the bodies. The next term for a smooth contact is of the order of F times
+        the contact area, that is F^(4/3); a logarithm of the contact's size does not fit better. The fit minimises the
+        squared deviations relative to the whole approach.
 
         Parameters
         ----------
         side : int
-            Flank 0 to 3.
+            Flank 0 to 3 (SL, SR, NL, NR).
 
         Returns
         -------
         e : float
-            [m/N].
+            Coefficient of F [m/N].
         h : float
-            [m/N^(4/3)].
+            Coefficient of F^(4/3) [m/N^(4/3)].
         """
         e, h = self._fit(list(self.sides).index(side))[0]
         return float(e), float(h)
 
     def scatter(self, side: int) -> float:
-        """Root mean square deviation of the samples from `local_law`, over the approach; what the contact grid leaves."""
+        """Return the RMS deviation of a flank's samples from `local_law` relative to the approach.
+
+        It is the error due to the finite contact grid of the 3D model.
+        """
         return self._fit(list(self.sides).index(side))[1]
 
     def _fit(self, k: int) -> tuple[Array, float]:
+        """Fit the coefficients (e, h) of `local_law` to the samples of flank number k, and return their RMS deviation."""
         force = self.force[k]
         share = np.cbrt(force) / self.hertz[k]
         rows, wanted = np.column_stack([share, share * np.cbrt(force)]), share * self.local[k]
@@ -108,12 +115,12 @@ class CondensedBodies:
         return line, float(np.sqrt(np.mean((rows @ line - wanted) ** 2)))
 
     def save(self, path: Path) -> None:
-        """Write the file, whole or not at all.
+        """Write the compliance to a file; after an error, no incomplete file remains.
 
         Parameters
         ----------
         path : Path
-            File to write; missing folders are made.
+            File to write; missing folders are created.
 
         Raises
         ------
@@ -125,24 +132,25 @@ class CondensedBodies:
 
 
 def _write_arrays(path: Path, values: Mapping[str, Any]) -> None:
-    folder_for_group(path.parent)
+    """Write arrays by their names to a compressed .npz file, which replaces an existing file only when complete."""
+    make_folder_for_group(path.parent)
     name = temporary_name(path)
     try:
         with open(name, "xb") as file:
             np.savez_compressed(file, **values)
-        for_group(name)
+        make_readable_for_group(name)
         os.replace(name, path)
     finally:
         name.unlink(missing_ok=True)
 
 
 def geometry_digest(scene: Scene) -> str:
-    """Digest of everything that the compliance of the bodies depends on.
+    """Compute a digest of all parameters of a scene on which the compliance of its bodies depends.
 
     Parameters
     ----------
     scene : Scene
-        Its track, screw, nut, balls, solid dimensions, and whether the screw is rigid.
+        Scene with track, screw, nut, balls, dimensions of the 3D model, and whether the screw is rigid.
 
     Returns
     -------
@@ -153,28 +161,28 @@ def geometry_digest(scene: Scene) -> str:
 
 
 def load_condensed(path: Path) -> CondensedBodies:
-    """Read and check a file of condensed bodies.
+    """Read the compliance of condensed bodies from its file, and check it.
 
     Parameters
     ----------
     path : Path
-        File that `CondensedBodies.save` wrote.
+        File written by `CondensedBodies.save`.
 
     Returns
     -------
     CondensedBodies
-        Its contents.
+        Compliance of screw, nut and balls between their contacts.
 
     Raises
     ------
     ValueError
-        The file is damaged, foreign, too large or of another format, or its matrices are not those of elastic bodies
-        (finite, symmetric, positive).
+        The file is damaged, of another kind or format, or too large; or its matrices are not finite, symmetric and
+        positive semidefinite, as those of elastic bodies are.
     OSError
-        There is no such file, or it cannot be read.
+        The file does not exist, or cannot be read.
     """
     if path.exists() and not path.is_file():
-        raise ValueError("no regular file")
+        raise ValueError("a path that is not a regular file")
     values = _read_arrays(path)
     bodies = CondensedBodies(
         str(values["geometry"]),
@@ -188,29 +196,32 @@ def load_condensed(path: Path) -> CondensedBodies:
 
 
 def _read_arrays(path: Path) -> dict[str, Array]:
-    """Read all arrays of a file, after a check of their sizes. Raises ValueError, OSError."""
+    """Read all arrays of a file of condensed bodies after checking their sizes, types and checksum.
+
+    Raises ValueError for a file that fails a check, OSError for one that cannot be read.
+    """
     names = [f.name for f in fields(CondensedBodies)]
     if path.stat().st_size > LARGEST_FILE:
-        raise ValueError(f"more than {LARGEST_FILE:.3g} bytes")
+        raise ValueError(f"a file of more than {LARGEST_FILE:.3g} bytes")
     members = _read_members(path.read_bytes())
     values = {name: _read_array(name, members[name]) for name in ("format", "checksum", *names) if name in members}
     number, said = values.pop("format", np.array(FORMAT)), values.pop("checksum", None)
     if number.shape != () or number.dtype.kind not in "iu" or int(number) != FORMAT:
-        raise ValueError(f"format {str(number)[:40]}, this version reads {FORMAT}")
+        raise ValueError(f"a file of format {str(number)[:40]}, where this version reads format {FORMAT} only")
     missing = [name for name in names if name not in values]
     if missing:
-        raise ValueError(f"it has no {', '.join(missing)}")
+        raise ValueError(f"a file without {', '.join(missing)}")
     kinds = {"geometry": "U", "level": "iu"}
     for name, value in values.items():
         if value.dtype.kind not in kinds.get(name, "fiu") or (name in ("geometry", "level", "base") and value.shape != ()):
-            raise ValueError(f"{name}: an array of another kind")
+            raise ValueError(f"a file in which {name} has an unexpected type or shape")
     if said is None or str(said) != arrays_digest(values):
-        raise ValueError("its checksum does not fit what it holds: it was damaged or changed")
+        raise ValueError("a file whose checksum does not match its contents, so that it was damaged or changed")
     return values
 
 
 def _read_members(content: bytes) -> dict[str, bytes]:
-    """Read the members of an archive by their names, after a check of their sizes. Raises ValueError."""
+    """Return the bytes of each member of a zip archive by its name; raise ValueError for a damaged or too large archive."""
     try:
         with zipfile.ZipFile(io.BytesIO(content)) as archive:
             entries = archive.infolist()
@@ -219,37 +230,37 @@ def _read_members(content: bytes) -> dict[str, bytes]:
             read = plain and declared <= LARGEST_FILE
             members = {info.filename.removesuffix(".npy"): archive.read(info) for info in entries if read}
     except DAMAGE as e:
-        raise ValueError("no file of condensed bodies, or a damaged one") from e
+        raise ValueError("a damaged file, or one of another kind") from e
     if not plain:
-        raise ValueError("no file of condensed bodies: its archive is encrypted or packed otherwise")
+        raise ValueError("a file whose archive is encrypted, or has an unknown compression")
     if declared > LARGEST_FILE:
-        raise ValueError(f"it declares {declared:.3g} bytes, at most {LARGEST_FILE:.3g} are read")
+        raise ValueError(f"a file that declares {declared:.3g} bytes, where at most {LARGEST_FILE:.3g} are read")
     return members
 
 
 def _read_array(name: str, content: bytes) -> Array:
-    """Read an array in numpy's format. Raises ValueError for another format, or a size that its header does not give."""
+    """Read an array in numpy's format; raise ValueError for another format, or a size that differs from the header's."""
     length = BEGINNING.get(content[:8])
     first = 8 + (struct.calcsize(length) if length else 0)
     if length is None or len(content) < first:
-        raise ValueError(f"{name}: no array, or a damaged one")
+        raise ValueError(f"a file in which {name} is damaged, or not an array")
     end = first + int(struct.unpack_from(length, content, 8)[0])
     head = HEAD.fullmatch(content[first:end])
     if head is None:
-        raise ValueError(f"{name}: a damaged array, or one of another kind")
+        raise ValueError(f"a file in which {name} is a damaged array, or one of another type")
     kind, shape = np.dtype(head[1].decode()), tuple(int(n) for n in head[3].replace(b",", b" ").split())
     if math.prod(shape) * kind.itemsize != len(content) - end:
-        raise ValueError(f"{name} says that it is larger than it is, or smaller")
+        raise ValueError(f"a file in which the header of {name} declares an array larger than it is, or smaller")
     return np.ndarray(shape, kind, content, end, order="F" if head[2] == b"True" else "C").copy("K")
 
 
 def arrays_digest(values: Mapping[str, Any]) -> str:
-    """Digest of the arrays of a file, with their names, types and shapes.
+    """Compute the checksum of the arrays of a file, including their names, types and shapes.
 
     Parameters
     ----------
     values : Mapping[str, Any]
-        Arrays by the field names of `CondensedBodies`.
+        Arrays, by the names of the fields of `CondensedBodies`.
 
     Returns
     -------
@@ -264,34 +275,34 @@ def arrays_digest(values: Mapping[str, Any]) -> str:
 
 
 def _check_arrays(bodies: CondensedBodies) -> None:
-    """Raise ValueError for arrays that do not belong together, or that no elastic bodies have."""
+    """Raise ValueError for arrays whose shapes do not match, or whose values are impossible for elastic bodies."""
     k = bodies.sides.size
     sides = bodies.sides.tolist()
     if bodies.sides.ndim != 1 or not k or any(s not in (0.0, 1.0, 2.0, 3.0) for s in sides) or sides != sorted(set(sides)):
-        raise ValueError("sides: not some of 0 to 3 in order")
+        raise ValueError("a file in which the flanks (sides) are not numbers 0 to 3 in ascending order")
     if {3.0 - s for s in sides} != set(sides):
-        raise ValueError("sides: a side without its opposite one")
+        raise ValueError("a file in which a flank (sides) occurs without the opposite one")
     square = all(x.ndim == 2 and x.shape[0] == x.shape[1] for x in (bodies.screw, bodies.nut, bodies.ball))
     fits = bodies.ball.shape[0] == k == len(bodies.local) and bodies.hertz.shape == (k,) and bodies.local.ndim == 2
     if not square or not fits or bodies.local.shape != bodies.force.shape:
-        raise ValueError("arrays of the wrong shape")
+        raise ValueError("a file with arrays whose shapes do not match")
     for name in ("base", "screw", "nut", "ball", "local", "force", "hertz"):
         if not np.isfinite(getattr(bodies, name)).all():
-            raise ValueError(f"{name}: not all numbers are finite")
+            raise ValueError(f"a file in which not all numbers of {name} are finite")
     if not (bodies.hertz > 0.0).all() or not (bodies.force > 0.0).all():
-        raise ValueError("hertz, force: not all positive")
+        raise ValueError("a file in which not all numbers of hertz and force are positive")
     for name, most in LARGEST.items():
         if float(np.abs(getattr(bodies, name)).max(initial=0.0)) > most:
-            raise ValueError(f"{name}: more than {most:g}, which no steel part has")
+            raise ValueError(f"a file in which {name} exceeds {most:g}, more than is possible for steel parts")
     order = np.argsort(bodies.force, axis=1)
     force, local = (np.take_along_axis(x, order, axis=1) for x in (bodies.force, bodies.local))
     approach = bodies.hertz[:, None] * np.cbrt(force) ** 2 + local * force
     if not (np.diff(approach, axis=1, prepend=0.0) > 0.0).all():
-        raise ValueError("local: an approach that does not grow with the force, so that a contact would do work")
+        raise ValueError("a file in which the approach of a contact (local) does not increase with its force")
     for name in ("screw", "nut", "ball"):
         matrix = getattr(bodies, name)
         size = float(np.abs(matrix).max(initial=0.0))
         if float(np.abs(matrix - matrix.T).max(initial=0.0)) > ASYMMETRY * size:
-            raise ValueError(f"{name}: a compliance that is not symmetric")
+            raise ValueError(f"a file in which the compliance matrix {name} is not symmetric")
         if size and float(np.linalg.eigvalsh(0.5 * (matrix + matrix.T))[0]) < -NEGATIVE * size:
-            raise ValueError(f"{name}: a compliance that is not positive, so that a body would do work")
+            raise ValueError(f"a file in which the compliance matrix {name} is not positive semidefinite")

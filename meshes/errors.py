@@ -1,6 +1,6 @@
-"""Geometric errors of one screw: from their description to the numbers of one specimen.
+"""Geometric errors of a screw or bearing: random errors are drawn, and all errors are evaluated at the balls.
 
-Source: Lin (2019), eqs. (2.27), (4.1) and (4.3).
+After Lin (2019), eqs. (2.27), (4.1) and (4.3).
 """
 
 from __future__ import annotations
@@ -16,30 +16,31 @@ from rollbench.meshes.arrays import Array, Mask
 from rollbench.meshes.helix import BallLayout, groove_radii, lead_angle, nominal_groove_centres
 from rollbench.meshes.parts import SIDES, FourierTerm, Scene, SideErrors
 
-#: Distance from the nut's centre, over the ball's radius, up to which a ball counts as at the centre.
+#: Axial distance from the nut's centre up to which a ball counts as at the centre, as a ratio to the ball's radius.
 AT_CENTRE = 1e-6
-#: In place of a generator where nothing is random: `numpy.random` is not loaded there.
+#: Placeholder for the random generator where nothing is random, so that `numpy.random` need not be imported.
 _UNUSED = cast("np.random.Generator", None)
 
 
 @dataclass(frozen=True)
 class Specimen:
-    """Geometric errors of one screw at its n balls, random ones drawn."""
+    """Geometry of one specimen of a screw or bearing at its n balls, with nominal dimensions and errors added up."""
 
     #: Ball radii ``(n,)`` [m].
     ball_radius: Array
     #: Groove centres (x3, z3) of the flanks SL, SR, NL, NR in the section of each ball ``(n, 4, 2)`` [m].
     centre: Array
-    #: First and second derivatives of the centres by azimuth ``(2, n, 4, 2)`` [m/rad, m/rad2].
+    #: First and second derivatives of the groove centres with respect to azimuth ``(2, n, 4, 2)`` [m/rad, m/rad2].
     centre_slopes: Array
     #: Groove radii of the flanks ``(4,)`` [m].
     radius: Array
-    #: Coefficients of the inward offset in powers of the section angle in rad ``(4, d)`` [m]; d = 0 without profile
-    #: errors.
+    #: Profile errors of the flanks: the inward offset of the groove radius as coefficients of a polynomial in the section
+    #: angle in rad ``(4, d)`` [m]; d = 0 without profile errors.
     profile: Array
 
 
 def _draw_terms(terms: tuple[FourierTerm, ...], rng: np.random.Generator) -> list[tuple[float, float, float]]:
+    """Draw the amplitudes of Fourier terms; returns (harmonic, amplitude of the sine [m], of the cosine [m]) of each."""
     drawn = []
     for term in terms:
         a, b = rng.normal(0.0, term.sigma, 2) if term.sigma > 0.0 else (0.0, 0.0)
@@ -48,7 +49,7 @@ def _draw_terms(terms: tuple[FourierTerm, ...], rng: np.random.Generator) -> lis
 
 
 def _fourier_series(drawn: list[tuple[float, float, float]], phi: Array) -> Array:
-    """Value and first two derivatives of a Fourier series, shape ``(3, n)``."""
+    """Return a Fourier series and its first two derivatives at the azimuths ``phi`` (n,) [rad], shape ``(3, n)``."""
     total = np.zeros((3, phi.size))
     for h, a, b in drawn:
         s, c = np.sin(h * phi), np.cos(h * phi)
@@ -57,23 +58,24 @@ def _fourier_series(drawn: list[tuple[float, float, float]], phi: Array) -> Arra
 
 
 def _draw_profile(side: SideErrors, rng: np.random.Generator) -> list[float]:
+    """Draw the coefficients of a flank's profile error, the inward offset as a polynomial in the section angle [m]."""
     terms = zip_longest(side.profile, side.profile_sigma, fillvalue=0.0)
     return [float(m + (rng.normal(0.0, s) if s > 0.0 else 0.0)) for m, s in terms]
 
 
 def draw_ball_radii(scene: Scene, rng: np.random.Generator, others: int | None = None) -> Array:
-    """Ball radii: nominal radius, oversize, listed errors and one random draw each.
+    """Draw the radii of all balls: nominal radius plus oversize, the error listed for the ball, and a random error.
 
-    A uniform distribution has the given standard deviation: half width sqrt(3) sigma.
+    A uniform distribution has the half width sqrt(3) sigma, so that its standard deviation is sigma.
 
     Parameters
     ----------
     scene : Scene
-        Gives the errors of the balls.
+        Scene with the errors of the balls.
     rng : np.random.Generator
-        Source of the draws; not used where ``sigma`` is 0.
+        Generator of random numbers; not used where ``sigma`` is 0.
     others : int | None, default None
-        Draw radii of so many further balls, in the return of a screw, to which no listed error belongs.
+        Number of balls in the return paths of a screw; if given, their radii are drawn instead, without listed errors.
 
     Returns
     -------
@@ -95,35 +97,35 @@ def draw_ball_radii(scene: Scene, rng: np.random.Generator, others: int | None =
 
 @dataclass(frozen=True)
 class Drawn:
-    """Error functions of one screw, random ones drawn, not yet evaluated at its balls."""
+    """Errors of one specimen after random ones are drawn: ball radii, and the errors of the flanks as functions."""
 
-    #: Radii of the scene's balls ``(n,)`` [m].
+    #: Radii of the balls ``(n,)`` [m].
     ball_radius: Array
-    #: Pitch of each flank, terms (harmonic, sine [m], cosine [m]) of the pitch error.
+    #: Pitch error of each flank: terms (harmonic, amplitude of the sine [m], of the cosine [m]).
     pitch: tuple[list[tuple[float, float, float]], ...]
-    #: Roundness of each flank, terms (harmonic, sine [m], cosine [m]) of the roundness error.
+    #: Roundness error of each flank: terms (harmonic, amplitude of the sine [m], of the cosine [m]).
     roundness: tuple[list[tuple[float, float, float]], ...]
-    #: Profile of each flank, coefficients of the inward offset [m], ascending powers of the section angle in rad.
+    #: Profile error of each flank: coefficients [m] of the inward offset, by ascending powers of the section angle in rad.
     profile: tuple[list[float], ...]
 
     def at(self, scene: Scene, on_screw: Array, on_nut: Array, station: Array, ball_radius: Array) -> Specimen:
-        """Evaluate the errors where balls are.
+        """Evaluate the errors at the positions of balls.
 
         Parameters
         ----------
         scene : Scene
-            Nominal geometry.
+            Scene with the nominal geometry.
         on_screw, on_nut : (n,) Array
-            Azimuths of the balls [rad] on the screw, and from the nut's axis of errors.
+            Azimuths of the balls relative to the screw, and relative to the nut [rad].
         station : (n,) Array
-            Stations of the balls along the axis [m].
+            Axial positions of the balls [m].
         ball_radius : (n,) Array
             Radii of the balls [m].
 
         Returns
         -------
         Specimen
-            Errors at these balls.
+            Geometry with errors at these balls.
 
         References
         ----------
@@ -151,30 +153,30 @@ class Drawn:
 
 
 def beyond_step(scene: Scene, station: Array) -> Mask:
-    """Mask of the balls in the half of the nut that a lead offset shifts.
+    """Find the balls in that half of the nut whose groove a lead offset shifts, the half at larger z.
 
-    The groove steps between two balls. A ball at the nut's centre counts to the half that is not shifted.
+    The groove steps between two balls. A ball at the nut's centre belongs to the half that is not shifted.
 
     Parameters
     ----------
     scene : Scene
-        Gives the nut's position and the ball radius.
+        Scene with the nut's position and the ball radius.
     station : (n,) Array
-        Stations of the balls [m].
+        Axial positions of the balls [m].
 
     Returns
     -------
     (n,) Mask
-        True beyond the step.
+        True for balls in the shifted half.
     """
     return np.asarray(station - scene.nut.position > AT_CENTRE * scene.balls.radius)
 
 
 def _shifted_centres(scene: Scene, station: Array) -> Array:
-    """Groove centres ``(n, 4, 2)`` [m] of balls at stations (n,) [m]: nominal but for the nut's lead offset.
+    """Return the groove centres ``(n, 4, 2)`` [m] at balls with axial positions (n,) [m]: nominal, plus the lead offset.
 
-    A helical groove that is shifted along the axis is shifted by cos(alpha) of it across the track, and along the track,
-    where it is the same everywhere.
+    A groove shifted along the axis by d is shifted across the track by d cos(alpha), with the lead angle alpha. The shift
+    along the track has no effect, because the groove is the same everywhere along the track.
     """
     centre = np.empty((station.size, 4, 2))
     centre[:] = nominal_groove_centres(scene)
@@ -184,22 +186,22 @@ def _shifted_centres(scene: Scene, station: Array) -> Array:
 
 
 def draw_errors(scene: Scene, member: int = 0) -> Drawn:
-    """Draw the errors of one specimen of a scene.
+    """Draw the random errors of one specimen of a screw or bearing.
 
-    The same seed and number give the same screw. Draws are taken in the order: ball radii; then for each flank SL, SR,
-    NL, NR pitch, roundness, profile.
+    The same seed and number give the same specimen. Random numbers are drawn first for the ball radii, then for each flank
+    SL, SR, NL, NR for pitch, roundness and profile.
 
     Parameters
     ----------
     scene : Scene
-        Gives errors and seed.
+        Scene with errors and seed.
     member : int, default 0
         Number of the specimen.
 
     Returns
     -------
     Drawn
-        Its error functions.
+        Ball radii, and the errors of the flanks as functions.
     """
     rng = np.random.default_rng([scene.errors.seed, member]) if scene.errors.random else _UNUSED
     radii = draw_ball_radii(scene, rng)
@@ -210,21 +212,21 @@ def draw_errors(scene: Scene, member: int = 0) -> Drawn:
 
 
 def specimen(scene: Scene, layout: BallLayout, member: int = 0) -> Specimen:
-    """Errors of one specimen of a scene at its balls; see `draw_errors`.
+    """Draw the errors of one specimen of a screw or bearing, and evaluate them at its balls; see `draw_errors`.
 
     Parameters
     ----------
     scene : Scene
-        Gives errors and seed.
+        Scene with errors and seed.
     layout : BallLayout
-        Places of the balls.
+        Positions of the balls.
     member : int, default 0
         Number of the specimen.
 
     Returns
     -------
     Specimen
-        Errors at the balls.
+        Geometry of the specimen at the balls.
 
     Examples
     --------
@@ -238,12 +240,13 @@ def specimen(scene: Scene, layout: BallLayout, member: int = 0) -> Specimen:
 
 
 def _at_balls(scene: Scene, layout: BallLayout, drawn: Drawn) -> Specimen:
+    """Evaluate drawn errors at the scene's balls."""
     return drawn.at(scene, layout.azimuth, layout.azimuth - scene.nut.azimuth, layout.z, drawn.ball_radius)
 
 
 @dataclass(frozen=True)
 class Specimens:
-    """Errors of m samples with equal groove radii."""
+    """Geometry of m specimens at their n balls, for specimens whose grooves have the same radii."""
 
     #: Ball radii ``(m, n)`` [m].
     ball_radius: Array
@@ -254,36 +257,36 @@ class Specimens:
 
 
 def alike_in_shape(scene: Scene) -> bool:
-    """Return whether all samples of a scene have exact arcs of equal radii as grooves; see `specimens`.
+    """Return whether the grooves of all specimens are exact arcs with the same radii, as `specimens` requires.
 
     Parameters
     ----------
     scene : Scene
-        Gives the errors.
+        Scene with the errors.
 
     Returns
     -------
     bool
-        False where profile errors of higher than constant degree, or random ones, occur.
+        False where profile errors depend on the section angle, or are random.
     """
     sides = [scene.errors.side(name) for name in SIDES]
     return not any(len(e.profile) > 1 or any(s > 0.0 for s in e.profile_sigma) for e in sides)
 
 
 def specimens(scene: Scene, layout: BallLayout, first: int, count: int) -> Specimens:
-    """Errors of several specimens of a scene that is `alike_in_shape`.
+    """Draw the errors of several specimens and evaluate them at the balls; all grooves must be `alike_in_shape`.
 
     Parameters
     ----------
     scene, layout
-        As for `specimen`.
+        Scene with errors and seed, and positions of the balls, as for `specimen`.
     first, count : int
-        Number of the first specimen, and how many.
+        Number of the first specimen, and number of specimens.
 
     Returns
     -------
     Specimens
-        Their errors at the balls.
+        Geometry of the specimens at the balls.
     """
     drawn = [draw_errors(scene, member) for member in range(first, first + count)]
     shared = all((one.pitch, one.roundness) == (drawn[0].pitch, drawn[0].roundness) for one in drawn)
@@ -292,19 +295,19 @@ def specimens(scene: Scene, layout: BallLayout, first: int, count: int) -> Speci
 
 
 def with_draws(scene: Scene, member: int = 0) -> Scene:
-    """Scene with the errors of one specimen written into it, so that nothing is random any more.
+    """Return a scene in which the drawn errors of one specimen replace the random ones.
 
     Parameters
     ----------
     scene : Scene
-        Gives errors and seed.
+        Scene with errors and seed.
     member : int, default 0
         Number of the specimen, see `draw_errors`.
 
     Returns
     -------
     Scene
-        The new scene; the same one where nothing is random.
+        Scene without random errors; the scene itself where nothing is random.
     """
     if not scene.errors.random:
         return scene
@@ -326,25 +329,25 @@ def with_draws(scene: Scene, member: int = 0) -> Scene:
 
 
 def without_draws(scene: Scene) -> Scene:
-    """Scene without its random errors: all standard deviations 0.
+    """Return a scene without random errors: all standard deviations are set to 0, other errors are unchanged.
 
     Parameters
     ----------
     scene : Scene
-        Gives the errors.
+        Scene with the errors.
 
     Returns
     -------
     Scene
-        The new scene.
+        Copy of the scene without random errors.
     """
 
-    def certain(terms: tuple[FourierTerm, ...]) -> tuple[FourierTerm, ...]:
+    def without_sigma(terms: tuple[FourierTerm, ...]) -> tuple[FourierTerm, ...]:
         return tuple(replace(term, sigma=0.0) for term in terms)
 
     errors = scene.errors
     sides: dict[str, Any] = {
-        name: replace(e, profile_sigma=(), pitch=certain(e.pitch), roundness=certain(e.roundness))
+        name: replace(e, profile_sigma=(), pitch=without_sigma(e.pitch), roundness=without_sigma(e.roundness))
         for name, e in ((name, errors.side(name)) for name in SIDES)
     }
     balls = replace(errors.balls, sigma=0.0, distribution="normal")

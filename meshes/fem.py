@@ -1,10 +1,10 @@
-"""Meshes of the parts in scikit-fem: made from arrays in gmsh's node order and read back, with named boundaries; quality.
+"""Finite element meshes as objects of scikit-fem: built from arrays in gmsh's node order, with named boundaries; quality.
 
-P1, P2 tetrahedra and Q1, Q2 hexahedra are MeshTet1, MeshTet2, MeshHex1 and MeshHex2; those of second order map with their
-curved cells. Boundaries go by name in ``mesh.boundaries``. Degree of freedom 3 * node + component of the vector space on
-a mesh's element belongs to the node ``mesh.doflocs[:, node]``.
+P1, P2 tetrahedra and Q1, Q2 hexahedra are MeshTet1, MeshTet2, MeshHex1 and MeshHex2; second-order cells are curved.
+Boundaries have names, in ``mesh.boundaries``. In the vector space on a mesh's element, the degree of freedom
+3 * node + component belongs to the node ``mesh.doflocs[:, node]``.
 
-Quality is the scaled Jacobian of curved cells, and the distance of nodes from the exact surface.
+Two measures of quality: the scaled Jacobian of the curved cells, and the distance of nodes from the exact surface.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from rollbench.meshes.arrays import Array, Index
 
 MESHES: dict[str, Any] = {"P1": MeshTet1, "P2": MeshTet2, "Q1": MeshHex1, "Q2": MeshHex2}
 
-# Place k of scikit-fem's cell holds gmsh's local node; by matching coordinates (see the tests).
+# Number, in gmsh's cell, of the node that is node k of scikit-fem's cell; found by comparing coordinates (see the tests).
 _SKFEM: dict[str, tuple[int, ...]] = {
     "P1": tuple(range(4)),
     "P2": (0, 1, 2, 3, 4, 5, 6, 7, 9, 8),
@@ -34,38 +34,38 @@ _SKFEM: dict[str, tuple[int, ...]] = {
 
 
 def mesh_of(points: Array, cells: Index, kind: str, boundaries: Mapping[str, Index] | None = None) -> tuple[Mesh, Index]:
-    """Mesh of points and cells in gmsh's node order.
+    """Build a mesh of scikit-fem from points and cells in gmsh's node order.
 
-    scikit-fem renumbers the nodes of second-order meshes, vertices first.
+    scikit-fem renumbers the nodes of second-order meshes: vertices come first.
 
     Parameters
     ----------
     points : (n, 3) Array
-        Nodes [m].
+        Coordinates of the nodes [m].
     cells : (m, nodes) Index
-        Nodes of the cells, in gmsh's order.
+        Nodes of each cell, in gmsh's order.
     kind : str
-        P1, P2, Q1 or Q2.
+        Type of the element: P1, P2, Q1 or Q2.
     boundaries : dict of (k, 3 or more) Index, optional, default None
-        Faces by name, their corners first.
+        For the name of each boundary, the nodes of its faces; a face's corners come first.
 
     Returns
     -------
     mesh : Mesh
-        The mesh, boundaries named.
+        The mesh with its named boundaries.
     number : (n,) Index
-        New number of every point; -1 for points of no cell.
+        Number of each point as a node of the mesh; -1 for points that belong to no cell.
 
     Raises
     ------
     ValueError
-        Unknown kind, cells of another kind, or a boundary with a face that no cell has.
+        The type is unknown, the cells have another number of nodes, or a face of a boundary belongs to no cell.
     """
     if kind not in MESHES:
-        raise ValueError(f"element {kind!r} is unknown; one of {', '.join(MESHES)}")
+        raise ValueError(f"element {kind!r} is unknown; use one of {', '.join(MESHES)}")
     order = np.array(_SKFEM[kind])
     if cells.ndim != 2 or cells.shape[1] != len(order):
-        raise ValueError(f"cells have shape {cells.shape}, element {kind} needs (m, {len(order)})")
+        raise ValueError(f"cells have the shape {cells.shape}, but element {kind} needs (m, {len(order)})")
     ordered = cells[:, order]
     mesh = MESHES[kind](np.ascontiguousarray(points.T), np.ascontiguousarray(ordered.T))
     number = np.full(len(points), -1, dtype=np.int64)
@@ -74,24 +74,24 @@ def mesh_of(points: Array, cells: Index, kind: str, boundaries: Mapping[str, Ind
 
 
 def with_faces(mesh: Mesh, faces: Mapping[str, Index]) -> Mesh:
-    """Add boundaries to a mesh, given by the corners of their faces.
+    """Add named boundaries to a mesh, each defined by the corner nodes of its faces.
 
     Parameters
     ----------
     mesh : Mesh
         The mesh.
     faces : dict of (k, 3 or 4) Index
-        Corners of the faces by name, in any order.
+        For the name of each boundary, the corner nodes of its faces in any order.
 
     Returns
     -------
     Mesh
-        Copy with these boundaries added.
+        Copy of the mesh with these boundaries added.
 
     Raises
     ------
     ValueError
-        A boundary has a face that no cell has, or none at all.
+        A face belongs to no cell, or a boundary has no faces.
     """
     count = mesh.doflocs.shape[1]
     known = _facet_keys(np.sort(mesh.facets.T), count)
@@ -102,51 +102,51 @@ def with_faces(mesh: Mesh, faces: Mapping[str, Index]) -> Mesh:
         place = order[np.minimum(np.searchsorted(known, wanted, sorter=order), len(order) - 1)]
         lost = int(np.count_nonzero(known[place] != wanted))
         if lost:
-            raise ValueError(f"boundary {name!r} lost: {lost} of {len(wanted)} faces belong to no cell")
+            raise ValueError(f"boundary {name!r} is incomplete: {lost} of its {len(wanted)} faces belong to no cell")
         facets[name] = np.unique(place)
     return with_boundaries(mesh, facets)
 
 
 def with_boundaries(mesh: Mesh, facets: Mapping[str, Index]) -> Mesh:
-    """Add boundaries to a mesh, given by the numbers of their facets.
+    """Add named boundaries to a mesh, each defined by the numbers of its facets in the mesh.
 
     Parameters
     ----------
     mesh : Mesh
         The mesh.
     facets : dict of (k,) Index
-        Facets by name.
+        For the name of each boundary, the numbers of its facets.
 
     Returns
     -------
     Mesh
-        Copy with these boundaries added.
+        Copy of the mesh with these boundaries added.
 
     Raises
     ------
     ValueError
-        A boundary is empty.
+        A boundary has no facets.
     """
     for name, numbers in facets.items():
         if not len(numbers):
-            raise ValueError(f"boundary {name!r} is empty")
+            raise ValueError(f"boundary {name!r} is empty: it has no facets")
     added = {name: np.asarray(numbers, dtype=np.int32) for name, numbers in facets.items()}
     return _with_attributes(mesh, _boundaries={**(mesh.boundaries or {}), **added})
 
 
 def _facet_keys(corners: Index, count: int) -> Index:
-    """Key each edge or face by its ascending corners ``(k, 2 or more)``; keys sort like the corners.
+    """Compute one integer for each edge or face from its ascending corners ``(k, 2 or more)``, to compare and sort faces.
 
-    Three corners identify a face of a mesh.
+    Integers sort like the corners. Three corners are enough to identify a face of a mesh.
     """
     if count >= 2**21:
-        raise ValueError(f"{count} points: face keys hold fewer than {2**21}")
+        raise ValueError(f"the mesh has {count} nodes, and faces can be identified in meshes of fewer than {2**21} only")
     low = corners[:, :3].astype(np.int64)
     return np.asarray(low @ count ** np.arange(low.shape[1] - 1, -1, -1))
 
 
 def kind_of(mesh: Mesh) -> str:
-    """Kind of a mesh's cells: P1, P2, Q1 or Q2.
+    """Return the element type of a mesh: P1, P2, Q1 or Q2.
 
     Parameters
     ----------
@@ -157,7 +157,7 @@ def kind_of(mesh: Mesh) -> str:
 
 
 def points_of(mesh: Mesh) -> Array:
-    """Nodes of a mesh ``(n, 3)`` [m].
+    """Return the coordinates of a mesh's nodes ``(n, 3)`` [m].
 
     Parameters
     ----------
@@ -168,7 +168,7 @@ def points_of(mesh: Mesh) -> Array:
 
 
 def cells_of(mesh: Mesh) -> Index:
-    """Nodes of a mesh's cells ``(m, nodes)``, in gmsh's order.
+    """Return the nodes of each cell of a mesh ``(m, nodes)``, in gmsh's order.
 
     Parameters
     ----------
@@ -179,37 +179,37 @@ def cells_of(mesh: Mesh) -> Index:
 
 
 class Meshed:
-    """Base of records that hold the mesh of a body."""
+    """Base class of records that contain the finite element mesh of a body."""
 
-    #: The mesh, as scikit-fem has it.
+    #: The mesh, an object of scikit-fem.
     mesh: Mesh
 
     @property
     def points(self) -> Array:
-        """Nodes ``(n, 3)`` [m]."""
+        """Coordinates of the mesh's nodes ``(n, 3)`` [m]."""
         return points_of(self.mesh)
 
     @property
     def cells(self) -> Index:
-        """Nodes of the cells ``(m, nodes)``, in gmsh's order."""
+        """Nodes of each cell of the mesh ``(m, nodes)``, in gmsh's order."""
         return cells_of(self.mesh)
 
 
 def faces_of(mesh: Mesh, name: str) -> Index:
-    """Nodes of a boundary's faces.
+    """Return the nodes of each face on a named boundary of a mesh.
 
     Parameters
     ----------
     mesh : Mesh
         The mesh.
     name : str
-        Boundary.
+        Name of the boundary.
 
     Returns
     -------
     (k, nodes of a face) Index
-        Corners counter-clockwise seen from outside, then the middles of the edges from each corner to the next, then
-        the middle of the face.
+        Nodes of each face: its corners, counter-clockwise seen from outside; then the midside nodes, the first one between
+        the first and second corner; then the node at the face's centre. Linear elements have only corners.
     """
     facets = mesh.boundaries[name]
     corners = mesh.facets[:, facets]
@@ -229,62 +229,63 @@ def faces_of(mesh: Mesh, name: str) -> Index:
 
 
 def nodes_on(mesh: Mesh, *names: str) -> Index:
-    """Nodes of named boundaries, ascending.
+    """Return the nodes on named boundaries of a mesh, in ascending order.
 
     Parameters
     ----------
     mesh : Mesh
         The mesh.
     *names : str
-        Boundaries.
+        Names of the boundaries.
 
     Returns
     -------
     (k,) Index
-        Nodes.
+        Numbers of the nodes.
     """
     return _freedoms_of_boundary(mesh.dofs, mesh, names)
 
 
 def freedoms_on(mesh: Mesh, *names: str) -> Index:
-    """Degrees of freedom of the vector space on named boundaries, ascending.
+    """Return the displacement degrees of freedom of the nodes on named boundaries, in ascending order.
 
     Parameters
     ----------
     mesh : Mesh
         The mesh.
     *names : str
-        Boundaries.
+        Names of the boundaries.
 
     Returns
     -------
     (k,) Index
-        Degrees of freedom 3 * node + component.
+        Numbers 3 * node + component of the degrees of freedom.
     """
     return _freedoms_of_boundary(Dofs(mesh, ElementVector(mesh.elem())), mesh, names)
 
 
 def _freedoms_of_boundary(dofs: Dofs, mesh: Mesh, names: tuple[str, ...]) -> Index:
+    """Return the degrees of freedom of ``dofs`` that lie on named boundaries of a mesh, in ascending order."""
     freedoms = [dofs.get_facet_dofs(mesh.boundaries[name]).flatten() for name in names]
     return np.unique(np.concatenate(freedoms)).astype(np.int64)
 
 
 def tensor_grid(x: Array, y: Array, z: Array, kind: str, *, left_handed: bool = False) -> Mesh:
-    """Hexahedra between the grid lines of three axes.
+    """Make a mesh of hexahedra on a rectangular grid, from its grid coordinates along three axes.
 
     Parameters
     ----------
     x, y, z : Array
-        Ascending coordinates of the corners [m].
+        Ascending coordinates of the grid planes [m].
     kind : str
-        Q1 or Q2.
+        Type of the element: Q1 or Q2.
     left_handed : bool, default False
-        Number cells for a map that mirrors them.
+        Whether to order the nodes of each cell left-handed, for points that are mirrored afterwards.
 
     Returns
     -------
     Mesh
-        The mesh.
+        The mesh of hexahedra.
     """
     mirrored = MeshHex1.init_tensor(x, y, z)  # left-handed
     grid = MeshHex1(mirrored.doflocs, mirrored.t if left_handed else mirrored.t[[3, 5, 6, 0, 7, 1, 2, 4]])
@@ -292,17 +293,19 @@ def tensor_grid(x: Array, y: Array, z: Array, kind: str, *, left_handed: bool = 
 
 
 def second_order(mesh: Mesh) -> Mesh:
-    """Make straight second-order cells of a mesh, on the same vertices; boundaries are lost.
+    """Convert a linear mesh to second-order cells with straight edges on the same vertices.
+
+    Named boundaries are not copied.
 
     Parameters
     ----------
     mesh : Mesh
-        P1 or Q1 cells.
+        Mesh of P1 or Q1 cells.
 
     Returns
     -------
     Mesh
-        P2 or Q2 cells.
+        Mesh of P2 or Q2 cells.
     """
     quadratic = MESHES[{"P1": "P2", "Q1": "Q2"}[kind_of(mesh)]].from_mesh(mesh)
     known = {name: value for name, value in vars(mesh).items() if name in ("_facets", "_t2f", "_f2t", "_edges", "_t2e")}
@@ -310,25 +313,25 @@ def second_order(mesh: Mesh) -> Mesh:
 
 
 def with_points(mesh: Mesh, points: Array) -> Mesh:
-    """Put the nodes of a mesh at other points; boundaries are kept.
+    """Return a copy of a mesh with other coordinates of its nodes, and the same cells and boundaries.
 
     Parameters
     ----------
     mesh : Mesh
         The mesh.
     points : (n, 3) Array
-        New nodes [m].
+        New coordinates of all nodes [m].
 
     Returns
     -------
     Mesh
-        Copy with these nodes.
+        Copy of the mesh with these coordinates.
     """
     return _with_attributes(mesh, doflocs=np.ascontiguousarray(points.T))
 
 
 def _with_attributes(mesh: Mesh, **fields: Any) -> Mesh:
-    """Copy of a mesh with other attributes and unchanged cells, so that edges and faces keep their numbers."""
+    """Copy a mesh and set attributes of the copy, but not its cells; edges and faces keep their numbers."""
     changed = copy(mesh)
     for name in ("_cached_mapping", "_cached_tree"):
         changed.__dict__.pop(name, None)
@@ -336,42 +339,42 @@ def _with_attributes(mesh: Mesh, **fields: Any) -> Mesh:
     return changed
 
 
-#: Cells measured at once.
+#: Number of cells whose scaled Jacobians are computed at once.
 CHUNK = 8192
 
 
 @dataclass(frozen=True)
 class Quality:
-    """Size and quality of a mesh."""
+    """Number of cells and nodes of a mesh, and the scaled Jacobians of its cells as a measure of quality."""
 
     #: Number of cells.
     cells: int
     #: Number of nodes.
     nodes: int
-    #: Smallest scaled Jacobian.
+    #: Smallest scaled Jacobian of all cells.
     smallest: float
-    #: Median of the cells' smallest scaled Jacobians.
+    #: Median, over the cells, of the smallest scaled Jacobian in each cell.
     median: float
-    #: Number of the worst cell.
+    #: Number of the cell with the smallest scaled Jacobian.
     worst: int
-    #: Centre of the worst cell [m].
+    #: Centre of that cell [m].
     where: tuple[float, float, float]
 
 
 def node_slopes(element: Element, at: Array | None = None) -> Array:
-    """Gradients of an element's shape functions at its nodes, or at other places, in the reference cell.
+    """Return the gradients of an element's shape functions at its nodes, or at other points of the reference cell.
 
     Parameters
     ----------
     element : Element
-        The element.
+        Element type of scikit-fem.
     at : (3, q) Array or None, default None
-        The places; None: the nodes.
+        Reference coordinates of the points; None for the element's nodes.
 
     Returns
     -------
     (q, n, 3) Array
-        At place q, of shape function n.
+        Gradient of shape function n at point q.
     """
     nodes = element.doflocs.T
     at = nodes if at is None else at
@@ -379,16 +382,16 @@ def node_slopes(element: Element, at: Array | None = None) -> Array:
 
 
 def scaled_jacobians(mesh: Mesh) -> Array:
-    """Smallest scaled Jacobian of every cell over its nodes; 1 for the regular tetrahedron and the cube.
+    """Return, for each cell, the smallest scaled Jacobian at its nodes; 1 for the regular tetrahedron and the cube.
 
-    Hexahedra: det J over the product of the lengths of its columns. Tetrahedra: sqrt(2) det J over the largest product of
-    the three edges that meet in a corner, J taken as that of a straight tetrahedron. Curved cells count as they are,
-    where pyvista's cell quality sees only their corners.
+    For hexahedra it is det J divided by the product of the lengths of J's columns. For tetrahedra it is sqrt(2) det J
+    divided by the largest product of three edges that meet in a corner; these edges are those of the straight tetrahedron
+    with the same J. The curvature of second-order cells is included, which pyvista's cell quality ignores.
 
     Returns
     -------
     (m,) Array
-        One value for each cell.
+        Smallest scaled Jacobian of each cell.
 
     References
     ----------
@@ -404,7 +407,10 @@ def scaled_jacobians(mesh: Mesh) -> Array:
 
 
 def _of_cells(mesh: Mesh, cells: Index, at: Array | None = None) -> Array:
-    """Smallest scaled Jacobian ``(c,)`` of some cells ``(c, nodes)`` of a mesh at their nodes, or ``at`` other places."""
+    """Return the smallest scaled Jacobian ``(c,)`` of each of some cells ``(c, nodes)`` of a mesh.
+
+    It is evaluated at the cells' nodes, or at the points with the reference coordinates ``at``.
+    """
     points, table = mesh.doflocs.T, node_slopes(mesh.elem(), at)
     result = np.empty(len(cells))
     for k in range(0, len(cells), CHUNK):
@@ -413,19 +419,19 @@ def _of_cells(mesh: Mesh, cells: Index, at: Array | None = None) -> Array:
 
 
 def _smallest_scaled_jacobians(x: Array, table: Array) -> Array:
-    """Scaled Jacobians of cells at given nodes.
+    """Return the scaled Jacobians of cells at q points of the reference cell.
 
     Parameters
     ----------
     x : (m, n, 3) Array
-        Nodes of the cells [m].
+        Coordinates of the n nodes of each cell [m].
     table : (q, n, 3) Array
-        Reference gradients of the shape functions at q places.
+        Gradients of the shape functions in reference coordinates, at the q points.
 
     Returns
     -------
     (m, q) Array
-        Scaled Jacobian of each cell at each place.
+        Scaled Jacobian of each cell at each point.
     """
     u, v, w = np.einsum("cnx,qnd->dcqx", x, table, optimize=["einsum_path", (0, 1)])
     normal = np.stack([u[..., i] * v[..., j] - u[..., j] * v[..., i] for i, j in ((1, 2), (2, 0), (0, 1))], axis=-1)
@@ -439,7 +445,7 @@ def _smallest_scaled_jacobians(x: Array, table: Array) -> Array:
 
 
 def measure_quality(mesh: Mesh) -> Quality:
-    """Size and quality of a mesh."""
+    """Count the cells and nodes of a mesh, and compute the scaled Jacobians of its cells."""
     jacobians = scaled_jacobians(mesh)
     worst = int(jacobians.argmin())
     x, y, z = mesh.doflocs[:, mesh.dofs.element_dofs[:, worst]].mean(axis=1)
@@ -453,55 +459,55 @@ def measure_quality(mesh: Mesh) -> Quality:
     )
 
 
-def refuse_bad(quality: Quality, name: str) -> None:
-    """Raise ValueError where the worst cell of a mesh is turned inside out.
+def refuse_inverted_cells(quality: Quality, name: str) -> None:
+    """Raise ValueError where the worst cell of a mesh is inverted, that is, where its scaled Jacobian is not positive.
 
     Parameters
     ----------
     quality : Quality
         Quality of the mesh.
     name : str
-        Body, for the message.
+        Name of the body, for the message.
     """
     if quality.smallest > 0.0:
         return
     r, z = np.hypot(*quality.where[:2]), quality.where[2]
     raise ValueError(
         f"mesh of the {name}: cell {quality.worst} of {quality.cells} at r = {1e3 * r:.4g} mm, z = {1e3 * z:.4g} mm is "
-        f"turned inside out (scaled Jacobian {quality.smallest:.2g}, must exceed 0): choose smaller element sizes"
+        f"turned inside out (its scaled Jacobian {quality.smallest:.2g} must exceed 0): choose smaller element sizes"
     )
 
 
-#: Places inside a tetrahedron, in reference coordinates ``(3, 8)``: a curved cell that is good at its nodes may be turned
-#: inside out there, where stiffnesses are integrated (`hifi.elements.forms.rule`).
+#: Reference coordinates ``(3, 8)`` of points inside a tetrahedron at which stiffnesses are integrated
+#: (`hifi.elements.forms.rule`). A curved cell may be inverted there though it is not at its nodes.
 INSIDE = np.hstack(
     [np.hstack([np.full((3, 1), a), a + (1.0 - 4.0 * a) * np.eye(3)]) for a in (0.1080472498984286, 0.3281633025163817)]
 )
 
-#: Scaled Jacobian below which a curved cell is untangled, and below which its edges are straightened, though the surface
-#: becomes less exact.
+#: Scaled Jacobian below which the inner midside nodes of a curved cell are moved (`untangle`), and below which its edges
+#: are straightened (`straighten`), though the mesh's surface becomes less exact then.
 BENT, STRAIGHTENED = 0.05, 0.01
 
 
 def untangle(mesh: Mesh, surface: Index, at: Array | None = None) -> Mesh:
-    """Move inner mid-edge nodes of badly curved P2 tetrahedra until the cells are better.
+    """Move the inner midside nodes of badly curved P2 tetrahedra until their scaled Jacobians are large enough.
 
-    A curved edge of the surface may cut into its cell; the inner edges of that cell are then curved too. One node after
-    the other moves to the place where the worst cell around it is best, out of steps in 26 directions that shrink.
+    A curved edge on the surface may cut into its cell; then the inner edges of that cell are curved too. One node after the
+    other is moved, out of 26 directions in the one that most improves the worst cell at this node; step lengths decrease.
 
     Parameters
     ----------
     mesh : Mesh
-        Second-order tetrahedra.
+        Mesh of second-order tetrahedra.
     surface : Index
-        Nodes that stay.
+        Nodes that are not moved.
     at : (3, q) Array or None, default None
-        Places of a cell, in reference coordinates, where it is judged; None: its nodes.
+        Reference coordinates of the points at which a cell's scaled Jacobian is computed; None for its nodes.
 
     Returns
     -------
     Mesh
-        Copy with moved nodes.
+        Copy of the mesh with moved nodes.
     """
     cells = mesh.dofs.element_dofs.T
     points = mesh.doflocs.T.copy()
@@ -535,23 +541,23 @@ def untangle(mesh: Mesh, surface: Index, at: Array | None = None) -> Mesh:
 
 
 def straighten(mesh: Mesh, keep: Index, at: Array | None = None) -> tuple[Mesh, int]:
-    """Straighten the edges of badly curved P2 tetrahedra.
+    """Straighten the edges of badly curved P2 tetrahedra: midside nodes move to the middle between the corners.
 
     Parameters
     ----------
     mesh : Mesh
-        Second-order tetrahedra.
+        Mesh of second-order tetrahedra.
     keep : Index
-        Nodes that stay.
+        Nodes that are not moved.
     at : (3, q) Array or None, default None
-        Places of a cell, in reference coordinates, where it is judged; None: its nodes.
+        Reference coordinates of the points at which a cell's scaled Jacobian is computed; None for its nodes.
 
     Returns
     -------
     mesh : Mesh
-        Copy with straightened edges.
+        Copy of the mesh with straightened edges.
     moved : int
-        Number of nodes that moved.
+        Number of nodes that were moved.
     """
     cells = mesh.dofs.element_dofs.T
     points = mesh.doflocs.T.copy()
@@ -575,44 +581,44 @@ def straighten(mesh: Mesh, keep: Index, at: Array | None = None) -> tuple[Mesh, 
 
 
 def improve_cells(mesh: Mesh, name: str, surface: Index, keep: Index) -> tuple[Mesh, int, Quality]:
-    """Improve the cells of a body's mesh: `untangle`, then `straighten`.
+    """Improve badly curved cells of a body's mesh: first by `untangle`, then by `straighten`.
 
     Parameters
     ----------
     mesh : Mesh
-        Second-order tetrahedra.
+        Mesh of second-order tetrahedra.
     name : str
-        Body, for the message.
+        Name of the body, for the message.
     surface : Index
-        Nodes that stay in the first step.
+        Nodes that `untangle` does not move.
     keep : Index
-        Nodes that stay in the second step, in which other nodes of the surface may leave it.
+        Nodes that `straighten` does not move. Other nodes of the surface may leave the exact surface.
 
     Returns
     -------
     mesh : Mesh
         Improved mesh.
     moved : int
-        Number of nodes that the second step moved.
+        Number of nodes that `straighten` moved.
     quality : Quality
-        Its quality.
+        Quality of the improved mesh.
 
     Raises
     ------
     ValueError
-        A cell remains turned inside out.
+        A cell is still inverted.
     """
     found, straight = straighten(untangle(mesh, surface), keep)
     if (_of_cells(found, found.dofs.element_dofs.T, INSIDE) <= 0.0).any():
         everywhere = np.hstack([mesh.elem.doflocs.T, INSIDE])
         found, straight = straighten(untangle(mesh, surface, everywhere), keep, everywhere)
     mesh, quality = found, measure_quality(found)
-    refuse_bad(quality, name)
+    refuse_inverted_cells(quality, name)
     return mesh, straight, quality
 
 
 def arc_deviation(x3: Array, z3: Array, centre: Array, radius: float) -> float:
-    """Largest distance of section points from a groove's circle.
+    """Return the largest distance between points in the groove section and the circular arc of the groove.
 
     Parameters
     ----------
@@ -626,7 +632,7 @@ def arc_deviation(x3: Array, z3: Array, centre: Array, radius: float) -> float:
     Returns
     -------
     float
-        [m]; 0 without points.
+        Distance [m]; 0 where there are no points.
 
     Examples
     --------

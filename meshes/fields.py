@@ -1,10 +1,10 @@
-"""Fields of the records that keys of stored runs are made of.
+"""Definitions for the fields of records from which the keys of stored 3D runs are computed.
 
-A field has a description, an example, a default, and the default by which it is hashed. A key leaves out a field that has
-its frozen default, that of the day it was added (`meshes.canonical`). So a new field with a default changes no key, if
-the default is given by `usual`; `keyed` refuses a record at import where one is not. Fields that a scene file has under
-the same name carry what the file needs: unit and range by their type (`meshes.ranges`), description and example by
-`about` and `usual`.
+A stored run is found again by a key, a hash of its inputs. Each field has a frozen default: the default on the day on which
+the field was added. A field whose value equals its frozen default does not enter the key (`meshes.canonical`). So a new
+field changes no key of older runs, provided that `usual` defines its default; `keyed` raises an error at import otherwise.
+For fields that are also keys of a scene file, the type gives unit and range (`meshes.ranges`), and `about` or `usual` gives
+description and example.
 """
 
 from __future__ import annotations
@@ -15,78 +15,78 @@ from typing import Any, TypeVar
 
 T = TypeVar("T")
 
-#: Frozen defaults by names of record and field.
+#: Frozen defaults: for the name of each record, the default of each field by the field's name.
 FROZEN: dict[str, dict[str, object]] = {}
 _NONE: Any = object()
 
 
 def about(description: str, example: object = None) -> dict[str, Any]:
-    """Metadata of a field that is a key of scene files.
+    """Make the metadata of a dataclass field that is also a key of scene files.
 
     Parameters
     ----------
     description : str
-        What the key is, for schema and manual.
+        Description of the key, for the JSON schema and the manual.
     example : object, default None
-        Value as it stands in a file.
+        Example of a value as written in a scene file.
 
     Returns
     -------
     dict
-        For ``dataclasses.field(metadata=...)``.
+        Argument ``metadata`` of ``dataclasses.field``.
     """
     return {"description": description} | ({} if example is None else {"examples": [example]})
 
 
 def usual(default: Any, description: str = "", example: object = None, *, now: Any = _NONE, compare: bool = True) -> Any:
-    """Field with a frozen default, by which it is hashed.
+    """Make a dataclass field with a default; a value equal to this default does not enter the keys of stored runs.
 
-    Keys of stored runs rest on the frozen default, so it stays as it is on the day the field is added.
+    The default given here is frozen: it must never be changed, because the keys of stored runs depend on it.
 
     Parameters
     ----------
     default : Any
-        The frozen default.
+        Frozen default, on the day on which the field was added.
     description, example : , default ''
-        As for `about`.
+        Description of the field as a key of scene files, and an example of its value, as for `about`.
     now : object, optional, default _NONE
-        Default of today where that has changed since.
+        Default that is used today, where it differs from the frozen one.
     compare : bool, default True
-        Whether the field counts in comparisons and hashes.
+        Whether the field counts when records are compared and hashed.
 
     Returns
     -------
     dataclasses.Field
-        The field.
+        The field, for the body of a dataclass.
     """
     metadata = {"usual": default} | (about(description, example) if description else {})
     return field(default=default if now is _NONE else now, metadata=metadata, compare=compare)
 
 
 def keyed(record: type[T]) -> type[T]:
-    """Mark a frozen dataclass of which keys are made.
+    """Register the frozen defaults of a dataclass whose fields enter the keys of stored runs (a class decorator).
 
     Parameters
     ----------
     record : type[T]
-        The dataclass.
+        The frozen dataclass.
 
     Returns
     -------
     type
-        The same class, registered in `FROZEN`.
+        The same class; its frozen defaults are now in `FROZEN`.
 
     Raises
     ------
     TypeError
-        A field has a default that is not given by `usual`.
+        The default of a field is not defined by `usual`.
     """
     frozen: dict[str, object] = {}
     for each in dataclasses.fields(record):  # type: ignore[arg-type]
         if "usual" in each.metadata:
             frozen[each.name] = each.metadata["usual"]
         elif each.default is not dataclasses.MISSING or each.default_factory is not dataclasses.MISSING:
-            advice = "write usual(DEFAULT), or a key of stored runs has it in it"
+            advice = "write usual(DEFAULT), or the new field changes the keys of stored runs"
             raise TypeError(f"{record.__name__}.{each.name}: its default is not frozen: {advice}")
     FROZEN[record.__name__] = frozen
     record.__pydantic_config__ = {"extra": "forbid"}  # type: ignore[attr-defined]

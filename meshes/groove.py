@@ -1,6 +1,6 @@
-"""A grooved tube as numbers: dimensions, section of its groove, outline of its flange, and curves on it.
+"""Geometry of a grooved screw, nut or ring for meshing: dimensions, section of its groove, contour of its flange, curves.
 
-Curves are given in space and in plane coordinates of the faces that they bound.
+Curves are functions of one parameter. They return points in space, or plane coordinates on the faces that they bound.
 """
 
 from __future__ import annotations
@@ -18,53 +18,54 @@ from rollbench.meshes.shell import Placing
 from rollbench.meshes.sockets import ON_GROOVE, SocketSize, flank_limits, groove_lines, whole_turns
 from rollbench.meshes.solid import RUN_OUT, WHOLE
 
-#: Distance [m] below which circles of a flanged nut count as one.
+#: Distance [m] below which two circles on the contour of a flanged nut count as one circle.
 SAME = 1e-8
 
 
 @dataclass(frozen=True)
 class GrooveEnds:
-    """Ends of a nut's groove that is filled beyond its loaded balls, as recirculation leaves it.
+    """Azimuths at which a nut's groove ends beyond its loaded balls, as where balls leave it for recirculation.
 
-    The groove is whole up to `WHOLE` ball diameters (or a socket) beyond the outermost balls; over the next `RUN_OUT` it
-    rises to the land: its depth below the land is a smoothstep of the azimuth there. Beyond, its flanks lie on the land's
-    cylinder, so that the surface is composed of the same strips and is meshed alike.
+    The groove has its full depth up to `WHOLE` ball diameters (or the length of a socket) beyond the outermost balls. Over
+    the next `RUN_OUT` ball diameters its depth below the land decreases to zero, as a smoothstep of the azimuth. Further on
+    its flanks lie on the land's cylinder, so that the same strips form the surface everywhere and are meshed alike.
     """
 
-    #: z - r_g phi of the groove of every start ``(n,)`` [m].
+    #: Constant z - r_g phi of each start's groove ``(n,)`` [m].
     lines: Array
-    #: Total azimuths between which it is whole ``(n, 2)`` [rad]; NaN for a start without balls.
+    #: Azimuths, counted along the helix, between which the groove has its full depth ``(n, 2)`` [rad]; NaN for a start
+    #: without balls.
     whole: Array
-    #: Length of the run-out [rad].
+    #: Angle over which the depth decreases to zero [rad].
     length: float
-    #: Reduced lead [m/rad].
+    #: Lead per radian [m/rad].
     rg: float
 
     @classmethod
     def of(cls, m: GrooveMap, sockets: Iterable[tuple[float, float, int]], size: SocketSize) -> GrooveEnds:
-        """Place the ends beyond the balls of some sockets.
+        """Compute the ends of a groove from the positions of the loaded balls.
 
         Parameters
         ----------
         m : GrooveMap
-            Track.
+            Groove surfaces of the track.
         sockets : Iterable[tuple[float, float, int]]
-            Azimuth [rad] and station [m] of the ball, and flank, of each.
+            For each contact, azimuth [rad] and axial position [m] of its ball, and flank 0 to 3.
         size : SocketSize
-            Size of the sockets.
+            Size of the sockets (boxes left free for the fine contact patches).
 
         Returns
         -------
         GrooveEnds
-            The ends.
+            Ends of each start's groove.
 
         Raises
         ------
         UnfitKey
-            The track is a ring, whose groove does not end.
+            The track is that of a bearing ring, whose groove has no ends.
         """
         if not m.rg:
-            raise UnfitKey("solid.nut_groove", "the groove of a ring does not end: leave solid.nut_groove out")
+            raise UnfitKey("solid.nut_groove", "the groove of a bearing ring has no ends: remove solid.nut_groove")
         lines = groove_lines(m)
         ball = 2.0 * m.ball / float(np.hypot(m.R, m.rg))
         reach = max(WHOLE * ball, size.phi)
@@ -77,26 +78,26 @@ class GrooveEnds:
         return cls(np.array(lines), whole, RUN_OUT * ball, m.rg)
 
     def depth(self, line: float, phi: Array) -> Array:
-        """Depth of a groove over that of the whole groove: 1 between its ends, 0 where it is filled.
+        """Return the ratio of a groove's depth to its full depth: 1 between its ends, 0 where the groove is filled.
 
         Parameters
         ----------
         line : float
-            z - r_g phi of the groove [m].
+            Constant z - r_g phi of the groove [m].
         phi : Array
-            Total azimuths [rad].
+            Azimuths, counted along the helix [rad].
 
         Returns
         -------
         Array of that shape
-            Relative depth.
+            Ratio of the depths.
         """
         low, high = self.whole[int(np.abs(self.lines - line).argmin())]
         t = np.clip(np.maximum(low - phi, phi - high) / self.length, 0.0, 1.0)
         return np.asarray(np.nan_to_num(1.0 - t * t * (3.0 - 2.0 * t)))
 
-    def in_whole(self, points: Array) -> NDArray[np.bool_]:
-        """Mask of points on the flanks where the groove is whole.
+    def has_full_depth(self, points: Array) -> NDArray[np.bool_]:
+        """Find the points on the flanks at which the groove has its full depth.
 
         Parameters
         ----------
@@ -106,7 +107,7 @@ class GrooveEnds:
         Returns
         -------
         (n,) Mask
-            True where the groove is whole.
+            True where the groove has its full depth.
         """
         phi = np.arctan2(points[:, 1], points[:, 0])
         off = points[:, 2] - self.rg * phi - self.lines[:, None]
@@ -120,45 +121,45 @@ class GrooveEnds:
 
 @dataclass(frozen=True)
 class BodySpec:
-    """Recipe of a grooved tube with flat ends: dimensions, sockets and element sizes."""
+    """Dimensions, contact positions and element sizes from which a screw, nut or ring with flat ends is meshed."""
 
-    #: Inner radius [m]; 0: no bore.
+    #: Inner radius [m]; 0 for a body without bore.
     r_in: float
     #: Outer radius [m].
     r_out: float
-    #: Station of the lower end [m].
+    #: Axial position of the end at smaller z [m].
     z_low: float
-    #: Station of the upper end [m].
+    #: Axial position of the end at larger z [m].
     z_high: float
-    #: Whether the groove is cut from outside (screw) or from inside (nut).
+    #: Whether the groove is in the outer surface (True, screw) or in the inner one (False, nut).
     outer: bool
-    #: Of every contact, azimuth [rad] of the ball's section with the offset of its start, station [m] of the ball, and
-    #: flank 0 to 3.
+    #: For each contact, azimuth [rad] of the ball including the offset of its start, axial position [m] of the ball, and
+    #: flank 0 to 3. Each contact gets a socket, a box left free for a fine contact patch.
     sockets: tuple[tuple[float, float, int], ...]
     #: Size of the sockets.
     size: SocketSize
     #: Element size at the sockets [m].
     fine: float
-    #: Element size far from them [m].
+    #: Element size far from the sockets [m].
     coarse: float
-    #: Whether the groove ends beyond its outermost sockets (`GrooveEnds`), or runs through.
+    #: Whether the groove ends beyond the outermost balls (`GrooveEnds`), or runs through the whole body.
     ends: bool = False
-    #: Flange of a nut.
+    #: Flange of a nut; None for a body without flange.
     flange: Flange | None = None
 
 
 def points_from_cylindrical(r: float | Array, phi: float | Array, z: float | Array) -> Array:
-    """Points of cylindrical coordinates.
+    """Convert cylindrical coordinates to Cartesian ones.
 
     Parameters
     ----------
     r, phi, z : float | Array
-        Radius [m], azimuth [rad] and height [m], of shapes that broadcast.
+        Radius [m], azimuth [rad] and axial coordinate [m], of shapes that broadcast.
 
     Returns
     -------
     (..., 3) Array
-        x, y, z [m].
+        Coordinates x, y, z [m].
 
     Examples
     --------
@@ -172,49 +173,49 @@ def points_from_cylindrical(r: float | Array, phi: float | Array, z: float | Arr
 
 @dataclass(frozen=True)
 class Groove:
-    """Section of a body's groove."""
+    """Cross-section of the groove of a screw, nut or ring: range of its flanks, opening, and wall thickness."""
 
-    #: Map of the track.
+    #: Groove surfaces of the track.
     m: GrooveMap
-    #: Flanks; the same one for both halves where they are one arc.
+    #: Flanks 0 to 3 of the groove: two for a gothic arch, one where the groove is a single arc.
     sides: tuple[int, ...]
     #: Radius of the lands [m].
     land: float
-    #: Radius of the smooth surface behind the groove [m].
+    #: Radius of the smooth surface opposite the groove [m]: the bore of a screw, or the outside of a nut.
     behind: float
-    #: Section angle of the apex [rad].
+    #: Section angle of the apex between the two arcs [rad].
     apex: float
     #: Section angle of the edge at the land [rad].
     edge: float
-    #: Middle of the opening along z from the groove's line [m].
+    #: Axial distance from the groove's centre line to the middle of its opening [m].
     middle: float
-    #: Half of the opening along z [m].
+    #: Half width of the opening along z [m].
     half: float
     #: Thickness of the wall under the groove [m].
     wall: float
-    #: Where the groove ends; None: at the flat ends.
+    #: Azimuths at which the groove ends; None for a groove that runs up to the flat ends.
     ends: GrooveEnds | None
 
     @staticmethod
     def of(m: GrooveMap, spec: BodySpec) -> Groove:
-        """Section of a body's groove.
+        """Compute the cross-section of the groove of a screw, nut or ring.
 
         Parameters
         ----------
         m : GrooveMap
-            Map of the track.
+            Groove surfaces of the track.
         spec : BodySpec
             Dimensions of the body.
 
         Returns
         -------
         Groove
-            The section.
+            Cross-section of the groove.
 
         Raises
         ------
         ValueError
-            The groove leaves no land or no wall.
+            The groove is so wide or deep that no land or no wall remains.
         """
         sides: tuple[int, ...] = (0, 1) if spec.outer else (2, 3)
         if m.one_arc:
@@ -229,132 +230,132 @@ class Groove:
         wall = float(r.min() - behind if spec.outer else behind - r.max())
         if wall <= 0.0:
             raise ValueError(
-                f"the groove is {-1e3 * wall:.4g} mm deeper than its wall, which ends at a radius of {1e3 * behind:.4g} "
-                "mm: change the bore or the outer diameter"
+                f"the groove is {-1e3 * wall:.4g} mm deeper than the wall of the part, which ends at a radius of "
+                f"{1e3 * behind:.4g} mm: change the bore or the outer diameter"
             )
         pitch = 2.0 * np.pi * abs(m.rg) / m.starts
         if pitch and 2.0 * zeta.max() >= pitch:
             raise ValueError(
-                f"the groove is {2e3 * zeta.max():.4g} mm wide, its next turn {1e3 * pitch:.4g} mm on: no land is left; "
-                "raise the lead or move the land towards the pitch radius"
+                f"the groove is {2e3 * zeta.max():.4g} mm wide, and its next turn is {1e3 * pitch:.4g} mm away: no land "
+                "remains between them; raise the lead or move the land towards the pitch radius"
             )
         at = m.z0 + middle
         if not pitch and (at - zeta.max() <= spec.z_low or at + zeta.max() >= spec.z_high):
             raise ValueError(
-                f"the groove is {2e3 * zeta.max():.4g} mm wide, the ring only {1e3 * (spec.z_high - spec.z_low):.4g} mm: "
-                "widen the ring or put its middle at the groove"
+                f"the groove is {2e3 * zeta.max():.4g} mm wide, but the ring only {1e3 * (spec.z_high - spec.z_low):.4g} "
+                "mm: widen the ring or centre it on the groove"
             )
         ends = GrooveEnds.of(m, spec.sockets, spec.size) if spec.ends else None
         return Groove(m, sides, land, behind, apex, edge, middle, float(zeta[-1]), wall, ends)
 
     def unrolled(self, side: int, gamma: Array) -> tuple[Array, Array, Array]:
-        """Unrolled coordinates of a flank.
+        """Return the unrolled coordinates of points on a flank.
 
         Parameters
         ----------
         side : int
-            Flank 0 to 3.
+            Flank: 0 and 1 are left and right on the screw, 2 and 3 on the nut.
         gamma : Array
-            Section angles [rad].
+            Section angles of the points [rad].
 
         Returns
         -------
         r, zeta, psi : Array
-            As of `GrooveMap.unroll` [m, m, rad].
+            Radius [m], axial coordinate along the unrolled groove [m] and azimuth [rad], as returned by `GrooveMap.unroll`.
         """
         return self.m.unroll(*self.m.section_point(side, gamma, np.full(gamma.shape, self.m.radius[side])))
 
     def profile(self, side: int, gamma: Array) -> tuple[Array, Array]:
-        """Radius and unrolled height of a flank.
+        """Return the profile of a flank: radius and axial coordinate along the unrolled groove.
 
         Parameters
         ----------
         side : int
-            Flank 0 to 3.
+            Flank: 0 and 1 are left and right on the screw, 2 and 3 on the nut.
         gamma : Array
-            Section angles [rad].
+            Section angles of the points [rad].
 
         Returns
         -------
         r, zeta : Array
-            [m].
+            Radii and axial coordinates [m].
         """
         return self.unrolled(side, gamma)[:2]
 
     def radius(self, line: float, r: float | Array, phi: Array) -> float | Array:
-        """Radius of a flank's point, raised towards the land where the groove runs out.
+        """Return the radius of points on a flank, which approaches the land's radius where the groove ends.
 
         Parameters
         ----------
         line : float
-            z - r_g phi of the groove [m].
+            Constant z - r_g phi of the groove [m].
         r : float | Array
-            Radius in the whole groove [m].
+            Radius of the points in the groove of full depth [m].
         phi : Array
-            Total azimuths [rad].
+            Azimuths of the points, counted along the helix [rad].
 
         Returns
         -------
         float or Array
-            [m].
+            Radius of the points [m].
         """
         return r if self.ends is None else self.land + self.ends.depth(line, phi) * (r - self.land)
 
 
 def level_line(at: float) -> Placing:
-    """Curve of plane coordinates (t, at)."""
+    """Make the curve with the plane coordinates (t, at), where t is its parameter: a line parallel to the first axis."""
     return lambda t: np.stack([t, np.full(t.size, at)], axis=1)
 
 
 def upright_line(at: float) -> Placing:
-    """Curve of plane coordinates (at, t)."""
+    """Make the curve with the plane coordinates (at, t), where t is its parameter: a line parallel to the second axis."""
     return lambda t: np.stack([np.full(t.size, at), t], axis=1)
 
 
 def plane_map(z: float) -> Placing:
-    """Map of plane coordinates (x, y) to points at the height z [m]."""
+    """Make the function that maps plane coordinates (x, y) to points at the axial position z [m]."""
     return lambda x: np.column_stack([x, np.full(len(x), z)])
 
 
 def circle_curve(r: float, z: float) -> Placing:
-    """Curve of points on a circle of radius r [m] about the axis at the height z [m], by azimuth."""
+    """Make the curve in space that is a circle of radius r [m] about the axis, at z [m]; its parameter is the azimuth."""
     return lambda t: points_from_cylindrical(r, t, z)
 
 
 def circle_in_plane(r: float) -> Placing:
-    """Curve of plane coordinates (x, y) on a circle of radius r [m] about the axis, by azimuth, for flat faces."""
+    """Make the curve in the plane (x, y) of a flat face that is a circle of radius r [m]; its parameter is the azimuth."""
     return lambda t: points_from_cylindrical(r, t, 0.0)[:, :2]
 
 
 def groove_line(line: float, zeta: float, rg: float, at: float | None = None) -> Placing:
-    """Curve of plane coordinates along a groove, by height z [m].
+    """Make the curve along a helical groove in plane coordinates; its parameter is the axial position z [m].
 
     Parameters
     ----------
     line : float
-        z - r_g phi of the groove [m].
+        Constant z - r_g phi of the groove [m].
     zeta : float
-        Unrolled height on its section [m].
+        Axial coordinate of the curve on the groove's section [m].
     rg : float
-        Reduced lead [m/rad].
+        Lead per radian [m/rad].
     at : float | None, default None
-        Second coordinate; None: z.
+        Second plane coordinate of all points; None: their axial position z.
 
     Returns
     -------
     Placing
-        Plane coordinates (azimuth, at).
+        Function that returns the plane coordinates (azimuth, ``at`` or z).
     """
     return lambda z: np.stack([(z - line - zeta) / rg, z if at is None else np.full(z.size, at)], axis=1)
 
 
 def widest_gap(spec: BodySpec) -> float:
-    """Azimuth midway between the two neighbouring sockets farthest apart, seen along the axis.
+    """Return the azimuth in the middle of the widest angular gap between sockets, where a ring is cut open for meshing.
 
     Returns
     -------
     float
-        [rad]; 0 without sockets.
+        Azimuth [rad]; 0 for a body without sockets.
     """
     if not spec.sockets:
         return 0.0
@@ -367,26 +368,27 @@ def widest_gap(spec: BodySpec) -> float:
 def outer_surfaces(
     flange: Flange, outer: float, z: tuple[float, float], least: float = SAME
 ) -> tuple[list[str], list[tuple[float, float]]]:
-    """Surfaces outside a flanged nut, from its lower end to its upper one.
+    """List the outer surfaces of a flanged nut, from its end at smaller z to that at larger z.
 
     Parameters
     ----------
     flange : Flange
-        The flange.
+        Dimensions of the flange.
     outer : float
         Outer radius of the nut [m].
     z : tuple[float, float]
-        Stations of its ends [m].
+        Axial positions of the nut's ends [m].
     least : float, default SAME
-        Width [m] below which the seat is taken to reach the flange's rim or the nut's outer surface, and a centring
-        fit is ignored: circles closer than their edges' deviation from the arc would intersect in a mesh.
+        Smallest width of a surface [m]. A narrower ring between the flange's fixed ring (its seat) and its rim, or the
+        nut's outer surface, is added to the seat; a shorter centring fit is ignored. Otherwise the straight edges of
+        neighbouring circles would intersect in the mesh.
 
     Returns
     -------
     names : list of str
         Names of the surfaces.
     circles : list of (r, z)
-        Circles [m] before, between and behind them.
+        Radius and axial position [m] of the circles that bound the surfaces, one more than surfaces.
     """
     rim = flange.diameter / 2.0
     end, face, fit = flange.stations(*z)

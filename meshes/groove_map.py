@@ -1,8 +1,9 @@
-"""The exact map between space and the unrolled, helically invariant coordinates of a grooved body.
+"""Exact coordinate transformations between space, the section of a groove, and unrolled coordinates along its helix.
 
-A point (x3, z3) of the groove section at azimuth phi lies at r = |(R_p + x3, z3 sin alpha)|, at the total azimuth
-phi + psi with psi = atan2(-z3 sin alpha, R_p + x3), and at z = zeta + r_g (phi + psi) with zeta = z3 cos alpha - r_g psi:
-(r, zeta) do not depend on phi, so the groove is a straight prism in (phi, zeta, r) and nodes are mapped without error.
+A point (x3, z3) of the groove section at azimuth phi has the radius r = |(R_p + x3, z3 sin alpha)|, the azimuth phi + psi
+with psi = atan2(-z3 sin alpha, R_p + x3), and z = zeta + r_g (phi + psi) with zeta = z3 cos alpha - r_g psi. Here R_p is
+the pitch radius, alpha the lead angle and r_g the lead per radian. Since r and zeta do not depend on phi, the groove is a
+straight prism in the unrolled coordinates (phi, zeta, r), and nodes of a mesh are mapped without error.
 """
 
 from __future__ import annotations
@@ -24,11 +25,11 @@ from rollbench.meshes.parts import SIDE_SIGNS, Scene
 @keyed
 @dataclass(frozen=True, eq=False)
 class GrooveMap:
-    """Exact map between space, groove section and the unrolled, helically invariant coordinates of a scene's track."""
+    """Nominal groove surfaces of a scene, with exact maps between space, groove section and unrolled coordinates."""
 
     #: Pitch radius [m].
     R: float
-    #: Signed reduced lead [m/rad].
+    #: Lead per radian r_g = lead / (2 pi) [m/rad]; negative for a left-hand helix, 0 for a bearing.
     rg: float
     #: Signed lead angle [rad].
     alpha: float
@@ -42,7 +43,7 @@ class GrooveMap:
     centre: Array
     #: Groove radii ``(4,)`` [m].
     radius: Array
-    #: Station of the nut's centre [m].
+    #: Axial position of the nut's centre [m].
     z0: float
     #: Azimuth of the helix at the nut's centre [rad].
     phase: float
@@ -53,17 +54,17 @@ class GrooveMap:
 
     @staticmethod
     def of(scene: Scene) -> GrooveMap:
-        """Map of a scene's nominal geometry.
+        """Create the groove surfaces of a scene from its nominal dimensions.
 
         Parameters
         ----------
         scene : Scene
-            Screw or bearing.
+            Scene with a screw or bearing.
 
         Returns
         -------
         GrooveMap
-            The map.
+            Nominal groove surfaces.
         """
         track = scene.track
         return GrooveMap(
@@ -83,48 +84,49 @@ class GrooveMap:
 
     @cached_property
     def _content(self) -> tuple[object, ...]:
+        """Values of all fields, arrays as bytes, for comparison and hashing."""
         values = (getattr(self, field.name) for field in fields(self))
         return tuple(value.tobytes() if isinstance(value, np.ndarray) else value for value in values)
 
     def __eq__(self, other: object) -> bool:
-        """Compare all numbers."""
+        """Return whether all fields have the same values."""
         return isinstance(other, GrooveMap) and self._content == other._content
 
     def __hash__(self) -> int:
-        """Hash all numbers."""
+        """Hash the values of all fields."""
         return hash(self._content)
 
     @property
     def at_apex(self) -> bool:
-        """Whether both flanks of a ring's groove have one contact, at its bottom (`meshes.one_arc`)."""
+        """Whether a ball touches a bearing's groove at one point near the apex, not at both flanks (`meshes.one_arc`)."""
         return self.rg == 0.0 and near_apex(float(self.radius.min()), self.beta, self.ball)
 
     @property
     def one_arc(self) -> bool:
-        """Whether each groove is one arc."""
+        """Whether each groove is a single arc, not a gothic arch."""
         return bool(self.arc_sides)
 
     @property
     def arc_sides(self) -> tuple[int, ...]:
-        """Flanks (0 to 3) that carry contacts in grooves of one arc each (`meshes.one_arc.sides_of_arc`)."""
+        """Flanks (0 to 3) that carry contacts where each groove is a single arc; empty for gothic arches."""
         return sides_of_arcs(self.rg, self.arcs, self.at_apex)
 
     def axes(self) -> Array:
-        """Section frame at azimuth 0.
+        """Return the unit vectors of the section frame at azimuth 0.
 
         Returns
         -------
         (3, 3) Array
-            Rows x3 (radial), y3 (along the track) and z3 (across it, in the section), in x, y, z.
+            Rows: x3 (radial), y3 (along the track) and z3 (across the track, in the section), as components x, y, z.
         """
         c, s = cos(self.alpha), sin(self.alpha)
         return np.array([[1.0, 0.0, 0.0], [0.0, c, s], [0.0, -s, c]])
 
     def relative_radii(self, side: int, angle: float) -> tuple[float, float]:
-        """Relative radii of curvature of ball and groove across and along the groove.
+        """Compute the relative radii of curvature of ball and groove, across and along the groove.
 
-        Along the groove the screw is convex, the nut concave: normal curvature of the tube around a helix, cos(angle)
-        cos^2(alpha) / r at the radius r of the contact.
+        Along the groove the screw is convex and the nut concave. Its curvature is that of a tube around a helix,
+        cos(angle) cos^2(alpha) / r at the radius r of the contact, with the lead angle alpha.
 
         Parameters
         ----------
@@ -136,9 +138,9 @@ class GrooveMap:
         Returns
         -------
         across : float
-            1 / (1/r_B - 1/r_G) [m].
+            Relative radius across the groove, 1 / (1/r_B - 1/r_G) [m], with ball radius r_B and groove radius r_G.
         along : float
-            1 / (1/r_B - kappa) [m], kappa positive on the nut.
+            Relative radius along the groove, 1 / (1/r_B - kappa) [m]; the groove's curvature kappa is positive on the nut.
 
         Examples
         --------
@@ -147,17 +149,17 @@ class GrooveMap:
         >>> [round(1e3 * x, 3) for x in m.relative_radii(0, m.beta)]  # mm
         [18.991, 2.458]
         """
-        outward = float(self.signs[side, 0] * np.cos(angle))  # below 0 on the screw
+        outward = float(self.signs[side, 0] * np.cos(angle))  # negative on the screw
         along = outward * cos(self.alpha) ** 2 / (self.R + outward * self.ball)
         return 1.0 / (1.0 / self.ball - 1.0 / float(self.radius[side])), 1.0 / (1.0 / self.ball - along)
 
     def section_point(self, side: int, gamma: Array, rho: Array) -> tuple[Array, Array]:
-        """Section coordinates at an angle and distance from the centre of a flank's arc.
+        """Convert polar coordinates about the centre of a flank's arc to section coordinates.
 
         Parameters
         ----------
         side : int
-            Flank 0 to 3.
+            Flank 0 to 3 (SL, SR, NL, NR).
         gamma : Array
             Section angle [rad].
         rho : Array
@@ -172,7 +174,7 @@ class GrooveMap:
         return self.centre[side, 0] + sx * rho * np.cos(gamma), self.centre[side, 1] + sz * rho * np.sin(gamma)
 
     def unroll(self, x3: Array, z3: Array) -> tuple[Array, Array, Array]:
-        """Unrolled coordinates of points in the section.
+        """Convert section coordinates to unrolled coordinates.
 
         Parameters
         ----------
@@ -182,25 +184,25 @@ class GrooveMap:
         Returns
         -------
         r : Array
-            Radius from the screw's axis [m].
+            Distance from the screw's axis [m].
         zeta : Array
-            z less r_g times the total azimuth of the point [m].
+            z minus r_g times the azimuth of the point, with the lead per radian r_g [m].
         psi : Array
-            Azimuth of the point ahead of that of the section [rad].
+            Azimuth of the point minus that of the section's origin [rad].
         """
         r = np.hypot(self.R + x3, z3 * sin(self.alpha))
         psi = np.arctan2(-z3 * sin(self.alpha), self.R + x3)
         return r, z3 * cos(self.alpha) - self.rg * psi, psi
 
     def roll(self, r: Array, zeta: Array) -> tuple[Array, Array]:
-        """Section coordinates of unrolled ones; the inverse of `unroll`.
+        """Convert unrolled coordinates to section coordinates; the inverse of `unroll`.
 
-        Newton's method in z3; converges near the groove, where abs(z3 sin alpha) < 0.9 r.
+        Newton's method for z3, which converges near the groove, where abs(z3 sin alpha) < 0.9 r.
 
         Parameters
         ----------
         r, zeta : Array
-            Radius [m] and unrolled z [m].
+            Radius and unrolled axial coordinate, as returned by `unroll` [m].
 
         Returns
         -------
@@ -227,12 +229,12 @@ class GrooveMap:
         return np.sqrt(np.maximum(r * r - (z3 * s) ** 2, 0.0)) - self.R, z3
 
     def polar(self, side: int, x3: Array, z3: Array) -> tuple[Array, Array]:
-        """Polar section coordinates about the centre of a flank's arc; the inverse of `section_point`.
+        """Convert section coordinates to polar coordinates about the centre of a flank's arc; inverse of `section_point`.
 
         Parameters
         ----------
         side : int
-            Flank 0 to 3.
+            Flank 0 to 3 (SL, SR, NL, NR).
         x3, z3 : Array
             Section coordinates [m].
 
@@ -248,16 +250,16 @@ class GrooveMap:
         return np.arctan2(sz * wz, sx * wx), np.hypot(wx, wz)
 
     def space(self, r: Array, zeta: Array, phi: Array) -> Array:
-        """Points in space of unrolled coordinates.
+        """Convert unrolled coordinates to Cartesian ones.
 
         Parameters
         ----------
         r, zeta, phi : Array
-            Radius [m], unrolled z [m] and total azimuth [rad].
+            Radius [m], unrolled axial coordinate [m] and azimuth [rad].
 
         Returns
         -------
         (..., 3) Array
-            x, y, z [m] in the frame of a ball at azimuth 0 and z = 0.
+            Coordinates x, y, z [m] in the frame of a ball at azimuth 0 and z = 0.
         """
         return np.stack([r * np.cos(phi), r * np.sin(phi), zeta + self.rg * phi], axis=-1)

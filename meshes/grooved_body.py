@@ -1,9 +1,9 @@
-"""Coarse mesh of a screw or nut: second-order tetrahedra by gmsh, with a socket at every contact.
+"""Coarse mesh of a screw, nut or ring: second-order tetrahedra by gmsh, with a box left free around every contact (socket).
 
-The surface is composed of smooth faces, each with plane coordinates in which it is known exactly: flanks in (azimuth,
-gamma), lands and bores in (azimuth, z), the flat ends as they are. On a helix, flanks and lands are strips that end at
-the flat ends, so nothing has to be cut open; a ring is cut open midway between two sockets. ``meshes.shell`` fills the
-closed surface.
+The surface consists of smooth faces. Each has plane coordinates in which its shape is known exactly: (azimuth, section
+angle gamma) for flanks, (azimuth, z) for lands and bores, (x, y) for the flat ends. On a helix, flanks and lands are strips
+that end at the flat ends. On a ring, faces are closed around the axis; they are cut open midway between two sockets.
+``meshes.shell`` fills the closed surface with tetrahedra.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ from rollbench.meshes.shell import (
     POOREST,
     WALL,
     Curve,
-    Filled,
+    FilledShell,
     Placing,
     Shell,
     Side,
@@ -53,7 +53,7 @@ from rollbench.meshes.sockets import (
     SocketMesh,
     groove_lines,
     local_points,
-    refuse_misfit,
+    refuse_misfitting_sockets,
     side_socket,
     socket_centre,
     socket_points,
@@ -61,57 +61,60 @@ from rollbench.meshes.sockets import (
     whole_turns,
 )
 
-#: Longest edges on flanks over the coarse element size: a long groove of a small section makes most of a body's cells.
+#: Longest edges on flanks, as a ratio to the coarse element size. Most cells of a body are at its long, narrow groove.
 FLANK = 0.48
-#: Longest edges on a flange over its thickness.
+#: Longest edges on a flange, as a ratio to its thickness.
 THICKNESS = 0.25
-#: Width over the longest edges on a flange below which a ring of it is not meshed.
+#: Width of a ring on a flange below which the ring is not meshed, as a ratio to the longest edges on the flange.
 SLIVER = 0.1
 
 
 @dataclass(frozen=True)
 class GroovedBody(Meshed):
-    """Mesh of a screw or nut with sockets.
+    """Coarse mesh of a screw, nut or ring with sockets, the boxes left free for fine contact patches.
 
-    Boundaries: "low end", "high end", "flank SL" (and other sides), "land", "bore" of a screw that has one or "outside"
-    of a nut, "sockets" if any; of a flanged nut also "rim", "seat" (where its flange may be fixed), "flange" (the rest of
-    that face) and "centring" (the fit beside it).
+    Names of its boundaries: "low end", "high end", "flank SL" (SR, NL, NR), "land"; "bore" of a hollow screw or "outside"
+    of a nut; "sockets" if there are any. A flanged nut also has "rim", "seat" (the ring at which the flange may be fixed),
+    "flange" (the rest of that face) and "centring" (the cylindrical fit next to it).
     """
 
-    #: Second-order tetrahedra.
+    #: Mesh of second-order tetrahedra.
     mesh: Mesh
-    #: Nodes of the inner faces of each socket ``(count, k)``, in the order of its flank's mesh in ``sockets``.
+    #: Nodes on the inner faces of each socket ``(count, k)``, in the order of the mesh in ``sockets`` for its flank.
     socket_nodes: Index
-    #: Mesh of the sockets' faces, by flank.
+    #: Mesh of a socket's faces, for each flank 0 to 3 that has sockets.
     sockets: dict[int, SocketMesh]
-    #: Largest distance of the flanks' nodes, the sockets' rims among them, from the exact flanks [m].
+    #: Largest distance of the flanks' nodes, including the sockets' rims, from the exact flanks [m].
     deviation: float
-    #: Size and quality.
+    #: Number of cells and nodes, and the scaled Jacobians of the cells.
     quality: Quality
 
 
 class Surface:
-    """Surface of a grooved body in a `Shell`; plane coordinates are (azimuth, gamma) or (azimuth, z)."""
+    """Closed surface of a screw, nut or ring, built face by face in a `Shell`.
+
+    Plane coordinates of curved faces are (azimuth, section angle gamma) on flanks, and (azimuth, z) on cylinders.
+    """
 
     def __init__(
         self, shell: Shell, m: GrooveMap, spec: BodySpec, share: float = 1.0, groove: Groove | None = None
     ) -> None:
-        """Divide the curves and triangulate the faces.
+        """Divide the curves of the body's surface and triangulate its faces.
 
-        ``corners`` are those of every socket, in the order of ``spec.sockets``.
+        Afterwards the attribute ``corners`` holds the corner nodes of every socket, in the order of ``spec.sockets``.
 
         Parameters
         ----------
         shell : Shell
-            Shell to which the surface is added.
+            Surface mesh to which the faces are added.
         m : GrooveMap
-            Map of the track.
+            Groove surfaces of the track.
         spec : BodySpec
-            Dimensions and sockets.
+            Dimensions and sockets of the body.
         share : float, default 1.0
-            Factor on the usual longest edges on curved faces.
+            Factor on the default for the longest edges on curved faces.
         groove : Groove | None, default None
-            Section of the groove; None: that of ``spec``.
+            Cross-section of the groove; None: it is computed from ``spec``.
         """
         self.shell, self.m, self.spec = shell, m, spec
         self.groove = groove or Groove.of(m, spec)
@@ -129,7 +132,10 @@ class Surface:
         self._ends(self._helix() if m.rg else self._ring())
 
     def _holes(self, side: int, line: float) -> list[list[Side]]:
-        """Rims of the sockets on a flank of a groove line."""
+        """Return the rims of the sockets on a flank of one start's groove, as holes in the face of the flank.
+
+        ``line`` is the groove's constant z - r_g phi [m].
+        """
         m, spec = self.m, self.spec
         holes = []
         for corners, (phi, z, socket_side) in zip(self.corners, spec.sockets, strict=True):
@@ -147,11 +153,14 @@ class Surface:
         return holes
 
     def _flank(self, side: int, line: float, boundary: list[Side]) -> None:
-        """Triangulate a flank of a groove line; the plane keeps angles best if azimuths count from the balls' sections."""
+        """Triangulate a flank of one start's groove, with the constant ``line`` = z - r_g phi [m].
+
+        In the plane, azimuths are measured from the section normal to the helix, which distorts angles least.
+        """
         m = self.m
         scale = np.array([np.hypot(m.rg, socket_centre(m, side)[0]), float(m.radius[side])])
 
-        def laid(x: Array) -> Array:
+        def to_plane(x: Array) -> Array:
             return scale * np.stack([x[:, 0] - self.groove.unrolled(side, x[:, 1])[2], x[:, 1]], axis=1)
 
         def space(plane: Array) -> Array:
@@ -160,33 +169,37 @@ class Surface:
             phi = along + turn
             return points_from_cylindrical(self.groove.radius(line, r, phi), phi, line + zeta + m.rg * phi)
 
-        loops = [[(n, laid(x)) for n, x in loop] for loop in (boundary, *self._holes(side, line))]
+        loops = [[(n, to_plane(x)) for n, x in loop] for loop in (boundary, *self._holes(side, line))]
         self.shell.face(f"flank {SIDES[side]}", loops, space, self.flank_limit)
 
     def _cylinder(self, name: str, r: float, boundary: list[Side], limit: float) -> None:
-        """Triangulate a face of constant radius."""
+        """Triangulate a face on the cylinder of radius r [m]; plane coordinates of its boundary are (azimuth, z)."""
         scale = np.array([r, 1.0])
         loop = [(n, x * scale) for n, x in boundary]
         self.shell.face(name, [loop], lambda x: points_from_cylindrical(r, x[:, 0] / r, x[:, 1]), limit)
 
     def _circle(self, r: float, z: float, limit: float) -> Curve:
+        """Divide a circle of radius r about the axis at z [m] into edges of at most ``limit`` [m]."""
         return self.shell.curve(circle_curve(r, z), self.start, self.start + 2.0 * np.pi, limit)
 
     def _around(self, low: Curve, high: Curve, at: tuple[float, float], seam: Placing, limit: float) -> list[Side]:
-        """Sides of a face between two circles at second coordinates ``at``, cut open along the curve ``seam``."""
+        """Return the four sides of a face between two circles, which is cut open along the curve ``seam``.
+
+        ``at`` holds the second plane coordinate of the lower and of the upper circle.
+        """
         cut = self.shell.curve(seam, *at, limit, (int(low.nodes[0]), int(high.nodes[0])))
         begin, end = upright_line(self.start), upright_line(self.start + 2.0 * np.pi)
         return [low.on(level_line(at[0])), cut.on(end), high.back(level_line(at[1])), cut.back(begin)]
 
     def _tube(self, name: str, r: float, low: Curve, high: Curve, z: tuple[float, float], limit: float) -> None:
-        """Triangulate a closed cylinder between two circles."""
+        """Triangulate the cylinder of radius r [m] between two circles, at the axial positions ``z`` [m]."""
         seam = self._around(low, high, z, lambda t: points_from_cylindrical(r, self.start, t), limit)
         self._cylinder(name, r, seam, limit)
 
     def _ends(self, bounds: list[list[Side]]) -> None:
-        """Triangulate the smooth surface behind the groove, if any, and the flat ends.
+        """Triangulate the two flat ends, and the bore of a hollow screw or the outside of a nut.
 
-        bounds: loops of the ends at the groove's side.
+        ``bounds`` holds, for each end, its boundary on the side of the groove.
         """
         r = self.groove.behind
         loops = [[bound] for bound in bounds]
@@ -206,9 +219,10 @@ class Surface:
             self.shell.face(name, loop, plane_map(z), np.inf)
 
     def _outline(self, names: list[str], places: list[tuple[float, float]], limit: float, thin: float) -> list[Curve]:
-        """Triangulate the surface between circles at ``places``, by name; returns the circles.
+        """Triangulate the outer surfaces of a flanged nut between the circles at ``places``, and return the circles.
 
-        thin: longest edges on the flange [m].
+        ``names`` holds the name of each surface, ``places`` radius and z [m] of each circle, ``limit`` and ``thin`` the
+        longest edges on the nut and on its flange [m].
         """
         sizes = [limit if name in ("centring", "outside") else min(thin, limit) for name in names]
         around = [min(pair) for pair in zip([limit, *sizes], [*sizes, limit], strict=True)]
@@ -223,7 +237,7 @@ class Surface:
         return circles
 
     def _ring(self) -> list[list[Side]]:
-        """Flanks and lands of a ring; returns the land's circles at both ends."""
+        """Triangulate the flanks and lands of a ring, and return the circles of the land at both flat ends."""
         g, line = self.groove, self.m.z0
         limit = self.bend * g.land
         circles = [self._circle(g.land, z, limit) for z in self.z]
@@ -240,17 +254,17 @@ class Surface:
             faces = [(side, apex, edge, g.apex) for side, edge in zip(g.sides, (left, right), strict=True)]
         for side, first, last, begin in faces:
 
-            def seam(gamma: Array, side: int = side) -> Array:
+            def seam_points(gamma: Array, side: int = side) -> Array:
                 r, zeta = g.profile(side, gamma)
                 return points_from_cylindrical(r, self.start, line + zeta)
 
-            self._flank(side, line, self._around(first, last, (begin, g.edge), seam, self.flank_limit))
+            self._flank(side, line, self._around(first, last, (begin, g.edge), seam_points, self.flank_limit))
         return [[c.on(circle_in_plane(g.land))] for c in circles]
 
     def _helix(self) -> list[list[Side]]:
-        """Flanks and lands of all starts; returns the loops around both ends."""
+        """Triangulate the flanks and lands of a screw or nut, and return the boundaries of both flat ends."""
         g, rg, lines = self.groove, self.m.rg, groove_lines(self.m)
-        threads = [Thread(self.shell, g, line, self.z, min(self.flank_limit, self.bend * g.land)) for line in lines]
+        threads = [GrooveThread(self.shell, g, line, self.z, min(self.flank_limit, self.bend * g.land)) for line in lines]
         pitch = 2.0 * np.pi * abs(rg) / self.m.starts
         arcs = []
         for k, thread in enumerate(threads):
@@ -269,8 +283,8 @@ class Surface:
             arcs.append(pair)
         return [self._bound(threads, [pair[end] for pair in arcs], end) for end in (0, 1)]
 
-    def _bound(self, threads: list[Thread], arcs: list[Curve], end: int) -> list[Side]:
-        """Loop around a flat end: out of a groove, along the land, into the next groove."""
+    def _bound(self, threads: list[GrooveThread], arcs: list[Curve], end: int) -> list[Side]:
+        """Return the boundary of a flat end (0 low, 1 high): alternately a flank's edge, the land, and the next flank."""
         g, step = self.groove, -1 if self.m.rg > 0.0 else 1
         loop, k = [], 0
         for _ in threads:
@@ -284,11 +298,18 @@ class Surface:
         return loop
 
 
-class Thread:
-    """Curves of one start's groove: rails along left edge, apex and right edge; cuts of both flanks by both ends."""
+class GrooveThread:
+    """Curves that bound the two flanks of one start's helical groove.
+
+    The attribute ``rails`` holds the curves along the left edge, the apex and the right edge of the groove; ``cuts`` holds,
+    for each flank, its intersections with the two flat ends.
+    """
 
     def __init__(self, shell: Shell, groove: Groove, line: float, z: tuple[float, float], limit: float) -> None:
-        """Divide them; line: z - rg phi of the groove [m]."""
+        """Divide the curves into edges of at most ``limit`` [m].
+
+        ``line`` is the groove's constant z - r_g phi [m], ``z`` the axial positions of the flat ends [m].
+        """
         self.groove, self.line, self.z = groove, line, z
         r, zeta = groove.profile(groove.sides[0], np.array([groove.apex]))
         places = ((groove.land, -groove.half), (float(r[0]), float(zeta[0])), (groove.land, groove.half))
@@ -317,20 +338,30 @@ class Thread:
         ]
 
     def _azimuth(self, place: int, end: int, gamma: Array) -> tuple[float | Array, Array]:
+        """Return radius [m] and azimuth [rad] where a flank (0 left, 1 right) meets a flat end (0 low, 1 high).
+
+        ``gamma`` is the section angle on the flank [rad].
+        """
         r, zeta = self.groove.profile(self.groove.sides[place], gamma)
         phi = (self.z[end] - self.line - zeta) / self.groove.m.rg
         return self.groove.radius(self.line, r, phi), phi
 
     def _space(self, place: int, end: int) -> Placing:
-        """Points of the cut of a flank (0 left, 1 right) by an end (0 low, 1 high) at angles gamma."""
+        """Make the curve in space along which a flank (0 left, 1 right) meets a flat end (0 low, 1 high).
+
+        Its parameter is the section angle gamma [rad].
+        """
         return lambda gamma: points_from_cylindrical(*self._azimuth(place, end, gamma), self.z[end])
 
     def flat(self, place: int, end: int) -> Placing:
-        """Intersection of a flank with the plane of an end; place: 0 left, 1 right; end: 0 low, 1 high."""
+        """Make the curve along which a flank meets a flat end, in the plane coordinates (x, y) of the end.
+
+        ``place``: 0 left, 1 right flank; ``end``: 0 low, 1 high end. The parameter is the section angle gamma [rad].
+        """
         return lambda gamma: self._space(place, end)(gamma)[:, :2]
 
     def flank(self, place: int) -> list[Side]:
-        """Boundary of a flank in (azimuth, gamma)."""
+        """Return the four sides of a flank (0 left, 1 right) in its plane coordinates (azimuth, section angle gamma)."""
         g = self.groove
 
         def cut(end: int) -> Placing:
@@ -342,14 +373,14 @@ class Thread:
 
 
 def build_body(m: GrooveMap, spec: BodySpec) -> GroovedBody:
-    """Mesh a grooved body.
+    """Mesh a screw, nut or ring with boxes left free around its contacts (sockets).
 
     Parameters
     ----------
     m : GrooveMap
-        Map of the track.
+        Groove surfaces of the track.
     spec : BodySpec
-        Dimensions, sockets and element sizes.
+        Dimensions, sockets and element sizes of the body.
 
     Returns
     -------
@@ -362,7 +393,7 @@ def build_body(m: GrooveMap, spec: BodySpec) -> GroovedBody:
         A socket does not fit, or no attempt of gmsh gives a good mesh.
     """
     land, behind = (spec.r_out, spec.r_in) if spec.outer else (spec.r_in, spec.r_out)
-    refuse_misfit(m, spec.size, spec.sockets, land, behind, (spec.z_low, spec.z_high))
+    refuse_misfitting_sockets(m, spec.size, spec.sockets, land, behind, (spec.z_low, spec.z_high))
     Groove.of(m, spec)
     xi = np.array(list(product((-1.0, 0.0, 1.0), (0.0, 0.5, 1.0), (-1.0, 0.0, 1.0))))
     near = np.concatenate([np.zeros((0, 3)), *(socket_points(m, spec.size, socket, xi) for socket in spec.sockets)])
@@ -378,8 +409,8 @@ def build_body(m: GrooveMap, spec: BodySpec) -> GroovedBody:
     return best_mesh("screw" if spec.outer else "nut", attempt)
 
 
-def _collect_mesh(surface: Surface, filled: Filled) -> GroovedBody:
-    """Collect the mesh, its boundaries named; edges that would turn cells inside out are straightened."""
+def _collect_mesh(surface: Surface, filled: FilledShell) -> GroovedBody:
+    """Build the record of a body's mesh with named boundaries; edges that would invert cells are straightened."""
     m, spec, shell = surface.m, surface.spec, surface.shell
     places = zip(surface.corners, spec.sockets, strict=True)
     rows = [filled.box_nodes(corners, surface.boxes[side]) for corners, (_, _, side) in places]
@@ -388,12 +419,12 @@ def _collect_mesh(surface: Surface, filled: Filled) -> GroovedBody:
     mesh, _, quality = improve_cells(filled.named(shell), name, filled.on(shell.tris()), sockets)
     flanks = {s: points_of(mesh)[nodes_on(mesh, f"flank {SIDES[s]}")] for s in surface.groove.sides}
     ends = surface.groove.ends
-    deviation = max(_flank_deviation(m, s, x if ends is None else x[ends.in_whole(x)]) for s, x in flanks.items())
+    deviation = max(_flank_deviation(m, s, x if ends is None else x[ends.has_full_depth(x)]) for s, x in flanks.items())
     return GroovedBody(mesh, sockets, surface.boxes, deviation, quality)
 
 
 def _flank_deviation(m: GrooveMap, side: int, points: Array) -> float:
-    """Largest distance [m] of points from a flank."""
+    """Return the largest distance [m] between points and the exact surface of a flank (0 to 3)."""
     r, zeta = np.hypot(points[:, 0], points[:, 1]), points[:, 2] - m.z0
     if m.rg:
         zeta = zeta - m.rg * (np.arctan2(points[:, 1], points[:, 0]) - m.phase)

@@ -1,6 +1,6 @@
-"""Nominal ball path (helix) and the section frames along it.
+"""Nominal path of the balls (a helix or circle), positions of the balls on it, and section frames along it.
 
-Source: Lin (2019), eqs. (2.1), (2.2), (2.5), (2.6) and Appendix A, whose printed rotation about y is corrected.
+After Lin (2019), eqs. (2.1), (2.2), (2.5), (2.6) and Appendix A, whose printed rotation about y is corrected.
 """
 
 from __future__ import annotations
@@ -15,17 +15,17 @@ from rollbench.meshes.parts import SIDE_SIGNS, Scene, Track
 
 
 def reduced_lead(track: Track) -> float:
-    """Signed reduced lead of a track.
+    """Return the signed lead per radian of a track.
 
     Parameters
     ----------
     track : Track
-        Ball path; lead in m.
+        Nominal path of the balls; lead in m.
 
     Returns
     -------
     float
-        r_g = lead / (2 pi) [m/rad]; negative for a left-hand track, 0 for a bearing.
+        r_g = lead / (2 pi) [m/rad]; negative for a left-hand helix, 0 for a bearing.
 
     References
     ----------
@@ -41,17 +41,17 @@ def reduced_lead(track: Track) -> float:
 
 
 def lead_angle(track: Track) -> float:
-    """Signed lead angle of a track at its pitch radius.
+    """Return the signed lead angle of a track at its pitch radius.
 
     Parameters
     ----------
     track : Track
-        Ball path; pitch radius and lead in m.
+        Nominal path of the balls; pitch radius and lead in m.
 
     Returns
     -------
     float
-        alpha = atan(r_g / R_p) [rad]; negative for a left-hand track, 0 for a bearing.
+        alpha = atan(r_g / R_p) [rad], with the pitch radius R_p; negative for a left-hand helix, 0 for a bearing.
 
     References
     ----------
@@ -68,36 +68,36 @@ def lead_angle(track: Track) -> float:
 
 @dataclass(frozen=True)
 class BallLayout:
-    """Nominal places and section frames of n balls, start after start."""
+    """Nominal positions of n balls, and the section frames at their centres; sorted by start."""
 
-    #: Unwrapped azimuths ``(n,)`` [rad], each with the offset of its start.
+    #: Azimuths ``(n,)`` [rad], counted on over whole turns, each with the offset of its start.
     azimuth: Array
-    #: Stations of the ball centres ``(n,)`` [m].
+    #: Axial positions of the ball centres ``(n,)`` [m].
     z: Array
-    #: Ball centres ``(n, 3)`` [m], the screw's axis along z.
+    #: Coordinates of the ball centres ``(n, 3)`` [m]; the screw's axis is z.
     centre: Array
-    #: Unit vectors x3 ``(n, 3)``: radially outward.
+    #: Unit vectors x3 of the section frames ``(n, 3)``: radially outward.
     radial: Array
-    #: Unit vectors z3 ``(n, 3)``: across the groove, in its section.
+    #: Unit vectors z3 of the section frames ``(n, 3)``: across the groove, in its section.
     binormal: Array
-    #: Unit vectors y3 ``(n, 3)``: along the track.
+    #: Unit vectors y3 of the section frames ``(n, 3)``: along the track.
     tangent: Array
 
 
 def ball_layout(scene: Scene) -> BallLayout:
-    """Nominal ball centres and section frames of a scene.
+    """Compute the nominal centres of all balls of a scene, and the section frames there.
 
-    The helix of start k passes the azimuth ``phase + 2 pi k / starts`` at the nut's centre.
+    The helix of start k has the azimuth ``phase + 2 pi k / starts`` at the nut's centre.
 
     Parameters
     ----------
     scene : Scene
-        Ball screw or bearing.
+        Scene with a ball screw or bearing.
 
     Returns
     -------
     BallLayout
-        Places of all balls, start after start.
+        Positions of all balls, sorted by start.
 
     References
     ----------
@@ -119,21 +119,21 @@ def ball_layout(scene: Scene) -> BallLayout:
 
 
 def layout_at(track: Track, azimuth: Array, z: Array) -> BallLayout:
-    """Ball centres and section frames at given azimuths and stations of a track.
+    """Compute the centres of balls from their azimuths and axial positions, and the section frames there.
 
     Parameters
     ----------
     track : Track
-        Ball path.
+        Nominal path of the balls.
     azimuth : (n,) Array
-        Azimuths [rad].
+        Azimuths of the balls [rad].
     z : (n,) Array
-        Stations of the ball centres [m].
+        Axial positions of the ball centres [m].
 
     Returns
     -------
     BallLayout
-        Places of the n balls.
+        Positions of the n balls.
 
     References
     ----------
@@ -150,37 +150,38 @@ def layout_at(track: Track, azimuth: Array, z: Array) -> BallLayout:
 
 
 def groove_radii(scene: Scene) -> Array:
-    """Nominal groove radii of the flanks SL, SR, NL, NR.
+    """Return the nominal groove radii of the flanks SL, SR, NL, NR.
 
     Parameters
     ----------
     scene : Scene
-        Gives the radii of screw and nut.
+        Scene with the groove radii of screw and nut.
 
     Returns
     -------
     (4,) Array
         Groove radii [m].
     """
-    return np.array(_radii_of_balls(scene))
+    return np.array(_groove_radius_list(scene))
 
 
-def _radii_of_balls(scene: Scene) -> list[float]:
+def _groove_radius_list(scene: Scene) -> list[float]:
+    """Return the nominal groove radii of the flanks SL, SR, NL, NR [m]."""
     return [scene.screw.groove_radius] * 2 + [scene.nut.groove_radius] * 2
 
 
 def nominal_groove_centres(scene: Scene) -> Array:
-    """Nominal groove centres of the flanks SL, SR, NL, NR in the section frame.
+    """Return the nominal centres of the groove arcs of the flanks SL, SR, NL, NR in the section frame.
 
     Parameters
     ----------
     scene : Scene
-        Gives radii and contact angle.
+        Scene with the radii and the contact angle.
 
     Returns
     -------
     (4, 2) Array
-        (x3, z3) [m]: r_G - r_B from the ball's centre, opposite to the contact.
+        Coordinates (x3, z3) [m], at the distance r_G - r_B from the ball's centre, opposite to the contact.
 
     References
     ----------
@@ -192,21 +193,21 @@ def nominal_groove_centres(scene: Scene) -> Array:
     >>> (1e3 * nominal_groove_centres(rollbench.read("lin-case1"))[0]).round(4).tolist()  # mm
     [0.3366, 0.3366]
     """
-    return _along_contacts(scene, [-(r - scene.balls.radius) for r in _radii_of_balls(scene)])
+    return _along_contacts(scene, [-(r - scene.balls.radius) for r in _groove_radius_list(scene)])
 
 
 def nominal_contact_points(scene: Scene) -> Array:
-    """Nominal contact points of the flanks SL, SR, NL, NR in the section frame.
+    """Return the nominal contact points on the flanks SL, SR, NL, NR in the section frame.
 
     Parameters
     ----------
     scene : Scene
-        Gives ball radius and contact angle.
+        Scene with the ball radius and the contact angle.
 
     Returns
     -------
     (4, 2) Array
-        (x3, z3) [m]: r_B from the ball's centre, along the contact direction.
+        Coordinates (x3, z3) [m], at the distance r_B from the ball's centre, in the contact direction.
 
     Examples
     --------
@@ -218,26 +219,26 @@ def nominal_contact_points(scene: Scene) -> Array:
 
 
 def _along_contacts(scene: Scene, distance: list[float]) -> Array:
-    """Points ``(4, 2)`` [m] so far along the contact direction of each flank."""
+    """Return points ``(4, 2)`` [m] in the contact directions of the flanks, at distances [m] from the ball's centre."""
     c, s = cos(scene.track.contact_angle), sin(scene.track.contact_angle)
     return np.array([(d * (x * c), d * (z * s)) for d, (x, z) in zip(distance, SIDE_SIGNS, strict=True)])
 
 
 def spread_over_turns(balls: int, turns: float, phase: float, circuits: int = 1, gap: float = 0.0) -> tuple[float, ...]:
-    """Azimuths of balls that are evenly spaced on the loaded turns of each circuit.
+    """Return the azimuths of balls that are evenly spaced over the loaded turns of each circuit.
 
     Parameters
     ----------
     balls : int
-        Balls of one circuit.
+        Number of loaded balls in one circuit.
     turns : float
-        Loaded turns of one circuit.
+        Number of loaded turns of one circuit.
     phase : float
-        Azimuth [rad] about which all circuits together are centred.
+        Azimuth of the centre of all circuits together [rad].
     circuits : int, default 1
         Number of circuits of a start.
     gap : float, default 0.0
-        Turns left free between two circuits.
+        Number of turns without balls between two circuits.
 
     Returns
     -------

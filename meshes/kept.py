@@ -1,6 +1,7 @@
-"""Disk cache of what depends only on a geometry, shared by commands.
+"""Cache on disk for results that depend only on a geometry, shared by all commands.
 
-Off unless a process switches it on, as the command line does: a library, a test or a timing computes everything.
+It is off until a process calls `switch_on`, as the command line does. So calls of the library, tests and timings compute
+all results.
 """
 
 from __future__ import annotations
@@ -16,14 +17,14 @@ if TYPE_CHECKING:
 P = ParamSpec("P")
 T = TypeVar("T")
 
-#: Folder in that of caches, and largest size of its files [bytes].
+#: Name of this cache's folder inside the folder of all caches, and largest size of its files together [bytes].
 FOLDER, LIMIT = "geometries", 300_000_000
 
 _stores: list[Cache] = []
 
 
 def switch_on() -> None:
-    """Keep results of functions marked `kept` in the user's cache folder, unless ROLLBENCH_CACHE is "off"."""
+    """Store results of functions decorated by `kept` in the user's cache folder, unless ROLLBENCH_CACHE is "off"."""
     from rollbench.meshes.cache import Cache, default_root
 
     root = default_root()
@@ -31,18 +32,18 @@ def switch_on() -> None:
 
 
 def switched_on() -> bool:
-    """Whether results are kept here."""
+    """Return whether results of functions decorated by `kept` are stored on disk and read from there."""
     return bool(_stores)
 
 
 def switch_off() -> None:
-    """Compute everything again."""
+    """Stop the use of the cache on disk: all results are computed from now on."""
     _stores.clear()
 
 
 @contextmanager
 def no_cache() -> Iterator[None]:
-    """Context in which nothing is read from the cache or written to it, for work that is timed."""
+    """Disable the cache on disk during a ``with`` block, for timings."""
     before, _stores[:] = list(_stores), []
     try:
         yield
@@ -51,7 +52,7 @@ def no_cache() -> Iterator[None]:
 
 
 def kept(type_: type[T]) -> Callable[[Callable[P, T]], Callable[P, T]]:
-    """Decorate a function whose results may be cached on disk; see `switch_on`.
+    """Make a decorator for functions whose results are stored in the cache on disk, where that is on (`switch_on`).
 
     Parameters
     ----------
@@ -61,10 +62,10 @@ def kept(type_: type[T]) -> Callable[[Callable[P, T]], Callable[P, T]]:
     Returns
     -------
     decorator
-        For a function of plain records, called by position. Calls with keywords are never cached.
+        Decorator for a function whose arguments are plain records. Only calls with positional arguments use the cache.
     """
 
-    def mark(build: Callable[P, T]) -> Callable[P, T]:
+    def decorate(build: Callable[P, T]) -> Callable[P, T]:
         @wraps(build)
         def cached(*args: P.args, **kwargs: P.kwargs) -> T:
             if not _stores or kwargs:
@@ -73,4 +74,4 @@ def kept(type_: type[T]) -> Callable[[Callable[P, T]], Callable[P, T]]:
 
         return cached
 
-    return mark
+    return decorate

@@ -1,6 +1,7 @@
-"""Temporary files and folders next to their targets: names, and removal of those that killed processes left.
+"""Names of temporary files and folders, and removal of those that ended processes have left behind.
 
-A name contains machine and process, so that the next writer of the same target recognises abandoned ones.
+A temporary file is in the same folder as its target. Its name contains machine and process, so that the next process which
+writes the same target recognises abandoned ones.
 """
 
 from __future__ import annotations
@@ -14,43 +15,43 @@ import time
 from contextlib import suppress
 from pathlib import Path
 
-#: Age [s] at which a temporary file of another machine counts as left behind.
+#: Age [s] from which a temporary file of another machine counts as abandoned.
 OLD = 86_400.0
 
 
 def temporary_name(path: Path, ending: str = "tmp") -> Path:
-    """Return a temporary name next to a target, and remove abandoned ones of earlier processes.
+    """Return a name for a temporary file in the folder of its target, and remove abandoned temporary files of the target.
 
     Parameters
     ----------
     path : Path
-        Target that the temporary file or folder will replace.
+        Target file or folder, which the temporary one will replace.
     ending : str, default 'tmp'
         Suffix of the name.
 
     Returns
     -------
     Path
-        The name; nothing is created.
+        Path of the temporary file, which is not created.
     """
     remove_leftovers(path, ending)
     return path.with_name(f".{path.name}.{_machine_name()}-{os.getpid()}-{os.urandom(4).hex()}.{ending}")
 
 
-def for_group(path: Path) -> None:
-    """Let the group read a file of this user's, whatever the umask: stored files are meant to be shared.
+def make_readable_for_group(path: Path) -> None:
+    """Make a file of this user readable for its group, whatever the umask, because stored files are meant to be shared.
 
     Parameters
     ----------
     path : Path
         The file.
     """
-    with suppress(OSError):  # another user's file, or a file system without modes: the owner reads it all the same
+    with suppress(OSError):  # another user's file, or a file system without permissions
         path.chmod(path.stat().st_mode | 0o440)
 
 
-def folder_for_group(path: Path) -> None:
-    """Make a folder and its missing parents; new ones may be read by the group.
+def make_folder_for_group(path: Path) -> None:
+    """Create a folder and its missing parents; the new folders are readable for the group.
 
     Parameters
     ----------
@@ -65,17 +66,19 @@ def folder_for_group(path: Path) -> None:
 
 
 def remove_leftovers(path: Path, ending: str = "tmp") -> None:
-    """Remove temporary files and folders of a target whose process is dead, or that are older than a day.
+    """Remove the abandoned temporary files and folders of a target.
+
+    Abandoned ones were written by a process of this machine that has ended, or by another machine more than a day ago.
 
     Parameters
     ----------
     path : Path
-        Target, as for `temporary_name`.
+        Target file or folder, as for `temporary_name`.
     ending : str, default 'tmp'
-        Suffix of the names.
+        Suffix of the temporary names.
     """
     name = re.compile(rf"\.{re.escape(path.name)}\.([0-9a-f]{{8}})-(\d+)-[0-9a-f]{{8}}\.{re.escape(ending)}")
-    with suppress(OSError):  # no such folder, or one that may not be listed: nothing to tidy
+    with suppress(OSError):  # the folder does not exist, or cannot be listed
         for other in path.parent.iterdir():
             match = name.fullmatch(other.name)
             if match is None or not _is_abandoned(other, match[1], int(match[2])):
@@ -88,17 +91,18 @@ def remove_leftovers(path: Path, ending: str = "tmp") -> None:
 
 
 def _is_abandoned(path: Path, machine: str, process: int) -> bool:
-    """Whether nobody writes a temporary file any more."""
+    """Return whether the process that wrote a temporary file has ended, or the file of another machine is old."""
     try:
         if machine != _machine_name():
             return time.time() - path.lstat().st_mtime > OLD
         os.kill(process, 0)
     except ProcessLookupError:
         return True
-    except OSError:  # another user's, or gone
+    except OSError:  # the file is gone, or the process belongs to another user
         return False
     return False
 
 
 def _machine_name() -> str:
+    """Return eight hexadecimal digits that identify this machine."""
     return hashlib.sha256(platform.node().encode()).hexdigest()[:8]

@@ -1,4 +1,4 @@
-"""System libraries (by Debian package) and Python packages that only some functions need."""
+"""System libraries and Python packages that only some functions need, and the commands that install them."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from functools import cache
 from importlib import import_module, metadata
 
-#: Shared libraries that gmsh loads; everything but meshing runs without.
+#: Shared libraries that gmsh loads, with their Debian packages; only meshing needs them.
 MESHING = {
     "libGLU.so.1": "libglu1-mesa",
     "libGL.so.1": "libgl1",
@@ -19,9 +19,9 @@ MESHING = {
     "libfontconfig.so.1": "libfontconfig1",
     "libgomp.so.1": "libgomp1",
 }
-#: Shared libraries that VTK draws with where there is no screen; everything but 3D pictures runs without.
+#: Shared libraries with which VTK draws where there is no screen, with their Debian packages; only 3D pictures need them.
 PICTURES = {"libEGL.so.1": "libegl1", "libGL.so.1": "libgl1", "libXrender.so.1": "libxrender1"}
-#: Extra of this package that installs a Python package; all commands need the others.
+#: Python packages that are optional, and the extra of rollbench that installs each; all commands need the other packages.
 EXTRA = {
     "numba": "fast",
     **dict.fromkeys(("gmsh", "scikit-fem", "meshio", "h5py", "pymetis"), "reference"),
@@ -30,7 +30,7 @@ EXTRA = {
     **dict.fromkeys(("pyarrow", "xarray"), "tables"),
 }
 _NO_RUN = "no run of the 3D reference is computed; stored ones are read"
-#: What goes without a package of an extra.
+#: Functions that are missing without an optional package.
 ONLY_FOR = {
     "gmsh": f"no 3D meshes: no export and no condense, {_NO_RUN}",
     "meshio": "no export of meshes",
@@ -47,15 +47,15 @@ ONLY_FOR = {
     "matplotlib": "no report; compare, mesh-study, sweep and the curve of solve write tables without figures",
     "numba": "kernels are interpreted: friction, large screws and ensembles take some hundred times as long",
 }
-#: Those that a run of the 3D reference needs, and those that a page does.
+#: Optional packages needed for a run of the 3D reference, and for pages of a report.
 REFERENCE = ("gmsh", "scikit-fem", "pymetis")
 PAGES = ("matplotlib", "pillow", "jinja2")
-#: Modules of packages that have another name.
+#: Names of modules that differ from the names of their packages.
 _MODULES = {"scikit-fem": "skfem", "pillow": "PIL"}
 
 
 def pip_command(package: str) -> str:
-    """Command that installs a Python package, by the extra that it belongs to.
+    """Return the command that installs a Python package, by the extra of rollbench to which the package belongs.
 
     Parameters
     ----------
@@ -73,7 +73,7 @@ def pip_command(package: str) -> str:
 
 @cache
 def import_fault(package: str) -> str:
-    """Reason why a Python package cannot be imported.
+    """Return the reason for which a Python package cannot be imported.
 
     Parameters
     ----------
@@ -83,7 +83,7 @@ def import_fault(package: str) -> str:
     Returns
     -------
     str
-        The reason; empty where it can be imported.
+        The reason; empty where the package can be imported.
 
     Examples
     --------
@@ -92,7 +92,7 @@ def import_fault(package: str) -> str:
     """
     try:
         import_module(_MODULES.get(package, package))
-    except Exception as error:  # whatever a damaged package raises
+    except Exception as error:  # a damaged package can raise any exception
         if installed_version(package) is None:
             return f"{package} is not installed"
         return f"{package} cannot be imported ({type(error).__name__}: {error})"
@@ -100,7 +100,7 @@ def import_fault(package: str) -> str:
 
 
 def installed_version(package: str) -> str | None:
-    """Version of an installed Python package; None where it is not installed.
+    """Return the version of an installed Python package; None where it is not installed.
 
     Parameters
     ----------
@@ -114,12 +114,12 @@ def installed_version(package: str) -> str | None:
 
 
 def apt_command(*lists: Mapping[str, str]) -> str:
-    """Command that installs system libraries on Debian and its derivatives.
+    """Return the command that installs system libraries on Debian and its derivatives.
 
     Parameters
     ----------
     *lists : dict
-        Debian packages by library, such as `MESHING`.
+        Debian package of each library, such as `MESHING`.
 
     Examples
     --------
@@ -131,12 +131,12 @@ def apt_command(*lists: Mapping[str, str]) -> str:
 
 
 def missing_libraries(libraries: Mapping[str, str]) -> list[str]:
-    """Names of the libraries that this process cannot load.
+    """Return the names of those system libraries that this process cannot load.
 
     Parameters
     ----------
     libraries : Mapping[str, str]
-        Debian packages by library, such as `MESHING`.
+        Debian package of each library, such as `MESHING`.
     """
     lacking = []
     for name in libraries:

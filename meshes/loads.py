@@ -1,4 +1,4 @@
-"""Mean contact load, to which percentages of loads refer, and the contacts that count in it."""
+"""Mean contact load, to which percentages of loads refer, and the number of contacts over which it is taken."""
 
 from __future__ import annotations
 
@@ -6,13 +6,13 @@ import numpy as np
 
 from rollbench.meshes.arrays import Array, Mask
 
-#: Share of the largest contact load below which a contact carries nothing, where nothing but loads is known: a flank that
-#: barely touches, next to those that carry the load.
+#: Ratio to the largest contact load up to which a contact counts as unloaded, where only the loads are known. It excludes
+#: flanks that barely touch the balls.
 BARELY = 0.01
 
 
 def loaded_contacts(load: Array) -> Mask:
-    """Mask of the contacts that carry more than `BARELY` (1 %) of the largest load.
+    """Find the contacts that carry more than `BARELY` (1 %) of the largest load.
 
     Parameters
     ----------
@@ -33,34 +33,34 @@ def loaded_contacts(load: Array) -> Mask:
 
 
 def count_contacts(load: Array, contacts: int = 0) -> int:
-    """Count the contacts that a mean load is taken over; see `mean_load`.
+    """Return the number of contacts over which the mean load is taken; see `mean_load`.
 
     Parameters
     ----------
     load : Array of any shape
         Contact loads [N].
     contacts : int, default 0
-        The number if it is known, else 0.
+        Number of contacts if it is known, else 0.
 
     Returns
     -------
     int
-        ``contacts``, or the number of `loaded_contacts` contacts.
+        ``contacts``, or the number of `loaded_contacts` if ``contacts`` is 0.
     """
     return contacts or int(np.count_nonzero(loaded_contacts(load)))
 
 
 def mean_load(load: Array, contacts: int = 0) -> float:
-    """Sum of the contact loads over the number of contacts that the nominal screw loads.
+    """Return the sum of the contact loads divided by the number of contacts that carry load in the error-free screw.
 
     Parameters
     ----------
     load : Array of any shape
         Contact loads [N].
     contacts : int, default 0
-        That number (`lowfi.statics.nominal.nominal_contacts`), the same for all models, meshes and specimens of a
-        scene. 0 where it is not known: loads without a scene, a set on a shaft, a screw that only its errors load.
-        Then the contacts of `loaded_contacts` count, so that a lightly loaded one changes the mean only by its own load.
+        Number of loaded contacts in the error-free screw (`lowfi.statics.nominal.nominal_contacts`), the same for all
+        models, meshes and specimens of a scene. 0 where it is not known: for loads without a scene, for one of several nuts
+        on a shaft, or where only geometric errors load the screw. Then the number of `loaded_contacts` is used.
 
     Returns
     -------

@@ -1,8 +1,8 @@
-"""Order of the nodes of a cell in VTK and meshio, from gmsh's order."""
+"""Conversion of the node order of finite element cells from gmsh to VTK and meshio."""
 
 from __future__ import annotations
 
-#: Name of a kind of cell in meshio; place k of VTK's cell holds gmsh's local node; by matching coordinates (see the tests).
+#: For each element type, its name in meshio, and the number in gmsh's cell of each node of VTK's cell (checked by tests).
 VTK: dict[str, tuple[str, tuple[int, ...]]] = {
     "P1": ("tetra", tuple(range(4))),
     "P2": ("tetra10", (0, 1, 2, 3, 4, 5, 6, 7, 9, 8)),

@@ -1,4 +1,4 @@
-"""Brent's root finding and a search for close points, without the seconds that importing scipy takes."""
+"""Brent's method for roots, and a search for pairs of close points; importing scipy, which takes seconds, is avoided."""
 
 from __future__ import annotations
 
@@ -14,28 +14,28 @@ LEAST = 8.881784197001252e-16
 
 
 def brentq(f: Callable[[float], float], low: float, high: float, xtol: float = 2e-12, rtol: float = LEAST) -> float:
-    """Root of a function in a bracket by Brent's method, digit for digit that of ``scipy.optimize.brentq``.
+    """Find a root of a function in an interval by Brent's method; same digits as ``scipy.optimize.brentq``.
 
     Parameters
     ----------
     f : Callable[[float], float]
         Continuous function.
     low, high : float
-        Ends of the bracket, at which f has different signs.
+        Ends of the interval, at which f has different signs.
     xtol, rtol : float, default 2e-12
-        The root is found to within ``xtol + rtol abs(root)``; rtol at least `LEAST`.
+        Tolerances: the error of the root is at most ``xtol + rtol abs(root)``; rtol must be at least `LEAST`.
 
     Returns
     -------
     float
-        The root.
+        Root of the function.
 
     Raises
     ------
     ValueError
         f has the same sign at both ends.
     ArithmeticError
-        300 steps do not find the root.
+        The root is not found in 300 steps.
 
     References
     ----------
@@ -46,7 +46,7 @@ def brentq(f: Callable[[float], float], low: float, high: float, xtol: float = 2
     >>> brentq(lambda x: x * x - 2.0, 0.0, 2.0)
     1.4142135623731364
     """
-    before, at = float(low), float(high)  # last two places, and one on the other side of the root
+    before, at = float(low), float(high)  # the last two estimates; ``other`` is on the other side of the root
     f_before, f_at = float(f(before)), float(f(at))
     if f_before == 0.0:
         return before
@@ -82,12 +82,12 @@ def brentq(f: Callable[[float], float], low: float, high: float, xtol: float = 2
     raise ArithmeticError("no root found in 300 steps")
 
 
-#: Number of points up to which all distances are computed: quicker than to import a tree and grow it.
+#: Number of points up to which all distances are computed, which is faster than importing and building a k-d tree.
 FEW = 500
 
 
 def close_pairs(points: Array, reach: float) -> Index:
-    """Pairs of points no farther apart than a given distance.
+    """Find the pairs of points whose distance does not exceed a limit.
 
     Parameters
     ----------
@@ -99,7 +99,7 @@ def close_pairs(points: Array, reach: float) -> Index:
     Returns
     -------
     (m, 2) Index
-        Indices of each pair, the lower one first, sorted.
+        Indices of the two points of each pair, the smaller one first; pairs are sorted.
 
     Examples
     --------

@@ -1,7 +1,7 @@
-"""Grooves of bearings that are one circular arc each, and their internal clearance.
+"""Bearings whose grooves are single circular arcs (deep-groove and angular contact bearings), and their clearance.
 
-Deep-groove and angular-contact rows have such grooves. A gothic arch counts as one arc too where its contact angle is so
-small that the contacts of both flanks overlap at the apex.
+A gothic arch is treated as a single arc too where its contact angle is so small that the contacts of both flanks overlap at
+the apex.
 """
 
 from __future__ import annotations
@@ -12,42 +12,42 @@ from math import acos, asin, cos, degrees, sin
 from rollbench.meshes.parts import Scene
 from rollbench.meshes.quantity import quantity, record
 
-#: Distance of the contact from the apex between both arcs, over the ball's radius, below which they count as one: there a
-#: third of a contact of usual size lies beyond the apex.
+#: Distance between contact and apex, as a ratio to the ball's radius, below which both arcs are treated as one. At this
+#: distance a third of a contact of typical size lies beyond the apex.
 NEAR = 0.0774
-#: Contact angle [rad] of a groove of one arc: its sign gives the direction in which thrust turns it, its size has no
-#: effect.
+#: Contact angle [rad] that stands for the angle 0 of a single arc. Its sign gives the direction in which thrust changes the
+#: contact angle; its size has no effect.
 LEAST = 1e-7
 
 
 def is_one_arc(scene: Scene) -> bool:
-    """Whether each groove of a bearing is one arc, so that a ball has one contact with it.
+    """Return whether each groove of a bearing is a single arc, so that a ball has one contact with each ring.
 
     Parameters
     ----------
     scene : Scene
-        Screw or bearing.
+        Scene with a screw or bearing.
 
     Returns
     -------
     bool
-        False for every screw.
+        True for grooves of single arcs; False for gothic arches, and for every screw.
     """
     return bool(sides_of_arc(scene))
 
 
 def sides_of_arc(scene: Scene) -> tuple[int, ...]:
-    """Flanks that carry the contacts of a bearing whose grooves are one arc each.
+    """Return the flanks that carry the contacts of a bearing whose grooves are single arcs.
 
     Parameters
     ----------
     scene : Scene
-        Screw or bearing.
+        Scene with a screw or bearing.
 
     Returns
     -------
     tuple[int, ...]
-        Flanks (0 to 3 for SL, SR, NL, NR) of screw and nut; empty where grooves have two arcs.
+        One flank of the inner and one of the outer ring (0 to 3 for SL, SR, NL, NR); empty for gothic arches.
     """
     radius = min(scene.screw.groove_radius, scene.nut.groove_radius)
     track = scene.track
@@ -55,23 +55,23 @@ def sides_of_arc(scene: Scene) -> tuple[int, ...]:
 
 
 def sides_of_arcs(lead: float, arcs: str, near: bool) -> tuple[int, ...]:
-    """Flanks that carry the contacts of grooves of one arc each, as `sides_of_arc`, from plain values.
+    """Return the flanks that carry the contacts where grooves are single arcs; like `sides_of_arc`, but without a scene.
 
-    The thread of a screw always has two arcs: with one arc near the apex its nut would carry no thrust.
+    The groove of a screw is always a gothic arch: with a single arc near the apex its nut would carry no thrust.
 
     Parameters
     ----------
     lead : float
-        Lead [m] or reduced lead [m/rad]; only whether it is zero counts.
+        Lead [m] or lead per radian [m/rad]; only whether it is zero matters.
     arcs : str
-        ``Track.arcs``.
+        Arcs of each groove, as in ``Track.arcs``: ``"two"``, ``"+z"`` or ``"-z"``.
     near : bool
-        Whether the contacts of both flanks overlap, by `near_apex`.
+        Whether the contacts of both flanks of a gothic arch overlap, as returned by `near_apex`.
 
     Returns
     -------
     tuple[int, ...]
-        Flanks 0 to 3.
+        One flank of the inner and one of the outer ring (0 to 3 for SL, SR, NL, NR); empty for gothic arches.
     """
     if lead != 0.0 or (arcs == "two" and not near):
         return ()
@@ -79,7 +79,7 @@ def sides_of_arcs(lead: float, arcs: str, near: bool) -> tuple[int, ...]:
 
 
 def near_apex(groove: float, angle: float, ball: float) -> bool:
-    """Whether the contacts of both flanks of a gothic arch count as one.
+    """Return whether the contacts on both flanks of a gothic arch are so close to the apex that they count as one.
 
     Parameters
     ----------
@@ -93,7 +93,7 @@ def near_apex(groove: float, angle: float, ball: float) -> bool:
     Returns
     -------
     bool
-        Whether the contact point lies within `NEAR` ball radii of the apex.
+        Whether the distance between contact point and apex is less than `NEAR` ball radii.
 
     Examples
     --------
@@ -106,18 +106,19 @@ def near_apex(groove: float, angle: float, ball: float) -> bool:
 def as_one_arc(scene: Scene) -> Scene:
     """Replace a bearing's gothic arches by single arcs where the contacts of both flanks overlap.
 
-    The ball touches the arc where it touched the ridge between two arcs, without clearance. What the ridge leaves out
-    there, (r_G - r_B) r_B beta^2 / (2 r_G) of the larger groove [m], goes to the scene's ``assumed``.
+    The single arc touches the ball, without clearance, where the ridge between the two arcs was. The gap between ball and
+    ridge that is thus neglected, (r_G - r_B) r_B beta^2 / (2 r_G) of the larger groove [m], is stated in the scene's
+    ``assumed``.
 
     Parameters
     ----------
     scene : Scene
-        Bearing; other scenes are returned unchanged.
+        Scene with a bearing; other scenes are returned unchanged.
 
     Returns
     -------
     Scene
-        The changed scene, or the same one where nothing has to be changed.
+        Scene with single arcs; the same scene where no arch is replaced.
     """
     angle, ball = scene.track.contact_angle, scene.balls.radius
     if angle <= LEAST or scene.track.arcs != "two" or not is_one_arc(scene):
@@ -133,12 +134,12 @@ def as_one_arc(scene: Scene) -> Scene:
 
 @record
 class Clearance:
-    """Internal clearance of a bearing whose grooves are one arc each; whole travel of one ring against the other."""
+    """Internal clearance of a bearing whose grooves are single arcs: total displacements of one ring against the other."""
 
     radial: float = quantity(
         "radial_um",
-        "radial internal clearance P_d of that row, all the way that one ring goes across the other, with the balls' "
-        "oversize",
+        "radial internal clearance P_d of that row: total radial displacement of one ring against the other, with the "
+        "balls' oversize",
         heading="radial clearance",
     )
     axial: float = quantity(
@@ -146,19 +147,19 @@ class Clearance:
     )
     angle: float = quantity(
         "rest_angle_deg",
-        "contact angle at which the balls of a deep-groove row touch at either end of its axial play, "
-        "without load: cos alpha_0 = 1 - P_d/(2 A), A = r_i + r_o - D; null without play",
+        "contact angle of a deep-groove row at either end of its axial play, without load: "
+        "cos alpha_0 = 1 - P_d/(2 A), A = r_i + r_o - D; null without play",
         heading="contact angle at rest",
     )
 
 
 def distance_of_centres(scene: Scene) -> float:
-    """Distance of the groove centres at which a ball of nominal diameter touches both grooves.
+    """Return the distance between the groove centres of both rings at which a nominal ball touches both grooves.
 
     Parameters
     ----------
     scene : Scene
-        Gives the radii.
+        Scene with the groove radii r_i and r_o, and the ball diameter D.
 
     Returns
     -------
@@ -173,18 +174,18 @@ def distance_of_centres(scene: Scene) -> float:
 
 
 def rest_angle(A: float, radial: float | None, axial: float | None) -> float:
-    """Free contact angle of rings whose grooves are one arc each, from their clearance.
+    """Compute the free contact angle alpha of a bearing with single-arc grooves from its internal clearance.
 
-    P_d = 2 A (1 - cos alpha) and P_e = 2 A sin alpha.
+    The clearances are P_d = 2 A (1 - cos alpha) and P_e = 2 A sin alpha.
 
     Parameters
     ----------
     A : float
-        Distance of the groove centres in contact [m], by `distance_of_centres`.
+        Distance between the groove centres in contact [m], from `distance_of_centres`.
     radial : float | None
         Radial internal clearance P_d [m]; used where ``axial`` is None.
     axial : float | None
-        Axial internal clearance P_e [m], or None.
+        Axial internal clearance P_e [m]; None: the radial clearance is used.
 
     Returns
     -------
@@ -194,7 +195,7 @@ def rest_angle(A: float, radial: float | None, axial: float | None) -> float:
     Raises
     ------
     ValueError
-        A clearance of 2 A or more; the message gives that limit.
+        The clearance is 2 A or more; the message gives this limit.
 
     References
     ----------
@@ -212,17 +213,17 @@ def rest_angle(A: float, radial: float | None, axial: float | None) -> float:
 
 
 def clearance_of(scene: Scene) -> Clearance | None:
-    """Compute the internal clearance of a bearing whose grooves are one arc each, with the oversize of its balls.
+    """Compute the internal clearance of a bearing with single-arc grooves, including the oversize of its balls.
 
     Parameters
     ----------
     scene : Scene
-        Bearing.
+        Scene with a bearing.
 
     Returns
     -------
     Clearance | None
-        Clearances [m] and free contact angle [rad], all 0 without clearance; None for other grooves.
+        Clearances [m] and free contact angle [rad], all 0 without clearance; None where grooves are gothic arches.
     """
     if not is_one_arc(scene):
         return None

@@ -1,7 +1,7 @@
-"""Records as bytes and back without pickle: a description of their structure, and their arrays as npz.
+"""Convert records to bytes and back without pickle: arrays as in an .npz file, and a description of the structure in JSON.
 
-Reading makes numbers, texts and records of named packages, and runs none of what it reads: fields are set, no constructor
-is called. What a record computed and cached besides its fields is left out.
+Reading creates only numbers, texts, and records of known packages. No code in the data is run: fields are set without
+calling constructors. Values that a record has cached in addition to its fields are not written.
 """
 
 from __future__ import annotations
@@ -17,17 +17,17 @@ from zipfile import BadZipFile
 
 import numpy as np
 
-#: Packages whose records and classes may be named.
+#: Packages whose records and classes may occur in the data.
 TRUSTED = ("rollbench", "skfem")
 
 
 def pack_record(value: object) -> bytes:
-    """Bytes of a record.
+    """Convert a record to bytes.
 
     Parameters
     ----------
     value : object
-        Record, number, text, array, sparse matrix, tuple, list, dict or class; nested as you like.
+        Record, number, text, array, sparse matrix, tuple, list, dict or class; may be nested.
 
     Returns
     -------
@@ -37,7 +37,7 @@ def pack_record(value: object) -> bytes:
     Raises
     ------
     TypeError
-        A value of any other type.
+        The value, or one inside it, is of another type.
 
     Examples
     --------
@@ -52,35 +52,38 @@ def pack_record(value: object) -> bytes:
 
 
 def unpack_record(content: bytes, *packages: str) -> Any:
-    """Record of bytes that `pack_record` made.
+    """Convert bytes from `pack_record` back to the record.
 
     Parameters
     ----------
     content : bytes
-        The bytes.
+        Bytes returned by `pack_record`.
     *packages : str
-        Packages besides `TRUSTED` whose classes may appear.
+        Packages whose classes may occur, in addition to `TRUSTED`.
 
     Returns
     -------
     Any
-        The record.
+        The record, or other value.
 
     Raises
     ------
     ValueError
-        The bytes hold something else, or a class of another package.
+        The bytes are not from `pack_record`, or contain a class of another package.
     """
     try:
         with np.load(io.BytesIO(content), allow_pickle=False) as file:
             tree, *arrays = (file[name] for name in file.files)
         return _unpack_value(json.loads(tree.tobytes()), arrays, (*TRUSTED, *packages))
     except (AttributeError, EOFError, ImportError, LookupError, RecursionError, TypeError, BadZipFile, zlib.error) as error:
-        raise ValueError(f"no record: {error}") from error
+        raise ValueError(f"the bytes do not contain a record: {error}") from error
 
 
 def _describe_value(value: Any, arrays: list[Any]) -> Any:
-    """JSON of a value: plain values unchanged, others as a list that begins with their kind; arrays go to ``arrays``."""
+    """Return the structure of a value for JSON: plain values unchanged, others as a list that begins with their kind.
+
+    Arrays are appended to ``arrays``, and the structure refers to them by their numbers.
+    """
     if value is None or type(value) in (bool, int, float, str):
         return value
     if isinstance(value, np.ndarray | np.generic) and value.dtype != object:
@@ -103,56 +106,58 @@ def _describe_value(value: Any, arrays: list[Any]) -> Any:
     if dataclasses.is_dataclass(value):
         fields = {f.name: _describe_value(getattr(value, f.name), arrays) for f in dataclasses.fields(value)}
         return ["record", _class_name(type(value)), fields]
-    raise TypeError(f"{type(value).__name__} cannot be kept")
+    raise TypeError(f"a value of type {type(value).__name__} cannot be stored")
 
 
 def _matrix_parts(matrix: Any) -> tuple[Any, Any, Any]:
+    """Return the arrays of a compressed sparse matrix: values, indices and index pointers."""
     return matrix.data, matrix.indices, matrix.indptr
 
 
 def _class_name(class_: type) -> str:
+    """Return the name of a class with its module, as ``module:class``."""
     return f"{class_.__module__}:{class_.__qualname__}"
 
 
 def _unpack_value(tree: Any, arrays: list[Any], packages: tuple[str, ...]) -> Any:
+    """Build a value from its structure as returned by `_describe_value`, with classes of certain packages only."""
     if not isinstance(tree, list):
         return tree
     sort, *content = tree
 
-    def unpacked(x: Any) -> Any:
+    def unpack(x: Any) -> Any:
         return _unpack_value(x, arrays, packages)
 
     makers: dict[str, Callable[[], Any]] = {
         "array": lambda: arrays[content[0]],
         "scalar": lambda: arrays[content[0]][()],
-        "tuple": lambda: tuple(map(unpacked, content)),
-        "list": lambda: list(map(unpacked, content)),
-        "dict": lambda: {unpacked(k): unpacked(x) for k, x in content},
-        "sparse": lambda: _import_class(content[0], ("scipy",))(tuple(map(unpacked, content[2:])), shape=tuple(content[1])),
+        "tuple": lambda: tuple(map(unpack, content)),
+        "list": lambda: list(map(unpack, content)),
+        "dict": lambda: {unpack(k): unpack(x) for k, x in content},
+        "sparse": lambda: _import_class(content[0], ("scipy",))(tuple(map(unpack, content[2:])), shape=tuple(content[1])),
         "class": lambda: _import_class(content[0], packages),
-        "record": lambda: _build_record(
-            _import_class(content[0], packages), {k: unpacked(x) for k, x in content[1].items()}
-        ),
+        "record": lambda: _build_record(_import_class(content[0], packages), {k: unpack(x) for k, x in content[1].items()}),
     }
     return makers[sort]()
 
 
 def _import_class(name: str, packages: tuple[str, ...]) -> Any:
-    """Import a class by its module and name. Raises ValueError for one of another package."""
+    """Import a class by its name ``module:class``; raise ValueError for one of a package that is not allowed."""
     module, _, path = name.partition(":")
     if module.split(".")[0] not in packages:
-        raise ValueError(f"{name}: of none of {', '.join(packages)}")
+        raise ValueError(f"{name} does not belong to one of the packages {', '.join(packages)}")
     found: Any = import_module(module)
     for attribute in path.split("."):
         found = getattr(found, attribute)
     if not isinstance(found, type):
-        raise ValueError(f"{name}: no class")
+        raise ValueError(f"{name} is not a class")
     return found
 
 
 def _build_record(class_: type, fields: dict[str, Any]) -> Any:
+    """Create a record of a dataclass with the values of its fields, without calling its constructor."""
     if not dataclasses.is_dataclass(class_) or fields.keys() != {f.name for f in dataclasses.fields(class_)}:
-        raise ValueError(f"{class_.__name__}: no record of these fields")
+        raise ValueError(f"{class_.__name__} is not a record with the fields {', '.join(fields)}")
     record = object.__new__(class_)
     for name, value in fields.items():
         object.__setattr__(record, name, value)

@@ -1,6 +1,6 @@
-"""Description of the parts of a ball screw or ball bearing: plain records in SI units.
+"""Records that describe a ball screw or ball bearing with its loads (a scene), in SI units.
 
-Both fidelities read these records and nothing else of each other.
+The low-order models and the 3D reference both read these records, and share nothing else.
 """
 
 from __future__ import annotations
@@ -47,18 +47,17 @@ from rollbench.meshes.ranges import (
     Whole,
 )
 
-#: Contact sides in the order of every ``(n, 4)`` array: screw left, screw right, nut left, nut right.
+#: Names of the four flanks in the order of the columns of every ``(n, 4)`` array: screw left, right; nut left, right.
 SIDES = ("SL", "SR", "NL", "NR")
 
 #: Unit factors ``(s_x, s_z)`` of the contact direction ``(s_x cos(gamma), s_z sin(gamma))`` in the plane of the
 #: groove section (x3 radial, z3 along the binormal), one row per flank (Lin 2019, Figure 2.4).
 SIDE_SIGNS = ((-1.0, -1.0), (-1.0, 1.0), (1.0, -1.0), (1.0, 1.0))
 
-#: Freedoms of a station of the screw: displacements along x, y, z and small rotations about them.
+#: Degrees of freedom of a cross-section of the screw: displacements along x, y, z and small rotations about these axes.
 FREEDOMS = ("ux", "uy", "uz", "rx", "ry", "rz")
 
-#: Surfaces by which a nut may be fixed: the inner and outer halves of a face are rings on both sides of the middle of
-#: its width.
+#: Surfaces at which a nut may be fixed. The inner and outer halves of a face are the two rings of equal width that form it.
 NutHeld = Literal[
     "left face",
     "right face",
@@ -73,15 +72,15 @@ NutHeld = Literal[
 
 
 class UnfitKey(ValueError):
-    """Error of a scene whose parts cannot be built, or not be solved by a model."""
+    """Error raised where the parts of a scene cannot be built or a model cannot solve the scene; names the key at fault."""
 
     def __init__(self, key: str, reason: str) -> None:
-        """Keep the scene's key (``"nut.outer_diameter"``) and the reason, which is the message."""
+        """Store the key of the scene file at fault, such as ``"nut.outer_diameter"``, and the reason as the message."""
         super().__init__(key, reason)
         self.key = key
 
     def __str__(self) -> str:
-        """Return the reason."""
+        """Return the reason for the error as the message."""
         return str(self.args[1])
 
 
@@ -109,7 +108,7 @@ class Material:
 @keyed
 @dataclass(frozen=True)
 class Track:
-    """Nominal ball path of a screw or bearing (Lin 2019, 2.1, 2.2, 2.5)."""
+    """Nominal path of the balls in a screw or bearing, and the number of arcs in its grooves (Lin 2019, 2.1, 2.2, 2.5)."""
 
     #: Pitch radius R_p [m].
     pitch_radius: Radius
@@ -123,17 +122,17 @@ class Track:
     starts: int = usual(1)
     #: Azimuth of the helix at the nut's centre [rad].
     phase: Azimuth = usual(0.0)
-    #: Arcs of each groove: ``"two"`` for a gothic arch; of a bearing also one arc, whose contacts carry thrust on the
-    #: shaft along ``"+z"`` or ``"-z"``.
+    #: Arcs of each groove: ``"two"`` for a gothic arch. A bearing may also have one arc, which carries thrust on the shaft
+    #: in the direction ``"+z"`` or ``"-z"``.
     arcs: Literal["two", "+z", "-z"] = usual("two")
 
 
 @keyed
 @dataclass(frozen=True)
 class Screw:
-    """Screw shaft, or inner ring of a bearing."""
+    """Dimensions and material of a screw shaft, or of the inner ring of a bearing."""
 
-    #: Length [m], from station 0 on.
+    #: Length [m]; the shaft begins at z = 0.
     length: Size
     #: Diameter of the lands [m].
     outer_diameter: Size
@@ -141,47 +140,47 @@ class Screw:
     groove_radius: Radius
     #: Elastic material.
     material: Material
-    #: Diameter of the bore [m]; 0: solid.
+    #: Diameter of the bore [m]; 0 for a solid shaft.
     bore: Bore = usual(0.0)
 
 
 @keyed
 @dataclass(frozen=True)
 class Flange:
-    """Flange at one end of a nut, within the nut's length."""
+    """Dimensions of the flange at one end of a nut, and how it is fixed; the nut's length includes the flange."""
 
     #: Outer diameter [m].
     diameter: Size
     #: Thickness [m].
     thickness: Size
-    #: Radii [m] between which the face towards the rest of the nut may be fixed (``Solid.nut_held``).
+    #: Inner and outer radius [m] of the ring that may be fixed, on the face towards the rest of the nut.
     seat: tuple[float, float]
     #: End of the nut at which the flange is.
     side: Literal["left", "right"] = usual("left")
-    #: Length of the nut's outer surface, from that face on, that fits the bore of the housing [m].
+    #: Length of the nut's outer surface, beginning at that face, that fits into the bore of the housing [m].
     centring: Bore = usual(0.0)
-    #: Whether the centring fit fixes the nut too, or leaves it free.
+    #: Whether the nut is fixed at the centring fit too (True), or is free there.
     bonded: bool = usual(False)
-    #: Number of bolts; the 3D reference fixes a circle as wide as the seat at each, the first at azimuth 0. 0 fixes all
-    #: of the seat, as low-order models always do.
+    #: Number of bolts. At each bolt the 3D reference fixes a circle as wide as the ring ``seat``; the first bolt is at
+    #: azimuth 0. With 0 bolts the whole ring is fixed, as it always is in the low-order models.
     bolts: int = usual(0)
 
     def stations(self, low: float, high: float) -> tuple[float, float, float]:
-        """Axial places of a flange on a nut.
+        """Return the axial positions of the flange's two faces and of the end of its centring fit.
 
         Parameters
         ----------
         low, high : float
-            Stations of the nut's ends [m].
+            Axial positions of the nut's ends [m].
 
         Returns
         -------
         outer : float
-            Station of the flange's outer face [m].
+            Axial position of the flange's outer face [m].
         seat : float
-            Station of the face that may be fixed [m].
+            Axial position of the face that may be fixed [m].
         centring : float
-            Station of the end of the centring fit [m].
+            Axial position of the end of the centring fit [m].
 
         Examples
         --------
@@ -195,9 +194,9 @@ class Flange:
 @keyed
 @dataclass(frozen=True)
 class Nut:
-    """Nut, or outer ring of a bearing."""
+    """Dimensions, position and material of a nut, or of the outer ring of a bearing."""
 
-    #: Station of its centre [m].
+    #: Axial position z of its centre [m].
     position: Station
     #: Length [m].
     length: Size
@@ -207,30 +206,31 @@ class Nut:
     groove_radius: Radius
     #: Elastic material.
     material: Material
-    #: Angle psi_N from the axes of the screw to those of the nut [rad], on which the nut's errors depend (Lin 2.9).
+    #: Angle psi_N from the screw's x axis to the nut's [rad]; the nut's errors are defined in its own axes (Lin 2.9).
     azimuth: Azimuth = usual(0.0)
-    #: Flange, if any.
+    #: Flange; None for a nut without flange.
     flange: Flange | None = usual(None)
 
 
 @dataclass(frozen=True)
 class Balls:
-    """Balls of one screw or bearing."""
+    """Radius, material and azimuths of the balls of a screw or bearing."""
 
     #: Nominal radius [m].
     radius: Radius
     #: Elastic material.
     material: Material
-    #: Unwrapped azimuths of the balls of one start [rad]; the other starts have the same, shifted by their offsets.
+    #: Azimuths of the balls of one start [rad], counted on over whole turns. The balls of the other starts have the same
+    #: azimuths plus the offset of their start.
     azimuths: tuple[Azimuth, ...]
 
 
 @keyed
 @dataclass(frozen=True)
 class FourierTerm:
-    """One harmonic of an error along the track: sin * sin(harmonic * phi) + cos * cos(harmonic * phi).
+    """One harmonic of a geometric error along the track: sin * sin(harmonic * phi) + cos * cos(harmonic * phi).
 
-    Amplitudes and sigma [m].
+    Amplitudes and standard deviation are in metres; phi is the azimuth.
     """
 
     harmonic: Harmonic = field(metadata=about("cycles per turn; may be a fraction"))
@@ -245,9 +245,9 @@ Terms = Annotated[tuple[FourierTerm, ...], Several(0, 1000)]
 @keyed
 @dataclass(frozen=True)
 class SideErrors:
-    """Errors of one groove flank: screw left (SL), screw right (SR), nut left (NL), nut right (NR).
+    """Geometric errors of one groove flank: screw left (SL), screw right (SR), nut left (NL) or nut right (NR).
 
-    All in m (Lin 2.27, 4.1, 4.3); gamma in rad.
+    Lengths are in metres, the section angle gamma in radians (Lin 2019, 2.27, 4.1, 4.3).
     """
 
     profile: Annotated[tuple[Deviation, ...], Several(0, 7)] = usual(
@@ -258,7 +258,9 @@ class SideErrors:
     )
     pitch: Terms = usual((), "displacement of the groove centre along the screw", [{"harmonic": 1, "sin": "3 um"}])
     pitch_along: Literal["section", "axis"] = usual(
-        "section", "direction of the pitch error: in the groove's section (Lin 2.27) or along the axis (Lin 4.1)", "section"
+        "section",
+        "direction of the pitch error: in the section normal to the helix (Lin 2.27), or along the axis (Lin 4.1)",
+        "section",
     )
     roundness: Terms = usual((), "displacement of the groove centre along the radius", [{"harmonic": 2, "cos": "5 um"}])
 
@@ -266,11 +268,11 @@ class SideErrors:
 @keyed
 @dataclass(frozen=True)
 class BallErrors:
-    """Errors of the ball radii."""
+    """Errors of the balls' radii: one for all balls, further ones for single balls, and random ones."""
 
-    #: Error that all radii share [m].
+    #: Error of all radii [m].
     oversize: Deviation = usual(0.0)
-    #: Pairs of a ball's number (from 1) and the further error of its radius [m].
+    #: Pairs of a ball's number (from 1) and the additional error of its radius [m].
     listed: tuple[tuple[int, float], ...] = usual(())
     #: Standard deviation of a random error of each radius [m].
     sigma: Spread = usual(0.0)
@@ -281,9 +283,9 @@ class BallErrors:
 @keyed
 @dataclass(frozen=True)
 class Errors:
-    """All geometric errors of a scene, and the seed of its random ones."""
+    """All geometric errors of a scene, and the seed of the random ones."""
 
-    #: Errors of the ball radii.
+    #: Errors of the balls' radii.
     balls: BallErrors = usual(BallErrors())
     #: Errors of the screw's left flank.
     SL: SideErrors = usual(SideErrors())
@@ -295,17 +297,17 @@ class Errors:
     NR: SideErrors = usual(SideErrors())
     #: Seed of all random draws.
     seed: int = usual(0)
-    #: Axial shift [m] of the nut's groove beyond the nut's centre (z above its position) against the rest, by which a
-    #: single nut is preloaded in two-point contact.
+    #: Axial offset between the two halves of the nut's groove [m]: shift of the half at larger z than the nut's centre. It
+    #: preloads a single nut in two-point contact.
     lead_offset: float = usual(0.0)
 
     def side(self, name: str) -> SideErrors:
-        """Errors of the flank of a name out of `SIDES`.
+        """Return the errors of a flank.
 
         Parameters
         ----------
         name : str
-            SL, SR, NL or NR.
+            Name of the flank: SL, SR, NL or NR.
 
         Returns
         -------
@@ -317,7 +319,7 @@ class Errors:
 
     @property
     def random(self) -> bool:
-        """Whether anything is drawn at random."""
+        """Whether a radius, profile, pitch or roundness error is drawn at random."""
         return self.balls.sigma > 0.0 or any(
             any(s > 0.0 for s in e.profile_sigma) or any(t.sigma > 0.0 for t in (*e.pitch, *e.roundness))
             for e in (self.SL, self.SR, self.NL, self.NR)
@@ -326,23 +328,23 @@ class Errors:
 
 @dataclass(frozen=True)
 class Support:
-    """Support of the screw."""
+    """Support of the screw: displacements and rotations prescribed at one axial position."""
 
-    #: Station [m].
+    #: Axial position z [m].
     at: Station
-    #: Pairs of a freedom (of `FREEDOMS`) and its prescribed displacement [m] or rotation [rad].
+    #: Pairs of a degree of freedom (of `FREEDOMS`) and its prescribed displacement [m] or rotation [rad].
     fixed: tuple[tuple[str, float], ...]
 
 
 @keyed
 @dataclass(frozen=True)
 class Load:
-    """Load on the screw at one station, applied on the axis.
+    """Load on the screw, applied on its axis at one axial position.
 
-    Station [m], force [N], moment [N m].
+    Position in m, force in N, moment in N m.
     """
 
-    at: Station = field(metadata=about("station along the screw", "0 mm"))
+    at: Station = field(metadata=about("axial position along the screw, from its left end", "0 mm"))
     force: Forces = usual((0.0, 0.0, 0.0), "force along x, y, z", ["0 N", "0 N", "5 kN"])
     moment: Moments = usual((0.0, 0.0, 0.0), "moment about x, y, z", ["0 N m", "3 N m", "0 N m"])
 
@@ -350,54 +352,66 @@ class Load:
 @keyed
 @dataclass(frozen=True)
 class Ingredients:
-    """Which parts of the low-order model are used.
+    """Options of the low-order models: contact constants, screw as a beam or rigid, its elements, and lever arms.
 
-    Constants at the nominal angle are those of each contact's own radii; a source's nodes outside the nut are about the
-    pitch diameter apart; with the arm of the ball's station the force still acts at the current contact point.
+    Three details: with ``hertz = "nominal"`` each contact's constants follow from its own radii. With
+    ``partition = "source"`` the beam's nodes outside the nut are about one pitch diameter apart. With ``arm = "ball"`` only
+    the lever arm is that of the ball's centre; the force still acts at the current contact point.
     """
 
     hertz: Literal["nominal", "error-free", "actual", "as printed"] = usual(
         "nominal",
-        "contact constants: own radii at the nominal angle, error-free parts, actual geometry, or as in Table B.1",
+        "contact constants: of each contact's radii at the nominal angle, of error-free parts, of the actual geometry, "
+        "or as in Lin's Table B.1",
         "actual",
     )
     screw: Literal["beam", "rigid"] = usual("beam", "screw as Timoshenko beam or rigid", "rigid")
     partition: Literal["nodal", "source", "uniform"] = usual(
-        "nodal", "beam nodes: at every contact, as the source (15 mm in the nut), or every element_length", "source"
+        "nodal",
+        "nodes of the beam: at every contact, as in Lin's thesis (every 15 mm in the nut), or at every element_length",
+        "source",
     )
     element_length: Element = usual(1.0e-3, 'length of the elements in the nut, for partition = "uniform"')
     section: Literal["groove", "groove squared", "full"] = usual(
-        "groove", "beam section: diameters scaled by k_r (Lin C.8), by k_r without the root, or full", "full"
+        "groove",
+        "cross-section of the beam: diameters scaled by k_r (Lin C.8), by k_r without its square root, or full diameter",
+        "full",
     )
     arm: Literal["current", "nominal", "ball"] = usual(
         "current",
-        "lever arm of a contact load: current contact point, nominal contact point, or the ball's station",
+        "lever arm of a contact load: to the current contact point, the nominal contact point, or the ball's centre",
         "nominal",
     )
     load_step: LoadStep | None = usual(
-        None, "further axial load over which the model liu also takes its stiffness (Liu's 22)", "600 N"
+        None, "increment of the axial load for which the model liu also computes a stiffness (Liu's equation 22)", "600 N"
     )
 
 
 @keyed
 @dataclass(frozen=True)
 class Solid:
-    """Inputs that only the 3D reference uses; a missing key is replaced by an assumption, which is printed."""
+    """Inputs of the 3D reference only; for a missing key the program makes an assumption and prints it."""
 
-    nut_inner_diameter: Size | None = usual(None, "diameter of the nut's lands; mirrors the screw's if left out", "34 mm")
-    hole_diameter: Size | None = usual(None, "hole along the meshed screw where it has no bore", "3 mm")
-    shaft: Station | None = usual(None, "length of 3D shaft beyond each face of the nut; a beam continues it", "20 mm")
+    nut_inner_diameter: Size | None = usual(
+        None,
+        "diameter of the nut's lands; if left out, they are as far outside the pitch cylinder as the screw's are inside it",
+        "34 mm",
+    )
+    hole_diameter: Size | None = usual(None, "diameter of a hole along the axis of a meshed screw that has no bore", "3 mm")
+    shaft: Station | None = usual(
+        None, "length of the shaft beyond each face of the nut that is meshed in 3D; the rest is a beam", "20 mm"
+    )
     shaft_diameter: Size | None = usual(
-        None, "diameter of the plain shaft beyond the 3D stretch; the homogenised grooved shaft if left out", "31 mm"
+        None, "diameter of the plain shaft beyond the 3D mesh; if left out, a homogenised grooved shaft", "31 mm"
     )
     nut_held: NutHeld | None = usual(None, "former key of nut.held.at", "left face")
     screw_held: Literal["ends", "bore"] | None = usual(
-        None, "whether supports and loads reach the screw through its ends or through a stiff shaft in its bore", "ends"
+        None, "whether supports and loads act on the screw at its ends or by a stiff shaft in its bore", "ends"
     )
-    nut: Literal["elastic", "rigid"] = usual("elastic", "nut elastic, or rigid beyond its contact patches", "elastic")
+    nut: Literal["elastic", "rigid"] = usual("elastic", "elastic nut, or nut rigid outside the contact patches", "elastic")
     nut_groove: Literal["through", "loaded"] = usual(
         "through",
-        "groove through the whole nut, or filled from two ball diameters beyond the outermost balls on",
+        "groove through the whole nut, or groove that ends two ball diameters beyond the outermost balls",
         "through",
     )
 
@@ -405,58 +419,63 @@ class Solid:
 @keyed
 @dataclass(frozen=True)
 class Friction:
-    """Coulomb friction of the balls."""
+    """Coefficients of Coulomb friction of the balls, and which effects of friction are computed."""
 
-    #: Coefficient on the grooves of the screw.
+    #: Coefficient of friction between balls and screw.
     screw: float
-    #: Coefficient on the grooves of the nut.
+    #: Coefficient of friction between balls and nut.
     nut: float
-    #: Where the coefficients come from.
+    #: Origin of the coefficients, as statements for the report.
     assumed: tuple[str, ...] = usual(())
-    #: Whether friction moves each ball across its grooves, or leaves the contact loads unchanged.
+    #: Whether friction moves each ball across its grooves and so changes the contact loads (True), or not.
     feedback: bool = usual(True)
-    #: Coefficient between balls; None for the larger one of the grooves.
+    #: Coefficient between balls; None for the larger one of the coefficients ``screw`` and ``nut``.
     balls: float | None = usual(None)
-    #: Whether balls in touch push each other at the scene's instant; in a run in time they always do.
+    #: Whether neighbouring balls that touch exert forces on each other in the quasi-static solution; in a computation over
+    #: time they always do.
     neighbours: bool = usual(False)
 
     @property
     def between_balls(self) -> float:
-        """Coefficient of friction between balls."""
+        """Coefficient of friction between balls; without one, the larger one of those on screw and nut."""
         return max(self.screw, self.nut) if self.balls is None else self.balls
 
 
 @keyed
 @dataclass(frozen=True)
 class Motion:
-    """Which part turns and how fast, for: rollbench friction.
+    """The part that rotates and its angular speed, for the command ``rollbench friction``.
 
-    Angular speed [rad/s].
+    The angular speed is in rad/s.
     """
 
-    speed: Turning = field(metadata=about("angular speed of the part that turns, about +z; negative: the other way"))
+    speed: Turning = field(metadata=about("angular speed of the rotating part about +z; negative for the other direction"))
     turns: Literal["screw", "nut"] = usual(
-        "screw", "the part that turns; the other one does not, and they move apart along the axis by the lead", "nut"
+        "screw",
+        "part that rotates; the other one does not, and one moves along the axis against the other by one lead per turn",
+        "nut",
     )
 
 
 @keyed
 @dataclass(frozen=True)
 class Lubricant:
-    """Oil, or base oil of a grease, at running temperature and ambient pressure.
+    """Properties of the oil, or of the base oil of a grease, at operating temperature and ambient pressure.
 
-    Viscosity [m^2/s], density [kg/m^3], pressure coefficient [1/Pa].
+    Viscosity in m^2/s, density in kg/m^3, pressure coefficient in 1/Pa.
     """
 
-    viscosity: Viscosity = field(metadata=about("kinematic viscosity at the temperature of running", "27 mm2/s"))
+    viscosity: Viscosity = field(metadata=about("kinematic viscosity at operating temperature", "27 mm2/s"))
     density: Density = usual(900.0, "density", "900 kg/m3")
     pressure_viscosity: PressureViscosity = usual(
-        20e-9, "rise of the logarithm of the viscosity with pressure, for the film between rollers and races", "20 1/GPa"
+        20e-9, "pressure-viscosity coefficient (Barus), for the film between rollers and raceways", "20 1/GPa"
     )
     supply: Literal["grease", "oil mist", "oil bath", "oil jet"] = usual(
-        "grease", "how rows of balls are lubricated, for Palmgren's factor f0", "oil bath"
+        "grease", "type of lubrication of a ball bearing row, for Palmgren's factor f0", "oil bath"
     )
-    factor: Factor0 | None = usual(None, "the maker's factor f0 of a row of balls, in place of the published range", 2)
+    factor: Factor0 | None = usual(
+        None, "manufacturer's factor f0 of a ball bearing row, in place of the published range", 2
+    )
 
     @property
     def dynamic_viscosity(self) -> float:
@@ -473,49 +492,57 @@ class Lubricant:
 @keyed
 @dataclass(frozen=True)
 class Circulation:
-    """Circulation of the balls of a screw, for ``rollbench friction``."""
+    """Ball circuits of a screw and how full they are, for the command ``rollbench friction``."""
 
-    circuits: Annotated[int, Whole(1, 1000)] = usual(1, "closed circuits that share the balls of each start equally", 1)
-    turns: Turns | None = usual(
-        None, "loaded turns of each start, all circuits together; left out: those that its balls fill"
+    circuits: Annotated[int, Whole(1, 1000)] = usual(
+        1, "number of closed circuits of each start; each has the same number of balls", 1
     )
-    returning: Annotated[int, Whole(0, MAX_BALLS)] = usual(0, "balls in the return of each circuit", 4)
-    gap: Clearance | None = usual(None, "mean clearance between neighbouring balls along a circuit (or filling)", "50 um")
-    filling: Filling | None = usual(None, "part of a circuit that its balls would fill if they touched (or gap)", 0.8)
+    turns: Turns | None = usual(
+        None, "loaded turns of each start in all its circuits together; if left out, the turns that its balls fill"
+    )
+    returning: Annotated[int, Whole(0, MAX_BALLS)] = usual(0, "number of balls in the return path of each circuit", 4)
+    gap: Clearance | None = usual(
+        None, "mean clearance between neighbouring balls along a circuit (instead of filling)", "50 um"
+    )
+    filling: Filling | None = usual(
+        None, "fraction of a circuit's length that its balls would fill if they touched (instead of gap)", 0.8
+    )
 
 
 @keyed
 @dataclass(frozen=True)
 class Time:
-    """A run in time, for: rollbench friction. Give angle or duration.
+    """Length and steps of a computation over time, for the command ``rollbench friction``. Give angle or duration.
 
-    Angle [rad], duration [s].
+    Angle in rad, duration in s.
     """
 
-    angle: Travel | None = usual(None, "angle that the part that turns covers", "360 deg")
-    duration: Duration | None = usual(None, "duration (or angle)", "1 s")
+    angle: Travel | None = usual(None, "angle by which the rotating part turns in the computed time", "360 deg")
+    duration: Duration | None = usual(None, "computed time (instead of angle)", "1 s")
     steps: Annotated[int, Whole(1, 100_000)] | None = usual(
-        None, "number of steps, from 4; left out: as many as keep the errors of the steps below goal", 200
+        None, "number of time steps, at least 4; if left out, as many as needed for errors below goal", 200
     )
     goal: StepGoal = usual(
-        0.01, "largest error of the steps, as a part of the mean friction torque: beyond it the run has not converged", 0.01
+        0.01,
+        "largest accepted error of the time steps relative to the mean friction torque; above it the run has not converged",
+        0.01,
     )
     output: Literal["balls", "torque"] = usual(
-        "balls", "histories in the JSON result: of torque and balls, or of torque", "balls"
+        "balls", "time histories in the JSON result: torque and balls, or torque only", "balls"
     )
 
     def span(self, motion: Motion) -> float:
-        """Duration of the run [s]: as given, or the angle over the speed of the motion.
+        """Return the computed time: the given duration, or the given angle divided by the angular speed.
 
         Parameters
         ----------
         motion : Motion
-            Gives the speed.
+            Motion with the angular speed of the rotating part.
 
         Returns
         -------
         float
-            [s].
+            Computed time [s].
 
         Examples
         --------
@@ -530,29 +557,34 @@ class Time:
 @keyed
 @dataclass(frozen=True)
 class GateLimits:
-    """Limits of this scene for: rollbench check."""
+    """Largest accepted errors of the contact loads of this scene, for the command ``rollbench check``."""
 
     max_error: Percent | None = usual(
-        None, "limit of the error of any contact load against the 3D reference, in per cent", 7
+        None, "largest accepted error of a contact load against the 3D reference, in per cent", 7
     )
-    rms_error: Percent | None = usual(None, "limit of the RMS error of the contact loads, in per cent of the mean load", 3)
+    rms_error: Percent | None = usual(
+        None, "largest accepted RMS error of the contact loads, in per cent of the mean load", 3
+    )
 
 
 @keyed
 @dataclass(frozen=True)
 class Operation:
-    """Conditions that modify the life, and the limit of the balls' return."""
+    """Operating conditions for the modified life (ISO 281), and the speed limit of the ball return."""
 
-    reliability: Reliability | None = usual(None, "share that reaches the modified life, in per cent", 95)
+    reliability: Reliability | None = usual(None, "fraction of specimens that reach the modified life, in per cent", 95)
     viscosity_ratio: ViscosityRatio | None = usual(
-        None, "kappa of ISO 281: viscosity of the lubricant at work over that it should have (with contamination)", 1.5
+        None, "viscosity ratio kappa of ISO 281: actual over required viscosity (only together with contamination)", 1.5
     )
     contamination: Contamination | None = usual(
         None,
-        "e_C of ISO 281: 1 extremely clean, 0.8 to 0.6 sealed, 0.3 to 0.1 coarsely filtered (with viscosity_ratio)",
+        "contamination factor e_C of ISO 281: 1 extremely clean, 0.8 to 0.6 sealed, 0.3 to 0.1 coarsely filtered "
+        "(only together with viscosity_ratio)",
         0.6,
     )
-    dn_limit: SpeedLimit = usual(76_200.0, "largest pitch diameter times speed, in mm/min, by the maker", 120_000)
+    dn_limit: SpeedLimit = usual(
+        76_200.0, "manufacturer's limit of pitch diameter times rotational speed, in mm/min", 120_000
+    )
 
 
 @keyed
@@ -562,15 +594,15 @@ class Scene:
 
     #: Name of the scene.
     name: str
-    #: Title of the scene.
+    #: Title of the scene, for reports.
     title: str
-    #: Nominal ball path.
+    #: Nominal path of the balls.
     track: Track
     #: Screw shaft or inner ring.
     screw: Screw
     #: Nut or outer ring.
     nut: Nut
-    #: Balls of one start.
+    #: Radius, material and azimuths of the balls.
     balls: Balls
     #: Geometric errors.
     errors: Errors = usual(Errors())
@@ -578,56 +610,56 @@ class Scene:
     supports: tuple[Support, ...] = usual(())
     #: Loads on the screw.
     loads: tuple[Load, ...] = usual(())
-    #: Parts of the low-order model that are used.
+    #: Options of the low-order models.
     ingredients: Ingredients = usual(Ingredients())
     #: Further inputs of the 3D reference.
     solid: Solid = usual(Solid())
-    #: Where the case comes from.
+    #: Publication from which the scene is taken.
     source: str = usual("")
-    #: Statements about what the source leaves open.
+    #: Assumptions about what the publication does not say.
     assumed: tuple[str, ...] = usual(())
     #: Number of specimens with different random errors.
     members: int = usual(1)
-    #: Coulomb friction of the balls.
+    #: Coulomb friction of the balls; None: no friction.
     friction: Friction | None = usual(None)
-    #: Which part turns, and how fast.
+    #: Rotating part and its angular speed.
     motion: Motion | None = usual(None)
-    #: Role in the report of a shipped scene.
+    #: Role of the scene in the validation report, for scenes that come with the program.
     role: str = usual("", compare=False)
-    #: Circulation of the balls.
+    #: Ball circuits.
     circulation: Circulation | None = usual(None)
-    #: Run in time.
+    #: Computation over time.
     time: Time | None = usual(None)
-    #: Limits of errors against the 3D reference.
+    #: Largest accepted errors of contact loads against the 3D reference.
     gate: GateLimits = usual(GateLimits(), compare=False)
-    #: Conditions that modify the life.
+    #: Operating conditions for the modified life.
     operation: Operation = usual(Operation(), compare=False)
-    #: Oil or base oil.
+    #: Oil, or base oil of the grease.
     lubricant: Lubricant | None = usual(None)
 
     def __hash__(self) -> int:
-        """Hash of the fields that are compared, computed once: many caches look up scenes."""
+        """Hash the fields that are compared; the hash is computed only once, because many caches look up scenes."""
         found: int | None = self.__dict__.get("_hash")
         if found is None:
             found = self.__dict__["_hash"] = hash(tuple(getattr(self, f.name) for f in fields(self) if f.compare))
         return found
 
     def __getstate__(self) -> dict[str, Any]:
-        """Only the fields: a hash of text differs in another process."""
+        """Return the fields for pickling, without the stored hash, because hashes of text differ between processes."""
         return {f.name: getattr(self, f.name) for f in fields(self)}
 
     def to_toml(self) -> str:
-        """Text of a scene file that reads back as this scene."""
+        """Write the scene as text of a TOML scene file, from which the same scene can be read."""
         from rollbench.meshes.scene_text import scene_tables, to_toml
 
         return to_toml(scene_tables(self))
 
     @property
     def stations(self) -> list[float]:
-        """Stations of the supports, then of the loads [m]."""
+        """Axial positions of the supports, then of the loads [m]."""
         return [*(x.at for x in self.supports), *(x.at for x in self.loads)]
 
     @property
     def ball_count(self) -> int:
-        """Number of balls over all starts."""
+        """Number of loaded balls of all starts together."""
         return len(self.balls.azimuths) * self.track.starts

@@ -1,4 +1,4 @@
-"""Folders that only this user may write to: what is read from a cache is trusted, and machine code in it is run."""
+"""Folders to which only this user can write; needed because files of a cache are trusted, and machine code in it is run."""
 
 from __future__ import annotations
 
@@ -8,16 +8,16 @@ from pathlib import Path
 
 
 def private_folder(root: Path, *below: str) -> Path:
-    """Make a folder for this user only, below a root, and check its permissions.
+    """Create a folder to which only this user can write, inside a root folder, and check the permissions.
 
-    On Windows nothing is checked.
+    On Windows permissions are not checked.
 
     Parameters
     ----------
     root : Path
-        Folder to start from; it may be one that all users share, as that of temporary files (sticky).
+        Root folder; it may be shared by all users, as the folder of temporary files is (sticky bit).
     *below : str
-        Names of nested folders below the root.
+        Names of the nested folders inside the root.
 
     Returns
     -------
@@ -27,9 +27,9 @@ def private_folder(root: Path, *below: str) -> Path:
     Raises
     ------
     PermissionError
-        The root or a folder below belongs to another user, or others may write to it.
+        The root or a folder inside belongs to another user, or others may write to it.
     OSError
-        A folder cannot be made.
+        A folder cannot be created.
     """
     root.mkdir(mode=0o700, parents=True, exist_ok=True)
     _check_ownership(root.stat(), root, shared=True)
@@ -42,10 +42,14 @@ def private_folder(root: Path, *below: str) -> Path:
 
 
 def _check_ownership(status: os.stat_result, folder: Path, *, shared: bool) -> None:
+    """Raise PermissionError where a folder belongs to another user, or others may write to it.
+
+    A ``shared`` folder may belong to root, and others may write to it if its sticky bit is set.
+    """
     if not hasattr(os, "getuid"):
         return
     owners = {os.getuid(), 0} if shared else {os.getuid()}
     if not stat.S_ISDIR(status.st_mode) or status.st_uid not in owners:
-        raise PermissionError(13, "it is not this user's alone", str(folder))
+        raise PermissionError(13, "the folder belongs to another user, or is a link", str(folder))
     if status.st_mode & 0o022 and not (shared and status.st_mode & stat.S_ISVTX):
-        raise PermissionError(13, "other users may write there (chmod go-w)", str(folder))
+        raise PermissionError(13, "other users may write to the folder (remedy: chmod go-w)", str(folder))

@@ -1,15 +1,15 @@
-"""Threads of linear algebra, worker processes, and peak memory on this machine.
+"""Number of threads for linear algebra, worker processes, and measurement of peak memory.
 
-Linear algebra runs on one thread: with small matrices, or beside any other busy process, more threads only wait for one
-another. The command line, workers and tests call `one_thread` when they begin; a call of the library uses one thread only
-until it returns, because the rest of the process is its user's. Work is shared among processes. Variables that the user
-has set (`VARIABLES`) take precedence.
+Linear algebra uses one thread: for small matrices, or on a busy machine, several threads only wait for one another. The
+command line, workers and tests call `one_thread` at their start. A call of the library limits threads only until it
+returns, because the rest of the process belongs to its user. Parallel work is done by several processes. Environment
+variables that the user has set (`VARIABLES`) take precedence.
 
-Workers end with the process that started them.
+Worker processes end when the process that started them ends.
 
-Peak memory is that of one piece of work in a process that does several. ``getrusage`` gives the highest memory since the
-process began, so that a small run after a large one gets the large one's number. Linux resets that record when asked to
-(``/proc/self/clear_refs``); elsewhere nothing is measured.
+The peak memory is that of one computation in a process that does several. ``getrusage`` gives the largest memory since the
+start of the process, so that a small computation after a large one would get the number of the large one. Linux can reset
+this record (``/proc/self/clear_refs``); on other systems the peak memory is not measured.
 """
 
 from __future__ import annotations
@@ -26,36 +26,37 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
-#: Variables that the libraries of linear algebra read when they are loaded; the first speaks for all of them.
+#: Environment variables that libraries for linear algebra read when they are loaded; the first one holds for all of them.
 VARIABLES = tuple(f"{name}_NUM_THREADS" for name in ("OMP", "OPENBLAS", "MKL", "BLIS", "VECLIB_MAXIMUM"))
 
 
-def for_one_thread() -> dict[str, str]:
-    """Environment variables to set for linear algebra on one thread.
+def one_thread_variables() -> dict[str, str]:
+    """Return the environment variables that must be set so that linear algebra uses one thread.
 
     Returns
     -------
     dict[str, str]
-        Values by name; only those that the user has not set, and none where the first of `VARIABLES` is set.
+        Values by the variables' names, without variables that the user has set; empty where the first of `VARIABLES` is
+        set.
     """
     return {} if VARIABLES[0] in os.environ else {name: "1" for name in VARIABLES if name not in os.environ}
 
 
 def one_thread() -> None:
-    """Run linear algebra of this process and its child processes on one thread from now on."""
+    """Limit linear algebra of this process, and of child processes started from now on, to one thread."""
     if "numpy" in sys.modules:
         for library in _loaded_libraries():
             library.set_num_threads(1)
-    os.environ.update(for_one_thread())
+    os.environ.update(one_thread_variables())
 
 
 @contextmanager
 def held_to_one_thread() -> Iterator[None]:
-    """Context or decorator that limits linear algebra of this process to one thread for a while."""
-    if not for_one_thread():
+    """Limit linear algebra of this process to one thread during a ``with`` block, or a call of a decorated function."""
+    if not one_thread_variables():
         yield
         return
-    import scipy.linalg  # noqa: F401 - it brings another BLAS, which must be loaded before threads are limited
+    import scipy.linalg  # noqa: F401 - scipy loads another BLAS, which must be loaded before threads are limited
 
     libraries = [(library, library.num_threads) for library in _loaded_libraries()]
     for library, _ in libraries:
@@ -68,8 +69,11 @@ def held_to_one_thread() -> Iterator[None]:
 
 
 def _loaded_libraries() -> list[Any]:
-    """Libraries that are loaded, which read no variable any more, but those that the user has set."""
-    left = for_one_thread()
+    """Return the BLAS libraries already loaded whose number of threads the user has not set.
+
+    Loaded libraries do not read environment variables any more, so that their number of threads must be set directly.
+    """
+    left = one_thread_variables()
     if not left:
         return []
     from threadpoolctl import ThreadpoolController
@@ -78,20 +82,21 @@ def _loaded_libraries() -> list[Any]:
     return [library for library in libraries if f"{library.internal_api.upper()}_NUM_THREADS" in left]
 
 
-#: Seconds between two looks at whether the process that started a worker still lives.
+#: Time between two checks whether the process that started a worker is still running [s].
 LOOK = 0.5
 
 
 def local_workers() -> Any:
-    """Context of joblib in which ``Parallel`` starts workers on this machine, each with linear algebra on one thread.
+    """Return a context manager of joblib in which ``Parallel`` starts local workers, each with one thread.
 
-    Threads as `VARIABLES` say, where those are set. A worker ends within a second of the process that started it, however
-    that ended. On Windows, where a worker cannot know, workers end after five idle minutes.
+    Where the user has set `VARIABLES`, these give the number of threads. A worker ends within a second after the process
+    that started it, for whatever reason that process ended. On Windows, where a worker cannot detect this, workers end
+    after five idle minutes.
 
     Returns
     -------
     context manager
-        ``joblib.parallel_config``.
+        Result of ``joblib.parallel_config``.
     """
     from joblib import parallel_config
 
@@ -102,48 +107,48 @@ def local_workers() -> Any:
 
 
 @contextmanager
-def restarts_unsaid() -> Iterator[None]:
-    """Suppress joblib's warning about a worker that it restarts because its jobs retain more than 300 MB."""
+def without_restart_warnings() -> Iterator[None]:
+    """Suppress joblib's warning about a worker that it restarts because its memory has grown by more than 300 MB."""
     with warnings.catch_warnings():
         warnings.filterwarnings("ignore", "A worker stopped while some jobs were given")
         yield
 
 
 def end_with_parent(parent: int) -> None:
-    """End this process as soon as its parent is another one than the given process.
+    """Start a thread that ends this process as soon as its parent process has ended.
 
     Parameters
     ----------
     parent : int
-        Process id of the present parent.
+        Process id of the present parent process.
     """
     threading.Thread(target=_wait_for_end, args=(parent,), daemon=True).start()
 
 
 def _wait_for_end(parent: int) -> None:
+    """Wait until the process ``parent`` is not the parent of this process any more, then end this process."""
     while os.getppid() == parent:
         time.sleep(LOOK)
     os._exit(1)
 
 
-#: Whether the record may include earlier work: a reset was asked for and refused.
+#: Whether the system's record of peak memory may include earlier work, because resetting it failed.
 _stale = False
 
 
 def reset_peak() -> bool:
-    """Start a new record of the highest resident memory of this process.
+    """Reset the system's record of the largest resident memory of this process.
 
-    Memory that earlier work freed is given back to the system first, as far as the C library can, so that it does not
-    count.
+    Before this, freed memory is returned to the system, where the C library can do so; otherwise it would be counted.
 
     Returns
     -------
     bool
-        Whether the system can reset its record.
+        Whether the system has reset its record.
     """
     global _stale
     gc.collect()
-    with suppress(OSError, AttributeError, TypeError):  # another C library than glibc: its free memory counts
+    with suppress(OSError, AttributeError, TypeError):  # a C library other than glibc: freed memory is counted
         ctypes.CDLL(None).malloc_trim(0)
     try:
         Path("/proc/self/clear_refs").write_text("5", encoding="ascii")
@@ -154,12 +159,12 @@ def reset_peak() -> bool:
 
 
 def peak_MB() -> float | None:
-    """Highest resident memory of this process since `reset_peak`, interpreter and libraries included.
+    """Return the largest resident memory of this process since `reset_peak`, including interpreter and libraries.
 
     Returns
     -------
     float | None
-        [MB]; None where the system keeps no such record, or did not reset it.
+        Memory [MB]; None where the system does not record it, or the record was not reset.
     """
     if _stale:
         return None

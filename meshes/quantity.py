@@ -1,4 +1,7 @@
-"""Records whose fields state the quantity they hold; JSON, tables and the manual take it from there."""
+"""Records of results whose fields carry a definition of their quantity: key, unit, definition and format.
+
+JSON output, tables and the manual use these definitions.
+"""
 
 from __future__ import annotations
 
@@ -12,34 +15,35 @@ Getter = TypeVar("Getter", bound=Callable[..., object])
 
 @dataclass(frozen=True)
 class Stated:
-    """Metadata of a quantity: key, definition and format."""
+    """Description of a quantity in the results: its key, definition and format."""
 
-    #: Key in JSON, whose ending gives the unit; with a dot where it is in a table there.
+    #: Key in JSON, whose ending gives the unit; a dot in the key separates the name of a JSON table from the name in it.
     key: str
-    #: What the quantity is, with its formula and sign where needed.
+    #: Definition of the quantity, with formula and sign where needed.
     definition: str = ""
-    #: Error of the value; empty where it has none.
+    #: Description of the error of the value; empty for values without error.
     error: str = ""
-    #: Name in tables, and the mark of an answer that `solve` always shows; empty: made of the key, shown by ``--verbose``.
+    #: Name in tables; `solve` always shows quantities with a heading. Empty: the name is made from the key, and the
+    #: quantity is shown with ``--verbose`` only.
     heading: str = ""
     #: Format of a number in tables.
     form: str = "g5"
-    #: What follows the key in the paths of its parts: ``[]`` of a list, ``.*`` of any keys, ``.FLANK`` of the four
-    #: flanks.
+    #: Suffix of the key in the paths of its parts: ``[]`` for a list, ``.*`` for any keys, ``.FLANK`` for the four flanks.
     parts: str = ""
-    #: Function of the field's value (SI units) that gives what is shown; None: the value.
+    #: Function that converts the field's value (SI units) to the value shown; None: the value is shown unchanged.
     show: Callable[[Any], object] | None = field(default=None, compare=False)
-    #: Error to expect of a model: field of `compare.models.model_form.ModelForm`, and how many times of it.
+    #: Expected error of a model: field of `compare.models.model_form.ModelForm`, and a factor on it.
     expected: tuple[str, float] = ("", 0.0)
-    #: What stands behind it in the table of answers, with values of its record by their keys: ``"ball {ball} {side}"``.
+    #: Text after the value in the table of answers; keys of the record in braces are replaced, as in
+    #: ``"ball {ball} {side}"``.
     note: str = ""
 
     def shown(self, value: object) -> object:
-        """Return the value in the unit shown, from that of the field."""
+        """Convert a value of the field (SI units) to the value that is shown, in the unit of the key."""
         return value if self.show is None else self.show(value)
 
     def __call__(self, getter: Getter) -> Getter:
-        """Attach the statement to the getter of a property, and return the getter."""
+        """Attach this description to the getter of a property, as a decorator."""
         getter.__dict__["stated"] = (self, *getter.__dict__.get("stated", ()))
         return getter
 
@@ -58,23 +62,23 @@ def quantity(
     default: Any = MISSING,
     default_factory: Any = MISSING,
 ) -> Any:
-    """Field of a `record` with what is stated of its quantity.
+    """Make a field of a result record with the description of its quantity.
 
     Parameters
     ----------
     key, definition
-        As the fields of `Stated`.
+        Key and definition, as the fields of `Stated`.
     *also : Stated
-        Further keys, with what they show of the same value.
+        Descriptions of further keys that are computed from the same value.
     error, heading, form, parts, show, expected, note
-        As the fields of `Stated`.
+        Error, name, format and other properties, as the fields of `Stated`.
     default, default_factory : Any, default MISSING
-        As of ``dataclasses.field``.
+        Default of the field, as for ``dataclasses.field``.
 
     Returns
     -------
     dataclasses.Field
-        The field.
+        The field, for the body of a dataclass decorated by `record`.
 
     Examples
     --------
@@ -95,36 +99,36 @@ def record(cls: type[Class], /) -> type[Class]: ...
 def record(*, eq: bool = True, repr: bool = True, kw_only: bool = False) -> Callable[[type[Class]], type[Class]]: ...
 @dataclass_transform(frozen_default=True, field_specifiers=(field, quantity))
 def record(cls: type[Class] | None = None, /, **options: bool) -> Any:
-    """Make a frozen dataclass, some fields of which are a `quantity`.
+    """Make a class a frozen dataclass for results, whose fields may be defined by `quantity` (a class decorator).
 
     Parameters
     ----------
     cls : type[Class] | None, default None
-        Class to decorate; None where options are given.
+        Class to decorate; None where the decorator is called with options.
     **options : bool
-        As of ``dataclasses.dataclass``.
+        Options of ``dataclasses.dataclass``.
 
     Returns
     -------
     type
-        The dataclass, or the decorator.
+        The dataclass; the decorator where ``cls`` is None.
     """
     made = dataclass(frozen=True, **options)
     return made if cls is None else made(cls)
 
 
 def stated_in(kind: type) -> tuple[tuple[str, Stated], ...]:
-    """List what is stated of the fields, properties and methods of a record.
+    """List the descriptions of all quantities of a result record: of its fields, properties and methods.
 
     Parameters
     ----------
     kind : type
-        Record class.
+        Class of the record.
 
     Returns
     -------
     tuple[tuple[str, Stated], ...]
-        Pairs of a name and its statement, in the order of the class.
+        Pairs of a name and the description of its quantity, in the order of the class.
     """
     fields = [(name, x.metadata) for name, x in getattr(kind, "__dataclass_fields__", {}).items()]
     members = [(name, getattr(x, "fget", x)) for each in reversed(kind.__mro__) for name, x in vars(each).items()]

@@ -1,6 +1,6 @@
-"""Quantities of scene files as annotated types: unit, range and example.
+"""Annotated types for the quantities of scene files: dimension, allowed range, unit and example.
 
-pydantic reads them, the JSON Schema shows them, and scenes are written by them.
+pydantic validates scene files with them; they also give the JSON schema, and the units in which scenes are written.
 """
 
 from __future__ import annotations
@@ -18,7 +18,8 @@ if TYPE_CHECKING:
     from pydantic_core import PydanticCustomError
 
 _OF_C = re.compile(r"\s*\+?([0-9]+\.?[0-9]*|\.[0-9]+)\s*%\s*of\s*C\s*")
-#: Units of speeds, angular speeds, times, masses and what describes a lubricant, as factors to SI; the SI unit first.
+#: Units of speeds, angular speeds, times, masses, inertias and lubricant properties, with their factors to the SI unit,
+#: which comes first.
 RATES = {
     "speed": {"m/s": 1.0, "mm/s": 1e-3, "um/s": 1e-6, "m/min": 1.0 / 60.0},
     "angular speed": {"rad/s": 1.0, "deg/s": pi / 180.0, "rps": 2.0 * pi, "rpm": pi / 30.0},
@@ -33,24 +34,24 @@ RATES = {
 
 @dataclass(frozen=True)
 class Quantity:
-    """Range of a quantity, as the annotation of a field."""
+    """Dimension and allowed range of a quantity in scene files, used as the annotation of a field."""
 
-    #: One of `meshes.units.DIMENSIONS`, or of `RATES` for `Rate`.
+    #: Dimension, one of `meshes.units.DIMENSIONS`; for `Rate`, one of `RATES`.
     dimension: str
-    #: Lower end, as a scene file has it.
+    #: Lower limit, as written in a scene file.
     low: str | float
-    #: Upper end, as a scene file has it.
+    #: Upper limit, as written in a scene file.
     high: str | float
-    #: Usual value, whose unit values are written in.
+    #: Typical value; values are written in its unit.
     example: str | float
-    #: Whether the lower end is excluded.
+    #: Whether the lower limit is excluded.
     above: bool = False
-    #: Whether the upper end is excluded.
+    #: Whether the upper limit is excluded.
     below: bool = False
 
     @property
     def allowed(self) -> str:
-        """Range as text.
+        """Allowed range as text, for error messages.
 
         Examples
         --------
@@ -64,16 +65,16 @@ class Quantity:
 
     @property
     def unit(self) -> str:
-        """SI unit of the values."""
+        """SI unit of the quantity; empty for plain numbers."""
         return units.DIMENSIONS[self.dimension][0]
 
     def si_value(self, value: object) -> float:
-        """SI value of a quantity of a scene file.
+        """Convert a value of a scene file to SI units, and check that it is in the allowed range.
 
         Parameters
         ----------
         value : object
-            Text with a unit, or a plain number where the quantity has none.
+            Text with a unit; a plain number where the quantity has no unit.
 
         Returns
         -------
@@ -83,7 +84,7 @@ class Quantity:
         Raises
         ------
         PydanticCustomError
-            The value is no such quantity or out of range; it carries ``allowed`` and ``advice``.
+            The value is not a quantity of this dimension, or is out of range; the error has ``allowed`` and ``advice``.
 
         Examples
         --------
@@ -94,11 +95,11 @@ class Quantity:
         too_low = number <= low if self.above else number < low
         if not too_low and (number < high if self.below else number <= high):
             return number
-        advice = f"the value is too {'small' if too_low else 'large'}; a usual one is {units.toml_text(self.example)}"
+        advice = f"the value is too {'small' if too_low else 'large'}; a typical value is {units.toml_text(self.example)}"
         raise self._refused(self.allowed, advice)
 
     def _number(self, value: object) -> float:
-        """SI value in range or not; raises pydantic's error."""
+        """Convert a value to SI units without checking the range; raise pydantic's error where it is not a quantity."""
         try:
             return units.parse_quantity(value, self.dimension)
         except units.UnitError as error:
@@ -106,14 +107,14 @@ class Quantity:
             raise self._refused(allowed, f"the value {error.reason}: {error.advice}") from None
 
     def written(self, value: float, added: float = 0.0) -> str | float:
-        """Shortest text of a value that reads back as exactly this value, in the unit of the example.
+        """Write a value as the shortest text, in the unit of the example, that is read as exactly the same value.
 
         Parameters
         ----------
         value : float
             Value in SI units.
         added : float, default 0.0
-            Offset that is added to the value when it is read; then only the sum has to be exact.
+            Offset that is added to the value after reading; then only the sum has to be exact.
 
         Returns
         -------
@@ -135,23 +136,24 @@ class Quantity:
             text = f"{Decimal(f'{number:.{digits}g}'):f} {unit}"
             if added + self._number(text) == added + value:
                 return text
-        text = f"{Decimal(repr(float(value))) / Decimal(repr(self._number(f'1 {unit}')))} {unit}"  # of a decimal unit exact
+        text = f"{Decimal(repr(float(value))) / Decimal(repr(self._number(f'1 {unit}')))} {unit}"  # exact: decimal factor
         return text if self._number(text) == value else f"{float(value)!r} {self.unit}"
 
     @staticmethod
     def _refused(allowed: str, advice: str) -> PydanticCustomError:
+        """Return pydantic's error for a wrong value, with the allowed range and advice."""
         from pydantic_core import PydanticCustomError
 
         return PydanticCustomError("quantity", "{advice}", {"allowed": allowed, "advice": advice})
 
     def __get_pydantic_core_schema__(self, _source: object, _handler: GetCoreSchemaHandler) -> Any:
-        """Validate with `si_value`."""
+        """Return pydantic's schema, which validates a value by `si_value`."""
         from pydantic_core import core_schema
 
         return core_schema.no_info_plain_validator_function(self.si_value)
 
     def __get_pydantic_json_schema__(self, _schema: Any, _handler: GetJsonSchemaHandler) -> dict[str, Any]:
-        """Describe a number, or text with a unit."""
+        """Return the JSON schema of the quantity: a number, or text with a unit."""
         kind = "number" if self.dimension == "number" else "string"
         schema: dict[str, Any] = {"type": kind, "examples": [self.example]}
         schema |= {"x-dimension": self.dimension, "x-allowed": self.allowed}
@@ -164,21 +166,21 @@ class Quantity:
 
 @dataclass(frozen=True)
 class ShareOfRating:
-    """Force given as a part of the basic dynamic load rating C."""
+    """Force given as a fraction of the basic dynamic load rating C."""
 
-    #: Force over C.
+    #: Ratio of the force to C.
     share: float
 
 
 @dataclass(frozen=True)
 class ForceOrShare(Quantity):
-    """Range of a force that may also be given in per cent of the dynamic load rating: ``5 % of C``."""
+    """Allowed range of a force, which may also be given in per cent of the dynamic load rating C: ``5 % of C``."""
 
-    #: Largest share [%].
+    #: Largest percentage of C.
     most: float = 50.0
 
     def si_value(self, value: object) -> float | ShareOfRating:  # type: ignore[override]
-        """SI value of a force, or its share of C; otherwise as `Quantity.si_value`.
+        """Convert a force of a scene file to SI units, or to its ratio to C; otherwise as `Quantity.si_value`.
 
         Examples
         --------
@@ -190,26 +192,27 @@ class ForceOrShare(Quantity):
             return super().si_value(value)
         percent = float(match[1])
         if not 0.0 < percent <= self.most:
-            advice = "makers preload with 3 to 8 % of C, and seldom with more than 10 %"
+            advice = "give a value that manufacturers use: 3 to 8 % of C, seldom more than 10 %"
             raise self._refused(f"above 0, up to {self.most:g} % of C", advice)
         return ShareOfRating(percent / 100.0)
 
     @property
     def allowed(self) -> str:
-        """Range as text."""
+        """Allowed range as text, for error messages."""
         return f'{super().allowed}, or e.g. "5 % of C"'
 
 
 @dataclass(frozen=True)
 class Rate(Quantity):
-    """Range of a speed, angular speed, time, mass, inertia or property of a lubricant; units from `RATES`."""
+    """Allowed range of a speed, angular speed, time, mass, inertia or lubricant property; units are those of `RATES`."""
 
     @property
     def unit(self) -> str:
-        """SI unit of the values."""
+        """SI unit of the quantity."""
         return next(iter(RATES[self.dimension]))
 
     def _number(self, value: object) -> float:
+        """Convert a value to SI units without checking the range; raise pydantic's error where its unit is not known."""
         rates = RATES[self.dimension]
         parts = units.number_and_unit(value) if isinstance(value, str) else None
         unit = units.tidy_unit(parts[1]) if parts else ""
@@ -222,15 +225,15 @@ class Rate(Quantity):
 
 @dataclass(frozen=True)
 class Whole:
-    """Range of a whole number."""
+    """Allowed range of an integer in scene files, used as the annotation of a field."""
 
-    #: Least number.
+    #: Smallest number.
     low: int
     #: Largest number.
     high: int
 
     def __get_pydantic_core_schema__(self, _source: object, _handler: GetCoreSchemaHandler) -> Any:
-        """Accept only numbers that are whole."""
+        """Return pydantic's schema, which accepts only integers in the range."""
         from pydantic_core import core_schema
 
         return core_schema.int_schema(strict=True, ge=self.low, le=self.high)
@@ -238,15 +241,15 @@ class Whole:
 
 @dataclass(frozen=True)
 class Several:
-    """Number of entries of a list of a file that is read as a tuple."""
+    """Allowed number of entries of a list in scene files, which is read as a tuple; used as the annotation of a field."""
 
-    #: Least number of entries.
+    #: Smallest number of entries.
     low: int
     #: Largest number of entries.
     high: int
 
     def __get_pydantic_core_schema__(self, source: object, handler: GetCoreSchemaHandler) -> Any:
-        """Validate a list; its entries become a tuple."""
+        """Return pydantic's schema, which validates a list and converts it to a tuple."""
         from pydantic_core import core_schema
 
         items = handler.generate_schema(get_args(source)[0])
@@ -254,7 +257,7 @@ class Several:
 
 
 def quantity_of(of: Any) -> Quantity:
-    """Quantity of an annotated type such as `Size`.
+    """Return the quantity with which an annotated type such as `Size` is annotated.
 
     Parameters
     ----------
@@ -264,13 +267,13 @@ def quantity_of(of: Any) -> Quantity:
     Returns
     -------
     Quantity
-        The quantity.
+        Dimension and allowed range.
     """
     found: Quantity = get_args(of)[1]
     return found
 
 
-#: Most balls of a scene.
+#: Largest number of balls of a scene.
 MAX_BALLS = 100_000
 
 Size = Annotated[float, Quantity("length", "0.01 mm", "100 m", "20 mm")]
@@ -291,7 +294,7 @@ Turns = Annotated[float, Quantity("number", 0, 10_000, 2, above=True)]
 Harmonic = Annotated[float, Quantity("number", 0, 10_000, 1)]
 Force = Annotated[float, Quantity("force", "-1000 MN", "1000 MN", "5 kN")]
 Moment = Annotated[float, Quantity("moment", "-1000000 kN m", "1000000 kN m", "3 N m")]
-#: A force and a moment by x, y, z.
+#: Components x, y, z of a force and of a moment.
 Forces = Annotated[tuple[Force, Force, Force], Several(3, 3)]
 Moments = Annotated[tuple[Moment, Moment, Moment], Several(3, 3)]
 Reliability = Annotated[float, Quantity("number", 90, 99.95, 95)]
@@ -319,5 +322,5 @@ Mass = Annotated[float, Rate("mass", "0 kg", "1000000 t", "200 kg")]
 Inertia = Annotated[float, Rate("moment of inertia", "0 kg m2", "1000000 kg m2", "20 kg cm2")]
 Factor0 = Annotated[float, Quantity("number", 0, 100, 2, above=True)]
 Efficiency = Annotated[float, Quantity("number", 0.1, 1, 0.92)]
-#: Young's moduli [Pa] of solids that parts of machines are made of.
+#: Smallest and largest Young's modulus [Pa] of materials used for machine parts.
 SOLIDS = (1e9, 1e12)

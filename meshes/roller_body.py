@@ -1,13 +1,13 @@
-"""Meshes of a tapered roller and its races: a section from gmsh, fine at the contact, swept along rays from the apex.
+"""Meshes of a tapered roller and of its raceways: a section meshed by gmsh is extruded along rays from the cones' apex.
 
-Cones of roller and races share one apex, so a section, drawn where the roller has its mean diameter, is carried to every
-distance l from the apex along rays, and bodies that touch have the same nodes there. Half of a body is meshed, y >= 0; of
-the roller only the half towards one race too.
+The cones of roller and raceways have a common apex. So the section, meshed where the roller has its mean diameter and fine
+at the contact, is scaled to every distance from the apex, and bodies in contact have the same nodes there. By symmetry only
+the half y >= 0 of a body is meshed; of the roller only the quarter towards one raceway.
 
-Section: y [m] across, z [m] into the body from the contact line. Body: x away from the axis of its cone through the
-contact line, y across, z along that axis from the apex. Boundaries: "contact" (the zone in which it may touch), "y = 0"
-and "side" (where a race meets the neighbouring roller's share; of the roller x = 0), "base" (depth of a race), "end"
-(large end of the roller).
+Coordinates of the section: y [m] across the contact line, z [m] from there into the body. Coordinates of the body: z along
+the axis of its cone, from the apex; x from this axis towards the contact line; y across. Boundaries: "contact" (the zone of
+possible contact), "y = 0", "side" (on a raceway, the plane half-way to the next roller; on the roller x = 0), "base" (depth
+of a raceway), "end" (large end of the roller).
 """
 
 from __future__ import annotations
@@ -22,29 +22,29 @@ from rollbench.meshes.arrays import Array, Index
 from rollbench.meshes.fem import Meshed, mesh_of
 from rollbench.meshes.shell import gmsh_session
 
-#: Cells of the zone in depth, all as deep as they are wide.
+#: Number of layers of cells below the zone of contact, each as deep as the cells are wide.
 DEEP = 2
-#: Opposite corners of a hexahedron's edges, of its faces in the middle of the height, in gmsh's order.
+#: The two corners of each edge of a hexahedron, in gmsh's order of the edges.
 _EDGES = ((0, 1), (0, 3), (0, 4), (1, 2), (1, 5), (2, 3), (2, 6), (3, 7), (4, 5), (4, 7), (5, 6), (6, 7))
 
 
 @dataclass(frozen=True)
 class Zone:
-    """Strip of a section in which bodies may touch."""
+    """Strip along the contact line in which roller and raceway may come into contact, and the cells of its mesh."""
 
-    #: Half width [m].
+    #: Half width of the strip [m].
     width: float
-    #: Cells across it.
+    #: Number of cells across the half width.
     cells: int
-    #: Edge of a cell outside per distance from the strip.
+    #: Increase of the cells' edge length per unit of distance from the strip.
     grading: float
 
 
 @dataclass(frozen=True)
 class Section:
-    """Section of second-order quadrilaterals."""
+    """Plane mesh of the cross-section of a roller or raceway: second-order quadrilaterals."""
 
-    #: Nodes y, z ``(n, 2)`` [m].
+    #: Coordinates y, z of the nodes ``(n, 2)`` [m].
     points: Array
     #: Nodes of the cells ``(m, 9)``, in gmsh's order.
     cells: Index
@@ -52,31 +52,31 @@ class Section:
 
 @dataclass(frozen=True)
 class SweptBody(Meshed):
-    """Mesh of half a race, or a quarter of a roller."""
+    """Mesh of half a raceway or of a quarter of a tapered roller, with the nodes of its zone of contact."""
 
     #: The mesh.
     mesh: object
-    #: Nodes of the zone ``(rows, columns)``: along the contact line, from its middle outwards.
+    #: Nodes in the zone of contact ``(rows, columns)``: rows along the contact line, columns from the line outwards.
     contact: Index
-    #: Distance across ``(columns,)`` [m] of the nodes where the roller has its mean diameter.
+    #: Distance of each column of nodes from the contact line, where the roller has its mean diameter ``(columns,)`` [m].
     across: Array
-    #: Distance from the apex ``(rows,)`` [m].
+    #: Distance of each row of nodes from the apex ``(rows,)`` [m].
     along: Array
-    #: Unit vectors into the body at the nodes of the zone ``(rows, columns, 3)``.
+    #: Unit normals into the body at the nodes in the zone of contact ``(rows, columns, 3)``.
     inward: Array
 
 
 def section_mesh(zone: Zone, width: float, depth: float, *, round: bool) -> Section:
-    """Mesh the section of a body.
+    """Mesh the cross-section of a raceway (half a rectangle) or of a roller (a quarter of a disc) by gmsh.
 
     Parameters
     ----------
     zone
-        The strip.
+        Strip of possible contact.
     width, depth
-        Half width and depth of a race [m]; of a round section both are its radius.
+        Half width and depth of the raceway's section [m]; for a roller both are its radius.
     round
-        Whether it is a quarter of a disc.
+        Whether the section is a quarter of a disc.
 
     Raises
     ------
@@ -91,7 +91,7 @@ def section_mesh(zone: Zone, width: float, depth: float, *, round: bool) -> Sect
         geo = gmsh.model.geo
         places = ((0.0, 0.0), (w, top), (w, top + d), (0.0, d), (wide, 1.0 if round else 0.0), (0.0, 1.0), (wide, 1.0))
         start, edge, low, under, far_edge, bottom, corner = (geo.addPoint(*at, 0.0) for at in places)
-        if round:  # about the bottom
+        if round:  # arcs about the bottom point, the disc's centre
             strip, beyond = (geo.addCircleArc(a, bottom, b) for a, b in ((start, edge), (edge, far_edge)))
             path = [far_edge, bottom, under]
         else:
@@ -123,7 +123,7 @@ def section_mesh(zone: Zone, width: float, depth: float, *, round: bool) -> Sect
     used, cells = np.unique(cells, return_inverse=True)
     points = unit * xyz.reshape(-1, 3)[ascending][used, :2]
     on = np.flatnonzero(np.abs(_depth_below_surface(points, depth, round)) < 1e-6 * depth)
-    strip_nodes = on[points[on, 0] < zone.width + 0.25 * cell]  # even steps of y, the same in bodies that touch
+    strip_nodes = on[points[on, 0] < zone.width + 0.25 * cell]  # equal steps of y, the same on roller and raceway
     y = np.rint(points[strip_nodes, 0] / cell * 2.0) * cell / 2.0
     points[strip_nodes, 0] = y
     points[strip_nodes, 1] = depth - np.sqrt(depth**2 - y**2) if round else 0.0
@@ -131,36 +131,45 @@ def section_mesh(zone: Zone, width: float, depth: float, *, round: bool) -> Sect
 
 
 def _depth_below_surface(points: Array, depth: float, round: bool) -> Array:
-    """Distance of a section's points below its surface [m]."""
+    """Return the distance [m] of points in a section below the contact surface of a raceway, or of a ``round`` roller."""
     return depth - np.hypot(points[:, 0], depth - points[:, 1]) if round else points[:, 1]
 
 
 def _sweep_section(flat: Section, lines: Array) -> tuple[Index, Array, Index]:
-    """Sweep a section over cells between ``lines``: section's node and distance of each node, cells in gmsh's order."""
+    """Extrude a plane mesh to hexahedra whose ends are at the distances ``lines`` [m] from the apex.
+
+    Returns, for each node of the hexahedra, its node of the section and its distance from the apex [m]; and the nodes
+    of each hexahedron in gmsh's order.
+    """
     along = np.interp(np.arange(2 * len(lines) - 1) / 2.0, np.arange(len(lines)), lines)
     n = len(flat.points)
     node, place = np.tile(np.arange(n), len(along)), np.repeat(along, n)
     quad = flat.cells
     corners = quad[:, :4]
 
-    def at(members: Index, step: int) -> Index:
+    def layer_nodes(members: Index, step: int) -> Index:
         return members + n * step
 
-    columns = [*(at(corners[:, k], 0) for k in range(4)), *(at(corners[:, k], 2) for k in range(4))]
+    columns = [*(layer_nodes(corners[:, k], 0) for k in range(4)), *(layer_nodes(corners[:, k], 2) for k in range(4))]
     for a, b in _EDGES:
         if b == a + 4:
-            columns.append(at(corners[:, a], 1))
+            columns.append(layer_nodes(corners[:, a], 1))
         else:
             i, j = sorted((a % 4, b % 4))
             middle = quad[:, 4 + (3 if (i, j) == (0, 3) else i)]
-            columns.append(at(middle, 0 if a < 4 else 2))
-    columns += [at(quad[:, 8], 0), *(at(quad[:, k], 1) for k in (4, 7, 5, 6)), at(quad[:, 8], 2), at(quad[:, 8], 1)]
+            columns.append(layer_nodes(middle, 0 if a < 4 else 2))
+    columns += [
+        layer_nodes(quad[:, 8], 0),
+        *(layer_nodes(quad[:, k], 1) for k in (4, 7, 5, 6)),
+        layer_nodes(quad[:, 8], 2),
+        layer_nodes(quad[:, 8], 1),
+    ]
     first = np.stack(columns, axis=1)
     return np.asarray(node), np.asarray(place), np.concatenate([first + 2 * n * k for k in range(len(lines) - 1)])
 
 
 def _boundary_corners(cells: Index, chosen: Array) -> Index:
-    """Corners of the faces of hexahedra all of whose corners are chosen nodes."""
+    """Return the corners of those faces of hexahedra whose four corners all belong to the nodes ``chosen`` (a mask)."""
     corners = cells[:, :8]
     quads = np.array([(0, 3, 2, 1), (0, 1, 5, 4), (0, 4, 7, 3), (1, 2, 6, 5), (2, 3, 7, 6), (4, 5, 6, 7)])
     faces = corners[:, quads].reshape(-1, 4)
@@ -177,24 +186,25 @@ def swept_body(
     round: bool = False,
     mirrored: bool = False,
 ) -> SweptBody:
-    """Sweep a section along rays from the apex.
+    """Build the mesh of a roller or raceway by extruding its section along rays from the apex.
 
     Parameters
     ----------
     flat
-        The section.
+        Mesh of the section.
     zone
-        Its strip.
+        Strip of possible contact.
     lines
         Distances of the cells' ends from the apex, ascending ``(k,)`` [m].
     reach
-        Distances between which the body may touch, both of them of ``lines`` [m].
+        Distances from the apex at which the zone of contact begins and ends, two values of ``lines`` [m].
     place
-        Point ``(n, 3)`` [m] of a node ``(n, 2)`` of the section at a distance ``(n,)`` from the apex.
+        Function that maps nodes ``(n, 2)`` of the section, and their distances ``(n,)`` from the apex, to points ``(n, 3)``
+        of the body [m]: `roller_point_map` or `raceway_point_map`.
     round
-        Whether the section is a quarter of a disc.
+        Whether the section is a quarter of a disc (roller).
     mirrored
-        Whether the map mirrors, as that of a cup does.
+        Whether ``place`` reverses the orientation, as for a cup.
     """
     turned = Section(flat.points, flat.cells[:, [0, 3, 2, 1, 7, 6, 5, 4, 8]]) if mirrored else flat
     node, along, cells = _sweep_section(turned, lines)
@@ -221,22 +231,22 @@ def swept_body(
 
 
 def _inward_direction(at: Array, depth: float, round: bool) -> Array:
-    """Direction into a section at points of its surface."""
+    """Return the unit normals into the body at points ``at`` (n, 2) on the contact surface of a section."""
     inward = np.column_stack([-at[:, 0], depth - at[:, 1]]) / depth
     return np.asarray(inward if round else np.tile([0.0, 1.0], (len(at), 1)))
 
 
-def on_roller(radius: float, angle: float, drop: Callable[[Array], Array]) -> Callable[[Array, Array], Array]:
-    """Return the map of a roller's section to its body.
+def roller_point_map(radius: float, angle: float, drop: Callable[[Array], Array]) -> Callable[[Array, Array], Array]:
+    """Return the function that maps the section of a tapered roller, at distances from the apex, to points of the roller.
 
     Parameters
     ----------
     radius
-        Mean radius [m].
+        Mean radius of the roller [m].
     angle
         Half included angle of the roller [rad].
     drop
-        What its radius lacks [m] at distances from the apex [m].
+        Function that returns the profile drop, the decrease of the radius by crowning [m], at distances from the apex [m].
     """
 
     def place(at: Array, along: Array) -> Array:
@@ -248,17 +258,17 @@ def on_roller(radius: float, angle: float, drop: Callable[[Array], Array]) -> Ca
     return place
 
 
-def on_race(middle: float, angle: float, outward: float) -> Callable[[Array, Array], Array]:
-    """Return the map of a race's section to its body.
+def raceway_point_map(middle: float, angle: float, outward: float) -> Callable[[Array, Array], Array]:
+    """Return the function that maps the section of a raceway, at distances from the apex, to points of the ring.
 
     Parameters
     ----------
     middle
-        Distance from the apex [m] at which the section is drawn.
+        Distance from the apex at which the section has its true size [m].
     angle
-        Half included angle of the race's cone [rad].
+        Half included angle of the raceway's cone [rad].
     outward
-        1 for a cup, whose body is outside of its race, -1 for a cone.
+        1 for the cup, whose body is outside its raceway; -1 for the cone (inner ring).
     """
 
     def place(at: Array, along: Array) -> Array:

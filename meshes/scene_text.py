@@ -1,4 +1,7 @@
-"""Scenes as text of a scene file: units as its keys have them, tables in the schema's order, usual values left out."""
+"""Write a scene as text of a TOML scene file, with units, and without keys that have their default values.
+
+Tables are in the order of the scene file's schema.
+"""
 
 from __future__ import annotations
 
@@ -31,20 +34,20 @@ from rollbench.meshes.ranges import (
     quantity_of,
 )
 
-#: Longest table that is written on the line of its key.
+#: Number of characters up to which a table or list is written on one line with its key.
 LINE = 100
-#: Thermal expansion of steel [1/K], by which a strain is written as a warming.
+#: Coefficient of thermal expansion of steel [1/K], with which a thermal strain is written as a temperature rise.
 STEEL = 11.5e-6
 Table = dict[str, Any]
 
 
 def to_toml(tables: Mapping[str, Any]) -> str:
-    """TOML text of keys and tables; a small table stands on the line of its key.
+    """Write keys and tables as TOML text; a small table is written on one line with its key.
 
     Parameters
     ----------
     tables : Mapping[str, Any]
-        Keys and tables, as `scene_tables` returns them.
+        Keys and tables, as returned by `scene_tables`.
 
     Returns
     -------
@@ -63,17 +66,17 @@ def to_toml(tables: Mapping[str, Any]) -> str:
 
 
 def scene_tables(scene: Scene) -> Table:
-    """Keys and tables of the scene file of a screw or bearing.
+    """Collect the keys and tables of the scene file that describes a screw or bearing.
 
     Parameters
     ----------
     scene : Scene
-        Screw or bearing.
+        Screw or bearing with its loads.
 
     Returns
     -------
     Table
-        Keys and tables, usual values left out.
+        Keys and tables, without keys that have their default values.
     """
     offset = scene.errors.lead_offset
     return given_keys(
@@ -102,17 +105,17 @@ def scene_tables(scene: Scene) -> Table:
 
 
 def axis_tables(axis: Assembly) -> Table:
-    """Keys and tables of the scene file of a shaft with its rolling sets.
+    """Collect the keys and tables of the scene file that describes a shaft with its bearings and ball nuts.
 
     Parameters
     ----------
     axis : Assembly
-        Shaft with its sets.
+        Shaft with its bearings and ball nuts, each a rolling set.
 
     Returns
     -------
     Table
-        Keys and tables, usual values left out.
+        Keys and tables, without keys that have their default values.
     """
     shared = next((s.parts.material for s in axis.sets if isinstance(s.parts, RollerRow)), axis.screw.material)
     shaft = table_of(axis.screw, "material", "groove_radius") | _material_key(axis.screw.material, shared)
@@ -155,25 +158,25 @@ def axis_tables(axis: Assembly) -> Table:
 def case_table(
     share: float, time: float | None, speed: float | None, parts: Scene | Assembly, case: Scene | Assembly
 ) -> Table:
-    """Table of a load case of a duty cycle: only what differs from the scene itself.
+    """Collect the keys of one load case of a duty cycle: only those that differ from the scene without load cases.
 
     Parameters
     ----------
     share : float
-        Share of all revolutions; used where ``time`` is None.
+        Fraction of all revolutions in this load case; used where ``time`` is None.
     time : float | None
-        Duration [s], or None.
+        Duration of the load case [s]; None: ``share`` is written instead.
     speed : float | None
-        Angular speed [rad/s], or None.
+        Angular speed [rad/s]; None: no speed is written.
     parts : Scene | Assembly
-        The scene itself.
+        The scene without load cases.
     case : Scene | Assembly
         The scene under this load case.
 
     Returns
     -------
     Table
-        Keys of the table, as the scene file has them.
+        Keys and values of the load case's table in the scene file.
     """
     supports = [_displaced_keys(*pair) for pair in zip(parts.supports, case.supports, strict=True)]
     table: Table = {"share": share} if time is None else {"time": text_of(Duration, time)}
@@ -188,12 +191,13 @@ def case_table(
 
 
 def _oversize_keys(parts: Scene | Assembly) -> list[float]:
+    """Return the oversize of the balls [m] in each ball screw or ball bearing of a scene."""
     scenes = [parts] if isinstance(parts, Scene) else [s.parts for s in parts.sets if isinstance(s.parts, Scene)]
     return [scene.errors.balls.oversize for scene in scenes]
 
 
 def _displaced_keys(before: Support, after: Support) -> Table:
-    """Keys of a support that a load case displaces differently; empty where it does not."""
+    """Collect the keys of a support whose prescribed displacement changes in a load case; empty where it does not."""
     moved = {n: text_of(Shift if n[0] == "u" else Turn, x) for n, x in after.fixed if dict(before.fixed)[n] != x}
     return {"at": text_of(Size, after.at), "displace": moved} if moved else {}
 
@@ -202,12 +206,13 @@ def _displaced_keys(before: Support, after: Support) -> Table:
 
 
 def _head_table(scene: Scene | Assembly, material: Material, kind: str = "") -> Table:
+    """Collect the first keys of a scene file: title, source, assumptions, kind of scene, and material of the parts."""
     head = {"title": scene.title, "source": scene.source, "assumed": [*scene.assumed], "kind": kind}
     return head | {"material": _material_key(material, None)["material"]}
 
 
 def _material_key(material: Material, shared: Material | None) -> Table:
-    """Key of a part's material, where that is not the one that parts share."""
+    """Return the key for the material of a part; empty where the part has the material of the scene file's head."""
     if material == shared:
         return {}
     unusual = not SOLIDS[0] <= material.youngs_modulus <= SOLIDS[1]
@@ -215,10 +220,10 @@ def _material_key(material: Material, shared: Material | None) -> Table:
 
 
 def _track_table(scene: Scene, *, by_thrust: bool = False) -> Table:
-    """Table of the ball path.
+    """Collect the keys of the ball path (table ``track``).
 
-    Of a deep groove, with the clearance from which its contact angle follows; of other grooves of one arc, thrust gives
-    the sense.
+    For a deep-groove bearing, the clearance from which its contact angle follows is written instead of the angle. With
+    ``by_thrust``, the key ``thrust`` of the rolling set gives the direction of a single arc, and no clearance is written.
     """
     track = scene.track
     if track.arcs == "two" or by_thrust:
@@ -235,17 +240,17 @@ def _track_table(scene: Scene, *, by_thrust: bool = False) -> Table:
 
 
 def groove_table(radius: float, ball: float) -> Table:
-    """Key of a groove: conformity r_G / (2 r_B) where that is the shorter exact text, else the groove radius.
+    """Return the key for a groove: its conformity r_G / (2 r_B) where that is shorter and exact, else its radius r_G.
 
     Parameters
     ----------
     radius, ball : float
-        Radii of groove and ball [m].
+        Radii r_G of the groove and r_B of the ball [m].
 
     Returns
     -------
     Table
-        One key.
+        The key ``conformity`` or ``groove_radius`` with its value.
 
     Examples
     --------
@@ -260,11 +265,13 @@ def groove_table(radius: float, ball: float) -> Table:
 
 
 def _body_table(scene: Scene, part: Screw | Nut, shared: Material) -> Table:
+    """Collect the keys of a screw or nut: dimensions, groove, and its material where that is not the ``shared`` one."""
     table = table_of(part, "groove_radius", "material", "flange")
     return table | groove_table(part.groove_radius, scene.balls.radius) | _material_key(part.material, shared)
 
 
 def _nut_table(scene: Scene, shared: Material) -> Table:
+    """Collect the keys of a nut, with its flange and the surface at which it is fixed (table ``nut.held``)."""
     nut, flange, at = scene.nut, scene.nut.flange, scene.solid.nut_held
     held = given_keys(at=at)
     if flange is not None and at in (None, "flange face"):
@@ -277,7 +284,7 @@ def _nut_table(scene: Scene, shared: Material) -> Table:
 
 
 def _balls_table(scene: Scene, shared: Material) -> Table:
-    """Balls by count and turns where they are spread evenly over the turns of each circuit, else by their azimuths."""
+    """Collect the keys of the balls: their number and turns where spacing is even in each circuit, else their azimuths."""
     balls, track = scene.balls, scene.track
     at, apart = balls.azimuths, [b - a for a, b in zip(balls.azimuths, balls.azimuths[1:], strict=False)]
     each = next((i for i, x in enumerate(apart, 1) if abs(x - apart[0]) > 1e-6 * abs(apart[0])), len(at))
@@ -294,7 +301,7 @@ def _balls_table(scene: Scene, shared: Material) -> Table:
 
 
 def _errors_table(errors: Errors, *, seed: bool = False) -> Table:
-    """Errors; seed: also where it is zero."""
+    """Collect the keys of the geometric errors; with ``seed``, the seed of random errors is written even where it is 0."""
     listed = {str(number): text_of(Deviation, error) for number, error in errors.balls.listed}
     balls = table_of(errors.balls, "listed") | given_keys(listed=listed)
     sides = {side: table_of(errors.side(side)) for side in SIDES}
@@ -302,12 +309,14 @@ def _errors_table(errors: Errors, *, seed: bool = False) -> Table:
 
 
 def _support_table(support: Support) -> Table:
+    """Collect the keys of a support: its axial position, the fixed and the displaced degrees of freedom."""
     fix = [name for name, value in support.fixed if value == 0.0]
     moved = {name: text_of(Shift if name[0] == "u" else Turn, value) for name, value in support.fixed if value != 0.0}
     return given_keys(at=text_of(Size, support.at), fix=fix, displace=moved)
 
 
 def _friction_table(friction: Friction | None) -> Table:
+    """Collect the keys of friction; one key ``coefficient`` where screw and nut have the same coefficient."""
     if friction is None:
         return {}
     table = table_of(friction, "assumed") | given_keys(assumed=[*friction.assumed])
@@ -317,7 +326,10 @@ def _friction_table(friction: Friction | None) -> Table:
 
 
 def _set_table(axis: Assembly, one: RollingSet, shared: Material) -> Table:
-    """One set; its inner groove, where that is not the shaft's."""
+    """Collect the keys of a rolling set (a bearing or ball nut on a shaft).
+
+    Its inner ring (table ``screw``) is written only where groove, diameter or material differ from those of the shaft.
+    """
     parts, rollers = one.parts, isinstance(one.parts, RollerRow)
     bearing = isinstance(parts, Scene) and parts.track.lead == 0.0
     table = given_keys(
@@ -351,12 +363,14 @@ def _set_table(axis: Assembly, one: RollingSet, shared: Material) -> Table:
 
 
 def _force_and_moment(force: Sequence[float], moment: Sequence[float]) -> Table:
+    """Collect the keys ``force`` [N] and ``moment`` [N m] of a load, with units; a zero vector is left out."""
     from rollbench.meshes.parts import Load
 
     return {name: text for name, text in table_of(Load(0.0, tuple(force), tuple(moment))).items() if name != "at"}  # type: ignore[arg-type]
 
 
 def _stiffness_rows(matrix: Stiffness | None) -> Table:
+    """Return the key for a 6x6 stiffness: ``springs`` for a diagonal matrix, else ``matrix``; empty for None."""
     if matrix is None:
         return {}
     if any(x for i, row in enumerate(matrix) for j, x in enumerate(row) if i != j):
@@ -370,7 +384,7 @@ def _stiffness_rows(matrix: Stiffness | None) -> Table:
 
 
 def given_keys(**table: Any) -> Table:
-    """Collect the keyword arguments that are neither None nor empty.
+    """Collect the keyword arguments that are neither None nor empty, as keys of a table.
 
     Examples
     --------
@@ -381,31 +395,32 @@ def given_keys(**table: Any) -> Table:
 
 
 def text_of(of: Any, value: float) -> str | float:
-    """Text of a value in SI units as a scene file has it.
+    """Write a value in SI units as text with a unit, as in a scene file.
 
     Parameters
     ----------
     of : Any
-        Annotated type of `ranges`, such as ``Size``.
+        Annotated type from `ranges` that defines the unit, such as ``Size``.
     value : float
         Value in SI units.
 
     Returns
     -------
     str | float
-        Text, or the number itself where the quantity has no unit.
+        Text with a unit, such as ``"3.254 mm"``; the number itself where the quantity has no unit.
     """
     return quantity_of(of).written(value)
 
 
 @cache
 def _quantities_of_fields(record: type) -> dict[str, Quantity]:
-    """Quantities of the fields of a record that have one."""
+    """Return, for each field of a record with a physical quantity, the quantity with its unit and range."""
     hints = get_type_hints(record, include_extras=True)
     return {name: found[0] for name, hint in hints.items() if (found := [*_inner_type(hint)])}
 
 
 def _inner_type(hint: Any) -> Iterator[Quantity]:
+    """Yield the physical quantities in an annotated type, also inside tuples and unions."""
     if isinstance(hint, Quantity):
         yield hint
     for part in (*get_args(hint), *getattr(hint, "__metadata__", ())):
@@ -413,19 +428,19 @@ def _inner_type(hint: Any) -> Iterator[Quantity]:
 
 
 def table_of(record: Any, *left_out: str) -> Table:
-    """Keys of a record's fields that differ from their defaults.
+    """Collect the fields of a record that differ from their defaults, as keys of a scene file.
 
     Parameters
     ----------
     record : Any
         Dataclass whose fields are keys of scene files.
     *left_out : str
-        Fields to leave out.
+        Names of fields that are left out.
 
     Returns
     -------
     Table
-        Values by key, as the scene file has them.
+        Keys and their values, with units.
     """
     of: type = type(record)
     quantities = _quantities_of_fields(of)
@@ -438,6 +453,7 @@ def table_of(record: Any, *left_out: str) -> Table:
 
 
 def _value_with_unit(value: Any, quantity: Quantity | None) -> Any:
+    """Write the value of a field with its unit; in a tuple, each entry."""
     if isinstance(value, tuple):
         return [table_of(x) if hasattr(x, "__dataclass_fields__") else _value_with_unit(x, quantity) for x in value]
     return quantity.written(value) if quantity is not None and isinstance(value, float) else value
@@ -447,7 +463,7 @@ def _value_with_unit(value: Any, quantity: Quantity | None) -> Any:
 
 
 def _table_lines(table: Mapping[str, Any], path: str) -> Iterator[str]:
-    """Lines of a table: its plain keys, then the tables in it."""
+    """Yield the TOML lines of a table: first its keys with plain values, then the tables inside it."""
     inner = {}
     for name, value in table.items():
         tables = isinstance(value, dict) or (isinstance(value, list) and value and isinstance(value[0], dict))
@@ -462,7 +478,7 @@ def _table_lines(table: Mapping[str, Any], path: str) -> Iterator[str]:
 
 
 def _toml_value(value: Any, *, wrapped: bool = False) -> str:
-    """Write a value in TOML; wrapped: a long list gets a line for each entry."""
+    """Write a value as TOML text; with ``wrapped``, a long list gets one line for each entry."""
     if isinstance(value, dict):
         return "{ " + ", ".join(f"{name} = {_toml_value(x)}" for name, x in value.items()) + " }"
     if isinstance(value, list):

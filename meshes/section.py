@@ -1,6 +1,6 @@
-"""The grooved screw as a beam: cross-section with the groove smeared out, and the beam's nodes.
+"""The grooved screw modelled as a beam: stiffnesses of its cross-section with a homogenised groove, and the beam's nodes.
 
-Source: Lin (2019), Appendix C, eqs. (C.3) to (C.8), and section 2.4.1.
+After Lin (2019), Appendix C, eqs. (C.3) to (C.8), and section 2.4.1.
 """
 
 from __future__ import annotations
@@ -17,35 +17,35 @@ from rollbench.meshes.parts import Material, Scene
 
 @dataclass(frozen=True)
 class GrooveSection:
-    """Gothic-arch groove below the screw's outer surface (Lin 2019, Figure C.1)."""
+    """Cross-section of the screw's gothic-arch groove below its outer surface (Lin 2019, Figure C.1)."""
 
     #: Section angle of the apex, where both arcs meet [rad].
     gamma_1: float
-    #: Section angle at which the arc leaves the outer surface [rad].
+    #: Section angle at which the arc meets the screw's outer surface [rad].
     gamma_2: float
-    #: Area that the groove takes from the section [m2].
+    #: Area of the groove's cross-section below the outer surface [m2].
     area: float
 
 
 def groove_section(scene: Scene) -> GrooveSection:
-    """Angles and area of the screw's groove, from its nominal radius and the outer diameter.
+    """Compute the section angles and the area of the screw's groove from its nominal radius and the outer diameter.
 
-    Valid while the outer surface cuts both arcs: abs(D_2) < r_G.
+    Valid while the outer surface intersects both arcs: abs(D_2) < r_G.
 
     Parameters
     ----------
     scene : Scene
-        Gives groove radius, ball radius, contact angle, pitch radius and outer diameter.
+        Scene with groove radius, ball radius, contact angle, pitch radius and outer diameter.
 
     Returns
     -------
     GrooveSection
-        Range of the section angle [rad] and cut area [m2].
+        Range of the section angle [rad] and area of the groove [m2].
 
     Raises
     ------
     ValueError
-        The outer surface does not cut the groove.
+        The screw's outer surface does not intersect the groove.
 
     References
     ----------
@@ -66,7 +66,7 @@ def groove_section(scene: Scene) -> GrooveSection:
     d1 = slack * sin(beta)
     d2 = slack * cos(beta) + scene.track.pitch_radius - scene.screw.outer_diameter / 2.0
     if abs(d2) >= r:
-        raise ValueError("the screw's outer surface does not cut the groove")
+        raise ValueError("the screw's outer surface does not cut the groove: change its outer diameter or groove radius")
     g1, g2 = asin(d1 / r), pi / 2.0 - asin(d2 / r)  # (C.5)
     # (C.4): twice the sector of one arc less two triangles
     area = 2.0 * (0.5 * r * r * (g2 - g1) - 0.5 * (r * sin(g2) - d1) * d2 - 0.5 * (r * cos(g1) - d2) * d1)
@@ -74,14 +74,14 @@ def groove_section(scene: Scene) -> GrooveSection:
 
 
 def nut_groove_range(scene: Scene) -> tuple[float, float]:
-    """Range of the section angle on a nut's flank, from the apex to pi/2.
+    """Return the range of the section angle on a nut's flank, from the apex of the groove to pi/2.
 
-    No source gives the diameter of the nut's lands, so the upper end is not where the flank ends.
+    No publication gives the diameter of the nut's lands; so pi/2 is taken instead of the angle at which the flank ends.
 
     Parameters
     ----------
     scene : Scene
-        Gives groove radius, ball radius and contact angle.
+        Scene with the nut's groove radius, the ball radius and the contact angle.
 
     Returns
     -------
@@ -95,22 +95,22 @@ def nut_groove_range(scene: Scene) -> tuple[float, float]:
 
 
 def volume_ratio(scene: Scene) -> float:
-    """Volume of the grooved screw over that of the full cylinder.
+    """Return the ratio of the grooved screw's volume to that of a full cylinder with its outer diameter.
 
     Parameters
     ----------
     scene : Scene
-        As for `groove_section`, with lead and starts.
+        Scene with the quantities of `groove_section`, lead and number of starts.
 
     Returns
     -------
     float
-        Ratio per lead, in (0, 1]; 1 for zero lead (a bearing ring).
+        Ratio over one lead, at most 1; 1 for zero lead (a bearing ring).
 
     Raises
     ------
     ValueError
-        As `groove_section`.
+        The screw's outer surface does not intersect the groove.
 
     References
     ----------
@@ -132,7 +132,7 @@ def volume_ratio(scene: Scene) -> float:
 
 @dataclass(frozen=True)
 class BeamSection:
-    """Stiffnesses of a beam's cross-section."""
+    """Axial, bending, torsional and shear stiffness of a beam's cross-section."""
 
     #: Axial stiffness [N].
     EA: float
@@ -145,19 +145,19 @@ class BeamSection:
 
 
 def shear_coefficient(ratio: float, poisson: float) -> float:
-    """Shear coefficient kappa of a circular tube.
+    """Return the shear coefficient kappa of a circular tube or solid shaft (Timoshenko beam).
 
     Parameters
     ----------
     ratio : float
-        Inner over outer radius, from 0 (solid) to 1.
+        Ratio of inner to outer radius, from 0 (solid) to 1.
     poisson : float
         Poisson's ratio.
 
     Returns
     -------
     float
-        kappa, between 0.5 (thin tube) and about 0.9 (solid).
+        Shear coefficient, between 0.5 (thin tube) and about 0.9 (solid).
 
     References
     ----------
@@ -174,14 +174,14 @@ def shear_coefficient(ratio: float, poisson: float) -> float:
 
 
 def tube_section(outer: float, bore: float, material: Material) -> BeamSection:
-    """Stiffnesses of a solid or hollow circular section.
+    """Return the stiffnesses of a solid or hollow circular cross-section.
 
     Parameters
     ----------
     outer, bore : float
-        Diameters [m]; bore 0: solid.
+        Outer and inner diameter [m]; ``bore`` 0 for a solid section.
     material : Material
-        Its moduli E and G.
+        Material with the moduli E and G.
 
     Returns
     -------
@@ -206,25 +206,26 @@ def tube_section(outer: float, bore: float, material: Material) -> BeamSection:
 
 
 def screw_section(scene: Scene) -> BeamSection:
-    """Beam section of the grooved screw: full section with its diameter scaled for the groove.
+    """Return the stiffnesses of the grooved screw's cross-section: circular, with a diameter reduced for the groove.
 
-    The scene's ``ingredients.section`` chooses the factor on the outer diameter: ``"groove"`` sqrt(k) with k the
-    `volume_ratio` (keeps the volume), ``"groove squared"`` k (eq. (C.8) read without the root), ``"full"`` 1.
+    The outer diameter is multiplied by a factor, which the scene's ``ingredients.section`` selects. With k the
+    `volume_ratio`: ``"groove"`` sqrt(k), which preserves the volume; ``"groove squared"`` k, that is, eq. (C.8) without its
+    square root; ``"full"`` 1.
 
     Parameters
     ----------
     scene : Scene
-        Gives screw, track and ``ingredients.section``.
+        Scene with screw, track and ``ingredients.section``.
 
     Returns
     -------
     BeamSection
-        Stiffnesses, the same all along the screw.
+        Stiffnesses, uniform along the screw.
 
     Raises
     ------
     ValueError
-        The groove takes more volume than the screw has, or as `groove_section`.
+        The groove's volume exceeds that of the screw, or the screw's outer surface does not intersect the groove.
 
     References
     ----------
@@ -238,34 +239,34 @@ def screw_section(scene: Scene) -> BeamSection:
     """
     ratio = volume_ratio(scene)
     if ratio <= 0.0:
-        raise ValueError("the groove takes more volume than the screw has")
+        raise ValueError("the groove's volume exceeds that of the screw")
     factor = {"groove": sqrt(ratio), "groove squared": ratio, "full": 1.0}[scene.ingredients.section]  # k_r of (C.8)
     return tube_section(scene.screw.outer_diameter * factor, scene.screw.bore, scene.screw.material)
 
 
-#: Stations closer than this share a node, and are joined to it rigidly. [m]
+#: Axial positions closer together than this [m] share a node of the beam and are connected to it rigidly.
 MERGE = 1.0e-5
 
-#: Element length of the source inside the nut (Lin 2.4.1). [m]
+#: Length of the beam elements inside the nut in Lin's thesis (section 2.4.1) [m].
 SOURCE_ELEMENT = 15.0e-3
 
 
 def contact_stations(scene: Scene, layout: BallLayout) -> Array:
-    """Stations at which the forces of the screw's flanks enter the beam.
+    """Return the axial positions at which the contact forces on the screw's two flanks act on the beam.
 
-    Those of the nominal contact points; with ``ingredients.arm = "ball"`` those of the ball centres.
+    They are those of the nominal contact points; with ``ingredients.arm = "ball"``, those of the ball centres.
 
     Parameters
     ----------
     scene : Scene
-        Its contact angle, radii and ``ingredients.arm``.
+        Scene with contact angle, radii and ``ingredients.arm``.
     layout : BallLayout
-        Places of its n balls.
+        Positions of its n balls.
 
     Returns
     -------
     (n, 2) Array
-        Stations [m] of SL and SR.
+        Axial positions [m] on the screw's left and right flank (SL, SR), for each ball.
     """
     if scene.ingredients.arm == "ball":
         return np.repeat(layout.z[:, None], 2, axis=1)
@@ -274,35 +275,35 @@ def contact_stations(scene: Scene, layout: BallLayout) -> Array:
 
 
 def needed_stations(scene: Scene) -> Array:
-    """Stations [m] of a scene's supports, then of its loads, at which the beam must have nodes or end.
+    """Return the axial positions of a scene's supports, then of its loads; the beam must reach all of them.
 
     Parameters
     ----------
     scene : Scene
-        Gives supports and loads.
+        Scene with supports and loads.
 
     Returns
     -------
     (n,) Array
-        Stations [m].
+        Axial positions [m].
     """
     return np.array([s.at for s in scene.supports] + [f.at for f in scene.loads])
 
 
 def merge_stations(stations: Array, exact: Array) -> Array:
-    """Sort stations and drop those within `MERGE` of the one before.
+    """Sort axial positions, and merge positions that are closer together than `MERGE`.
 
     Parameters
     ----------
     stations : (n,) Array
-        Stations [m], in any order.
+        Axial positions [m], in any order.
     exact : Array
-        Stations [m] that stay as they are where they are close to others.
+        Axial positions [m] that are preferred to others close to them.
 
     Returns
     -------
     (m,) Array
-        Ascending stations [m].
+        Ascending axial positions [m].
     """
     ordered = np.sort(stations)
     if np.all(ordered[1:] - ordered[:-1] > MERGE):
@@ -321,23 +322,24 @@ def merge_stations(stations: Array, exact: Array) -> Array:
 
 
 def _steps_between(start: float, end: float, length: float) -> Array:
+    """Divide an interval into the fewest equal elements of at most ``length`` [m], and return their nodes [m]."""
     count = max(1, ceil((end - start) / length - 1e-9))
     return np.linspace(start, end, count + 1)
 
 
 def fixed_partition(scene: Scene, *others: Scene) -> Array:
-    """Beam nodes of the ``"source"`` or ``"uniform"`` partition over the whole screw.
+    """Return the nodes of the beam over the whole screw, for ``ingredients.partition`` ``"source"`` or ``"uniform"``.
 
-    ``"source"``: as many 15 mm elements as fit the nut, centred on it, and equal elements of at most the pitch diameter
-    outside. For the screw of Table 2.1 that makes 12 + 3 + 12 = 27 elements, the number of Table 2.2. ``"uniform"``:
-    elements of ``ingredients.element_length`` in the nut.
+    ``"source"`` is the partition of Lin's thesis: inside the nut as many elements of 15 mm as fit, centred on it; outside,
+    equal elements of at most the pitch diameter. For the screw of Table 2.1 these are 12 + 3 + 12 = 27 elements, the number
+    in Table 2.2. ``"uniform"``: inside the nut, elements of at most ``ingredients.element_length``; outside as before.
 
     Parameters
     ----------
     scene : Scene
-        Gives the screw.
+        Scene with the screw and its nut.
     *others : Scene
-        Further rolling sets on the same screw.
+        Scenes of further nuts or bearings on the same screw.
 
     Returns
     -------
@@ -360,7 +362,7 @@ def fixed_partition(scene: Scene, *others: Scene) -> Array:
 
 
 def _nodes_in_nut(scene: Scene) -> Array:
-    """Nodes in the nut [m]."""
+    """Return the beam's nodes inside the nut [m]."""
     nut = scene.nut
     low, high = nut.position - nut.length / 2.0, nut.position + nut.length / 2.0
     if scene.ingredients.partition == "source":
@@ -371,25 +373,25 @@ def _nodes_in_nut(scene: Scene) -> Array:
 
 
 def beam_nodes(scene: Scene, stations: Array, *, everything: bool = False) -> tuple[Array, int]:
-    """Nodes of the beam between the outermost supports, loads and contacts.
+    """Return the nodes of the beam between the outermost supports, loads and contacts.
 
-    A support is a node; a load or contact within `MERGE` of a node is carried to it by a rigid arm.
+    Each support has a node. A load or contact closer than `MERGE` to a node is connected to it rigidly.
 
     Parameters
     ----------
     scene : Scene
-        Its ``ingredients.partition`` chooses the nodes.
+        Scene whose ``ingredients.partition`` selects the nodes.
     stations : Array of any shape
-        Stations of the contacts [m].
+        Axial positions of the contacts [m].
     everything : bool, default False
-        Keep the elements beyond the outermost support, load or contact, which carry nothing.
+        Whether to include the elements beyond the outermost support, load or contact, which are free of load.
 
     Returns
     -------
     nodes : (n,) Array
-        Ascending nodes [m].
+        Ascending axial positions of the nodes [m].
     left_out : int
-        Number of elements of the partition that are left out.
+        Number of elements of the whole screw that are not included.
     """
     needed = np.concatenate([needed_stations(scene), stations.ravel()])
     held = np.array([s.at for s in scene.supports])
@@ -402,21 +404,21 @@ def beam_nodes(scene: Scene, stations: Array, *, everything: bool = False) -> tu
 
 
 def enclosing_nodes(nodes: Array, needed: Array) -> tuple[Array, int]:
-    """Return the nodes that enclose some stations, at least two.
+    """Select the nodes of a beam that enclose some axial positions; at least two nodes.
 
     Parameters
     ----------
     nodes : (n,) Array
-        Ascending nodes [m].
+        Ascending axial positions of the nodes [m].
     needed : Array
-        Stations [m] that the kept nodes enclose.
+        Axial positions [m] that the selected nodes enclose.
 
     Returns
     -------
     nodes : (m,) Array
-        Kept nodes [m].
+        Axial positions of the selected nodes [m].
     left_out : int
-        Number of elements that are dropped.
+        Number of elements outside the selected nodes.
 
     Examples
     --------

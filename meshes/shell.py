@@ -1,9 +1,10 @@
-"""A closed surface of exactly known faces, and the second-order tetrahedra that gmsh fills it with.
+"""Mesh a body from its exactly known faces: gmsh triangulates the faces and fills the body with second-order tetrahedra.
 
-Curves are divided once, gmsh triangulates the plane faces between them and fills the closed surface with tetrahedra, and
-the midpoints of the edges on the surface are moved onto it. Units inside: mm (gmsh), metres outside.
+Each curve between two faces is divided once. gmsh triangulates the faces in plane coordinates and fills the closed surface
+with tetrahedra. Then the midside nodes on the surface are moved onto the exact surface. Lengths are in metres; only gmsh
+gets millimetres.
 
-gmsh has one state for a process: `gmsh_session` begins it quietly and ends it whatever happens.
+gmsh has one global state for each process: `gmsh_session` initialises it without output and finalises it after errors too.
 """
 
 from __future__ import annotations
@@ -25,33 +26,33 @@ from rollbench.meshes.arrays import Array, Index
 from rollbench.meshes.fem import second_order, with_faces, with_points
 from rollbench.meshes.sockets import SocketMesh
 
-#: Signals that gmsh resets to what the system does on them.
+#: Signals whose handlers gmsh replaces by the default ones of the operating system.
 RESET = ("SIGHUP", "SIGQUIT", "SIGPIPE", "SIGTERM")
 
 
 @contextmanager
 def gmsh_session(options: Mapping[str, float] = MappingProxyType({})) -> Iterator[Any]:
-    """Run gmsh in a context, under some options.
+    """Initialise gmsh for the statements of a ``with`` block, set its options, and finalise it afterwards.
 
-    A gmsh that runs already takes the options too, and goes on running afterwards.
+    If gmsh is initialised already, only the options are set, and gmsh is not finalised.
 
-    Signal handlers of this process stay as they were: gmsh would let TERM end it before it has tidied up, HUP in spite of
-    nohup, and PIPE silently. Only the main thread can restore them.
+    The signal handlers of this process are restored, because gmsh replaces them: SIGTERM would then end the process before
+    it has cleaned up, SIGHUP in spite of nohup, and SIGPIPE without a message. Only the main thread can restore handlers.
 
     Parameters
     ----------
     options : Mapping[str, float], optional
-        Options of gmsh by name.
+        Values of gmsh's options, by the option's name.
 
     Yields
     ------
     module
-        gmsh.
+        The module gmsh.
 
     Raises
     ------
     ImportError
-        gmsh, or a system library that it needs, is missing.
+        The package gmsh, or a system library that it needs, is missing.
     """
     gmsh = _import_gmsh()
     started = not gmsh.isInitialized()
@@ -61,7 +62,7 @@ def gmsh_session(options: Mapping[str, float] = MappingProxyType({})) -> Iterato
         gmsh.initialize(readConfigFiles=False, interruptible=False)
         if threading.current_thread() is threading.main_thread():
             for number, handler in before.items():
-                if handler is not None:  # else it is not Python's
+                if handler is not None:  # None: the handler was not installed from Python
                     signal.signal(number, handler)
     try:
         for name, value in ({"General.Terminal": 0} | dict(options)).items():
@@ -73,6 +74,7 @@ def gmsh_session(options: Mapping[str, float] = MappingProxyType({})) -> Iterato
 
 
 def _import_gmsh() -> Any:
+    """Import gmsh, or raise ImportError with the way to install it."""
     try:
         import gmsh
     except (ImportError, OSError) as error:
@@ -84,29 +86,29 @@ def _import_gmsh() -> Any:
 
 Placing = Callable[[Array], Array]
 
-#: Nodes along a side of a face and their plane coordinates ``(n, 2)`` [m].
+#: One side of a face: its nodes in order, and their plane coordinates ``(n, 2)`` [m].
 Side = tuple[Index, Array]
 
 Body = TypeVar("Body")
 
 MM = 1e3
 
-#: Element sizes grow from `fine` to `coarse` between these distances from the sockets, over the ball's radius.
+#: Distances from the sockets between which the element size grows from `fine` to `coarse`, as ratios to the ball's radius.
 GROWTH = (0.18, 2.9)
 
-#: Longest edges on curved faces over their radius: flanks; lands, bores and outsides.
+#: Longest edges on curved faces, as ratios to the face's radius: on flanks; on lands, bores and outer surfaces.
 BEND = (1.2, 1.1)
 
-#: Longest edges of the smooth surface behind a groove over the wall's thickness.
+#: Longest edges on the smooth surface behind a groove, as a ratio to the wall's thickness.
 WALL = 1.6
 
-#: Growth of the edge length per distance from the surface.
+#: Increase of the edge length per unit of distance from the surface.
 INWARD = 0.5
 
-#: Cubes for which sizes are evaluated at once for gmsh's callback, along x, y and z, on faces and in volumes.
+#: Number of cubes along x, y and z for which gmsh's size callback evaluates sizes at once: on faces, and in volumes.
 FACE_BLOCK, VOLUME_BLOCK = (12, 12, 1), (4, 4, 4)
 
-#: gmsh's options: no output, one thread and no randomness but its fixed seed, sizes from faces inwards.
+#: gmsh's options: one thread and a fixed seed for reproducible meshes; element sizes extend from the faces inwards.
 OPTIONS = {
     "General.NumThreads": 1,
     "Mesh.MaxNumThreads1D": 1,
@@ -122,75 +124,78 @@ OPTIONS = {
     "Mesh.OptimizeThreshold": 0.5,
 }
 
-#: Sine of the smallest angle from which a triangle is well shaped.
+#: A triangle counts as well shaped if the sine of its smallest angle is at least this.
 SLENDER = 0.3
 
-#: What is tried in turn: gmsh's algorithms for faces (6 frontal, 5 Delaunay) and volume (1 Delaunay, 4 frontal), share of
-#: the element sizes.
+#: Attempts at meshing, in this order: gmsh's algorithm for faces (6 frontal, 5 Delaunay), its algorithm for the volume
+#: (1 Delaunay, 4 frontal), and a factor on the element sizes.
 ATTEMPTS = ((6, 1, 1.0), (5, 1, 1.0), (6, 1, 0.85), (5, 1, 0.75), (6, 1, 0.6), (5, 4, 0.6))
 
-#: Deviation [m] of flanks from the exact surface that counts as none; otherwise the best of all attempts is taken.
+#: Deviation of the flanks from the exact surface [m] up to which a mesh counts as exact.
 EXACT = 1e-9
 
-#: Smallest scaled Jacobian of a mesh that counts as faultless.
+#: Smallest scaled Jacobian from which a mesh counts as free of faults.
 POOREST = 0.005
 
 
 @dataclass(frozen=True)
 class Curve:
-    """A divided curve of n edges."""
+    """A curve on the surface of a body, divided into n edges."""
 
-    #: Nodes ``(n + 1,)``.
+    #: Numbers of its nodes, in order ``(n + 1,)``.
     nodes: Index
-    #: Parameters ``(n + 1,)``.
+    #: Values of the curve's parameter at these nodes ``(n + 1,)``.
     t: Array
 
     def on(self, plane: Placing) -> Side:
-        """Curve as side of a face with the given plane coordinates."""
+        """Return the curve as one side of a face: its nodes, and their coordinates in the face's plane.
+
+        ``plane`` maps the curve's parameter to these coordinates.
+        """
         return self.nodes, plane(self.t)
 
     def back(self, plane: Placing) -> Side:
-        """Curve backwards, as side of a face with the given plane coordinates."""
+        """Return the curve as one side of a face, as `on` does, but with its nodes in reverse order."""
         return self.nodes[::-1], plane(self.t[::-1])
 
 
 @dataclass
 class Face:
-    """A triangulated face of n nodes."""
+    """One triangulated face of a body's surface, with n nodes."""
 
-    #: Name of its boundary.
+    #: Name of the boundary of the mesh to which the face belongs, such as a flank.
     name: str
-    #: Numbers of its nodes ``(n,)``.
+    #: Numbers of its nodes in the shell ``(n,)``.
     number: Index
     #: Plane coordinates of its nodes ``(n, 2)``; a node on a seam occurs twice.
     plane: Array
-    #: Triangles ``(t, 3)``, by place among its nodes.
+    #: Triangles ``(t, 3)``, as indices into `number`.
     local: Index
-    #: Points of plane coordinates; None: a socket's faces, which stay as they are.
+    #: Function that maps plane coordinates to points in space; None for a socket's faces, which are not changed.
     space: Placing | None
 
     @property
     def tris(self) -> Index:
-        """Triangles ``(t, 3)``, by numbers of nodes."""
+        """Triangles of the face ``(t, 3)``, as numbers of nodes of the shell."""
         return self.number[self.local]
 
     @property
     def pairs(self) -> Index:
-        """Edges ``(3 t, 2)`` of the triangles, by place among the face's nodes."""
+        """Edges of the face's triangles ``(3 t, 2)``, as indices into the face's own nodes."""
         return np.concatenate([self.local[:, [0, 1]], self.local[:, [1, 2]], self.local[:, [2, 0]]])
 
     def turn(self, first: int, second: int) -> bool:
-        """Exchange the common edge of two triangles for the other diagonal, if both stay well shaped in the plane.
+        """Flip the common edge of two triangles to the other diagonal, if both triangles remain well shaped in the plane.
 
         Parameters
         ----------
         first, second : int
-            The triangles.
+            Indices of the two triangles.
 
         Returns
         -------
         bool
-            Whether the edge was exchanged.
+            Whether the edge was flipped.
         """
         one, two = ([int(k) for k in self.local[t]] for t in (first, second))
         start = next((k for k in range(3) if one[k] in two and one[(k + 1) % 3] in two), None)
@@ -206,17 +211,17 @@ class Face:
 
 
 def corner_sine(corners: Array) -> Array:
-    """Sine of the smallest angle of plane triangles; negative for clockwise ones.
+    """Return the sine of the smallest angle of plane triangles; negative for triangles with clockwise corners.
 
     Parameters
     ----------
     corners : (t, 3, 2) Array
-        Corners.
+        Coordinates of the three corners of each triangle.
 
     Returns
     -------
     (t,) Array
-        Sines.
+        Sine for each triangle.
 
     Examples
     --------
@@ -229,24 +234,24 @@ def corner_sine(corners: Array) -> Array:
 
 
 class Shell:
-    """A closed surface under construction, to be filled with tetrahedra: nodes, divided curves, triangulated faces.
+    """The closed surface of a body while its mesh is built: nodes, divided curves and triangulated faces.
 
-    The exact midpoints of its edges are kept for second-order cells.
+    It stores the exact midpoints of its edges, which become the midside nodes of second-order tetrahedra.
     """
 
     def __init__(self, gmsh: Any, size: Placing, fine: float, algorithm: int) -> None:
-        """Begin a shell without nodes.
+        """Create a surface without nodes and faces.
 
         Parameters
         ----------
         gmsh : Any
-            gmsh in a `gmsh_session`.
+            The module gmsh, in a `gmsh_session`.
         size : Placing
-            Edge length [m] at points ``(n, 3)`` [m].
+            Function that returns the wanted edge length [m] at points ``(n, 3)`` [m].
         fine : float
             Smallest edge length [m].
         algorithm : int
-            gmsh's algorithm for plane faces.
+            Number of gmsh's algorithm for plane faces.
         """
         self.gmsh, self.size, self.fine, self.algorithm = gmsh, size, fine, algorithm
         self.points = np.zeros((0, 3))
@@ -255,24 +260,24 @@ class Shell:
         self.raised: list[tuple[Index, Array]] = []
 
     def nodes(self, points: Array) -> Index:
-        """Add nodes at points ``(n, 3)`` [m]; returns their numbers ``(n,)``."""
+        """Add nodes at points ``(n, 3)`` [m], and return their numbers ``(n,)``."""
         first = len(self.points)
         self.points = np.concatenate([self.points, points])
         return np.arange(first, len(self.points))
 
     def curve(self, space: Placing, start: float, end: float, limit: float, ends: tuple[int, int] | None = None) -> Curve:
-        """Divide a curve.
+        """Divide a curve into edges of the wanted length, and add its nodes to the surface.
 
         Parameters
         ----------
         space : Placing
-            Points ``(n, 3)`` [m] of parameters ``(n,)``.
+            Function that maps parameters ``(n,)`` of the curve to points ``(n, 3)`` [m].
         start, end : float
             Range of the parameter.
         limit : float
-            Longest edge [m].
+            Length of the longest edge [m].
         ends : tuple[int, int] | None, default None
-            Nodes at its ends; None: a closed curve, with at least five edges.
+            Numbers of the nodes at the curve's ends; None for a closed curve, which gets at least five edges.
 
         Returns
         -------
@@ -295,53 +300,53 @@ class Shell:
     def face(
         self, name: str, loops: Sequence[Sequence[Side]], space: Placing, limit: float, stretch: Placing | None = None
     ) -> None:
-        """Triangulate a face.
+        """Triangulate a face in its plane coordinates, and add it to the surface.
 
         Parameters
         ----------
         name : str
-            Name of its boundary.
+            Name of the boundary of the mesh to which the face belongs.
         loops : Sequence[Sequence[Side]]
-            Its outer boundary, then its holes, each as sides in order.
+            The face's outer boundary, then its holes; each is a list of sides in order.
         space : Placing
-            Points ``(n, 3)`` [m] of plane coordinates ``(n, 2)``.
+            Function that maps plane coordinates ``(n, 2)`` to points ``(n, 3)`` [m].
         limit : float
-            Longest edge [m].
+            Length of the longest edge [m].
         stretch : Placing | None, default None
-            Length in the plane over length in space, at plane coordinates; None: 1.
+            Function that returns, at plane coordinates, the ratio of a length in the plane to the length in space; None: 1.
         """
         rings = [(np.concatenate([n[:-1] for n, _ in loop]), np.concatenate([x[:-1] for _, x in loop])) for loop in loops]
         boundary = np.concatenate([n for n, _ in rings])
         plane = np.concatenate([x for _, x in rings])
 
-        def lengths(at: Array) -> Array:
+        def edge_lengths(at: Array) -> Array:
             size = np.minimum(self.size(space(at[:, :2])), limit)
             return size if stretch is None else size * stretch(at[:, :2])
 
-        sizes = size_callback(lengths, 0.3 * self.fine, FACE_BLOCK)
+        sizes = size_callback(edge_lengths, 0.3 * self.fine, FACE_BLOCK)
         tris, inner = triangulate(self.gmsh, [len(n) for n, _ in rings], plane, sizes, self.algorithm)
         number = np.concatenate([boundary, self.nodes(space(inner))])
         plane = np.concatenate([plane, inner])
         self.faces.append(Face(name, number, plane, tris, space))
 
     def socket(self, name: str, mesh: SocketMesh, points: Array, raised: Array) -> Index:
-        """Add the inner faces of a socket as a face.
+        """Add the inner faces of a socket (box left free for a fine contact patch) to the surface.
 
         Parameters
         ----------
         name : str
-            Name of its boundary.
+            Name of the boundary of the mesh to which the faces belong.
         mesh : SocketMesh
-            Mesh of the faces.
+            Mesh of the socket's faces.
         points : (k, 3) Array
-            Points of its nodes [m].
+            Coordinates of its nodes [m].
         raised : (c, 3) Array
-            Points of its corners while the volume is filled [m].
+            Coordinates of its corner nodes while the volume is filled, at which the faces bulge into the body [m].
 
         Returns
         -------
         (c,) Index
-            Numbers of the corners.
+            Numbers of the corner nodes.
         """
         count = len(mesh.xi) - len(mesh.edges)
         number = self.nodes(points[:count])
@@ -352,16 +357,16 @@ class Shell:
         return number
 
     def tris(self, name: str = "") -> Index:
-        """Triangles ``(t, 3)`` of the faces of a name; of all faces where the name is empty."""
+        """Return the triangles ``(t, 3)`` of all faces with this name; of all faces where the name is empty."""
         return np.concatenate([f.tris for f in self.faces if name in ("", f.name)])
 
     def exact(self) -> tuple[Index, Array]:
-        """Exact midpoints of the edges on the surface; first those of the curves.
+        """Return the midpoints of the surface's edges on the exact curves and faces; edges of curves come first.
 
         Returns
         -------
         edges : (k, 2) Index
-            Nodes of the edges.
+            Numbers of each edge's two nodes.
         points : (k, 3) Array
             Midpoints [m].
         """
@@ -371,27 +376,27 @@ class Shell:
 
 
 def size_callback(lengths: Placing, grain: float, block: tuple[int, int, int]) -> Callable[..., float]:
-    """Size callback for gmsh that evaluates many points at once and caches them.
+    """Make a mesh size callback for gmsh that evaluates many points at once and caches their sizes.
 
     Parameters
     ----------
     lengths : Placing
-        Edge lengths [m] at points ``(n, 3)`` [m].
+        Function that returns the edge lengths [m] at points ``(n, 3)`` [m].
     grain : float
-        Edge of the cubes in which the length counts as constant [m].
+        Edge of the cubes in which the edge length counts as constant [m].
     block : tuple[int, int, int]
-        Cubes along x, y and z that are evaluated at once.
+        Number of cubes along x, y and z that are evaluated at once.
 
     Returns
     -------
     callable
-        For gmsh's ``setSizeCallback``.
+        Argument of gmsh's ``setSizeCallback``.
     """
     known = dict[tuple[int, int, int], list[float]]()
     inverse, (a, b, c) = 1.0 / (MM * grain), block
     cubes = np.array(list(product(*map(range, block))))
 
-    def answer(_dim: int, _tag: int, x: float, y: float, z: float, lc: float) -> float:
+    def size_at(_dim: int, _tag: int, x: float, y: float, z: float, lc: float) -> float:
         i, j, k = round(x * inverse), round(y * inverse), round(z * inverse)
         key = (i // a, j // b, k // c)
         sizes = known.get(key)
@@ -399,38 +404,38 @@ def size_callback(lengths: Placing, grain: float, block: tuple[int, int, int]) -
             sizes = known[key] = (MM * lengths(grain * (np.multiply(key, block) + cubes))).tolist()
         return min(sizes[((i % a) * b + j % b) * c + k % c], lc)
 
-    return answer
+    return size_at
 
 
 def triangulate(
     gmsh: Any, counts: Sequence[int], plane: Array, sizes: Callable[..., float], algorithm: int
 ) -> tuple[Index, Array]:
-    """Triangulate a plane region without new nodes on its boundary.
+    """Triangulate a plane region with gmsh, without adding nodes to its boundary.
 
     Parameters
     ----------
     gmsh : Any
-        gmsh in a `gmsh_session`.
+        The module gmsh, in a `gmsh_session`.
     counts : Sequence[int]
-        Number of nodes of each closed loop, the outer one first.
+        Number of nodes of each closed loop of the boundary, the outer one first.
     plane : (n, 2) Array
-        Nodes of the loops, one after another [m].
+        Coordinates of the loops' nodes, one loop after another [m].
     sizes : Callable[..., float]
-        Size callback, by `size_callback`.
+        Mesh size callback from `size_callback`.
     algorithm : int
-        gmsh's algorithm.
+        Number of gmsh's algorithm for faces.
 
     Returns
     -------
     triangles : (t, 3) Index
-        Counter-clockwise; nodes of the boundary are counted first.
+        Nodes of the triangles, counter-clockwise. The boundary's nodes have the numbers 0 to n - 1, new ones those from n.
     inner : (k, 2) Array
-        New nodes inside [m].
+        Coordinates of the new nodes inside the region [m].
 
     Raises
     ------
     ValueError
-        gmsh changed the boundary.
+        gmsh changed the nodes of the boundary.
     """
     gmsh.model.add("face")
     geo, mesh = gmsh.model.geo, gmsh.model.mesh
@@ -453,7 +458,7 @@ def triangulate(
     boundary, at, _ = mesh.getNodes(0, -1)
     inner = xyz.reshape(-1, 3)[:, :2] / MM
     if len(boundary) != len(plane) or not np.allclose(at.reshape(-1, 3)[:, :2], MM * plane, atol=1e-9):
-        raise ValueError("gmsh changed the boundary of a face")
+        raise ValueError("gmsh changed the nodes on the boundary of a face")
     number = np.full(int(max(tags.max(initial=0), boundary.max())) + 1, -1, dtype=np.int64)
     number[boundary.astype(np.int64)] = np.arange(len(plane))
     number[tags.astype(np.int64)] = len(plane) + np.arange(len(tags))
@@ -467,27 +472,27 @@ def triangulate(
 
 
 def tetrahedra(gmsh: Any, points: Array, tris: Index, sizes: Callable[..., float], algorithm: int) -> tuple[Index, Array]:
-    """Fill a closed triangulated surface with tetrahedra; the surface stays as it is.
+    """Fill a closed triangulated surface with tetrahedra by gmsh, without changing the surface.
 
     Parameters
     ----------
     gmsh : Any
-        gmsh in a `gmsh_session`.
+        The module gmsh, in a `gmsh_session`.
     points : (n, 3) Array
-        Nodes of the surface [m].
+        Coordinates of the surface's nodes [m].
     tris : (t, 3) Index
-        Its triangles.
+        Triangles of the surface.
     sizes : Callable[..., float]
-        Size callback, by `size_callback`.
+        Mesh size callback from `size_callback`.
     algorithm : int
-        gmsh's algorithm.
+        Number of gmsh's algorithm for volumes.
 
     Returns
     -------
     cells : (m, 4) Index
-        Tetrahedra; nodes of the surface are counted first.
+        Nodes of the tetrahedra. The surface's nodes have the numbers 0 to n - 1, new ones those from n.
     inner : (k, 3) Array
-        New nodes inside [m].
+        Coordinates of the new nodes inside the volume [m].
 
     Raises
     ------
@@ -522,33 +527,33 @@ def tetrahedra(gmsh: Any, points: Array, tris: Index, sizes: Callable[..., float
 
 
 @dataclass(frozen=True)
-class Filled:
-    """Second-order tetrahedra in a shell, whose corners have the shell's numbers."""
+class FilledShell:
+    """Mesh of second-order tetrahedra that fills a `Shell`; corner nodes on the surface have the shell's numbers."""
 
     #: The mesh.
     mesh: Mesh
-    #: Keys of its edges, ascending.
+    #: One integer for each edge of the mesh, computed from the numbers of its two corners, ascending.
     keys: Index
-    #: Nodes in the middle of these edges.
+    #: Midside nodes of these edges.
     middles: Index
 
     def middle(self, pairs: Index) -> Index:
-        """Nodes in the middle of edges.
+        """Find the midside nodes of edges.
 
         Parameters
         ----------
         pairs : (k, 2) Index
-            Corners of the edges.
+            Numbers of the two corners of each edge.
 
         Returns
         -------
         (k,) Index
-            Nodes.
+            Numbers of the midside nodes.
 
         Raises
         ------
         ValueError
-            A pair is no edge.
+            A pair of corners is not an edge of the mesh.
         """
         keys = np.sort(pairs, axis=1) @ np.array([self.mesh.nvertices, 1])
         place = np.minimum(np.searchsorted(self.keys, keys), len(self.keys) - 1)
@@ -557,64 +562,64 @@ class Filled:
         return np.asarray(self.middles[place])
 
     def box_nodes(self, corners: Index, box: SocketMesh) -> Index:
-        """Nodes of a socket's faces, in the order of its mesh.
+        """Find the nodes on the faces of a socket (box left free for a fine contact patch).
 
         Parameters
         ----------
         corners : (c,) Index
-            Numbers of its corners.
+            Numbers of the socket's corner nodes in this mesh.
         box : SocketMesh
-            Mesh of its faces.
+            Mesh of the socket's faces.
 
         Returns
         -------
         (k,) Index
-            Nodes.
+            Numbers of all nodes on the faces, in the order of the nodes of ``box``.
         """
         return np.concatenate([corners, self.middle(corners[np.array(list(box.edges), dtype=np.int64)])])
 
     def named(self, shell: Shell) -> Mesh:
-        """Name the shell's faces as boundaries of the mesh.
+        """Return the mesh with the faces of its shell as named boundaries.
 
         Raises
         ------
         ValueError
-            A face is lost.
+            The mesh does not contain a triangle of the shell.
         """
         return with_faces(self.mesh, {name: shell.tris(name) for name in dict.fromkeys(f.name for f in shell.faces)})
 
     def on(self, tris: Index) -> Index:
-        """Nodes of triangles ``(t, 3)`` of the surface, ascending."""
+        """Return the corner and midside nodes of triangles ``(t, 3)`` on the surface, in ascending order."""
         pairs = np.concatenate([tris[:, [0, 1]], tris[:, [1, 2]], tris[:, [2, 0]]])
         return np.unique(np.concatenate([tris.ravel(), self.middle(pairs)]))
 
 
 def turned_right(points: Array, cells: Index) -> Index:
-    """Tetrahedra ``(m, 4)`` renumbered so that all volumes are positive."""
+    """Reorder the nodes of tetrahedra ``(m, 4)`` so that all volumes are positive."""
     a, b, c, d = (points[cells[:, k]] for k in range(4))
     turned = np.einsum("ni,ni->n", np.cross(b - a, c - a), d - a) < 0.0
     return np.where(turned[:, None], cells[:, [0, 2, 1, 3]], cells)
 
 
 def drop_flat_cells(shell: Shell, points: Array, cells: Index) -> Index:
-    """Drop flat tetrahedra on the surface; the shell's triangles are changed to match.
+    """Remove flat tetrahedra at the surface, and change the surface's triangles to match.
 
-    A cell with two triangles of the same smooth face has no volume along their common edge once that is curved. It is
-    left out, and the two triangles are exchanged for its other two.
+    A tetrahedron with two triangles on the same smooth face degenerates along their common edge once that edge is curved.
+    It is removed, and its other two triangles replace these two on the surface.
 
     Parameters
     ----------
     shell : Shell
-        The shell, changed in place.
+        Surface of the mesh; its triangles are changed in place.
     points : (n, 3) Array
-        Nodes [m].
+        Coordinates of the mesh's corner nodes [m].
     cells : (m, 4) Index
-        Tetrahedra.
+        Nodes of the tetrahedra.
 
     Returns
     -------
     (k, 4) Index
-        Remaining tetrahedra.
+        Nodes of the remaining tetrahedra.
     """
     base = np.array([len(points) ** 2, len(points), 1])
     for _ in range(6):
@@ -643,20 +648,20 @@ def drop_flat_cells(shell: Shell, points: Array, cells: Index) -> Index:
     return cells
 
 
-def fill_shell(shell: Shell, algorithm: int) -> Filled:
-    """Fill a shell with second-order tetrahedra that grow away from it.
+def fill_shell(shell: Shell, algorithm: int) -> FilledShell:
+    """Fill a closed surface with second-order tetrahedra whose size grows with the distance from the surface.
 
     Parameters
     ----------
     shell : Shell
-        Closed surface.
+        Closed surface of the body.
     algorithm : int
-        gmsh's algorithm for the volume.
+        Number of gmsh's algorithm for volumes.
 
     Returns
     -------
-    Filled
-        The mesh, nodes of the surface exactly on it.
+    FilledShell
+        The mesh; its surface nodes lie exactly on the body's surface.
 
     Raises
     ------
@@ -672,11 +677,13 @@ def fill_shell(shell: Shell, algorithm: int) -> Filled:
     near = np.bincount(ends[:, 0], long) / np.bincount(ends[:, 0])
     tree = cKDTree(points)
 
-    def lengths(x: Array) -> Array:
+    def edge_lengths(x: Array) -> Array:
         distance, node = tree.query(x)
         return np.asarray(np.minimum(shell.size(x), near[node] + INWARD * distance))
 
-    cells, inner = tetrahedra(shell.gmsh, points, tris, size_callback(lengths, 0.6 * shell.fine, VOLUME_BLOCK), algorithm)
+    cells, inner = tetrahedra(
+        shell.gmsh, points, tris, size_callback(edge_lengths, 0.6 * shell.fine, VOLUME_BLOCK), algorithm
+    )
     cells = turned_right(np.concatenate([points, inner]), cells)
     corners = np.concatenate([shell.points, inner])
     cells = drop_flat_cells(shell, corners, cells)
@@ -687,30 +694,30 @@ def fill_shell(shell: Shell, algorithm: int) -> Filled:
     straight = second_order(MeshTet1(np.ascontiguousarray(corners.T), np.ascontiguousarray(cells.T)))
     pairs = np.sort(straight.edges, axis=0).T @ np.array([len(corners), 1])
     order = np.argsort(pairs)
-    filled = Filled(straight, pairs[order], straight.dofs.edge_dofs[0, order].astype(np.int64))
+    filled = FilledShell(straight, pairs[order], straight.dofs.edge_dofs[0, order].astype(np.int64))
     edges, exact = shell.exact()
-    number = filled.middle(edges)[::-1]  # of an edge's midpoints the first one counts
+    number = filled.middle(edges)[::-1]  # where an edge has several midpoints, the first one counts
     points = straight.doflocs.T.copy()
     points[number] = exact[::-1]
     return replace(filled, mesh=with_points(straight, points))
 
 
 def graded_size(near: Array, fine: float, coarse: float, first: float, last: float) -> Placing:
-    """Edge length that grows with the distance from points.
+    """Make a function for the edge length, which grows with the distance from the nearest of some points.
 
     Parameters
     ----------
     near : (k, 3) Array
-        Points [m].
+        Points around which the mesh is fine [m].
     fine, coarse : float
-        Edge length up to the distance ``first``, and from ``last`` on [m].
+        Edge length up to the distance ``first``, and from the distance ``last`` on [m].
     first, last : float
-        Distances [m], between which it grows linearly.
+        Distances between which the edge length grows linearly [m].
 
     Returns
     -------
     callable
-        Edge lengths at points ``(n, 3)``.
+        Function that returns the edge lengths [m] at points ``(n, 3)`` [m].
     """
     if not len(near):
         return lambda x: np.full(len(x), coarse)
@@ -724,24 +731,25 @@ def graded_size(near: Array, fine: float, coarse: float, first: float, last: flo
 
 
 def best_mesh(name: str, attempt: Callable[[Any, int, int, float], tuple[Body, float]]) -> Body:
-    """Mesh with the algorithms and sizes of `ATTEMPTS` until one has no faults; else take that with the smallest fault.
+    """Mesh a body with the algorithms and sizes of `ATTEMPTS` until a mesh has no fault, and return the best mesh.
 
     Parameters
     ----------
     name : str
-        Body, for the message.
+        Name of the body, for the error message.
     attempt : Callable[[Any, int, int, float], tuple[Body, float]]
-        Mesh and its fault (0: none), from gmsh, algorithm for faces, algorithm for the volume, factor on the sizes.
+        Function that returns a mesh and the size of its fault (0: none). Its arguments: the module gmsh, the algorithm for
+        faces, the algorithm for the volume, and the factor on the element sizes.
 
     Returns
     -------
     Body
-        The mesh.
+        The first mesh without a fault, or else the one with the smallest fault.
 
     Raises
     ------
     ValueError
-        No attempt gives a mesh.
+        No attempt succeeds.
     """
     failures: list[str] = []
     attempts: list[tuple[Body, float]] = []
@@ -749,10 +757,10 @@ def best_mesh(name: str, attempt: Callable[[Any, int, int, float], tuple[Body, f
         with gmsh_session(OPTIONS) as gmsh:
             try:
                 attempts.append(attempt(gmsh, plane, volume, share))
-            except Exception as error:  # gmsh raises nothing more special
+            except Exception as error:  # gmsh raises plain exceptions only
                 failures.append(str(error).strip())
         if attempts and attempts[-1][1] == 0.0:
             break
     if not attempts:
-        raise ValueError(f"gmsh finds no good mesh of the {name}: " + "; ".join(dict.fromkeys(failures)))
+        raise ValueError(f"gmsh cannot mesh the {name}: " + "; ".join(dict.fromkeys(failures)))
     return min(attempts, key=lambda x: x[1])[0]

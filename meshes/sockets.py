@@ -1,7 +1,8 @@
-"""Sockets: boxes left free around contacts for fine patches; their shape, faces and largest size.
+"""Sockets, the boxes that the mesh of a screw or nut leaves free around its contacts: shape, faces and largest size.
 
-A socket is bounded by surfaces of constant depth and azimuth; in gamma it narrows with its depth. Its local coordinates
-xi are gamma and azimuth in [-1, 1] and depth in [0, 1]; all sockets of a flank are congruent, so that one patch fits them.
+A fine mesh (the contact patch) fills each socket. A socket is bounded by surfaces of constant depth below the groove and of
+constant azimuth; its width in the section angle gamma decreases with depth. Its local coordinates xi are gamma in [-1, 1],
+depth in [0, 1] and azimuth in [-1, 1]. All sockets of a flank are congruent, so that one patch fits them all.
 """
 
 from __future__ import annotations
@@ -18,32 +19,34 @@ from rollbench.meshes.helix import BallLayout
 from rollbench.meshes.numerics import brentq
 from rollbench.meshes.parts import SIDES
 
-#: Usual socket: half width in gamma [rad]; depth and half length along the track over the ball's radius
-#: (1.2 mm and 1.24 mm with the balls of 2.778 mm of Lin's case 1).
+#: Default size of a socket: half width in the section angle gamma [rad]; depth, and half length along the track, both as
+#: ratios to the ball's radius (1.2 mm and 1.24 mm for the ball radius 2.778 mm of case 1 of Lin's thesis).
 GAMMA, DEPTH, ALONG = 0.30, 1.2 / 2.778, 1.24 / 2.778
-#: Smallest share of that size that is accepted.
+#: Smallest accepted ratio of a socket's size to the default size.
 LEAST = 0.4
-#: That share near a flat end, where the wall leaves no more depth; contacts keep the width and length that they need.
+#: The same ratio near a flat end of the part, where the wall is too thin for a deeper socket. Width and length remain at
+#: least those that the contact needs.
 LIP = 0.1
-#: Share of a socket's half width and length that its contact zone fills: usually, and at most.
+#: Ratio of the contact zone's half width and half length to the socket's: default, and largest.
 FILLED, ZONE = 0.6, 0.95
-#: Width of sockets for contacts over the required one, unless that takes more than half of the remaining flank.
+#: Ratio of a socket's width to the width that the contact needs, unless that takes more than half of the remaining flank.
 SPARE = 1.15
-#: Flank kept free next to a socket, over its half width: usually, and where the contact needs more width.
+#: Free flank next to a socket, as a ratio to the socket's half width: default, and where the contact needs more width.
 BESIDE, CLOSE = 0.25, 0.03
-#: Track kept free between two sockets, over their half length.
+#: Free track between two sockets, as a ratio to their half length.
 BETWEEN = 0.6
-#: Material kept under a socket, over its depth; and from it to an end or to the next turn, over the ball's radius.
+#: Thickness of the material under a socket, as a ratio to the socket's depth; and of the material between the socket and a
+#: flat end or the next turn of the groove, as a ratio to the ball's radius.
 UNDER, AWAY = 0.5, 0.12
-#: Material kept to an end, where no more is available.
+#: Thickness of the material between a socket and a flat end where there is less room, as a ratio to the ball's radius.
 THIN = 0.05
-#: Relative reduction of a socket's width at its bottom: leaves room for its faces to bulge next to the edge of a groove.
+#: Relative reduction of a socket's width at its bottom. It leaves room for the faces to bulge next to the groove's edge.
 TAPER = 0.2
-#: Largest distance of a ball from its groove, over its radius.
+#: Largest accepted distance of a ball's centre from the groove's centre line, as a ratio to the ball's radius.
 ON_GROOVE = 1e-3
-#: Shares tried by which a socket's faces bulge while a body is filled, see `socket_mesh`, and how far diagonals stand out
-#: then at least, over their lengths; terms that twist the rectangles of side faces and bottom, so that one diagonal does,
-#: and those in the middle of symmetric faces too.
+#: RAISED: relative bulges of a socket's faces that are tried while a body is filled with cells, see `socket_mesh`. RIDGE:
+#: smallest height of the protruding diagonals as a ratio to their lengths. TWIST: terms that twist the rectangles of side
+#: faces and of the bottom, so that one diagonal protrudes. SKEW: the same for rectangles in the middle of symmetric faces.
 RAISED, RIDGE, TWIST = (0.04, 0.06, 0.08), 1e-4, (0.8, 0.4)
 SKEW = 0.2
 AZIMUTH_TURNED = np.array([1.0, 1.0, -1.0])
@@ -51,7 +54,7 @@ AZIMUTH_TURNED = np.array([1.0, 1.0, -1.0])
 
 @dataclass(frozen=True)
 class SocketSize:
-    """Size of a socket: the box left free in the mesh of a body around a contact, filled by a fine patch."""
+    """Size of a socket: the box that a part's mesh leaves free around a contact, to be filled by a fine mesh."""
 
     #: Half width in the section angle [rad].
     gamma: float
@@ -59,45 +62,45 @@ class SocketSize:
     depth: float
     #: Half width in azimuth [rad].
     phi: float
-    #: Subdivisions of its edges across, in depth and along.
+    #: Number of equal parts into which the socket's edges are divided across the groove, in depth and along the groove.
     cuts: tuple[int, int, int] = (2, 2, 2)
 
 
 @dataclass(frozen=True)
 class SocketMesh:
-    """Mesh of the five inner faces of a socket, which body and patch share."""
+    """Triangle mesh of the five inner faces of a socket, where a part's coarse mesh meets the fine contact patch."""
 
     #: Nodes in local coordinates ``(k, 3)``: gamma and azimuth in [-1, 1], depth in [0, 1].
     xi: Array
     #: Second-order triangles ``(t, 6)``.
     triangles: Index
-    #: Number of the face on which each triangle lies ``(t,)``.
+    #: Face 0 to 4 on which each triangle lies ``(t,)``.
     face: Index
-    #: Node in the middle of every edge, by its two corners.
+    #: Midside node of every edge; the key holds the edge's two corner nodes.
     edges: dict[tuple[int, int], int]
 
 
 def socket_mesh(place: Callable[[Array], Array], cuts: tuple[int, int, int]) -> tuple[SocketMesh, Array]:
-    """Mesh of a socket's inner faces, and coordinates of their corners at which the faces bulge into the body.
+    """Mesh the inner faces of a socket, and bulge them into the body for the time in which gmsh fills the body.
 
-    While a body is filled with cells, the corners of its sockets are at the bulging coordinates; the rim stays. A
-    tetrahedron with all corners on a convex socket lies in the socket, so that none fits flat over a bulging face. Of the
-    two diagonals of a rectangle the one that stands out into the body is taken; of the shares `RAISED`, the least with
-    which all stand out by `RIDGE`, or else the best.
+    While gmsh fills a body with tetrahedra, the corner nodes of its sockets are at the bulging coordinates; the rim at the
+    groove does not move. The bulging faces make the socket convex: no flat tetrahedron fits between nodes of one face. Each
+    rectangle is cut along the diagonal that protrudes into the body. The bulge is the smallest of `RAISED` at which every
+    diagonal protrudes by `RIDGE` of its length, or else the one at which the smallest height is largest.
 
     Parameters
     ----------
     place : Callable[[Array], Array]
-        Points ``(n, 3)`` [m] of local coordinates ``(n, 3)``.
+        Function that maps local coordinates ``(n, 3)`` to points ``(n, 3)`` [m].
     cuts : tuple[int, int, int]
-        Equal parts of the edges across, in depth and along.
+        Number of equal parts into which the edges are divided across, in depth and along.
 
     Returns
     -------
     mesh : SocketMesh
-        The faces.
+        Mesh of the five faces in their final, flat shape.
     bulging : (c, 3) Array
-        Local coordinates of the corners while the body is filled.
+        Local coordinates of the corner nodes while the body is filled.
     """
     lines = (np.linspace(-1.0, 1.0, cuts[0] + 1), np.linspace(0.0, 1.0, cuts[1] + 1), np.linspace(-1.0, 1.0, cuts[2] + 1))
     number: dict[tuple[int, ...], int] = {}
@@ -127,26 +130,26 @@ def socket_mesh(place: Callable[[Array], Array], cuts: tuple[int, int, int]) -> 
 def side_socket(
     places: Callable[[int], Callable[[Array], Array]], side: int, cuts: tuple[int, int, int]
 ) -> tuple[SocketMesh, Array]:
-    """Mesh of the sockets of one flank, as `socket_mesh`.
+    """Mesh the inner faces of the sockets on one flank of the groove; for details see `socket_mesh`.
 
-    A turn by 180 degrees about the radius through the ball's centre takes left flanks onto right ones and reverses
-    azimuths. So the socket of a right flank (SR, NR) is that of the left one with azimuths reversed, node by node.
+    A rotation by 180 degrees about the radial line through the ball's centre maps left flanks onto right ones and reverses
+    the azimuth. So the mesh for a right flank (SR, NR) is that for the left flank with reversed azimuth, node by node.
 
     Parameters
     ----------
     places : Callable[[int], Callable[[Array], Array]]
-        Map of local coordinates to points, by flank.
+        Function that returns, for a flank, the map of local coordinates to points.
     side : int
-        Flank 0 to 3.
+        Flank: 0 and 1 are left and right on the screw, 2 and 3 on the nut.
     cuts : tuple[int, int, int]
-        As for `socket_mesh`.
+        Number of equal parts into which the edges are divided across, in depth and along.
 
     Returns
     -------
     mesh : SocketMesh
-        The faces.
+        Mesh of the five faces.
     bulging : (c, 3) Array
-        Local coordinates of the corners while the body is filled.
+        Local coordinates of the corner nodes while the body is filled.
     """
     if side % 2 == 0:
         return socket_mesh(places(side), cuts)
@@ -157,19 +160,19 @@ def side_socket(
 
 
 def bulge_faces(xi: Array, share: float) -> Array:
-    """Local coordinates of a socket's faces moved outwards; the rim stays.
+    """Move points on a socket's faces outwards, so that the faces bulge; points on the rim do not move.
 
     Parameters
     ----------
     xi : (n, 3) Array
-        Local coordinates on the faces.
+        Local coordinates of points on the faces.
     share : float
-        Displacement over the size of the faces, about.
+        Approximate ratio of the displacement to the size of the faces.
 
     Returns
     -------
     (n, 3) Array
-        Moved local coordinates.
+        Local coordinates of the moved points.
     """
     a, u, b = xi.T
     rise, across, along = u * (2.0 - u), 1.0 - a * a, 1.0 - b * b
@@ -179,7 +182,10 @@ def bulge_faces(xi: Array, share: float) -> Array:
 
 
 def _ridge_heights(points: Array, square: Index, inside: Array) -> Array:
-    """How far the first diagonal of quadrilaterals ``(s, 4)`` lies outside the second, over their lengths ``(s,)``."""
+    """Return the height ``(s,)`` of the first diagonal of quadrilaterals ``(s, 4)`` above the second, over their length.
+
+    Heights are positive away from the point ``inside``.
+    """
     a, b, c, d = (points[square[:, k]] for k in range(4))
     out = np.cross(c - a, d - b)
     out = out * np.sign(np.einsum("sx,sx->s", out, 0.25 * (a + b + c + d) - inside))[:, None]
@@ -188,7 +194,7 @@ def _ridge_heights(points: Array, square: Index, inside: Array) -> Array:
 
 
 def _second_order(xi: Array, corners: Index, owner: Index) -> SocketMesh:
-    """Second-order triangles from those of corners ``(t, 3)``."""
+    """Add the midside nodes to the triangles ``(t, 3)`` of a socket's faces, so that they become second-order ones."""
     edges: dict[tuple[int, int], int] = {}
     rows = []
     for a, b, c in corners.tolist():
@@ -199,17 +205,17 @@ def _second_order(xi: Array, corners: Index, owner: Index) -> SocketMesh:
 
 
 def socket_rim(socket: SocketMesh) -> Index:
-    """Corners around the open top of a socket, in order.
+    """Return the corner nodes around the open top of a socket, in order.
 
     Parameters
     ----------
     socket : SocketMesh
-        Mesh of the faces.
+        Mesh of the socket's faces.
 
     Returns
     -------
     (r,) Index
-        Nodes, around the rim.
+        Numbers of the nodes, once around the rim.
     """
     around: dict[int, list[int]] = {}
     for i, j in socket.edges:
@@ -224,19 +230,19 @@ def socket_rim(socket: SocketMesh) -> Index:
 
 
 def socket_centre(m: GrooveMap, side: int) -> tuple[float, float, float]:
-    """Unrolled coordinates of the nominal contact point of a flank.
+    """Return the unrolled coordinates of a flank's nominal contact point, for a ball at azimuth 0 and z = 0.
 
     Parameters
     ----------
     m : GrooveMap
-        Track.
+        Groove surfaces of the track.
     side : int
-        Flank 0 to 3.
+        Flank: 0 and 1 are left and right on the screw, 2 and 3 on the nut.
 
     Returns
     -------
     r, zeta, psi : float
-        As of `GrooveMap.unroll` [m, m, rad].
+        Radius [m], axial coordinate along the unrolled groove [m] and azimuth [rad], as returned by `GrooveMap.unroll`.
     """
     x3, z3 = m.section_point(side, np.array(m.beta), np.array(m.radius[side]))
     r, zeta, psi = m.unroll(x3, z3)
@@ -244,23 +250,23 @@ def socket_centre(m: GrooveMap, side: int) -> tuple[float, float, float]:
 
 
 def local_points(m: GrooveMap, size: SocketSize, side: int, xi: Array) -> Array:
-    """Points of local socket coordinates, for a ball at azimuth 0 and z = 0.
+    """Map local coordinates in a socket to points, for the socket of a ball at azimuth 0 and z = 0.
 
     Parameters
     ----------
     m : GrooveMap
-        Track.
+        Groove surfaces of the track.
     size : SocketSize
-        Size of the socket.
+        Size of the socket (box left free for a fine contact patch).
     side : int
-        Flank 0 to 3.
+        Flank: 0 and 1 are left and right on the screw, 2 and 3 on the nut.
     xi : (n, 3) Array
-        Local coordinates.
+        Local coordinates: section angle in [-1, 1], depth in [0, 1], azimuth in [-1, 1].
 
     Returns
     -------
     (n, 3) Array
-        Points [m].
+        Cartesian coordinates of the points [m].
     """
     gamma = m.beta + size.gamma * xi[:, 0] * (1.0 - TAPER * xi[:, 1])
     rho = m.radius[side] + size.depth * xi[:, 1]
@@ -269,23 +275,23 @@ def local_points(m: GrooveMap, size: SocketSize, side: int, xi: Array) -> Array:
 
 
 def socket_points(m: GrooveMap, size: SocketSize, socket: tuple[float, float, int], xi: Array) -> Array:
-    """Points of local coordinates in the socket of a ball.
+    """Map local coordinates in the socket of a ball to points of the part.
 
     Parameters
     ----------
     m : GrooveMap
-        Track.
+        Groove surfaces of the track.
     size : SocketSize
-        Size of the socket.
+        Size of the socket (box left free for a fine contact patch).
     socket : tuple[float, float, int]
-        Azimuth [rad] and station [m] of the ball, and flank 0 to 3.
+        Azimuth [rad] and axial position z [m] of the ball, and flank 0 to 3.
     xi : (n, 3) Array
-        Local coordinates.
+        Local coordinates: section angle in [-1, 1], depth in [0, 1], azimuth in [-1, 1].
 
     Returns
     -------
     (n, 3) Array
-        Points [m].
+        Cartesian coordinates of the points [m].
     """
     phi, z, side = socket
     c, s = np.cos(phi), np.sin(phi)
@@ -296,19 +302,19 @@ def socket_points(m: GrooveMap, size: SocketSize, socket: tuple[float, float, in
 def socket_coordinates(
     m: GrooveMap, size: SocketSize, socket: tuple[float, float, int], phi: Array, z: Array, r: Array
 ) -> Array:
-    """Local socket coordinates of points; the inverse of `socket_points`.
+    """Map points of a part to local coordinates in the socket of a ball; the inverse of `socket_points`.
 
     Parameters
     ----------
     m, size, socket
-        As for `socket_points`.
+        Track, size of the socket, and place of the ball with its flank, as for `socket_points`.
     phi, z, r : (n,) Array
         Cylindrical coordinates of the points [rad, m, m].
 
     Returns
     -------
     (n, 3) Array
-        Local coordinates.
+        Local coordinates: section angle in [-1, 1], depth in [0, 1], azimuth in [-1, 1].
     """
     ball_phi, ball_z, side = socket
     centre = ball_phi + socket_centre(m, side)[2]
@@ -321,61 +327,62 @@ def socket_coordinates(
 
 
 def flank_limits(m: GrooveMap, side: int, land: float) -> tuple[float, float]:
-    """Section angles between which a flank extends.
+    """Return the section angles at which a flank of the groove begins and ends.
 
     Parameters
     ----------
     m : GrooveMap
-        Track.
+        Groove surfaces of the track.
     side : int
-        Flank 0 to 3.
+        Flank: 0 and 1 are left and right on the screw, 2 and 3 on the nut.
     land : float
         Radius of the lands [m].
 
     Returns
     -------
     low : float
-        Angle of the apex [rad]; of a groove of one arc, of its other edge.
+        Angle at the apex between the two arcs of the groove [rad]; for a groove of one arc, at its other edge.
     high : float
-        Angle of the edge at the land [rad].
+        Angle at the edge between groove and land [rad].
 
     Raises
     ------
     ValueError
-        The contact does not lie between the two.
+        The nominal contact angle does not lie between the two angles.
     """
     apex = float(np.arcsin((m.radius[side] - m.ball) * np.sin(m.beta) / m.radius[side]))
 
-    def excess(gamma: float) -> float:
+    def radius_beyond_land(gamma: float) -> float:
         return float(m.unroll(*m.section_point(side, np.array(gamma), np.array(m.radius[side])))[0]) - land
 
-    if excess(m.beta) * excess(np.pi) < 0.0:
-        edge = float(brentq(excess, m.beta, np.pi, xtol=1e-14))
+    if radius_beyond_land(m.beta) * radius_beyond_land(np.pi) < 0.0:
+        edge = float(brentq(radius_beyond_land, m.beta, np.pi, xtol=1e-14))
         return (-edge if m.one_arc else apex), edge
     raise ValueError(
-        f"the {SIDES[side]} flank ends before its contact at {np.degrees(m.beta):.3g} deg: a land radius of "
-        f"{1e3 * land:.4g} mm leaves no groove there; move the land towards the pitch radius {1e3 * m.R:.4g} mm"
+        f"the {SIDES[side]} flank ends before its contact at {np.degrees(m.beta):.3g} deg: with a land radius of "
+        f"{1e3 * land:.4g} mm the groove does not reach that angle; move the land towards the pitch radius "
+        f"{1e3 * m.R:.4g} mm"
     )
 
 
 def whole_turns(m: GrooveMap, phi: float, z: float, line: float) -> tuple[int, float]:
-    """Whole turns by which a ball's azimuth differs from that along a groove.
+    """Return the number of turns between a ball's azimuth and the azimuth counted along a helical groove.
 
     Parameters
     ----------
     m : GrooveMap
-        Track.
+        Groove surfaces of the track.
     phi, z : float
-        Azimuth [rad] and station [m] of the ball.
+        Azimuth [rad] and axial position [m] of the ball.
     line : float
-        z - r_g phi of the groove [m], by `groove_lines`.
+        The groove's constant z - r_g phi [m] from `groove_lines`, with the lead per radian r_g.
 
     Returns
     -------
     turns : int
-        Turns to add to the azimuth.
+        Number of whole turns to add to the azimuth.
     off : float
-        Distance along z that is left [m].
+        Remaining axial distance of the ball from the groove's centre line [m].
     """
     off = z - m.rg * phi - line
     pitch = 2.0 * np.pi * m.rg
@@ -384,39 +391,41 @@ def whole_turns(m: GrooveMap, phi: float, z: float, line: float) -> tuple[int, f
 
 
 def groove_lines(m: GrooveMap) -> list[float]:
-    """Height z - r_g phi of every start's groove [m]; one entry for a ring.
+    """Return the constant z - r_g phi of each start's groove [m], with the lead per radian r_g.
+
+    It is the axial position at which the groove's helix crosses azimuth 0. A ring has one entry.
 
     Parameters
     ----------
     m : GrooveMap
-        Track.
+        Groove surfaces of the track.
 
     Returns
     -------
     list[float]
-        Heights [m].
+        Axial positions [m], one for each start.
     """
     return [m.z0 - m.rg * (m.phase + 2.0 * np.pi * k / m.starts) for k in range(m.starts if m.rg else 1)]
 
 
 def track_gaps(m: GrooveMap, azimuth: Array, z: Array) -> tuple[Array, Index]:
-    """Angles between neighbouring balls along the grooves.
+    """Return the angles between neighbouring balls along the grooves.
 
-    In a ring the last ball is a neighbour of the first.
+    In a ring, the last ball is a neighbour of the first.
 
     Parameters
     ----------
     m : GrooveMap
-        Track.
+        Groove surfaces of the track.
     azimuth, z : (k,) Array
-        Azimuths [rad] and stations [m] of the balls.
+        Azimuths [rad] and axial positions [m] of the balls.
 
     Returns
     -------
     gaps : (n,) Array
-        Angles from ball to ball [rad].
+        Angle between the centres of two neighbours [rad].
     pairs : (n, 2) Index
-        Numbers of these balls.
+        Numbers of the two balls, counted from 0.
     """
     line = z - m.rg * azimuth
     pitch = 2.0 * np.pi * abs(m.rg)
@@ -441,7 +450,7 @@ def track_gaps(m: GrooveMap, azimuth: Array, z: Array) -> tuple[Array, Index]:
 
 
 def _largest_share(fits: Callable[[float], bool]) -> float:
-    """Largest share in [0, 1] that fits, by bisection; 0 where none does."""
+    """Find the largest factor in [0, 1] for which ``fits`` is true, by bisection; 0 where it is true for none."""
     if fits(1.0):
         return 1.0
     low, high = 0.0, 1.0
@@ -452,73 +461,73 @@ def _largest_share(fits: Callable[[float], bool]) -> float:
 
 
 def _hull_points(m: GrooveMap, size: SocketSize, side: int) -> Array:
-    """Points all over a socket of the ball at azimuth 0, z = 0, ``(n, 3)`` [m]."""
+    """Sample points ``(n, 3)`` [m] throughout the socket of a ball at azimuth 0 and z = 0."""
     axes = (np.linspace(-1.0, 1.0, 7), np.linspace(0.0, 1.0, 3), np.linspace(-1.0, 1.0, 3))
     return local_points(m, size, side, np.stack(np.meshgrid(*axes, indexing="ij"), -1).reshape(-1, 3))
 
 
-def wall_left(m: GrooveMap, size: SocketSize, side: int, beyond: float) -> float:
-    """Wall thickness between a socket and the surface behind it.
+def remaining_wall(m: GrooveMap, size: SocketSize, side: int, beyond: float) -> float:
+    """Return the wall thickness between the bottom of a socket and the bore of the screw or the outside of the nut.
 
     Parameters
     ----------
     m : GrooveMap
-        Track.
+        Groove surfaces of the track.
     size : SocketSize
-        Size of the socket.
+        Size of the socket (box left free for a fine contact patch).
     side : int
-        Flank 0 to 3.
+        Flank: 0 and 1 are left and right on the screw, 2 and 3 on the nut.
     beyond : float
-        Radius of the bore, or of a nut's outside [m].
+        Radius of the screw's bore, or outer radius of the nut [m].
 
     Returns
     -------
     float
-        [m]; negative where the socket reaches through the wall.
+        Thickness [m]; negative where the socket reaches through the wall.
     """
     r = np.hypot(*_hull_points(m, size, side)[:, :2].T)
     return float(r.min() - beyond if side < 2 else beyond - r.max())
 
 
 def socket_reach(m: GrooveMap, size: SocketSize, sides: tuple[int, ...]) -> tuple[float, float]:
-    """Distances along z by which sockets reach below and above the ball's centre [m].
+    """Return the axial distances by which sockets extend below and above the ball's centre.
 
     Parameters
     ----------
     m : GrooveMap
-        Track.
+        Groove surfaces of the track.
     size : SocketSize
-        Size of the sockets.
+        Size of the sockets (boxes left free for the fine contact patches).
     sides : tuple[int, ...]
         Flanks 0 to 3.
 
     Returns
     -------
     below, above : float
-        [m].
+        Distances in the directions -z and +z [m].
     """
     z = np.concatenate([_hull_points(m, size, s)[:, 2] for s in sides])
     return float(-z.min()), float(z.max())
 
 
-def turn_left(m: GrooveMap, size: SocketSize, sides: tuple[int, ...]) -> float:
-    """Smallest distance of sockets from the next turn of the groove.
+def distance_to_next_turn(m: GrooveMap, size: SocketSize, sides: tuple[int, ...]) -> float:
+    """Return the smallest distance between sockets and the next turn of the groove.
 
-    From half-way to it where both flanks carry contacts.
+    Where both flanks carry contacts, the distance to the plane half-way to the next turn counts too.
 
     Parameters
     ----------
     m : GrooveMap
-        Track.
+        Groove surfaces of the track.
     size : SocketSize
-        Size of the sockets.
+        Size of the sockets (boxes left free for the fine contact patches).
     sides : tuple[int, ...]
-        Flanks of one body.
+        Flanks of one part: 0 and 1 of the screw, or 2 and 3 of the nut.
 
     Returns
     -------
     float
-        [m]; infinite for a ring.
+        Distance [m]; infinite for a ring.
     """
     if m.rg == 0.0:
         return np.inf
@@ -547,28 +556,27 @@ def fitted_socket(
     ends: tuple[float, float],
     need: tuple[float, float] = (0.0, 0.0),
 ) -> SocketSize:
-    """Largest socket, up to the usual one, that fits every ball on all of some sides.
+    """Find the size of the largest socket that fits at every ball, on every flank that carries contacts.
 
-    The usual socket is 0.30 rad wide to each side, or wider if the contacts fill more than 0.6 of that, 0.43 ball radii
-    deep and 0.45 ball radii long to each side. It is made narrower beside the groove's edge and its apex, though not
-    narrower than the contacts need; shallower over a thin wall; shorter between close balls; smaller altogether beside an
-    end or the next turn of the groove.
+    The size starts from the default: a half width of 0.30 rad (more if the contacts fill more than 0.6 of it), a depth of
+    0.43 ball radii and a half length of 0.45 ball radii. The width is reduced next to the groove's edge and apex, but not
+    below what the contacts need; the depth over a thin wall; the length between close balls. Next to a flat end or to
+    the next turn of the groove all three are reduced.
 
     Parameters
     ----------
     m : GrooveMap
-        Track.
+        Groove surfaces of the track.
     layout : BallLayout
-        Places of the balls.
+        Positions of the balls.
     sides : tuple[int, ...]
         Flanks 0 to 3 that carry contacts.
     land_screw, bore_screw, land_nut, outer_nut : float
-        Radii [m].
+        Radii of the screw's land and bore, and of the nut's land and outer surface [m].
     ends : tuple[float, float]
-        Stations of the flat ends nearest the balls (the nut's) [m].
+        Axial positions of the flat ends nearest the balls, those of the nut [m].
     need : tuple[float, float], optional
-        Distances that contacts reach from their nominal middle, across along the groove's arc and along the track
-        [m].
+        Half lengths of the contact zone from its nominal centre: across the groove along its arc, and along the track [m].
 
     Returns
     -------
@@ -578,8 +586,8 @@ def fitted_socket(
     Raises
     ------
     ValueError
-        A contact reaches beyond what apex and edge leave to a socket, or less than 0.4 of the usual depth, length or
-        (without ``need``) width is left, 0.1 of depth and length beside an end. The message gives cause and remedy.
+        A contact is wider than the flank between apex and edge allows; or less than 0.4 of the default depth, length or
+        (without ``need``) width remains, or 0.1 of depth and length next to a flat end. The message gives cause and remedy.
     """
     usual = SocketSize(GAMMA, DEPTH * m.ball, ALONG * m.ball / m.R)
     bodies = [tuple(s for s in sides if (s < 2) == screw) for screw in (True, False)]
@@ -589,57 +597,65 @@ def fitted_socket(
     size = replace(wide, gamma=gamma)
     cause = {"gamma": why_gamma, "depth": "", "phi": ""}
 
-    def mm(x: float) -> str:
+    def in_mm(x: float) -> str:
         return f"{1e3 * x:.4g} mm"
 
     for side in sides:
         behind, name = (bore_screw, "screw's bore") if side < 2 else (outer_nut, "nut's outside")
 
-        def thick(share: float, side: int = side, behind: float = behind, size: SocketSize = size) -> bool:
+        def wall_is_thick_enough(share: float, side: int = side, behind: float = behind, size: SocketSize = size) -> bool:
             depth = share * wide.depth
-            return wall_left(m, replace(size, depth=depth), side, behind) >= UNDER * depth
+            return remaining_wall(m, replace(size, depth=depth), side, behind) >= UNDER * depth
 
-        depth = wide.depth * _largest_share(thick)
+        depth = wide.depth * _largest_share(wall_is_thick_enough)
         if depth < size.depth:
             size = replace(size, depth=depth)
-            wall = wall_left(m, replace(size, gamma=1e-3, depth=0.0), side, behind)
-            cause["depth"] = f"the wall behind its contact, to the {name}, is {mm(wall)} thick; thicken it"
+            wall = remaining_wall(m, replace(size, gamma=1e-3, depth=0.0), side, behind)
+            cause["depth"] = f"the wall between the contact and the {name} is only {in_mm(wall)} thick; thicken the wall"
 
     if layout.z.size > 1 or m.rg == 0.0:
         gaps, pairs = track_gaps(m, layout.azimuth, layout.z)
         if gaps.size and gaps.min() < (2.0 + BETWEEN) * wide.phi:
             size = replace(size, phi=float(gaps.min()) / (2.0 + BETWEEN))
             first, second = pairs[gaps.round(9).argmin()] + 1
-            cause["phi"] = f"balls {first} and {second} are {mm(gaps.min() * m.R)} apart along the track; spread them"
+            apart = in_mm(gaps.min() * m.R)
+            cause["phi"] = f"balls {first} and {second} are only {apart} apart along the track; move them further apart"
 
     low, high = layout.z.min() - ends[0], ends[1] - layout.z.max()
 
-    def scaled(share: float) -> SocketSize:
+    def scaled_socket(share: float) -> SocketSize:
         narrow = max(share * size.gamma, min(size.gamma, least))
         short = max(share * size.phi, min(size.phi, need[1] / (ZONE * m.R)))
         return replace(size, gamma=narrow, depth=share * size.depth, phi=short)
 
-    def inside(share: float, away: float = AWAY) -> bool:
-        below, above = socket_reach(m, scaled(share), sides)
+    def fits_between_ends(share: float, away: float = AWAY) -> bool:
+        below, above = socket_reach(m, scaled_socket(share), sides)
         return bool(below + away * m.ball <= low and above + away * m.ball <= high)
 
-    def just_inside(share: float) -> bool:
-        return inside(share, THIN)
+    def fits_with_thin_wall(share: float) -> bool:
+        return fits_between_ends(share, THIN)
 
-    def clear(share: float) -> bool:
-        return min(turn_left(m, scaled(share), body_sides) for body_sides in bodies if body_sides) >= AWAY * m.ball
+    def clears_next_turn(share: float) -> bool:
+        return (
+            min(distance_to_next_turn(m, scaled_socket(share), body_sides) for body_sides in bodies if body_sides)
+            >= AWAY * m.ball
+        )
 
-    lip = not inside(LEAST)
+    lip = not fits_between_ends(LEAST)
     for fits, why in (
         (
-            just_inside if lip else inside,
-            f"the outermost balls are {mm(low)} and {mm(high)} from the flat ends; lengthen the nut or move balls",
+            fits_with_thin_wall if lip else fits_between_ends,
+            f"the outermost balls are only {in_mm(low)} and {in_mm(high)} from the flat ends; "
+            "lengthen the nut or move the balls",
         ),
-        (clear, f"the next turn of the groove is {mm(2.0 * np.pi * abs(m.rg) / m.starts)} on; raise the lead"),
+        (
+            clears_next_turn,
+            f"the next turn of the groove is only {in_mm(2.0 * np.pi * abs(m.rg) / m.starts)} away; raise the lead",
+        ),
     ):
         share = _largest_share(fits)
         if share < 1.0:
-            size = scaled(share) if share else replace(size, gamma=0.0, depth=0.0, phi=0.0)
+            size = scaled_socket(share) if share else replace(size, gamma=0.0, depth=0.0, phi=0.0)
             cause = dict.fromkeys(cause, why)
     for name, word, floor in (
         ("gamma", "narrow", least or LEAST * GAMMA),
@@ -649,7 +665,7 @@ def fitted_socket(
         if getattr(size, name) < floor * (1.0 - 1e-9):
             left, wanted = getattr(size, name) / getattr(usual, name), floor / getattr(usual, name)
             raise ValueError(
-                f"no room for the sockets of the contact patches: only {100.0 * left:.0f} % of the usual one is left, "
+                f"no room for the fine mesh around the contacts: only {100.0 * left:.0f} % of its default size remains, "
                 f"less than {100.0 * wanted:.0f} % (too {word}), because {cause[name]}"
             )
     return size
@@ -658,26 +674,26 @@ def fitted_socket(
 def _narrowed_width(
     m: GrooveMap, sides: tuple[int, ...], land_screw: float, land_nut: float, wanted: float, need: float
 ) -> tuple[float, str]:
-    """Half width of sockets allowed by edges and apexes of the grooves, and which of them limits it.
+    """Reduce the half width of sockets to what edge and apex of the grooves allow, and say which of the two limits it.
 
     Parameters
     ----------
     wanted : float
-        Largest half width [rad].
+        Half width to start from [rad].
     need : float
-        Half width of the contacts along the arc [m].
+        Half width of the contact zone along the groove's arc [m].
 
     Returns
     -------
     gamma : float
-        Half width [rad].
+        Allowed half width, at most ``wanted`` [rad].
     reason : str
-        What limits it.
+        Feature that limits the width and its remedy, for an error message; empty where nothing limits the width.
 
     Raises
     ------
     ValueError
-        A contact reaches beyond what edge and apex leave to a socket.
+        The contact zone is wider than edge and apex allow.
     """
     gamma, why = wanted, ""
     for side in sides:
@@ -691,12 +707,12 @@ def _narrowed_width(
             (m.beta - apex, low_end, remedy_low),
             (edge - m.beta, f"edge of {at_land}", "deepen the groove"),
         ):
-            reason = f"the {name} is {np.degrees(room):.3g} deg from the contact of side {SIDES[side]}"
+            reason = f"the {name} is {np.degrees(room):.3g} deg from the contact of flank {SIDES[side]}"
             usable = ZONE * room / (1.0 + CLOSE)
             if need / radius > usable:
                 raise ValueError(
-                    f"no room for the contact ellipse of side {SIDES[side]}: it reaches {1e3 * need:.3g} mm "
-                    f"({np.degrees(need / radius):.3g} deg) from its nominal middle, and the mesh has room for "
+                    f"no room for the contact ellipse on flank {SIDES[side]}: the ellipse reaches {1e3 * need:.3g} mm "
+                    f"({np.degrees(need / radius):.3g} deg) from its nominal centre, and the mesh has room for "
                     f"{1e3 * usable * radius:.3g} mm ({np.degrees(usable):.3g} deg), because {reason}; {remedy}, lower the "
                     "load, or open the groove (a larger groove radius makes the ellipse shorter)"
                 )
@@ -707,7 +723,7 @@ def _narrowed_width(
     return gamma, why
 
 
-def refuse_misfit(
+def refuse_misfitting_sockets(
     m: GrooveMap,
     size: SocketSize,
     sockets: tuple[tuple[float, float, int], ...],
@@ -715,38 +731,38 @@ def refuse_misfit(
     behind: float,
     ends: tuple[float, float],
 ) -> None:
-    """Raise ValueError where sockets of one body leave it or overlap.
+    """Raise ValueError where sockets of a screw or nut overlap or extend beyond the part's surfaces.
 
     Parameters
     ----------
     m : GrooveMap
-        Track.
+        Groove surfaces of the track.
     size : SocketSize
-        Size of the sockets.
+        Size of the sockets (boxes left free for the fine contact patches).
     sockets : tuple[tuple[float, float, int], ...]
-        Azimuth [rad] and station [m] of the ball, and flank, of each.
+        For each socket, azimuth [rad] and axial position [m] of its ball, and flank 0 to 3.
     land, behind : float
-        Radii of the lands and of the surface behind the groove [m].
+        Radius of the lands; radius of the screw's bore or of the nut's outer surface [m].
     ends : tuple[float, float]
-        Stations of the flat ends [m].
+        Axial positions of the part's flat ends [m].
     """
     remedy = "make the sockets smaller (rollbench.meshes.sockets.fitted_socket finds a size that fits)"
     sides = tuple(sorted({s for _, _, s in sockets}))
     for phi, z, _ in sockets:
         if min(whole_turns(m, phi, z, line)[1] for line in groove_lines(m)) > ON_GROOVE * m.ball:
             raise ValueError(
-                f"the socket at azimuth {np.degrees(phi):.4g} deg, z = {1e3 * z:.4g} mm lies on no groove: place balls by "
-                "rollbench.meshes.helix.ball_layout"
+                f"the socket at azimuth {np.degrees(phi):.4g} deg, z = {1e3 * z:.4g} mm does not lie on a groove: place "
+                "the balls with rollbench.meshes.helix.ball_layout"
             )
     for side in sides:
         apex, edge = flank_limits(m, side, land)
         if not (apex < m.beta - size.gamma and m.beta + size.gamma < edge):
             raise ValueError(
-                f"a socket of side {SIDES[side]} from {m.beta - size.gamma:.3g} to {m.beta + size.gamma:.3g} rad reaches "
-                f"over its flank, from {apex:.3g} to {edge:.3g} rad: {remedy}"
+                f"a socket on flank {SIDES[side]}, from {m.beta - size.gamma:.3g} to {m.beta + size.gamma:.3g} rad, "
+                f"extends beyond the flank, from {apex:.3g} to {edge:.3g} rad: {remedy}"
             )
-        if wall_left(m, size, side, behind) <= 0.0:
-            raise ValueError(f"a socket of side {SIDES[side]} reaches through the wall behind it: {remedy}")
+        if remaining_wall(m, size, side, behind) <= 0.0:
+            raise ValueError(f"a socket on flank {SIDES[side]} reaches through the wall of the part: {remedy}")
         places = np.array([(a, z) for a, z, s in sockets if s == side])
         gaps, pairs = track_gaps(m, places[:, 0], places[:, 1])
         if gaps.size and gaps.min() <= 2.0 * size.phi:
@@ -754,6 +770,6 @@ def refuse_misfit(
             raise ValueError(f"the sockets of balls {first} and {second} overlap along the track: {remedy}")
         below, above = socket_reach(m, size, (side,))
         if places[:, 1].min() - below <= ends[0] or places[:, 1].max() + above >= ends[1]:
-            raise ValueError(f"a socket of side {SIDES[side]} reaches a flat end of the body: {remedy}")
-    if sides and turn_left(m, size, sides) <= 0.0:
+            raise ValueError(f"a socket on flank {SIDES[side]} reaches a flat end of the part: {remedy}")
+    if sides and distance_to_next_turn(m, size, sides) <= 0.0:
         raise ValueError(f"a socket reaches the next turn of the groove: {remedy}")

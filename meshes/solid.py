@@ -1,6 +1,6 @@
-"""Dimensions of the parts that only the 3D reference needs: as the scene gives them, or assumed.
+"""Dimensions of the parts that only the 3D reference needs: given in the scene file, or assumed.
 
-Each assumption is stated in a sentence, for the report.
+Each assumption is stated in a sentence for the report.
 """
 
 from __future__ import annotations
@@ -13,59 +13,59 @@ from rollbench.meshes.fields import keyed, usual
 from rollbench.meshes.helix import groove_radii, nominal_groove_centres
 from rollbench.meshes.parts import Scene, UnfitKey
 
-#: Hole assumed along the axis of a solid screw, over the pitch radius: the mesh needs one; its effect is part of the
-#: modelling spread.
+#: Radius of the hole that is assumed along the axis of a solid screw, as a ratio to the pitch radius. The mesh needs a
+#: hole; its effect is part of the modelling uncertainty.
 HOLE = 1.0 / 11.0
-#: Distance [m] below which stations count as one.
+#: Distance [m] below which two axial positions count as one.
 SAME = 1e-9
-#: 3D stretch of shaft assumed beyond each face of the nut, over the pitch radius.
+#: Length of the shaft beyond each face of the nut that is assumed to be meshed in 3D, as a ratio to the pitch radius.
 SHAFT = 1.5
-#: Of a nut's groove that is filled beyond the loaded balls: length of whole groove beyond the middle of the outermost ball,
-#: and of the run-out there, in ball diameters.
+#: For a nut's groove that ends beyond the loaded balls, in ball diameters: WHOLE, length of the groove of full depth beyond
+#: the centre of the outermost ball; RUN_OUT, length over which its depth then decreases to zero.
 WHOLE, RUN_OUT = 1.0, 1.0
 
 
 @keyed
 @dataclass(frozen=True)
 class Dimensions:
-    """Dimensions of the solid parts, given or assumed."""
+    """Dimensions and fixed surfaces of screw and nut in the 3D reference, with the assumptions for those not given."""
 
     #: Radius of the nut's lands [m].
     land: float
     #: Radius of the hole along the screw [m].
     hole: float
-    #: Length of 3D shaft beyond each face of the nut [m].
+    #: Length of the shaft beyond each face of the nut that is meshed in 3D [m].
     shaft: float
-    #: Radius of the shaft beyond that [m]; None: the homogenised grooved shaft.
+    #: Radius of the shaft beyond the 3D mesh [m]; None for a homogenised grooved shaft.
     shaft_radius: float | None
-    #: Surface by which the nut is fixed.
+    #: Surface at which the nut is fixed.
     nut_held: str
-    #: Whether supports and loads reach the screw through its ``"ends"`` or through a stiff shaft in its ``"bore"``.
+    #: Where supports and loads act on the screw: at its ``"ends"``, or by a stiff shaft in its ``"bore"``.
     screw_held: str
-    #: Radii between which a face of the nut is fixed [m].
+    #: Inner and outer radius between which a face of the nut is fixed [m].
     held_radii: tuple[float, float]
     #: Whether the nut's groove ends beyond its loaded balls.
     groove_ends: bool
     #: All assumptions, as sentences.
     assumed: tuple[str, ...]
-    #: Those assumptions that only a mesh needs.
+    #: The assumptions that are needed only for meshing, as sentences.
     mesh_only: tuple[str, ...] = usual(())
 
     def ends(self, scene: Scene) -> tuple[float, float]:
-        """Stations of the flat ends of the 3D stretch of the screw.
+        """Return the axial positions of the flat ends of the screw's part that is meshed in 3D.
 
-        A support or load within `SAME` of an end is at that end, though their numbers differ by rounding: what acts on
-        the whole flat end would otherwise act on the hole's surface just inside it.
+        An end closer than `SAME` to a support or load is moved to it, because the two may differ by rounding. Otherwise the
+        load would act on the surface of the hole just inside the end, instead of the whole flat end.
 
         Parameters
         ----------
         scene : Scene
-            Gives nut, screw, supports and loads.
+            Scene with nut, screw, supports and loads.
 
         Returns
         -------
         low, high : float
-            Stations [m].
+            Axial positions [m].
         """
         half = scene.nut.length / 2.0 + self.shaft
         ends = max(scene.nut.position - half, 0.0), min(scene.nut.position + half, scene.screw.length)
@@ -75,20 +75,20 @@ class Dimensions:
 
 
 def groove_depths(scene: Scene) -> tuple[float, float]:
-    """Depths of the nominal grooves below the pitch cylinder, at their bottoms.
+    """Return the largest depths of the nominal grooves, measured from the pitch cylinder.
 
-    The bottom is where both arcs meet, or that of one arc. In a wide groove the depth is far less than the groove's
-    radius.
+    The deepest point is where both arcs meet, or the bottom of a single arc. For a wide groove the depth is much smaller
+    than the groove radius.
 
     Parameters
     ----------
     scene : Scene
-        Gives radii and contact angle.
+        Scene with radii and contact angle.
 
     Returns
     -------
     screw, nut : float
-        Depths [m].
+        Depths of the grooves in screw and nut [m].
 
     Examples
     --------
@@ -102,16 +102,16 @@ def groove_depths(scene: Scene) -> tuple[float, float]:
 
 
 def _check_lands(scene: Scene, land: float, depth: float) -> None:
-    """Raise ValueError, naming the scene's key, where lands of radius ``land`` [m] leave the nut no groove or no wall.
+    """Raise UnfitKey where the nut has no groove or no wall because of the radius ``land`` [m] of its lands.
 
-    depth: of the nut's groove below the pitch cylinder [m].
+    ``depth`` is the depth of the nut's groove, measured from the pitch cylinder [m].
     """
     pitch, outer = 2e3 * scene.track.pitch_radius, 1e3 * scene.screw.outer_diameter
     most = pitch + 2e3 * depth
     diameter = 2e3 * land
     if diameter >= 1e3 * scene.nut.outer_diameter and pitch < diameter < most:
-        wall = f"the nut's lands of {diameter:.4g} mm diameter leave no wall"
-        raise UnfitKey("nut.outer_diameter", f"nut.outer_diameter of {1e3 * scene.nut.outer_diameter:.4g} mm: {wall}")
+        wall = f"leaves no wall outside the nut's lands of {diameter:.4g} mm diameter"
+        raise UnfitKey("nut.outer_diameter", f"nut.outer_diameter of {1e3 * scene.nut.outer_diameter:.4g} mm {wall}")
     if pitch < diameter < most:
         return
     if scene.solid.nut_inner_diameter is not None:
@@ -121,19 +121,19 @@ def _check_lands(scene: Scene, land: float, depth: float) -> None:
         )
     raise UnfitKey(
         "screw.outer_diameter",
-        f"screw.outer_diameter of {outer:.4g} mm with a pitch diameter of {pitch:.4g} mm leaves no groove: the nut's lands "
-        f"mirror the screw's, which must lie between {pitch - 2e3 * depth:.4g} mm and the pitch diameter; mend one of the "
-        "two, or give the nut's lands by solid.nut_inner_diameter",
+        f"screw.outer_diameter of {outer:.4g} mm with a pitch diameter of {pitch:.4g} mm leaves no groove in the nut. Its "
+        "lands are assumed as far outside the pitch cylinder as the screw's are inside it: give screw.outer_diameter "
+        f"between {pitch - 2e3 * depth:.4g} mm and the pitch diameter, or the nut's lands by solid.nut_inner_diameter",
     )
 
 
 def solid_dimensions(scene: Scene) -> Dimensions:
-    """Dimensions of a scene's solid parts; what the scene leaves out is assumed.
+    """Collect the dimensions of a scene's parts for the 3D reference; those that the scene does not give are assumed.
 
     Parameters
     ----------
     scene : Scene
-        Screw or bearing.
+        Scene with a screw or bearing.
 
     Returns
     -------
@@ -143,7 +143,7 @@ def solid_dimensions(scene: Scene) -> Dimensions:
     Raises
     ------
     UnfitKey
-        Land or hole leave no groove or no wall, or keys of ``[solid]`` contradict the parts.
+        Because of the lands or the hole no groove or no wall remains, or keys of ``[solid]`` contradict the parts.
     """
     solid, assumed, mesh_only = scene.solid, [], []
     R, outer = scene.track.pitch_radius, scene.screw.outer_diameter / 2.0
@@ -199,7 +199,8 @@ def solid_dimensions(scene: Scene) -> Dimensions:
         if groove_ends:
             raise UnfitKey(
                 "solid.nut_groove",
-                'solid.nut_groove of "loaded" needs a lead: the groove of a ring does not end; leave it out',
+                'solid.nut_groove of "loaded" needs a lead, because the groove of a bearing ring has no ends: '
+                "remove solid.nut_groove",
             )
         assumed.append("Flat ends of the rings, without chamfers.")
     elif groove_ends:
@@ -214,8 +215,8 @@ def solid_dimensions(scene: Scene) -> Dimensions:
     if not 0.0 < hole < R - of_screw:
         raise UnfitKey(
             "solid.hole_diameter",
-            f"the hole of {2e3 * hole:.4g} mm diameter along the screw leaves no wall under the groove, which needs it "
-            f"below {2e3 * (R - of_screw):.4g} mm: set solid.hole_diameter",
+            f"the hole of {2e3 * hole:.4g} mm diameter along the screw leaves no wall under the groove: give "
+            f"solid.hole_diameter below {2e3 * (R - of_screw):.4g} mm",
         )
     return Dimensions(
         land,

@@ -1,7 +1,7 @@
-"""Exact groove surfaces S(phi, gamma) with their errors, and their curvatures.
+"""Exact groove surfaces S(phi, gamma) with geometric errors, and their curvatures.
 
-phi is the azimuth, gamma the angle in the section from the radial direction. Source: Lin (2019), eqs. (2.3), (2.6),
-(2.27) and (B.3) to (B.5).
+phi is the azimuth, gamma the section angle, measured from the radial direction. After Lin (2019), eqs. (2.3), (2.6), (2.27)
+and (B.3) to (B.5).
 """
 
 from __future__ import annotations
@@ -16,21 +16,21 @@ from rollbench.meshes.helix import lead_angle, reduced_lead
 from rollbench.meshes.parts import SIDE_SIGNS, Scene
 
 SIGNS = np.array(SIDE_SIGNS)
-#: In place of a flank: all four, in a second axis.
+#: Value of the argument ``side`` for all four flanks at once, in a second axis of the arrays.
 ALL = slice(None)
 
 
 def groove_profile(gamma: Array, radius: float | Array, profile: Array) -> Array:
-    """Groove radius as a function of the angle in the section, and its first two derivatives.
+    """Compute the groove radius with its profile error at section angles, and its first two derivatives.
 
     Parameters
     ----------
     gamma : Array of any shape
-        Angle in the section [rad].
+        Section angles [rad].
     radius : float or Array
-        Radius without profile error [m].
+        Groove radius without profile error [m].
     profile : (d,) Array
-        Coefficients of the inward offset [m], ascending powers of gamma in rad.
+        Coefficients of the inward offset by ascending powers of gamma in rad [m].
 
     Returns
     -------
@@ -54,14 +54,14 @@ def groove_profile(gamma: Array, radius: float | Array, profile: Array) -> Array
 
 
 def surface_derivatives(scene: Scene, drawn: Specimen, side: int | slice, gamma: Array) -> dict[str, Array]:
-    """Groove surface at each ball, and its derivatives by azimuth and section angle.
+    """Compute points of the groove surface at each ball, and its derivatives with respect to azimuth and section angle.
 
     Parameters
     ----------
     scene : Scene
-        Nominal geometry.
+        Scene with the nominal geometry.
     drawn : Specimen
-        Errors of the grooves.
+        Geometry of the grooves at the balls, with errors.
     side : int | slice
         Flank 0 to 3 (SL, SR, NL, NR), or `ALL` for all four in a second axis.
     gamma : (n,) or (n, 4) Array
@@ -70,8 +70,8 @@ def surface_derivatives(scene: Scene, drawn: Specimen, side: int | slice, gamma:
     Returns
     -------
     dict of (n, 3) or (n, 4, 3) Arrays
-        ``S``, ``Sp``, ``Sg``, ``Spp``, ``Spg``, ``Sgg`` [m, m/rad, m/rad2]; p: by azimuth, g: by gamma. Components
-        are radial, azimuthal and axial at the azimuth of the ball.
+        Points ``S`` [m], first derivatives ``Sp``, ``Sg`` [m/rad] and second ones ``Spp``, ``Spg``, ``Sgg`` [m/rad2], with
+        p for azimuth and g for gamma. Components are radial, azimuthal and axial at the azimuth of the ball.
 
     References
     ----------
@@ -92,38 +92,45 @@ def surface_derivatives(scene: Scene, drawn: Specimen, side: int | slice, gamma:
 
     alpha = lead_angle(scene.track)
 
-    def local(plane: Array) -> Array:
-        """From (x3, z3) to (radial, azimuthal, axial)."""
+    def cylindrical_components(plane: Array) -> Array:
+        """Convert section components (x3, z3) of vectors to radial, azimuthal and axial ones."""
         return np.stack([plane[..., 0], -plane[..., 1] * sin(alpha), plane[..., 1] * cos(alpha)], -1)
 
-    def turn(x: Array, dx: Array) -> Array:
-        """Differentiate a vector, given in the rotating frame, by azimuth."""
+    def differentiate(x: Array, dx: Array) -> Array:
+        """Differentiate a vector with respect to azimuth; its components are radial, azimuthal and axial."""
         return np.stack([dx[..., 0] - x[..., 1], dx[..., 1] + x[..., 0], dx[..., 2]], -1)
 
     rise = np.stack([zero, zero, zero + reduced_lead(scene.track)], -1)
-    x = local(a) + np.array([scene.track.pitch_radius, 0.0, 0.0])
-    x_p = local(a_p) + rise
-    sp = turn(x, x_p)
-    spp = turn(sp, turn(x_p, local(a_pp)))
-    return {"S": x, "Sp": sp, "Sg": local(a_g), "Spp": spp, "Spg": turn(local(a_g), np.zeros_like(x)), "Sgg": local(a_gg)}
+    x = cylindrical_components(a) + np.array([scene.track.pitch_radius, 0.0, 0.0])
+    x_p = cylindrical_components(a_p) + rise
+    sp = differentiate(x, x_p)
+    spp = differentiate(sp, differentiate(x_p, cylindrical_components(a_pp)))
+    return {
+        "S": x,
+        "Sp": sp,
+        "Sg": cylindrical_components(a_g),
+        "Spp": spp,
+        "Spg": differentiate(cylindrical_components(a_g), np.zeros_like(x)),
+        "Sgg": cylindrical_components(a_gg),
+    }
 
 
 def fundamental_forms(d: dict[str, Array]) -> tuple[Array, Array, Array]:
-    """First and second fundamental form of a surface, and its unit normal.
+    """Compute the first and second fundamental form of a surface, and its unit normal.
 
     Parameters
     ----------
     d : dict[str, Array]
-        Derivatives of the surface by `surface_derivatives`.
+        Derivatives of the surface, from `surface_derivatives`.
 
     Returns
     -------
     first : (..., 2, 2) Array
-        Metric I [m2], parameters in the order azimuth, gamma.
+        First fundamental form I (metric) [m2]; the parameters are azimuth and gamma, in this order.
     second : (..., 2, 2) Array
-        II [m], with the normal S_phi x S_gamma.
+        Second fundamental form II [m], for the normal S_phi x S_gamma.
     normal : (..., 3) Array
-        Unit normal.
+        Unit normal S_phi x S_gamma / |S_phi x S_gamma|.
 
     References
     ----------
@@ -132,31 +139,31 @@ def fundamental_forms(d: dict[str, Array]) -> tuple[Array, Array, Array]:
     normal = np.cross(d["Sp"], d["Sg"])
     normal = normal / np.linalg.norm(normal, axis=-1, keepdims=True)
 
-    def pair(u: Array, v: Array) -> Array:
+    def dot_products(u: Array, v: Array) -> Array:
         return np.asarray(np.einsum("...i,...i->...", u, v))
 
-    cross = pair(d["Sp"], d["Sg"])
+    cross = dot_products(d["Sp"], d["Sg"])
     shape = (*cross.shape, 2, 2)
-    first = np.stack([pair(d["Sp"], d["Sp"]), cross, cross, pair(d["Sg"], d["Sg"])], -1).reshape(shape)
-    mixed = pair(d["Spg"], normal)
-    second = np.stack([pair(d["Spp"], normal), mixed, mixed, pair(d["Sgg"], normal)], -1).reshape(shape)
+    first = np.stack([dot_products(d["Sp"], d["Sp"]), cross, cross, dot_products(d["Sg"], d["Sg"])], -1).reshape(shape)
+    mixed = dot_products(d["Spg"], normal)
+    second = np.stack([dot_products(d["Spp"], normal), mixed, mixed, dot_products(d["Sgg"], normal)], -1).reshape(shape)
     return first, second, normal
 
 
 def principal_curvatures(scene: Scene, drawn: Specimen, side: int | slice, gamma: Array) -> Array:
-    """Principal curvatures of the groove at each ball, convex positive.
+    """Compute the principal curvatures of the groove surface at each ball; convex surfaces have positive curvature.
 
-    Eigenvalues of I^-1 II with the normal pointing out of the material. Lin (B.4) takes those of II only.
+    They are the eigenvalues of I^-1 II, for the normal out of the material. Lin (B.4) uses the eigenvalues of II.
 
     Parameters
     ----------
     scene, drawn, side, gamma
-        As for `surface_derivatives`.
+        Nominal geometry, geometry with errors, flank and section angles, as for `surface_derivatives`.
 
     Returns
     -------
     (n, 2) or (n, 4, 2) Array
-        Curvatures [1/m], ascending: about -1/r_G across the groove, then that along the track.
+        Curvatures [1/m], ascending: across the groove, about -1/r_G with the groove radius r_G; then along the track.
 
     References
     ----------
@@ -183,20 +190,21 @@ def principal_curvatures(scene: Scene, drawn: Specimen, side: int | slice, gamma
 
 
 def printed_radii(scene: Scene, drawn: Specimen, side: int, gamma: Array) -> Array:
-    """Compute "principal radii" as Table B.1 of Lin prints them: eigenvalues of II without I^-1.
+    """Compute the "principal radii" printed in Table B.1 of Lin's thesis: eigenvalues of the second fundamental form II.
 
-    They are no radii of curvature; they have the dimension of a length only because the parameters are angles. For
-    comparison with the printed table; use `principal_curvatures` for everything else.
+    These are not radii of curvature, because the first fundamental form I is not considered. They have the dimension of a
+    length only because the parameters are angles. Use them only for comparison with the printed table; for the true
+    curvatures see `principal_curvatures`.
 
     Parameters
     ----------
     scene, drawn, side, gamma
-        As for `surface_derivatives`, of one flank.
+        Nominal geometry, geometry with errors, flank and section angles, as for `surface_derivatives` with one flank.
 
     Returns
     -------
     (n, 2) Array
-        Eigenvalues of II [m], ascending, with the normal of (B.5).
+        Eigenvalues of II [m], ascending, for the normal of (B.5).
 
     References
     ----------

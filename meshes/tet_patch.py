@@ -1,8 +1,9 @@
-"""Local first-order tetrahedra of a fine patch by gmsh, as the source meshed its contacts, and first-order coarse bodies.
+"""Fine contact patches of first-order tetrahedra by gmsh, meshed as in Lin's thesis, and first-order coarse bodies.
 
-A patch's box is meshed in its local coordinates (gamma, depth, azimuth) scaled to lengths, with a body of influence about
-the contact. The contact zone is a separate surface, so that the patches of ball and groove have the same contact nodes
-even where their sockets are triangulated differently. Units inside: mm (gmsh), metres outside.
+A patch is a box of fine cells around a contact. It is meshed in its local coordinates (section angle gamma, depth,
+azimuth), scaled to lengths; the cells are finest in a region around the contact (gmsh's body of influence). The contact
+zone is a separate surface, so that the patches of ball and groove have the same contact nodes even where the boxes are
+triangulated differently. Lengths are in metres; only gmsh gets millimetres.
 """
 
 from __future__ import annotations
@@ -17,101 +18,103 @@ from rollbench.meshes.arrays import Array, Index
 from rollbench.meshes.shell import MM, gmsh_session
 from rollbench.meshes.sockets import SocketMesh
 
-#: Edge of gmsh's Delaunay tetrahedra over the one asked for (cube root of mean volumes).
+#: Ratio of the edge length of gmsh's Delaunay tetrahedra to the requested one, by the cube root of mean volumes.
 LARGER = 1.22
-#: Options of gmsh.
+#: gmsh's options: one thread; element sizes follow only from the size field of the patch.
 OPTIONS = {
     "General.NumThreads": 1,
     "Mesh.MeshSizeExtendFromBoundary": 0,
     "Mesh.MeshSizeFromPoints": 0,
     "Mesh.MeshSizeFromCurvature": 0,
 }
-#: The four triangles that the nodes of a second-order triangle make: three at the corners, one in the middle.
+#: The four first-order triangles on the nodes of a second-order triangle: three at its corners, one in its middle.
 SUB_TRIANGLES = ((0, 3, 5), (3, 1, 4), (5, 4, 2), (3, 4, 5))
 
 
 @dataclass(frozen=True)
 class TetBox:
-    """Box of a patch, and the sizes of its cells."""
+    """Dimensions of a contact patch (a box of fine cells around a contact), and the sizes of its cells."""
 
-    #: Half widths across the groove (gamma) and along it (azimuth) [m].
+    #: Half widths of the patch across the groove (section angle) and along it (azimuth) [m].
     width: tuple[float, float]
-    #: Depth [m].
+    #: Depth of the patch [m].
     depth: float
-    #: Half widths of the contact zone across and along, in local units.
+    #: Half widths of the contact zone across and along the groove, as fractions of those of the patch.
     zone: tuple[float, float]
-    #: Semi-axes across and along of the box of cells of edge ``fine`` about the contact, and its depth [m].
+    #: Half widths across and along the groove, and depth, of the inner box with the finest cells [m].
     influence: tuple[float, float, float]
-    #: Edge of the cells in that box [m].
+    #: Edge length of the cells in the inner box [m].
     fine: float
-    #: Largest edge [m].
+    #: Largest edge length [m].
     far: float
-    #: Growth of the edge per unit of distance from that box.
+    #: Increase of the edge length per unit of distance from the inner box.
     growth: float = 0.2
 
 
 @dataclass(frozen=True)
 class LocalTets:
-    """First-order tetrahedra of a patch in its local coordinates."""
+    """Mesh of a contact patch: first-order tetrahedra in the patch's local coordinates."""
 
-    #: Nodes ``(n, 3)``: gamma and azimuth in [-1, 1], depth in [0, 1].
+    #: Local coordinates of the nodes ``(n, 3)``: section angle gamma in [-1, 1], depth in [0, 1], azimuth in [-1, 1].
     xi: Array
-    #: Tetrahedra ``(m, 4)``.
+    #: Nodes of the tetrahedra ``(m, 4)``.
     tets: Index
-    #: Triangles of the face of depth 0 ``(t, 3)``.
+    #: Triangles on the face at depth 0, which is the contact surface ``(t, 3)``.
     top: Index
-    #: Nodes of the contact zone ``(c,)``, in the order of gamma, then azimuth.
+    #: Nodes of the contact zone ``(c,)``, sorted by gamma, then by azimuth.
     contact: Index
-    #: Time that gmsh took [s].
+    #: Time needed by gmsh [s].
     seconds: float
 
 
 def source_box(
     width: tuple[float, float], depth: float, zone: tuple[float, float], fine: float = 0.08e-3, far: float = 0.5e-3
 ) -> TetBox:
-    """Box with cells as in the source: of equal edge throughout the contact zone.
+    """Return the dimensions of a contact patch whose cells are as in Lin's thesis: of equal size in the contact zone.
 
     Parameters
     ----------
     width, depth, zone
-        As the fields of `TetBox`.
+        Dimensions of the patch and its contact zone, as the fields of `TetBox`.
     fine : float, default 8e-05
-        Edge in the contact zone, and down to a depth of the zone's short half width [m].
+        Edge length in the contact zone, down to a depth of the shorter half width of the zone [m].
     far : float, default 0.0005
-        Largest edge [m].
+        Largest edge length [m].
 
     Returns
     -------
     TetBox
-        The box.
+        Dimensions of the patch, and sizes of its cells.
     """
     across, along = zone[0] * width[0], zone[1] * width[1]
     return TetBox(width, depth, zone, (across, along, min(across, along)), fine, far)
 
 
 def build_tets(box: TetBox, socket: SocketMesh | None = None) -> LocalTets:
-    """Mesh the box of a patch with gmsh.
+    """Mesh a contact patch with first-order tetrahedra by gmsh.
 
     Parameters
     ----------
     box : TetBox
-        Dimensions and sizes.
+        Dimensions of the patch, and sizes of its cells.
     socket : SocketMesh, optional, default None
-        Its first-order triangles (four of every second-order one) are kept or divided, so that a first-order patch
-        conforms to a first-order coarse body; None: five plane faces.
+        Surface mesh of the box in the coarse body which the patch fills. Its triangles, each split into four first-order
+        ones, bound the patch, so that the patch conforms to a first-order coarse body. None: five plane faces.
 
     Returns
     -------
     LocalTets
-        The tetrahedra.
+        The mesh of the patch.
 
     Raises
     ------
     ValueError
-        The contact zone leaves no room, or the socket's faces do not leave one open rim.
+        The contact zone does not fit into the patch, or the faces of ``socket`` do not have one open rim.
     """
     if not (0.0 < max(box.zone) < 1.0 and min(box.zone) > 0.0):
-        raise ValueError(f"contact zone of half widths {box.zone} in a patch of 1 x 1: must lie between 0 and 1")
+        raise ValueError(
+            f"the half widths {box.zone} of the contact zone, as fractions of the patch's, must lie between 0 and 1"
+        )
     begin = perf_counter()
     with gmsh_session(OPTIONS) as gmsh:
         gmsh.model.add("patch")
@@ -122,7 +125,10 @@ def build_tets(box: TetBox, socket: SocketMesh | None = None) -> LocalTets:
 
 
 def _set_sizes(gmsh: Any, box: TetBox) -> None:
-    """Element sizes: `fine` within the body of influence, growing with the distance from it; smaller on request."""
+    """Set gmsh's element sizes: ``box.fine`` around the contact, growing with the distance from there.
+
+    Inside the volume, sizes are divided by `LARGER`, because gmsh's tetrahedra are larger than requested.
+    """
     across, along, depth = (MM * length for length in box.influence)
     away = "+".join(f"Max(0,Abs({x})-{half:.17g})^2" for x, half in (("x", across), ("y", depth), ("z", along)))
     edge = f"Min({MM * box.far:.17g},{MM * box.fine:.17g}+{box.growth:.17g}*Sqrt({away}))"
@@ -138,7 +144,7 @@ def _set_sizes(gmsh: Any, box: TetBox) -> None:
 
 
 def _socket_faces(socket: SocketMesh | None) -> tuple[Array, list[list[int]]]:
-    """Corners in local coordinates and polygons of the faces towards the body."""
+    """Return the corners in local coordinates, and the polygons, of the faces between a patch and the coarse body."""
     if socket is None:
         corners = np.array([[a, d, b] for a in (-1.0, 1.0) for d in (0.0, 1.0) for b in (-1.0, 1.0)])
         return corners, [[0, 1, 3, 2], [4, 5, 7, 6], [2, 3, 7, 6], [0, 2, 6, 4], [1, 3, 7, 5]]
@@ -147,7 +153,7 @@ def _socket_faces(socket: SocketMesh | None) -> tuple[Array, list[list[int]]]:
 
 
 def _rim_corners(corners: Array, polygons: list[list[int]]) -> list[int]:
-    """Corners around the open top, in order."""
+    """Return the corners around the open top of a patch's faces, in order."""
     sides: dict[tuple[int, int], int] = {}
     for p in polygons:
         for i, j in zip(p, [*p[1:], p[0]], strict=True):
@@ -169,36 +175,39 @@ def _rim_corners(corners: Array, polygons: list[list[int]]) -> list[int]:
 
 
 def _add_geometry(gmsh: Any, box: TetBox, socket: SocketMesh | None) -> tuple[int, int]:
-    """Bound the box by plane faces; returns the surfaces of the contact zone and of the ring around it."""
+    """Add the patch to gmsh's model as a volume between plane faces.
+
+    Returns the numbers of two surfaces at depth 0: the contact zone, and the ring around it.
+    """
     geo = gmsh.model.geo
     corners, polygons = _socket_faces(socket)
     scale = MM * np.array([box.width[0], box.depth, box.width[1]])
     points = {i: geo.addPoint(*(scale * corners[i])) for i in sorted({i for p in polygons for i in p})}
     lines: dict[tuple[int, int], int] = {}
 
-    def line(i: int, j: int) -> int:
-        """Line between two corners, made once; negative where it is reversed."""
+    def add_line(i: int, j: int) -> int:
+        """Return the number of the line between two corners, which is created once; negative for the reverse direction."""
         if (j, i) in lines:
             return -lines[j, i]
         if (i, j) not in lines:
             lines[i, j] = geo.addLine(points[i], points[j])
         return lines[i, j]
 
-    def loop(p: list[int]) -> int:
-        return int(geo.addCurveLoop([line(i, j) for i, j in zip(p, [*p[1:], p[0]], strict=True)]))
+    def add_loop(p: list[int]) -> int:
+        return int(geo.addCurveLoop([add_line(i, j) for i, j in zip(p, [*p[1:], p[0]], strict=True)]))
 
     a, b = scale[0] * box.zone[0], scale[2] * box.zone[1]
     square = [geo.addPoint(x, 0.0, z) for x, z in ((-a, -b), (a, -b), (a, b), (-a, b))]
     zone = geo.addCurveLoop([geo.addLine(square[k], square[(k + 1) % 4]) for k in range(4)])
-    inner, ring = geo.addPlaneSurface([zone]), geo.addPlaneSurface([loop(_rim_corners(corners, polygons)), zone])
-    shell = [inner, ring, *(geo.addPlaneSurface([loop(p)]) for p in polygons)]
+    inner, ring = geo.addPlaneSurface([zone]), geo.addPlaneSurface([add_loop(_rim_corners(corners, polygons)), zone])
+    shell = [inner, ring, *(geo.addPlaneSurface([add_loop(p)]) for p in polygons)]
     geo.addVolume([geo.addSurfaceLoop(shell)])
     geo.synchronize()
     return inner, ring
 
 
 def _collect_arrays(gmsh: Any, box: TetBox, inner: int, ring: int, begin: float) -> LocalTets:
-    """Arrays of the mesh in local coordinates."""
+    """Read nodes and cells of the patch from gmsh's model, and convert the nodes to local coordinates."""
     tags, xyz, _ = gmsh.model.mesh.getNodes()
     index = np.full(int(tags.max()) + 1, -1, dtype=np.int64)
     index[tags.astype(np.int64)] = np.arange(tags.size)
@@ -216,14 +225,14 @@ def _collect_arrays(gmsh: Any, box: TetBox, inner: int, ring: int, begin: float)
 
 
 def signed_volumes(points: Array, tets: Index) -> Array:
-    """Volumes of tetrahedra, negative for those turned inside out.
+    """Compute the volumes of tetrahedra; negative for inverted ones.
 
     Parameters
     ----------
     points : (n, 3) Array
-        Nodes [m].
+        Coordinates of the nodes [m].
     tets : (m, 4) Index
-        Corners of the tetrahedra.
+        Corner nodes of the tetrahedra.
 
     Returns
     -------
@@ -239,32 +248,33 @@ def signed_volumes(points: Array, tets: Index) -> Array:
     return np.asarray(np.linalg.det(corner[:, 1:] - corner[:, :1]) / 6.0)
 
 
-#: Nodes of a 10-node tetrahedron (gmsh order): four first-order ones at its corners, and the octahedron that is left about
-#: each of its three diagonals (ends first, then the ring of the other four), all positively oriented.
+#: Division of a ten-node tetrahedron (gmsh's node order) into first-order ones with positive volume: four at its corners,
+#: and four around one of the three diagonals of the remaining octahedron. A diagonal is given by its two end nodes and the
+#: ring of the other four nodes.
 _CORNERS = np.array([[0, 4, 6, 7], [4, 1, 5, 9], [6, 5, 2, 8], [7, 9, 8, 3]])
 _DIAGONALS = ((4, 8, (5, 6, 7, 9)), (5, 7, (4, 9, 8, 6)), (6, 9, (4, 5, 8, 7)))
 _OCTAHEDRON = np.array([[[p, q, ring[k], ring[(k + 1) % 4]] for k in range(4)] for p, q, ring in _DIAGONALS])
 
 
 def split_second_order(points: Array, cells: Index) -> Index:
-    """Divide each second-order tetrahedron into eight first-order ones on its nodes.
+    """Divide each second-order tetrahedron into eight first-order tetrahedra on its ten nodes.
 
     Parameters
     ----------
     points : (n, 3) Array
-        Nodes [m].
+        Coordinates of the nodes [m].
     cells : (m, 10) Index
-        Second-order tetrahedra, in gmsh's order.
+        Nodes of the second-order tetrahedra, in gmsh's order.
 
     Returns
     -------
     (8 m, 4) Index
-        First-order tetrahedra, cell after cell.
+        Nodes of the first-order tetrahedra, eight for one cell after another.
 
     Raises
     ------
     ValueError
-        A cell is so strongly curved that no division works.
+        A cell is so strongly curved that each division has an inverted tetrahedron.
     """
     volume = signed_volumes(points, cells[:, _CORNERS].reshape(-1, 4)).reshape(-1, 4).min(axis=1)
     ends = np.array([[p, q] for p, q, _ in _DIAGONALS])

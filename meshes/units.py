@@ -1,7 +1,7 @@
-"""Quantities as text (``"20 mm"``, ``"5 kN"``) to SI numbers.
+"""Convert quantities written as text (``"20 mm"``, ``"5 kN"``) to numbers in SI units.
 
-A number followed by a unit is read; nothing is evaluated. A unit is in a table, with or without a prefix, or is a
-product or quotient of such units; factors are exact decimals.
+The text is a number followed by a unit; expressions are not evaluated. A unit is an entry of a table, with or without a
+prefix, or a product or quotient of such units. Conversion factors are exact decimals.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ import re
 from decimal import Decimal
 from functools import lru_cache
 
-#: By dimension, its SI unit and an example.
+#: SI unit of each dimension, and an example of a quantity as written in a scene file.
 DIMENSIONS = {
     "length": ("m", "20 mm"),
     "force": ("N", "5 kN"),
@@ -23,7 +23,7 @@ DIMENSIONS = {
     "number": ("", "0.28"),
 }
 
-#: By dimension, the units that advice names.
+#: Common units of each dimension, which error messages list.
 COMMON = {
     "length": ("m", "cm", "mm", "um", "nm", "in", "inch"),
     "force": ("N", "kN", "MN", "lbf"),
@@ -35,8 +35,8 @@ COMMON = {
 }
 
 _PI = "3.14159265358979323846264338328"
-#: By dimension, the names of units that may have a prefix or stand in a product, and their factor to SI, exact: a decimal
-#: or a quotient of two. A plain number of degrees is converted by ``math.radians``.
+#: Units of each dimension, which may have a prefix or be part of a product: their names, and the exact factor to the SI
+#: unit, a decimal or a quotient of two decimals. A plain number of degrees is converted by ``math.radians``.
 _TABLE = {
     "length": {
         "m meter metre": "1",
@@ -98,7 +98,7 @@ _TABLE = {
     },
 }
 UNITS = {name: (of, factor) for of, units in _TABLE.items() for names, factor in units.items() for name in names.split()}
-#: Powers of ten of the prefixes, symbols and names.
+#: Exponent of ten for each prefix, by its symbol and its name.
 PREFIXES = {
     "": 0,
     "p": -12,
@@ -117,7 +117,7 @@ PREFIXES = {
 }
 PREFIXES |= {"pico": -12, "nano": -9, "micro": -6, "milli": -3, "centi": -2, "deci": -1, "deca": 1, "hecto": 2}
 PREFIXES |= {"kilo": 3, "mega": 6, "giga": 9, "tera": 12}
-#: Powers of m, kg, s, rad and K in the SI unit of each dimension.
+#: Exponents of m, kg, s, rad and K in the SI unit of each dimension.
 _POWERS = {
     "length": (1, 0, 0, 0, 0),
     "mass": (0, 1, 0, 0, 0),
@@ -135,27 +135,30 @@ _QUANTITY = re.compile(rf"({_NUMBER})\s*(\S.*)?")
 _FACTOR = re.compile(r"([A-Za-zµ°Å_]+)(?:(?:\^|\*\*)?(-?[1-9]))?")
 _COMMA = re.compile(r"\s*[+-]?[0-9.]*[0-9],[0-9]")
 _LONGEST = 64
-#: Advice on a number with a comma.
+#: Advice for a number with a comma.
 COMMA = "is it a decimal comma? write a point, and nothing between thousands"
 
 
 class UnitError(ValueError):
-    """Error of a text that is no quantity of the dimension asked for; ``reason`` and ``advice`` are half-sentences."""
+    """Error raised where a text is not a quantity of the required dimension.
+
+    The attributes ``reason`` (such as "has no unit") and ``advice`` are parts of the message.
+    """
 
     def __init__(self, value: object, dimension: str, reason: str, advice: str = "") -> None:
-        """Compose the message from value, reason, what was expected and advice."""
+        """Compose the message from the value, the reason for the error, the expected dimension and the advice."""
         self.reason = reason
         self.advice = advice or f"write a number and a unit, e.g. {example_quantity(dimension)}"
         super().__init__(f"{toml_text(value)} {reason}; expected {dimension_words(dimension)}; {self.advice}")
 
 
 def dimension_words(dimension: str) -> str:
-    """Text that names a dimension, with an example.
+    """Return a text that names a dimension and gives an example of a quantity.
 
     Parameters
     ----------
     dimension
-        Dimension, such as ``"length"``.
+        Name of the dimension, such as ``"length"``.
 
     Examples
     --------
@@ -179,7 +182,7 @@ def example_quantity(dimension: str) -> str:
 
 
 def toml_text(value: object) -> str:
-    """Text of a value as written in a TOML file: text in quotes, booleans in lower case, the rest by ``str``.
+    """Write a value as in a TOML file: text in quotes, booleans in lower case, other values by ``str``.
 
     Parameters
     ----------
@@ -203,16 +206,16 @@ def toml_text(value: object) -> str:
 
 
 def parse_quantity(value: object, dimension: str) -> float:
-    """SI value of a quantity that is given as text.
+    """Convert a quantity written as text to its value in SI units.
 
-    The conversion is done in decimals and rounded once: ``parse("3.254 mm", "length") == 3.254e-3``.
+    The conversion is exact and rounded only once: ``parse_quantity("3.254 mm", "length") == 3.254e-3``.
 
     Parameters
     ----------
     value : object
-        Text of a number and a unit; a plain number for ``dimension = "number"``.
+        Text with a number and a unit; a plain number for ``dimension = "number"``.
     dimension : str
-        One of `DIMENSIONS`.
+        Required dimension, one of `DIMENSIONS`.
 
     Returns
     -------
@@ -222,8 +225,8 @@ def parse_quantity(value: object, dimension: str) -> float:
     Raises
     ------
     UnitError
-        The unit is missing, unknown or of another dimension, the text does not begin with a plain number, or the
-        number is not finite.
+        The unit is missing, unknown or of another dimension; the text does not begin with a plain number; or the number is
+        not finite.
 
     Examples
     --------
@@ -242,7 +245,10 @@ def parse_quantity(value: object, dimension: str) -> float:
 
 @lru_cache(maxsize=1024)
 def _of_text(value: str, dimension: str) -> float:
-    """`parse_quantity` of a text: ends of ranges are read with every value, and a sweep reads one scene again and again."""
+    """Convert a text to its value in SI units, as `parse_quantity`, and store the result.
+
+    The same texts are converted often: limits of ranges with every value, and a scene's values in every step of a sweep.
+    """
     number, unit = _split_number_and_unit(value, dimension)
     if not unit:
         raise UnitError(value, dimension, "has no unit")
@@ -250,7 +256,7 @@ def _of_text(value: str, dimension: str) -> float:
     if kind != dimension:
         if kind:
             raise UnitError(value, dimension, f"is {dimension_words(kind).split(',')[0]}")
-        raise UnitError(value, dimension, "has no such unit", _nearest_unit_advice(unit, dimension))
+        raise UnitError(value, dimension, "has an unknown unit", _nearest_unit_advice(unit, dimension))
     result = math.radians(float(number)) if unit == "deg" else float(number * above / below)
     if not math.isfinite(result):
         raise UnitError(value, dimension, "is too large to be a number")
@@ -258,6 +264,7 @@ def _of_text(value: str, dimension: str) -> float:
 
 
 def _plain_number(value: object) -> float:
+    """Return a value without unit as a float, or raise UnitError where it is not a finite number."""
     if isinstance(value, bool) or not isinstance(value, (int, float)):
         advice = COMMA if isinstance(value, str) and has_comma(value) else "write a number without quotes or unit"
         raise UnitError(value, "number", "is not a plain number", advice)
@@ -271,17 +278,17 @@ def _plain_number(value: object) -> float:
 
 
 def number_and_unit(text: str) -> tuple[str, str] | None:
-    """Split a quantity into its number and its unit, both as written.
+    """Split the text of a quantity into its number and its unit, both as written.
 
     Parameters
     ----------
     text : str
-        Quantity.
+        Text of the quantity.
 
     Returns
     -------
     tuple[str, str] | None
-        Number and unit, the unit empty where there is none; None where the text is no quantity.
+        Number and unit; an empty unit where the text has none. None where the text is not a quantity.
 
     Examples
     --------
@@ -294,7 +301,7 @@ def number_and_unit(text: str) -> tuple[str, str] | None:
 
 
 def has_comma(text: str) -> bool:
-    """Whether a text begins with a number that has a comma, of decimals or between thousands.
+    """Return whether a text begins with a number that has a comma, before decimals or between thousands.
 
     Parameters
     ----------
@@ -310,7 +317,7 @@ def has_comma(text: str) -> bool:
 
 
 def _split_number_and_unit(value: str, dimension: str) -> tuple[Decimal, str]:
-    """Split a text into number and tidied unit; raises UnitError unless it begins with a plain finite number."""
+    """Split a text into its number and its unit in standard spelling; raise UnitError unless it has a finite number."""
     if has_comma(value):
         raise UnitError(value, dimension, "has a comma in its number", COMMA)
     parts = number_and_unit(value)
@@ -323,12 +330,12 @@ def _split_number_and_unit(value: str, dimension: str) -> tuple[Decimal, str]:
 
 
 def tidy_unit(unit: str) -> str:
-    """Write a unit in its one spelling: micro, degree, and products with a space.
+    """Return a unit in standard spelling: "u" for micro, "deg" for degrees, and products with a space.
 
     Parameters
     ----------
     unit
-        Unit as a user writes it.
+        Unit as written by a user.
 
     Examples
     --------
@@ -343,7 +350,10 @@ def tidy_unit(unit: str) -> str:
 
 @lru_cache(maxsize=256)
 def _unit_factor(unit: str) -> tuple[str, Decimal, Decimal]:
-    """Dimension of a product or quotient of units, "" if none here, and what to multiply and to divide by for SI."""
+    """Return the dimension of a product or quotient of units, and numerator and denominator of its factor to SI.
+
+    The dimension is empty where the unit is unknown, or belongs to no entry of `DIMENSIONS`.
+    """
     above, below = Decimal(1), Decimal(1)
     powers: tuple[int, ...] = (0,) * 5
     for i, product in enumerate(re.split(r"\s*/\s*", unit)):
@@ -362,7 +372,10 @@ def _unit_factor(unit: str) -> tuple[str, Decimal, Decimal]:
 
 
 def _single_unit_factor(name: str) -> tuple[str, Decimal, Decimal] | None:
-    """Like `_unit_factor` for one unit, with or without prefix, singular or plural; None for an unknown unit."""
+    """Return the dimension of a single unit, and numerator and denominator of its factor to SI; None for an unknown unit.
+
+    The unit may have a prefix and a plural s.
+    """
     for whole in (name, name.removesuffix("s")):
         for prefix, tens in PREFIXES.items():
             if whole.startswith(prefix) and whole.removeprefix(prefix) in UNITS:
@@ -373,7 +386,7 @@ def _single_unit_factor(name: str) -> tuple[str, Decimal, Decimal] | None:
 
 
 def _nearest_unit_advice(unit: str, dimension: str) -> str:
-    """Advice naming the nearest common unit of the dimension, or all of them."""
+    """Return advice on an unknown unit: the most similar common unit of the dimension, or all common units."""
     import difflib
 
     known = COMMON[dimension]

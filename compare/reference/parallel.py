@@ -20,7 +20,7 @@ from typing import Any
 
 from rollbench.compare import __version__
 from rollbench.compare.errors import ArgumentError, InputError
-from rollbench.meshes.processes import local_workers, one_thread, restarts_unsaid
+from rollbench.meshes.processes import local_workers, one_thread, without_restart_warnings
 
 #: A job: a function without arguments, or a function and its arguments; picklable if it runs in another process.
 Job = Callable[[], Any] | tuple[Callable[..., Any], Sequence[Any]]
@@ -151,7 +151,7 @@ def _in_processes(asked: Sequence[Asked], workers: int) -> Generator[Answer, Non
         many = Parallel(workers, return_as="generator_unordered", pre_dispatch=workers, batch_size=1, max_nbytes=None)
         answers = many(delayed(_call)(*one) for one in asked)
         try:
-            with restarts_unsaid():
+            with without_restart_warnings():
                 for answer in answers:  # noqa: UP028 - closed below, where its warning is not heard
                     yield answer
         except BrokenProcessPool as error:

@@ -28,7 +28,7 @@ from rollbench.hifi.linear_algebra import compliance
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import RollerRow
 from rollbench.meshes.fem import nodes_on
-from rollbench.meshes.roller_body import SweptBody, Zone, on_race, on_roller, section_mesh, swept_body
+from rollbench.meshes.roller_body import SweptBody, Zone, raceway_point_map, roller_point_map, section_mesh, swept_body
 
 #: Mesh levels: cells across half of the zone, which is `ZONE` times as wide as the contact in the roller's middle, and
 #: along half of the roller; all other cells follow in proportion.
@@ -195,7 +195,7 @@ def condense_roller(row: RollerRow, cells: int, load: float) -> CondensedRoller:
     lines, touch, far = _cell_boundaries(row, cells, load)
     reach = (middle - touch, middle + touch)
     radius = 0.5 * row.diameter
-    shape = on_roller(radius, row.roller_angle, lambda along: profile_depths(row, along - middle)[1])
+    shape = roller_point_map(radius, row.roller_angle, lambda along: profile_depths(row, along - middle)[1])
     roller = swept_body(section_mesh(zone, radius, radius, round=True), zone, middle + lines, reach, shape, round=True)
     angles = (row.cup_angle, row.cup_angle - 2.0 * row.roller_angle)
     rings = []
@@ -203,7 +203,9 @@ def condense_roller(row: RollerRow, cells: int, load: float) -> CondensedRoller:
     for angle, outward in zip(angles, (1.0, -1.0), strict=True):
         width = middle * np.sin(angle) * np.sin(share_of)
         flat = section_mesh(zone, width, row.depth, round=False)
-        rings.append(swept_body(flat, zone, longer, reach, on_race(middle, angle, outward), mirrored=outward > 0.0))
+        rings.append(
+            swept_body(flat, zone, longer, reach, raceway_point_map(middle, angle, outward), mirrored=outward > 0.0)
+        )
     law = elasticity(row.material.youngs_modulus, row.material.poissons_ratio)
     S, A = (roller_compliance(roller, law, even=even) for even in (True, False))
     own = [race_compliance(ring, law, share_of) for ring in rings]

@@ -1,1 +1,1 @@
-"""Whole bodies, meshes and input decks as files for other programs."""
+"""Write whole bodies, meshes and input decks to files for other programs."""

@@ -1,8 +1,8 @@
-"""A whole contact problem as one input deck that CalculiX runs and Abaqus reads.
+"""Write a complete contact problem as one input deck, an input file that both CalculiX and Abaqus can run.
 
-Only keywords that both programs know, one step, static, small strains. Bodies of ten-node tetrahedra, named sets and
-faces, surface-to-surface contact without friction and with a linear pressure-overclosure law, rigid sections by linear
-equations, weak springs to the ground. Lines have at most 16 entries, entries at most 20 characters.
+The deck has one static step and only keywords of both programs: bodies of ten-node tetrahedra; named sets of nodes and
+faces; frictionless surface-to-surface contact with a linear pressure-overclosure law; rigid sections as linear equations;
+weak springs to the ground. Lines have at most 16 entries, entries at most 20 characters.
 """
 
 from __future__ import annotations
@@ -15,28 +15,30 @@ import numpy as np
 from rollbench.meshes.arrays import Array, Index
 from rollbench.meshes.parts import Material
 
-#: Corners of the faces S1 to S4 of a tetrahedron, and S1 to S6 of a hexahedron.
+#: Corner nodes, counted from 0, of the faces S1 to S4 of a tetrahedron; and of the faces S1 to S6 of a hexahedron.
 FACES = ((0, 1, 2), (0, 3, 1), (1, 3, 2), (2, 3, 0))
 HEX_FACES = ((0, 1, 2, 3), (4, 7, 6, 5), (0, 4, 5, 1), (1, 5, 6, 2), (2, 6, 7, 3), (3, 7, 4, 0))
-#: gmsh's node at every place of a C3D10.
+#: Number, in gmsh's ten-node tetrahedron, of each node of Abaqus' element C3D10.
 C3D10 = (0, 1, 2, 3, 4, 5, 6, 7, 9, 8)
+#: Largest number of characters in a name.
 LONGEST_NAME = 80
 AXES = 3
-#: Iterations before a step is cut, instead of the usual 4, 8, 9, 16: contact under preload takes about 25.
+#: Limits of the iterations before an increment is cut, instead of CalculiX's defaults 4, 8, 9, 16; contact under preload
+#: needs about 25 iterations.
 PATIENCE = "30, 40, 9, 60"
-#: Arm [m] at which the springs of rotations act.
+#: Lever arm [m] with which a weak spring's stiffness is converted to that of a rotational spring.
 WEAK_ARM = 1e-3
 
 
 @dataclass(frozen=True)
 class Units:
-    """Units of a deck; forces are in N."""
+    """Units of length and stress in an input deck; forces are in N."""
 
     #: Unit of length [m].
     length: float
     #: Unit of stress [Pa].
     stress: float
-    #: Names of the units, for the heading.
+    #: Names of the units, for the deck's heading.
     words: str
 
 
@@ -45,90 +47,90 @@ UNITS = {"mm": Units(1e-3, 1e6, "mm, N, MPa"), "m": Units(1.0, 1.0, "m, N, Pa")}
 
 @dataclass(frozen=True)
 class DeckBody:
-    """A body of second-order tetrahedra."""
+    """Elastic body of an input deck: mesh of ten-node tetrahedra, material, sets of nodes and faces, and weak springs."""
 
-    #: Name of its element set.
+    #: Name of the body, and of its element set.
     name: str
-    #: Nodes ``(n, 3)`` [m].
+    #: Coordinates of the nodes ``(n, 3)`` [m].
     points: Array
-    #: Tetrahedra ``(m, 10)``, in gmsh's order.
+    #: Nodes of the tetrahedra ``(m, 10)``, in gmsh's order.
     cells: Index
     #: Elastic material.
     material: Material
     #: Sets of nodes by name.
     nodes: dict[str, Index] = field(default_factory=dict)
-    #: Sets of faces by name, as their corners ``(k, 3)``.
+    #: Sets of faces by name; each face is given by its corners ``(k, 3)``.
     faces: dict[str, Index] = field(default_factory=dict)
-    #: Nodes on weak springs to the ground.
+    #: Nodes connected to the ground by weak springs.
     weak: Index = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
-    #: Two nodes and an axis along which their displacements are equal ``(k, 3)``: keeps a body from turning without
-    #: fixing it elsewhere.
+    #: Pairs of nodes whose displacements along an axis are set equal ``(k, 3)``: two nodes and the axis 0 to 2. They
+    #: prevent a rotation of the body without fixing it.
     alike: Index = field(default_factory=lambda: np.zeros((0, 3), dtype=np.int64))
 
 
 @dataclass(frozen=True)
 class RigidSection:
-    """A set of nodes of a body that moves as a rigid section."""
+    """Section of a body whose nodes move as a rigid plane, and the motion or load that is prescribed for it."""
 
     #: Name of the section.
     name: str
     #: Name of the body.
     body: str
-    #: Name of the set of nodes.
+    #: Name of the section's set of nodes.
     nodes: str
-    #: Reference point ``(3,)`` [m], on the axis.
+    #: Reference point on the axis, of motion and load ``(3,)`` [m].
     point: Array
-    #: Pairs of a freedom (0 to 5) and its prescribed displacement [m] or small rotation [rad].
+    #: Pairs of a degree of freedom (0 to 5) and its prescribed displacement [m] or small rotation [rad].
     held: tuple[tuple[int, float], ...]
-    #: Force [N] and moment [N m] ``(6,)``.
+    #: Force [N] and moment [N m] on the section ``(6,)``.
     load: Array
-    #: Freedoms on weak springs to the ground.
+    #: Degrees of freedom (0 to 5) connected to the ground by weak springs.
     weak: tuple[int, ...] = ()
 
 
 @dataclass(frozen=True)
 class Contact:
-    """Pair of surfaces that may touch."""
+    """Contact pair of an input deck: the names of the two surfaces that may come into contact."""
 
-    #: Name of the slave's set of faces.
+    #: Name of the slave surface.
     slave: str
-    #: Name of the master's set of faces.
+    #: Name of the master surface.
     master: str
 
 
 @dataclass(frozen=True)
 class Deck:
-    """Contents of a deck."""
+    """Contents of an input deck for CalculiX or Abaqus: bodies, rigid sections, contact pairs, boundary conditions."""
 
     #: All bodies.
     bodies: tuple[DeckBody, ...]
-    #: Rigid sections.
+    #: Rigid sections of the bodies.
     sections: tuple[RigidSection, ...]
-    #: Sets of nodes that are fixed in all directions.
+    #: Names of the sets of nodes that are fixed in all directions.
     fixed: tuple[str, ...]
-    #: Surfaces that may touch.
+    #: Contact pairs.
     contacts: tuple[Contact, ...]
-    #: Contact pressure per overclosure [Pa/m].
+    #: Slope of the pressure-overclosure law [Pa/m].
     stiffness: float
     #: Stiffness of every weak spring [N/m].
     spring: float
-    #: Lines of comment.
+    #: Lines of comment at the head of the deck.
     heading: tuple[str, ...]
     #: Title of the model.
     title: str
-    #: Whether displacements are large.
+    #: Whether the step is geometrically nonlinear (keyword NLGEOM).
     nlgeom: bool = False
-    #: Sets of nodes that are fixed along y, on a plane of symmetry.
+    #: Names of the sets of nodes on a plane of symmetry, which are fixed along y.
     mirrored: tuple[str, ...] = ()
 
     @property
     def node_count(self) -> int:
-        """Number of nodes of all bodies."""
+        """Number of nodes of all bodies together."""
         return sum(len(b.points) for b in self.bodies)
 
 
 def deck_number(value: float) -> str:
-    """Write a number in at most 20 characters, the most that CalculiX reads.
+    """Write a number as text of at most 20 characters, the largest length that CalculiX reads.
 
     Examples
     --------
@@ -139,7 +141,7 @@ def deck_number(value: float) -> str:
 
 
 def data_lines(entries: Iterable[int | str]) -> Iterator[str]:
-    """Entries with commas, at most 16 on a line; a line that is continued ends with a comma.
+    """Yield lines of an input deck with at most 16 entries, separated by commas; all lines but the last end with a comma.
 
     Examples
     --------
@@ -152,35 +154,35 @@ def data_lines(entries: Iterable[int | str]) -> Iterator[str]:
 
 
 def set_lines(entries: Iterable[int]) -> Iterator[str]:
-    """Entries with commas as `data_lines`, for sets, which continue without a comma."""
+    """Yield the lines of a set of an input deck, as `data_lines` does, but without a comma at the end of a line."""
     return (line.removesuffix(",") for line in data_lines(entries))
 
 
 def checked_names(names: Sequence[str]) -> None:
-    """Raise ValueError for a name that is too long, has blanks or commas, or comes twice but for its case."""
+    """Raise ValueError for a name that an input deck does not allow, or that occurs twice in upper or lower case."""
     seen = set[str]()
     for name in names:
         if not name or len(name) > LONGEST_NAME or not name.isascii() or any(c in " ,=*" for c in name):
             raise ValueError(f"set {name!r}: a name in a deck has 1 to {LONGEST_NAME} letters, digits or underscores")
         if name.upper() in seen:
-            raise ValueError(f"set {name!r} comes twice: names in a deck do not distinguish capitals")
+            raise ValueError(f"set {name!r} occurs twice: names in a deck do not distinguish upper and lower case")
         seen.add(name.upper())
 
 
 def element_faces(cells: Index, corners: Index) -> Index:
-    """Cells and face numbers of faces that are given by their corners.
+    """Find the cell to which each face belongs, and the face's number in that cell.
 
     Parameters
     ----------
     cells : (m, nodes) Index
-        Tetrahedra or hexahedra.
+        Nodes of the tetrahedra or hexahedra.
     corners : (k, 3 or 4) Index
-        Corners of the faces; four where cells are hexahedra.
+        Corners of the faces: three for tetrahedra, four for hexahedra.
 
     Returns
     -------
     (k, 2) Index
-        Cell, and number of its face (from 1).
+        For each face, the index of its cell (from 0) and its number in that cell (from 1).
 
     Raises
     ------
@@ -190,7 +192,7 @@ def element_faces(cells: Index, corners: Index) -> Index:
     faces = np.array(FACES if corners.shape[1] == 3 else HEX_FACES)
     table = np.sort(cells[:, faces].reshape(-1, corners.shape[1]), axis=1)
     count = int(cells.max(initial=0)) + 1
-    base = np.array([count * count, count, 1])  # three corners name a face of a mesh
+    base = np.array([count * count, count, 1])  # three corners identify a face of a mesh
     keys, wanted = table[:, :3] @ base, np.sort(corners, axis=1)[:, :3] @ base
     order = np.argsort(keys, kind="stable")
     place = order[np.minimum(np.searchsorted(keys, wanted, sorter=order), len(keys) - 1)]
@@ -200,12 +202,12 @@ def element_faces(cells: Index, corners: Index) -> Index:
 
 
 def outer_faces(cells: Index) -> Index:
-    """Faces that belong to only one cell.
+    """Find the faces on the surface of a body, which belong to only one tetrahedron.
 
     Parameters
     ----------
     cells : (m, 10) Index
-        Tetrahedra; their first four nodes are corners.
+        Nodes of the tetrahedra; the first four are the corners.
 
     Returns
     -------
@@ -218,30 +220,31 @@ def outer_faces(cells: Index) -> Index:
 
 
 def deck_text(deck: Deck, unit: str = "mm") -> str:
-    """Text of a deck.
+    """Write an input deck for CalculiX or Abaqus as text.
 
     Parameters
     ----------
     deck : Deck
-        Contents.
+        Contents of the deck.
     unit : str, default 'mm'
         Unit of length, ``"mm"`` or ``"m"``.
 
     Returns
     -------
     str
-        ASCII text.
+        ASCII text of the input file.
 
     Raises
     ------
     ValueError
-        A name is bad or comes twice.
+        A name is not allowed in a deck, or occurs twice.
     """
     text = "\n".join(_deck_lines(deck, UNITS[unit])) + "\n"
     return text.encode("ascii", "replace").decode("ascii")
 
 
 def _deck_lines(deck: Deck, units: Units) -> Iterator[str]:
+    """Yield all lines of an input deck."""
     names = [n for b in deck.bodies for n in (f"{b.name}_ALL", *b.nodes, *b.faces)]
     ends = [f"{s.name}_{what}" for s in deck.sections for what in ("MOVE", "TURN")]
     checked_names([*(b.name for b in deck.bodies), *names, *ends])
@@ -278,6 +281,7 @@ def _deck_lines(deck: Deck, units: Units) -> Iterator[str]:
 
 
 def _body_lines(body: DeckBody, nodes: int, cells: int, units: Units) -> Iterator[str]:
+    """Yield the lines with the nodes, elements and sets of a body, numbered after the ``nodes`` and ``cells`` before it."""
     yield f"*NODE, NSET={body.name}_ALL"
     for k, x in enumerate((body.points / units.length).tolist(), start=nodes + 1):
         yield f"{k}, {deck_number(x[0])}, {deck_number(x[1])}, {deck_number(x[2])}"
@@ -295,7 +299,10 @@ def _body_lines(body: DeckBody, nodes: int, cells: int, units: Units) -> Iterato
 def _section_lines(
     section: RigidSection, deck: Deck, starts: dict[str, tuple[int, int]], reference: int, units: Units
 ) -> Iterator[str]:
-    """Two nodes, whose displacements are the section's translation and rotation, and u = t + theta x r of all others."""
+    """Yield the lines of a rigid section: two reference nodes, and the equations u = t + theta x r of its other nodes.
+
+    The displacements of the two reference nodes are the section's translation t and rotation theta.
+    """
     body = next(b for b in deck.bodies if b.name == section.body)
     place = ", ".join(deck_number(x) for x in (section.point / units.length).tolist())
     for k, motion in enumerate(("MOVE", "TURN"), start=1):
@@ -314,7 +321,10 @@ def _section_lines(
 
 
 def _spring_lines(springs: Sequence[tuple[int, int]], cells: int, stiffness: float, units: Units) -> Iterator[str]:
-    """Weak springs at (node from 0, freedom): a section's rotations are the displacements of its second node."""
+    """Yield the lines of weak springs to the ground, each at a node (counted from 0) and a degree of freedom 0 to 5.
+
+    Degrees of freedom 3 to 5, the rotations of a section, are displacements of the section's second reference node.
+    """
     for freedom in range(2 * AXES):
         nodes = [node + freedom // AXES + 1 for node, k in springs if k == freedom]
         if nodes:
@@ -328,7 +338,10 @@ def _spring_lines(springs: Sequence[tuple[int, int]], cells: int, stiffness: flo
 
 
 def _motion_lines(deck: Deck, references: dict[str, int], units: Units, *, moved: bool) -> Iterator[str]:
-    """Return the prescribed motions of the sections: zero or, if ``moved``, nonzero (Abaqus: only inside a step)."""
+    """Yield the lines of the sections' prescribed motions: those that are zero; with ``moved``, those that are not.
+
+    Abaqus accepts prescribed motions other than zero only inside a step.
+    """
     for section in deck.sections:
         for freedom, value in section.held:
             if (value != 0.0) == moved:
@@ -338,6 +351,7 @@ def _motion_lines(deck: Deck, references: dict[str, int], units: Units, *, moved
 
 
 def _contact_lines(deck: Deck, units: Units) -> Iterator[str]:
+    """Yield the lines of the frictionless contact law and of all contact pairs."""
     yield from ("*SURFACE INTERACTION, NAME=FRICTIONLESS", "*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=LINEAR")
     yield deck_number(deck.stiffness / units.stress * units.length)
     for contact in deck.contacts:
@@ -346,6 +360,7 @@ def _contact_lines(deck: Deck, units: Units) -> Iterator[str]:
 
 
 def _step_lines(deck: Deck, references: dict[str, int], units: Units) -> Iterator[str]:
+    """Yield the lines of the static step: prescribed motions, loads and requested output."""
     yield from (f"*STEP, INC=100{', NLGEOM' if deck.nlgeom else ''}", "*STATIC", "1.0, 1.0, 1.0e-6, 1.0")
     yield from ("*CONTROLS, PARAMETERS=TIME INCREMENTATION", PATIENCE)
     moved = list(_motion_lines(deck, references, units, moved=True))

@@ -1,4 +1,4 @@
-"""Meshes of scikit-fem as files for other programs, with all names of regions and boundaries."""
+"""Write FE meshes to files for other programs (VTK, gmsh, MED, Abaqus), with names of regions and boundaries."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from rollbench.meshes.node_order import VTK
 if TYPE_CHECKING:
     from skfem import Mesh
 
-# Place k of MED's cell holds meshio's (VTK's) local node: the first face turned round (checked by reading with gmsh).
+# Number, in meshio's (VTK's) cell, of each node of MED's cell: MED orients the first face in reverse (checked with gmsh).
 _MED: dict[str, tuple[int, ...]] = {
     "tetra": (0, 2, 1, 3),
     "tetra10": (0, 2, 1, 3, 6, 5, 4, 7, 9, 8),
@@ -33,28 +33,28 @@ _FACES = {3: "triangle", 6: "triangle6", 4: "quad", 8: "quad8", 9: "quad9"}
 _MESHIO = {"vtu": "vtu", "msh": "gmsh", "med": "med"}
 
 FORMATS = {"vtu": "VTK files", "msh": "gmsh files", "med": "MED files", "inp": "Abaqus files"}
-"""Formats of mesh files by their suffix, without the dot."""
+"""Names of the formats of mesh files, by the file's suffix without the dot."""
 
 
 def mesh_format(path: Path, form: str = "") -> str:
-    """Format of a mesh file, one of `FORMATS`.
+    """Return the format of a mesh file, a key of `FORMATS`.
 
     Parameters
     ----------
     path : Path
-        File.
+        Mesh file.
     form : str, default ''
-        Format; where empty, the suffix of the file.
+        Format, a key of `FORMATS`; where empty, the suffix of the file decides.
 
     Returns
     -------
     str
-        The format.
+        The format, a key of `FORMATS`.
 
     Raises
     ------
     ValueError
-        There is no such format.
+        The format is unknown.
 
     Examples
     --------
@@ -65,16 +65,17 @@ def mesh_format(path: Path, form: str = "") -> str:
     if found in FORMATS:
         return found
     wanted = ", ".join(f".{name}" for name in FORMATS)
-    raise ValueError(f"{path.name}: {f'format {form!r}' if form else f'suffix {path.suffix!r}'}, expected one of {wanted}")
+    what = f"format {form!r}" if form else f"suffix {path.suffix!r}"
+    raise ValueError(f"{path.name}: a mesh file of unknown {what}, expected one of {wanted}")
 
 
 def need_package(form: str) -> None:
-    """Raise ImportError, with the remedy, if a package that writes the format is missing.
+    """Raise ImportError if a package that is needed to write a format is missing; the message says how to install it.
 
     Parameters
     ----------
     form : str
-        One of `FORMATS`.
+        Format, a key of `FORMATS`.
     """
     for package in ("meshio", *(("h5py",) if form == "med" else ())):
         try:
@@ -84,14 +85,14 @@ def need_package(form: str) -> None:
 
 
 def is_reduced(mesh: Mesh, form: str) -> bool:
-    """Whether a format holds only part of a mesh: .inp and .med have no 27-node hexahedron.
+    """Return whether a format cannot store all nodes of a mesh: .inp and .med have no 27-node hexahedron.
 
     Parameters
     ----------
     mesh : Mesh
         The mesh.
     form : str
-        One of `FORMATS`.
+        Format, a key of `FORMATS`.
 
     Returns
     -------
@@ -104,19 +105,19 @@ def is_reduced(mesh: Mesh, form: str) -> bool:
 
 
 def keep_boundaries(mesh: Mesh, *names: str) -> Mesh:
-    """Keep only some boundaries of a mesh.
+    """Return a copy of a mesh with only some of its named boundaries.
 
     Parameters
     ----------
     mesh : Mesh
         The mesh.
     *names : str
-        Boundaries to keep.
+        Names of the boundaries of the copy.
 
     Returns
     -------
     Mesh
-        Copy with only these boundaries.
+        Copy of the mesh with only these boundaries.
     """
     chosen = copy(mesh)
     chosen.__dict__["_boundaries"] = {name: mesh.boundaries[name] for name in names}
@@ -126,13 +127,13 @@ def keep_boundaries(mesh: Mesh, *names: str) -> Mesh:
 def write_mesh(
     path: str | Path, mesh: Mesh, fields: Mapping[str, Array] | None = None, *, region: str = "", form: str = ""
 ) -> None:
-    """Write mesh and fields, whole or not at all: .vtu, .msh (gmsh 4.1), .inp (Abaqus, CalculiX) or .med (Salome).
+    """Write a mesh and fields at its nodes to a file: .vtu, .msh (gmsh 4.1), .inp (Abaqus, CalculiX) or .med (Salome).
 
-    Names are written too: the region as a group of cells, in .vtu as the cell field ``region`` of zeros; the mesh's
-    boundaries as faces with a physical group in .msh, as groups of faces and of nodes in .med, as surfaces and groups of
-    nodes in .inp, as point fields ``boundary <name>`` of 0 and 1 in .vtu; in .vtu and .msh also as the cell fields by
-    which `skfem.Mesh.load` knows them. Where a format is `is_reduced`, the face and centre nodes of 27-node hexahedra are
-    left out (20 nodes).
+    The file is replaced only when it is complete. Names are written too. The region is a group of cells; in .vtu it is a
+    cell field ``region`` of zeros. A boundary is a physical group of faces in .msh; groups of faces and of nodes in .med; a
+    surface and a set of nodes in .inp; a point field ``boundary <name>`` of 0 and 1 in .vtu. In .vtu and .msh, names are
+    also written as the cell fields that `skfem.Mesh.load` reads. For formats without 27-node hexahedra (`is_reduced`), the
+    nodes at the centres of faces and cells are omitted, so that 20 nodes remain.
 
     Parameters
     ----------
@@ -141,18 +142,18 @@ def write_mesh(
     mesh : Mesh
         The mesh.
     fields : dict of (n,) or (n, k) Array, optional, default None
-        Fields at the n nodes by name; .inp takes none.
+        Fields at the n nodes, by their names; not possible in .inp.
     region : str, default ''
-        Name of all cells.
+        Name of the group of all cells; where empty, no group is written.
     form : str, default ''
-        One of `FORMATS`; where empty, by the suffix.
+        Format, a key of `FORMATS`; where empty, the suffix of the file decides.
 
     Raises
     ------
     ValueError
-        Unknown format, or a field of wrong length or that the format cannot hold.
+        The format is unknown, or a field has a wrong length or cannot be written in the format.
     ImportError
-        A package is missing.
+        A package that writes the format is missing.
     OSError
         The file cannot be written.
     """
@@ -165,7 +166,7 @@ def write_mesh(
     points = points_of(mesh)
     for name, values in fields.items():
         if len(values) != len(points):
-            raise ValueError(f"field {name!r} has {len(values)} values, expected {len(points)}")
+            raise ValueError(f"field {name!r} has {len(values)} values, expected {len(points)}, one for each node")
     cell, order = VTK[kind_of(mesh)]
     cells, faces = cells_of(mesh)[:, order], {name: faces_of(mesh, name) for name in mesh.boundaries or {}}
     marks = _skfem_fields(mesh, region) if form in ("vtu", "msh") else {}
@@ -179,7 +180,7 @@ def write_mesh(
     try:
         if form == "inp":
             if fields:
-                raise ValueError("an .inp file takes no fields: write a .vtu, .msh or .med file")
+                raise ValueError("an .inp file cannot contain fields: write a .vtu, .msh or .med file")
             _write_inp(fresh, points, cell, cells, faces, region)
         else:
             import meshio
@@ -193,9 +194,10 @@ def write_mesh(
 
 
 def _skfem_fields(mesh: Mesh, region: str) -> dict[str, Index]:
-    """Cell fields in which scikit-fem keeps names: which faces of a cell are of a boundary, as bits; cells of a region.
+    """Return the cell fields from which scikit-fem reads names of boundaries and regions, as `Mesh.save` writes them.
 
-    As `Mesh.save` writes them: scikit-fem reads no names of second-order meshes from a file's groups.
+    For a boundary, each bit of the field is set where that face of the cell lies on the boundary. These fields are needed
+    because scikit-fem does not read names of second-order meshes from a file's groups.
     """
     bits = 1 << np.arange(len(mesh.t2f))
     if len(bits) == 6:  # hexahedra are read in reverse order: corner 7 - k, face 5 - k
@@ -205,6 +207,7 @@ def _skfem_fields(mesh: Mesh, region: str) -> dict[str, Index]:
 
 
 def _as_vtu(plain: Any, faces: Mapping[str, Index], region: str, marks: Mapping[str, Index]) -> Any:
+    """Add the fields of boundaries and region for a .vtu file to a mesh of meshio, and return it."""
     for name, members in faces.items():
         plain.point_data[f"boundary {name}"] = np.isin(np.arange(len(plain.points)), members).astype(np.uint8)
     count = len(plain.cells[0].data)
@@ -214,16 +217,16 @@ def _as_vtu(plain: Any, faces: Mapping[str, Index], region: str, marks: Mapping[
 
 
 def _as_msh(plain: Any, faces: Mapping[str, Index], region: str, marks: Mapping[str, Index]) -> Any:
-    """Make entities with a physical group of the region ("other" without a name) and of the boundaries.
+    """Make a mesh of meshio for a .msh file, with physical groups for the region and the boundaries.
 
-    In this format an entity is known by a node that lies on it, so that each needs one. Cell fields are not a number on
-    the faces of boundaries.
+    A region without a name is called "other". In this format each entity must have a node that belongs to it alone. Cell
+    fields are NaN on the faces of boundaries.
     """
     import meshio
 
     for name, values in plain.point_data.items():
         if values.size not in (len(values), 3 * len(values), 9 * len(values)):
-            raise ValueError(f"field {name!r} has {values.size // len(values)} components: an .msh file takes 1, 3 or 9")
+            raise ValueError(f"field {name!r} has {values.size // len(values)} components: a .msh file allows 1, 3 or 9")
     (cells,) = plain.cells
     blocks = [(cells.type, cells.data), *((_FACES[members.shape[1]], members) for members in faces.values())]
     entities = [(3, 1), *((2, number) for number in range(1, len(blocks)))]
@@ -242,7 +245,10 @@ def _as_msh(plain: Any, faces: Mapping[str, Index], region: str, marks: Mapping[
 
 
 def _owning_sets(cells: list[Index], count: int) -> Index:
-    """One of the sets of ``cells`` for every node ``(count,)``, the smallest that has it, so that each set has a node."""
+    """Assign each node ``(count,)`` to one of the sets of ``cells`` that contain it, so that each set owns a node.
+
+    A node belongs to the smallest of these sets, unless a larger one would own no node.
+    """
     nodes = [np.unique(members) for members in cells]
     owner = np.zeros(count, dtype=np.int64)
     for k in sorted(range(len(nodes)), key=lambda k: -nodes[k].size):
@@ -255,9 +261,10 @@ def _owning_sets(cells: list[Index], count: int) -> Index:
 
 
 def _as_med(plain: Any, faces: Mapping[str, Index], region: str, _: object) -> Any:
-    """Make families of region and boundaries: the region of cells, a boundary of faces and of their nodes.
+    """Make a mesh of meshio for a .med file, with families for the region's cells and for faces and nodes of boundaries.
 
-    Faces are counter-clockwise seen from outside. meshio writes cells as they are, but MED orients them the other way.
+    Faces are counter-clockwise seen from outside. Cells are reordered here, because MED orients them in reverse, and meshio
+    does not change their order.
     """
     import meshio
 
@@ -285,21 +292,21 @@ def _as_med(plain: Any, faces: Mapping[str, Index], region: str, _: object) -> A
 
 
 def _family_numbers(belongs: NDArray[np.bool_], names: Sequence[str]) -> tuple[Index, dict[int, list[str]]]:
-    """Assign MED's families to things that belong to groups.
+    """Assign nodes or faces to families of a .med file: those that belong to the same groups form one family.
 
     Parameters
     ----------
-    belongs : (groups, things) Mask
-        Which thing belongs to which group.
+    belongs : (groups, n) Mask
+        Whether each of n nodes or faces belongs to each group.
     names : Sequence[str]
         Names of the groups.
 
     Returns
     -------
-    number : (things,) Index
-        Number of each thing's family, from 1; 0 in no group.
+    number : (n,) Index
+        Number of the family of each node or face, from 1; 0 where it belongs to no group.
     groups : dict
-        Names of the groups of each family.
+        Names of the groups, for the number of each family.
     """
     patterns, pattern_of = np.unique(belongs, axis=1, return_inverse=True)
     numbers = np.where(patterns.any(axis=0), 1 + np.arange(patterns.shape[1]), 0)
@@ -311,10 +318,10 @@ def _family_numbers(belongs: NDArray[np.bool_], names: Sequence[str]) -> tuple[I
 
 
 def _write_inp(path: Path, points: Array, cell: str, cells: Index, faces: Mapping[str, Index], region: str) -> None:
-    """Write an Abaqus input file.
+    """Write a mesh as an Abaqus input file, with sets of nodes and cells and with surfaces.
 
-    meshio's files have lines longer than the 16 entries allowed, and hybrid elements. CalculiX reads numbers of at most
-    20 characters: thirteen digits are 1e-12 of the mesh's size.
+    meshio is not used, because its lines have more than the allowed 16 entries, and its elements are hybrid ones. Numbers
+    have at most the 20 characters that CalculiX reads, so that coordinates are rounded by about 1e-12 of the mesh's size.
     """
     text = ["*HEADING", "rollbench; lengths in m", "*NODE, NSET=NALL"]
     text += [

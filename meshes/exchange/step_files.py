@@ -1,8 +1,8 @@
-"""STEP files of a scene's parts by gmsh's OpenCASCADE, lengths in mm.
+"""Write the parts of a scene as STEP files, by OpenCASCADE in gmsh; lengths are in mm.
 
-Balls and bodies of revolution are exact solids, flanks of helical grooves B-spline surfaces through exact arcs: a flank
-is a loft through its arcs, `SECTIONS` to a turn. An arc lies in the plane normal to the helix, so that its ends at apex
-and land are on the surface too. `largest_distance` measures how far the loft deviates between its sections.
+Balls and bodies of revolution are exact solids. Flanks of helical grooves are B-spline surfaces: lofts through exact arcs,
+`SECTIONS` of them for each turn. Each arc lies in a plane normal to the helix and ends at apex and land. `largest_distance`
+measures how far the loft deviates from the exact flank between its arcs.
 """
 
 from __future__ import annotations
@@ -24,39 +24,39 @@ from rollbench.meshes.parts import SIDE_SIGNS, SIDES, Scene
 from rollbench.meshes.shell import gmsh_session
 from rollbench.meshes.solid import solid_dimensions
 
-#: Sections of a loft to a turn of the helix.
+#: Number of arcs through which a flank is lofted, for each turn of the helix.
 SECTIONS = 48
 MM = 1e3
 
 
 class PlacedSet(NamedTuple):
-    """Parts of one rolling set, and where they are."""
+    """Parts of one ball nut or bearing on a shaft, and their axial position."""
 
-    #: Parts of the set.
+    #: Parts of the ball nut or bearing.
     scene: Scene
-    #: Shift of its nut along z [m].
+    #: Displacement of its nut or outer ring along z [m].
     shift: float
-    #: Ends of its stretch of shaft [m].
+    #: Axial positions of the ends of its segment of the shaft [m].
     ends: tuple[float, float]
 
 
 def write_step(path: Path, sets: Sequence[PlacedSet]) -> dict[Path, float]:
-    """Write shaft, nuts and balls as STEP files.
+    """Write shaft, nuts or rings, and balls as STEP files.
 
-    Where grooves are helical, their flanks are surfaces in a second file, ``NAME-grooves.step``; the bodies are without
-    grooves.
+    Bodies with helical grooves are written without grooves. The flanks of these grooves are surfaces in a second file,
+    ``NAME-grooves.step``.
 
     Parameters
     ----------
     path : Path
-        File of the bodies.
+        File of the solid bodies.
     sets : Sequence[PlacedSet]
-        Parts of each set.
+        Parts of each ball nut or bearing.
 
     Returns
     -------
     dict[Path, float]
-        Largest distance [m] of each file's surfaces from the exact ones; 0 where they are exact.
+        For each file written, the largest distance [m] of its surfaces from the exact ones; 0 where they are exact.
 
     Raises
     ------
@@ -87,6 +87,7 @@ def write_step(path: Path, sets: Sequence[PlacedSet]) -> dict[Path, float]:
 
 @contextmanager
 def _gmsh_model() -> Iterator[Any]:
+    """Create an empty gmsh model with lengths in mm, for the statements of a ``with`` block; yields the module gmsh."""
     with gmsh_session() as gmsh:
         gmsh.option.setString("Geometry.OCCTargetUnit", "MM")
         gmsh.model.add("step")
@@ -94,7 +95,7 @@ def _gmsh_model() -> Iterator[Any]:
 
 
 def _write_model(gmsh: Any, path: Path) -> None:
-    """Write the model's file, and suppress the output of OpenCASCADE."""
+    """Write gmsh's model to a file, and suppress the messages that OpenCASCADE prints."""
     sys.stdout.flush()
     kept = os.dup(1)
     try:
@@ -107,17 +108,19 @@ def _write_model(gmsh: Any, path: Path) -> None:
 
 
 def _add_balls(scene: Scene) -> Iterator[tuple[float, Array]]:
+    """Yield the radius [m], with errors, and the centre ``(3,)`` [m] of each ball."""
     layout = ball_layout(scene)
     yield from zip(specimen(scene, layout).ball_radius.tolist(), layout.centre, strict=True)
 
 
 def _face_positions(scene: Scene, shift: float) -> tuple[float, float]:
+    """Return the axial positions of the two faces of the nut or outer ring [m]."""
     half = scene.nut.length / 2.0
     return scene.nut.position - half + shift, scene.nut.position + half + shift
 
 
 def _wall_radii(scene: Scene, *, screw: bool) -> tuple[float, float]:
-    """Radii of the land and of the other side of the wall [m]."""
+    """Return the radii [m] of the land, and of the surface on the other side: bore of the screw or outside of the nut."""
     dims = solid_dimensions(scene)
     if screw:
         return scene.screw.outer_diameter / 2.0, scene.screw.bore / 2.0 or dims.hole
@@ -125,7 +128,7 @@ def _wall_radii(scene: Scene, *, screw: bool) -> tuple[float, float]:
 
 
 def _add_tube(gmsh: Any, scene: Scene, ends: tuple[float, float], *, screw: bool) -> None:
-    """Add a tube without its groove."""
+    """Add the screw or nut of a helical track to the model as a tube without its groove."""
     occ, (low, high) = gmsh.model.occ, ends
     inner, outer = sorted(_wall_radii(scene, screw=screw))
     tubes = [(3, occ.addCylinder(0, 0, MM * low, 0, 0, MM * (high - low), MM * r)) for r in (outer, inner)]
@@ -133,7 +136,7 @@ def _add_tube(gmsh: Any, scene: Scene, ends: tuple[float, float], *, screw: bool
 
 
 def _add_ring(gmsh: Any, scene: Scene, ends: tuple[float, float], *, screw: bool) -> None:
-    """Add a ring with its groove, by turning its half section."""
+    """Add a bearing ring with its groove to the model, as a solid of revolution of its cross-section."""
     occ, (land, wall), z = gmsh.model.occ, _wall_radii(scene, screw=screw), scene.nut.position
     left, right = (
         _flank_points(scene, side, np.array([apex_angle(scene, side), land_angle(scene, side, land)]))
@@ -141,13 +144,15 @@ def _add_ring(gmsh: Any, scene: Scene, ends: tuple[float, float], *, screw: bool
     )
     R = scene.track.pitch_radius
 
-    def point(r: float, at: float) -> int:
+    def add_point(r: float, at: float) -> int:
         return int(occ.addPoint(MM * r, 0.0, MM * at))
 
-    corners = [point(wall, ends[0]), point(land, ends[0]), point(R + left[1, 0], z + left[1, 1])]
-    apex = point(R + left[0, 0], z + left[0, 1])
-    corners += [apex, point(R + right[1, 0], z + right[1, 1]), point(land, ends[1]), point(wall, ends[1])]
-    middles = [point(R + x, z + y) for x, y in specimen(scene, ball_layout(scene)).centre[0, list(_flanks_of_body(screw))]]
+    corners = [add_point(wall, ends[0]), add_point(land, ends[0]), add_point(R + left[1, 0], z + left[1, 1])]
+    apex = add_point(R + left[0, 0], z + left[0, 1])
+    corners += [apex, add_point(R + right[1, 0], z + right[1, 1]), add_point(land, ends[1]), add_point(wall, ends[1])]
+    middles = [
+        add_point(R + x, z + y) for x, y in specimen(scene, ball_layout(scene)).centre[0, list(_flanks_of_body(screw))]
+    ]
     lines = [occ.addLine(corners[0], corners[1]), occ.addLine(corners[1], corners[2])]
     lines += [occ.addCircleArc(corners[2], middles[0], apex), occ.addCircleArc(apex, middles[1], corners[4])]
     lines += [occ.addLine(a, b) for a, b in ((corners[4], corners[5]), (corners[5], corners[6]), (corners[6], corners[0]))]
@@ -156,38 +161,39 @@ def _add_ring(gmsh: Any, scene: Scene, ends: tuple[float, float], *, screw: bool
 
 
 def _flanks_of_body(screw: bool) -> tuple[int, int]:
+    """Return the numbers of the left and right flank of the screw (0, 1) or the nut (2, 3)."""
     return (0, 1) if screw else (2, 3)
 
 
 def _flank_points(scene: Scene, side: int, gamma: Array) -> Array:
-    """Points ``(k, 2)`` (x3, z3) [m] of a flank at angles gamma ``(k,)`` [rad]."""
+    """Return section coordinates (x3, z3) ``(k, 2)`` [m] of points on a flank, at section angles gamma ``(k,)`` [rad]."""
     drawn = specimen(scene, ball_layout(scene))
     (sx, sz), c = SIDE_SIGNS[side], drawn.centre[0, side]
     return np.asarray(c + drawn.radius[side] * np.column_stack([sx * np.cos(gamma), sz * np.sin(gamma)]))
 
 
 def apex_angle(scene: Scene, side: int) -> float:
-    """Section angle at which a flank meets the other one, at z3 = 0 [rad]."""
+    """Return the section angle [rad] at which a flank meets the other flank, at z3 = 0."""
     drawn = specimen(scene, ball_layout(scene))
     return asin(-float(drawn.centre[0, side, 1]) * SIDE_SIGNS[side][1] / float(drawn.radius[side]))
 
 
 def land_angle(scene: Scene, side: int, land: float) -> float:
-    """Section angle at which a flank meets the land.
+    """Compute the section angle at which a flank meets the land.
 
     Parameters
     ----------
     scene : Scene
-        Parts.
+        Scene with the screw or bearing.
     side : int
-        Flank 0 to 3.
+        Flank: 0 and 1 are left and right on the screw, 2 and 3 on the nut.
     land : float
         Radius of the land [m].
 
     Returns
     -------
     float
-        [rad].
+        Section angle [rad].
     """
     sign = SIDE_SIGNS[side][0]
     low, high = apex_angle(scene, side), pi / 2.0
@@ -199,7 +205,10 @@ def land_angle(scene: Scene, side: int, land: float) -> float:
 
 
 def _flank_points_at_azimuth(scene: Scene, side: int, gamma: Array, azimuth: float, shift: float) -> Array:
-    """Points ``(k, 3)`` [m] of a flank in the section at an azimuth [rad]; shift: of the nut along z [m]."""
+    """Return points ``(k, 3)`` [m] of a flank in the section at an azimuth [rad], at section angles gamma ``(k,)`` [rad].
+
+    ``shift`` is the displacement of the nut along z [m].
+    """
     z = scene.nut.position + shift + reduced_lead(scene.track) * (azimuth - scene.track.phase)
     at = layout_at(scene.track, np.array([azimuth]), np.array([z]))
     x3, z3 = _flank_points(scene, side, gamma).T
@@ -207,7 +216,10 @@ def _flank_points_at_azimuth(scene: Scene, side: int, gamma: Array, azimuth: flo
 
 
 def _add_flank(gmsh: Any, scene: Scene, side: int, ends: tuple[float, float], shift: float) -> float:
-    """Add a flank's loft between the sections through two ends; returns its largest distance [m] from the exact surface."""
+    """Add the surface of a helical flank between two axial positions to the model, as a loft through exact arcs.
+
+    Returns the largest distance [m] between the loft and the exact flank.
+    """
     occ, lead = gmsh.model.occ, reduced_lead(scene.track)
     land = _wall_radii(scene, screw=side < 2)[0]
     gamma = np.linspace(apex_angle(scene, side), land_angle(scene, side, land), 3)
@@ -222,27 +234,27 @@ def _add_flank(gmsh: Any, scene: Scene, side: int, ends: tuple[float, float], sh
 
 
 def largest_distance(gmsh: Any, scene: Scene, side: int, tag: int, shift: float, along: int = 120) -> float:
-    """Largest distance of a surface of gmsh's model from a flank's exact surface.
+    """Measure the largest distance between a surface in gmsh's model and the exact surface of a flank.
 
     Parameters
     ----------
     gmsh : Any
-        gmsh with the model.
+        The module gmsh, with the model.
     scene : Scene
-        Parts.
+        Scene with the screw or bearing.
     side : int
-        Flank 0 to 3.
+        Flank: 0 and 1 are left and right on the screw, 2 and 3 on the nut.
     tag : int
-        The surface.
+        Number of the surface in the model.
     shift : float
-        Shift of the nut along z [m].
+        Displacement of the nut along z [m].
     along : int, default 120
-        Points along each parameter.
+        Number of sample points along each of the surface's two parameters.
 
     Returns
     -------
     float
-        [m].
+        Largest distance [m].
     """
     (u0, v0), (u1, v1) = gmsh.model.getParametrizationBounds(2, tag)
     u, v = np.meshgrid(np.linspace(u0, u1, along), np.linspace(v0, v1, along))
@@ -251,23 +263,23 @@ def largest_distance(gmsh: Any, scene: Scene, side: int, tag: int, shift: float,
 
 
 def distances_from_flank(scene: Scene, side: int, points: Array, shift: float) -> Array:
-    """Distances of points from a flank, each measured in its section normal to the helix.
+    """Compute the distances of points from the exact surface of a flank, each in the section normal to the helix.
 
     Parameters
     ----------
     scene : Scene
-        Parts.
+        Scene with the screw or bearing.
     side : int
-        Flank 0 to 3.
+        Flank: 0 and 1 are left and right on the screw, 2 and 3 on the nut.
     points : (k, 3) Array
         Points [m].
     shift : float
-        Shift of the nut along z [m].
+        Displacement of the nut along z [m].
 
     Returns
     -------
     (k,) Array
-        Signed distances [m], positive beyond the arc's radius.
+        Signed distances [m], positive where a point is further from the groove's centre than the groove radius.
     """
     track, lead = scene.track, reduced_lead(scene.track)
     z0 = scene.nut.position + shift

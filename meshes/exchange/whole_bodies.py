@@ -1,7 +1,8 @@
-"""Whole screws, nuts, balls, and halves of rings and balls, without sockets: second-order tetrahedra, fine at contacts.
+"""Meshes of screws, nuts, rings and balls for other FE programs: second-order tetrahedra, fine near the contacts.
 
-They serve other programs, which find the contact themselves. Surfaces are those of ``meshes.grooved_body`` and
-``meshes.ball_body``, known exactly; element sizes grow in proportion to the distance from the expected contacts.
+The other programs find the contacts themselves, so that these meshes have no boxes left free for contact patches. Rings and
+balls may also be cut in halves at a plane of symmetry. The surfaces are the exact ones of ``meshes.grooved_body`` and
+``meshes.ball_body``; element sizes grow linearly with the distance from the expected contacts.
 """
 
 from __future__ import annotations
@@ -35,48 +36,48 @@ from rollbench.meshes.parts import SIDES
 from rollbench.meshes.shell import BEND, POOREST, WALL, Curve, Placing, Shell, Side, best_mesh, fill_shell
 from rollbench.meshes.sockets import SocketSize, socket_points
 
-#: Azimuths [rad] of the two parts of the cut.
+#: Azimuths [rad] of the two cut surfaces of half a ring.
 CUT = (0.0, np.pi)
 
 
-def sizes_as_asked(shell: Shell) -> None:
-    """Keep gmsh from making faces as fine inside as their boundary is: only the boundary of a cut is fine."""
+def use_requested_sizes(shell: Shell) -> None:
+    """Make gmsh use the wanted element sizes inside faces, instead of extending the fine sizes of a face's boundary."""
     shell.gmsh.option.setNumber("Mesh.MeshSizeExtendFromBoundary", 0)
 
 
 class HalfRing:
-    """Surface of half a ring, azimuths 0 to 180 deg, in a shell; the plane y = 0 is its boundary "cut".
+    """Closed surface of one half of a bearing ring, from azimuth 0 to 180 deg; the plane y = 0 is its boundary "cut".
 
-    A pair of rings whose balls stand at 0 and 180 deg, moved within the plane y = 0, deforms symmetrically about it: the
-    half at y >= 0 suffices, with as fine a mesh for half the nodes. Faces are as exact as those of
+    Two rings with balls at 0 and 180 deg, displaced within the plane y = 0, deform symmetrically about this plane. So the
+    half at y >= 0 is enough, and needs half the nodes of a mesh of the same fineness. The faces are exact, as in
     ``meshes.grooved_body``.
 
-    Around the section: the smooth surface behind the groove, high end, land, flank, flank, land, low end.
+    The section has seven edges, numbered from 0: the bore or outside, high end, land, flank, flank, land, low end.
     """
 
     def __init__(self, shell: Shell, m: GrooveMap, spec: BodySpec, share: float = 1.0) -> None:
-        """Divide the curves and triangulate the faces.
+        """Divide the curves of the half ring and triangulate its faces.
 
         Parameters
         ----------
         shell : Shell
-            Shell to which the surface is added.
+            Surface mesh to which the half ring is added.
         m : GrooveMap
-            Map of the track.
+            Groove surfaces of the track.
         spec : BodySpec
-            Dimensions.
+            Dimensions of the ring.
         share : float, default 1.0
-            Factor on the usual longest edges on curved faces.
+            Factor on the default for the longest edges on curved faces.
 
         Raises
         ------
         ValueError
-            A helix, a ring without bore, a groove of one arc, or one that leaves no land or wall.
+            The body is a screw or nut, it has no bore, its groove has one arc, or its groove leaves no land or wall.
         """
         if m.rg or spec.r_in <= 0.0 or m.one_arc:
-            raise ValueError("only a ring with a bore and a groove of two arcs is cut in halves")
+            raise ValueError("only a bearing ring with a bore and a groove of two arcs can be cut in halves")
         self.shell, self.groove, self.spec = shell, Groove.of(m, spec), spec
-        sizes_as_asked(shell)
+        use_requested_sizes(shell)
         g, line, (low, high) = self.groove, m.z0, (spec.z_low, spec.z_high)
         self.flank_limit = share * min(BEND[0] * float(m.radius[g.sides[0]]), FLANK * spec.coarse)
         self.land_limit = share * BEND[1] * g.land
@@ -104,7 +105,7 @@ class HalfRing:
         self._faces()
 
     def _edge(self, k: int, phi: float, nodes: NDArray[np.int64]) -> Curve:
-        """Edge k of the section at an azimuth, from corner k to the next."""
+        """Divide edge k of the ring's cross-section at azimuth ``phi`` [rad], from its corner k to the next one."""
         ends = int(nodes[k]), int(nodes[(k + 1) % 7])
         if k in (3, 4):
             begin, end = self._gamma(k)
@@ -118,30 +119,40 @@ class HalfRing:
         return self.shell.curve(space, 0.0, 1.0, limit, ends)
 
     def _gamma(self, k: int) -> tuple[float, float]:
+        """Return the section angles [rad] at which edge k (3 or 4, a flank) of the cross-section begins and ends."""
         g = self.groove
         return (g.edge, g.apex) if k == 3 else (g.apex, g.edge)
 
     def _side(self, k: int) -> int:
+        """Return the flank 0 to 3 of edge k (3 or 4) of the cross-section."""
         return self.groove.sides[1 if k == 3 else 0]
 
     def _flank(self, k: int, gamma: Array, phi: float | Array) -> Array:
+        """Return points ``(n, 3)`` [m] on a flank (edge 3 or 4), at section angles and azimuths [rad]."""
         r, zeta = self.groove.profile(self._side(k), gamma)
         return points_from_cylindrical(r, phi, self.line + zeta)
 
     def _straight(self, k: int, t: Array) -> tuple[Array, Array]:
-        """Radius and z along a straight edge."""
+        """Return radius and z [m] along straight edge k of the cross-section, at fractions t of its length."""
         x = self.corners[k] + t[:, None] * (self.corners[(k + 1) % 7] - self.corners[k])
         return x[:, 0], x[:, 1]
 
     def _section(self, k: int, t: Array) -> Array:
-        """Radius and z ``(n, 2)`` along any edge."""
+        """Return radius and z ``(n, 2)`` [m] along edge k of the cross-section.
+
+        On a flank, t is the section angle [rad]; on a straight edge, the fraction of its length.
+        """
         if k in (3, 4):
             r, zeta = self.groove.profile(self._side(k), t)
             return np.stack([r, self.line + zeta], axis=1)
         return np.stack(self._straight(k, t), axis=1)
 
     def _around(self, k: int, begin: float, end: float) -> list[Side]:
-        """Boundary of the face that edge k sweeps, in (azimuth, coordinate): from ``begin`` at corner k to ``end``."""
+        """Return the four sides of the face that edge k of the cross-section generates about the axis.
+
+        Plane coordinates of the face are the azimuth [rad] and a coordinate along the edge, from ``begin`` at corner k to
+        ``end``.
+        """
 
         def at(t: Array, phi: float) -> Array:
             place = begin + (end - begin) * t if k not in (3, 4) else t
@@ -156,7 +167,7 @@ class HalfRing:
         ]
 
     def _faces(self) -> None:
-        """Triangulate what the edges sweep, the flat ends, and the cut."""
+        """Triangulate the curved faces, the two flat ends, and the two cut surfaces of the half ring."""
         outer = self.spec.outer
         for k, name in ((0, "bore" if outer else "outside"), (2, "land"), (5, "land")):
             r, begin, end = self.corners[k, 0], self.corners[k, 1], self.corners[(k + 1) % 7, 1]
@@ -173,51 +184,58 @@ class HalfRing:
             self.shell.face("cut", [loop], _section_space(phi), np.inf)
 
     def _flank_space(self, k: int, scale: Array) -> Placing:
+        """Return the map from scaled (azimuth, section angle) to points on the flank of edge k."""
         return lambda x: self._flank(k, x[:, 1] / scale[1], x[:, 0] / scale[0])
 
     def _end(self, name: str, k: int) -> None:
-        """Triangulate a flat end, which edge k sweeps."""
+        """Triangulate the flat end face that edge k of the cross-section generates about the axis."""
         first, last = (cut[k] for cut in self.cuts)
 
-        def edge(sign: float) -> Placing:
+        def end_edge(sign: float) -> Placing:
             return lambda t: np.stack([sign * self._straight(k, t)[0], np.zeros(t.size)], axis=1)
 
         loop = [
             self.arcs[k].on(circle_in_plane(float(self.corners[k, 0]))),
-            last.on(edge(-1.0)),
+            last.on(end_edge(-1.0)),
             self.arcs[(k + 1) % 7].back(circle_in_plane(float(self.corners[(k + 1) % 7, 0]))),
-            first.back(edge(1.0)),
+            first.back(end_edge(1.0)),
         ]
         self.shell.face(name, [loop], plane_map(float(self.corners[k, 1])), np.inf)
 
     def _swept(self, name: str, k: int, ends: tuple[float, float], scale: Array, space: Placing, limit: float) -> None:
+        """Triangulate the curved face that edge k of the cross-section generates about the axis.
+
+        ``scale`` converts the plane coordinates (azimuth, coordinate along the edge) into lengths.
+        """
         loop = [(n, x * scale) for n, x in self._around(k, *ends)]
         self.shell.face(name, [loop], space, limit)
 
 
 def _cylinder_curve(r: float) -> Placing:
+    """Return the map from (arc length, z) to points on a cylinder of radius r [m]."""
     return lambda x: points_from_cylindrical(r, x[:, 0] / r, x[:, 1])
 
 
 def _section_space(phi: float) -> Placing:
+    """Return the map from (radius, z) to points in the axial plane at azimuth ``phi`` [rad]."""
     return lambda x: points_from_cylindrical(x[:, 0], phi, x[:, 1])
 
 
 def half_sphere(radius: float, shell: Shell, share: float, sign: float) -> None:
-    """Triangulate the half of a sphere about the origin at sign * y >= 0: boundaries "sphere" and "cut".
+    """Triangulate the surface of half a ball, sign * y >= 0, about the origin; its boundaries are "sphere" and "cut".
 
     Parameters
     ----------
     radius : float
-        Radius [m].
+        Radius of the ball [m].
     shell : Shell
-        Shell to which the faces are added.
+        Surface mesh to which the faces are added.
     share : float
-        Factor on the usual longest edge.
+        Factor on the default for the longest edge.
     sign : float
-        1 or -1.
+        1 for the half at y >= 0, -1 for the half at y <= 0.
     """
-    sizes_as_asked(shell)
+    use_requested_sizes(shell)
     limit = share * BEND[1] * radius
     middle, pole = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0]]), np.array([0.0, -sign, 0.0])
     equator = shell.curve(lambda t: radius * (np.stack([np.cos(t), np.sin(t)], axis=1) @ middle), 0.0, 2.0 * np.pi, limit)
@@ -229,16 +247,16 @@ def half_sphere(radius: float, shell: Shell, share: float, sign: float) -> None:
     def stretch(at: Array) -> Array:
         return np.asarray(0.5 * (1.0 + np.sum((at / radius) ** 2, axis=1)))
 
-    rim = [[(equator.nodes, shell.points[equator.nodes] @ middle.T)]]  # the same in the projection from the pole
+    rim = [[(equator.nodes, shell.points[equator.nodes] @ middle.T)]]  # the projection keeps the equator
     shell.face("sphere", rim, space, limit, stretch)
     shell.face("cut", rim, lambda at: at @ middle, np.inf)
 
 
 @dataclass(frozen=True)
 class Refinement:
-    """Element sizes that grow with the distance from points."""
+    """Element sizes of a mesh, which grow with the distance from the nearest of some points."""
 
-    #: Points ``(k, 3)`` [m].
+    #: Points around which the mesh is fine ``(k, 3)`` [m].
     near: Array
     #: Edge length at the points [m].
     fine: float
@@ -248,40 +266,40 @@ class Refinement:
     coarse: float
 
     def size(self, share: float = 1.0) -> Placing:
-        """Edge length at points ``(n, 3)``, times a factor."""
+        """Return the function that gives the edge length [m] at points ``(n, 3)`` [m], multiplied by ``share``."""
         tree = cKDTree(self.near)
         return lambda x: share * np.minimum(self.fine + self.growth * tree.query(x)[0], self.coarse)
 
 
 @dataclass(frozen=True)
 class WholeBody(Meshed):
-    """Mesh of a whole or half body; the parts of its surface are boundaries."""
+    """Mesh of a whole or half body for another FE program, with the parts of its surface as named boundaries."""
 
-    #: Second-order tetrahedra.
+    #: Mesh of second-order tetrahedra.
     mesh: Mesh
-    #: Size and quality.
+    #: Number of cells and nodes, and the scaled Jacobians of the cells.
     quality: Quality
 
     @cached_property
     def named(self) -> dict[str, Index]:
-        """Nodes of the boundaries, by name."""
+        """Numbers of the nodes on each boundary, by the boundary's name."""
         return {name: nodes_on(self.mesh, name) for name in sorted(self.mesh.boundaries)}
 
 
 def grid_in_ellipse(half: tuple[float, float], step: float) -> Array:
-    """Points of a square grid inside an ellipse about 0, its rim included.
+    """Return the points of a rectangular grid inside an ellipse about the origin, and points on the ellipse.
 
     Parameters
     ----------
     half : tuple[float, float]
-        Semi-axes [m].
+        Semi-axes of the ellipse [m].
     step : float
-        Largest distance of neighbours [m].
+        Largest distance between neighbouring points of the grid [m].
 
     Returns
     -------
     (k, 2) Array
-        Points [m].
+        Coordinates of the points [m].
     """
     counts = [max(1, int(np.ceil(x / step))) for x in half]
     x, y = np.meshgrid(*(np.linspace(-1.0, 1.0, 2 * n + 1) for n in counts), indexing="ij")
@@ -293,16 +311,16 @@ def grid_in_ellipse(half: tuple[float, float], step: float) -> Array:
 
 
 def groove_points(m: GrooveMap, place: tuple[float, float, int], flat: Array) -> Array:
-    """Points of a groove around an expected contact.
+    """Map distances from an expected contact to points on the groove's surface.
 
     Parameters
     ----------
     m : GrooveMap
-        Track.
+        Groove surfaces of the track.
     place : tuple[float, float, int]
-        Azimuth [rad] and station [m] of the ball, and flank 0 to 3.
+        Azimuth [rad] and axial position [m] of the ball, and flank 0 to 3.
     flat : (k, 2) Array
-        Lengths from the contact, across and along the groove [m].
+        Distances from the contact, across and along the groove [m].
 
     Returns
     -------
@@ -315,23 +333,23 @@ def groove_points(m: GrooveMap, place: tuple[float, float, int], flat: Array) ->
 
 
 def sphere_points(m: GrooveMap, side: int, radius: float, flat: Array) -> Array:
-    """Points of a ball around an expected contact, in the frame of azimuth 0.
+    """Map distances from an expected contact to points on the surface of a ball at azimuth 0.
 
     Parameters
     ----------
     m : GrooveMap
-        Track.
+        Groove surfaces of the track.
     side : int
-        Flank 0 to 3.
+        Flank that the ball contacts: 0 and 1 are left and right on the screw, 2 and 3 on the nut.
     radius : float
         Radius of the ball [m].
     flat : (k, 2) Array
-        Lengths from the contact, across and along the groove [m].
+        Distances from the contact, across and along the groove [m].
 
     Returns
     -------
     (k, 3) Array
-        Points from the ball's centre [m].
+        Coordinates relative to the ball's centre [m].
     """
     n, t1, t2 = directions(m, side)
     ray = n + flat[:, :1] / radius * t1 + flat[:, 1:] / radius * t2
@@ -339,21 +357,21 @@ def sphere_points(m: GrooveMap, side: int, radius: float, flat: Array) -> Array:
 
 
 def place_ball(m: GrooveMap, at: tuple[float, float], points: Array) -> Array:
-    """Move points of a ball from the frame of azimuth 0 to its place.
+    """Move points of a ball from the ball at azimuth 0 to the ball's position in the screw or bearing.
 
     Parameters
     ----------
     m : GrooveMap
-        Track.
+        Groove surfaces of the track.
     at : tuple[float, float]
-        Azimuth [rad] and station [m] of the ball.
+        Azimuth [rad] and axial position [m] of the ball.
     points : (n, 3) Array
-        Points from the ball's centre [m].
+        Coordinates relative to the centre of a ball at azimuth 0 [m].
 
     Returns
     -------
     (n, 3) Array
-        Points [m].
+        Coordinates in the frame of the screw [m].
     """
     c, s = np.cos(at[0]), np.sin(at[0])
     out = points + np.array([m.R, 0.0, 0.0])
@@ -361,21 +379,21 @@ def place_ball(m: GrooveMap, at: tuple[float, float], points: Array) -> Array:
 
 
 def whole_body(m: GrooveMap, spec: BodySpec, refinement: Refinement) -> WholeBody:
-    """Mesh a screw or nut without sockets; boundaries as in `meshes.grooved_body`.
+    """Mesh a whole screw, nut or ring for another FE program; its boundaries have the names of `meshes.grooved_body`.
 
     Parameters
     ----------
     m : GrooveMap
-        Track.
+        Groove surfaces of the track.
     spec : BodySpec
-        Dimensions; its sockets only tell where its groove ends, if it does; its element sizes are not used.
+        Dimensions. Its sockets are used only to find where a groove ends inside the body; its element sizes are not used.
     refinement : Refinement
         Element sizes.
 
     Returns
     -------
     WholeBody
-        The mesh.
+        The mesh, without boxes for contact patches.
 
     Raises
     ------
@@ -388,16 +406,16 @@ def whole_body(m: GrooveMap, spec: BodySpec, refinement: Refinement) -> WholeBod
 
 
 def whole_ball(m: GrooveMap, radius: float, refinement: Refinement) -> WholeBody:
-    """Mesh a ball about the origin.
+    """Mesh a whole ball, with its centre at the origin, for another FE program.
 
     Parameters
     ----------
     m : GrooveMap
-        Track.
+        Groove surfaces of the track.
     radius : float
         Radius of the ball [m].
     refinement : Refinement
-        Element sizes, in the frame of azimuth 0.
+        Element sizes, around the contacts of a ball at azimuth 0.
 
     Returns
     -------
@@ -414,14 +432,14 @@ def whole_ball(m: GrooveMap, radius: float, refinement: Refinement) -> WholeBody
 
 
 def half_body(m: GrooveMap, spec: BodySpec, refinement: Refinement) -> WholeBody:
-    """Mesh the half of a ring at y >= 0; the plane y = 0 is its boundary "cut".
+    """Mesh the half of a bearing ring at y >= 0 for another FE program; the plane y = 0 is its boundary "cut".
 
     Parameters
     ----------
     m : GrooveMap
-        Track.
+        Groove surfaces of the track.
     spec : BodySpec
-        Dimensions.
+        Dimensions of the ring.
     refinement : Refinement
         Element sizes.
 
@@ -433,14 +451,14 @@ def half_body(m: GrooveMap, spec: BodySpec, refinement: Refinement) -> WholeBody
     Raises
     ------
     ValueError
-        As `whole_body`, and for a helix or a ring without bore.
+        As for `whole_body`; and where the body is a screw or nut, or a ring without bore.
     """
     name = "inner ring" if spec.outer else "outer ring"
     return _fill_surface(name, lambda shell, share: HalfRing(shell, m, spec, share), refinement)
 
 
 def half_ball(radius: float, refinement: Refinement, sign: float) -> WholeBody:
-    """Mesh the half of a ball about the origin at sign * y >= 0; the plane y = 0 is its boundary "cut".
+    """Mesh half a ball, sign * y >= 0, with its centre at the origin; the plane y = 0 is its boundary "cut".
 
     Parameters
     ----------
@@ -449,7 +467,7 @@ def half_ball(radius: float, refinement: Refinement, sign: float) -> WholeBody:
     refinement : Refinement
         Element sizes.
     sign : float
-        1 or -1.
+        1 for the half at y >= 0, -1 for the half at y <= 0.
 
     Returns
     -------
@@ -465,7 +483,7 @@ def half_ball(radius: float, refinement: Refinement, sign: float) -> WholeBody:
 
 
 def _fill_surface(name: str, surface: Callable[[Shell, float], object], refinement: Refinement) -> WholeBody:
-    """Fill a surface; edges that would turn cells inside out are straightened."""
+    """Mesh the body inside a closed surface; edges that would invert cells are straightened."""
 
     def attempt(gmsh: Any, plane: int, volume: int, share: float) -> tuple[WholeBody, float]:
         shell = Shell(gmsh, refinement.size(share), share * refinement.fine, plane)

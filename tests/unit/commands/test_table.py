@@ -190,7 +190,7 @@ def test_a_grid_with_gaps_is_no_modelica_file(command, tmp_path):
     ("arguments", "word"),
     [
         (("--over", "nut.posit=1:2:2"), "did you mean position"),
-        (("--over", "nut.position=100:200:2", "parsec"), "no such unit"),
+        (("--over", "nut.position=100:200:2", "parsec"), "unknown unit"),
         (("--over", "load=1:10:3", "mm"), "allowed: a force"),
         (("--over", "load=1:2"), "KEY=A:B:N"),
         (("--stiffness-at", "900 mm"), "800 mm"),

@@ -18,7 +18,7 @@ from rollbench.hifi.elements.forms import cell_basis as space
 from rollbench.hifi.elements.forms import contact_weights, elasticity, nodal_areas, nodal_share_form
 from rollbench.meshes.axis import RollerRow
 from rollbench.meshes.parts import Material
-from rollbench.meshes.roller_body import Zone, on_race, on_roller, section_mesh, swept_body
+from rollbench.meshes.roller_body import Zone, raceway_point_map, roller_point_map, section_mesh, swept_body
 
 E, NU = 207e9, 0.3
 #: Radius and half length of a roller, depth of a ring [m]; half-width of a contact.
@@ -32,7 +32,7 @@ LINES = MIDDLE + HALF * np.array([-1.0, -0.5, -0.2, 0.2, 0.5, 1.0])
 
 def cylinder():
     flat = section_mesh(ZONE, R, R, round=True)
-    return swept_body(flat, ZONE, LINES, (LINES[0], LINES[-1]), on_roller(R, ANGLE, np.zeros_like), round=True)
+    return swept_body(flat, ZONE, LINES, (LINES[0], LINES[-1]), roller_point_map(R, ANGLE, np.zeros_like), round=True)
 
 
 def slab(count):
@@ -40,7 +40,7 @@ def slab(count):
     angle = np.radians(30.0)
     width = MIDDLE * np.sin(angle) * np.sin(np.pi / count)
     flat = section_mesh(ZONE, width, DEPTH, round=False)
-    return swept_body(flat, ZONE, LINES, (LINES[0], LINES[-1]), on_race(MIDDLE, angle, 1.0), mirrored=True), width
+    return swept_body(flat, ZONE, LINES, (LINES[0], LINES[-1]), raceway_point_map(MIDDLE, angle, 1.0), mirrored=True), width
 
 
 def middle_approach(body, matrix, load):

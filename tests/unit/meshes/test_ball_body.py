@@ -88,7 +88,7 @@ UNFIT = [
     (ball_sockets((0, 1), gamma=0.68, depth=1.6e-3), "overlap"),
     (ball_sockets((0, 1), gamma=0.66), "wider than its depth of 0.9 mm allows"),
     (ball_sockets((0, 0)), "overlap"),
-    (ball_sockets((0,), gamma=0.8, depth=2e-3), "over the ball's middle"),
+    (ball_sockets((0,), gamma=0.8, depth=2e-3), "beyond one half of the ball"),
 ]
 
 

@@ -250,7 +250,7 @@ def test_formats_go_by_the_suffix_unless_given(tmp_path: Path, monkeypatch):
         ("a.vtu", {"form": "stl"}, "format 'stl'"),
         ("a.vtu", {"fields": {"p": np.zeros(3)}}, "field 'p' has 3 values"),
         ("a.msh", {"fields": {"s": np.ones((mesh.nvertices, 6))}}, "field 's' has 6 components"),
-        ("a.inp", {"fields": {"u": points_of(mesh)}}, "takes no fields"),
+        ("a.inp", {"fields": {"u": points_of(mesh)}}, "cannot contain fields"),
     ):
         with pytest.raises(ValueError, match=why):
             write_mesh(tmp_path / name, mesh, **options)

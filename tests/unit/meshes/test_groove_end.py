@@ -44,7 +44,7 @@ def test_the_groove_is_whole_at_every_ball_and_ends_beyond_the_outermost(hand, s
             np.testing.assert_allclose(ends.depth(line, beyond), [1.0, 1.0, 0.5, 0.0, 0.0], atol=1e-9)
             phi = last + sign * ball * np.array([-0.5, 0.9 * WHOLE, 1.1 * WHOLE])
             points = np.stack([m.R * np.cos(phi), m.R * np.sin(phi), line + m.rg * phi + 1e-3], axis=1)
-            np.testing.assert_array_equal(ends.in_whole(points), [True, True, False])
+            np.testing.assert_array_equal(ends.has_full_depth(points), [True, True, False])
     assert reached == len(spec.sockets)
 
 

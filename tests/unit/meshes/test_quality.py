@@ -81,8 +81,8 @@ def test_measure_counts_and_places_the_worst_cell():
 def test_bad_mesh_is_refused_with_place_and_remedy_and_a_good_one_is_not(smallest):
     bad = fem.Quality(10, 20, smallest, 0.5, 4, (3e-3, 4e-3, 0.1))
     with pytest.raises(ValueError, match=r"screw: cell 4 of 10 at r = 5 mm, z = 100 mm.*inside out.*smaller element sizes"):
-        fem.refuse_bad(bad, "screw")
-    fem.refuse_bad(replace(bad, smallest=0.06), "screw")
+        fem.refuse_inverted_cells(bad, "screw")
+    fem.refuse_inverted_cells(replace(bad, smallest=0.06), "screw")
 
 
 def bent(by):

@@ -17,7 +17,7 @@ from rollbench.compare.scenes import catalogue
 from rollbench.compare.studies.run_times import load_times
 from rollbench.hifi.setup import TOGETHER
 from rollbench.meshes.cache import StageDone
-from rollbench.meshes.leftovers import for_group
+from rollbench.meshes.leftovers import make_readable_for_group
 
 CASE1 = catalogue.scene("lin-case1")
 TASK = Task((CASE1,), 1)
@@ -108,7 +108,7 @@ def test_stored_files_are_readable_by_the_group(tmp_path) -> None:
         (tmp_path / "own").write_text("")
     finally:
         os.umask(before)
-    for_group(tmp_path / "own")
+    make_readable_for_group(tmp_path / "own")
     modes = {"run.json": 0o640, "team": 0o750, "team/store": 0o750}
     assert {name: stat.S_IMODE((tmp_path / name).stat().st_mode) for name in modes} == modes
     assert all((tmp_path / name).stat().st_mode & 0o040 for name in ("team/store/run.json", "own"))
