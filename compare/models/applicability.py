@@ -201,7 +201,7 @@ def descriptors_in_range(scene: Scene, among: Sequence[Scene] | None = None) -> 
     Parameters
     ----------
     scene
-        Scene with one set.
+        Scene with one nut or bearing row.
     among
         Compared scenes; None: all shipped and drawn ones.
 
@@ -230,7 +230,7 @@ def outside(scene: Scene) -> tuple[str, ...]:
     Parameters
     ----------
     scene
-        Scene with one set.
+        Scene with one nut or bearing row.
 
     Returns
     -------

@@ -107,7 +107,7 @@ def options_for(
     model
         The model.
     scene
-        Scene with one set.
+        Scene with one nut or bearing row.
     reference
         Its reference.
     stores
@@ -221,7 +221,7 @@ def solve_and_time(
     model
         The model.
     scene
-        Scene with one set.
+        Scene with one nut or bearing row.
     reference
         Its reference.
     stores
@@ -280,7 +280,7 @@ def comparison_rows(scene: Scene, answer: Loads, ref: Reference) -> list[Compari
     Parameters
     ----------
     scene
-        Scene with one set.
+        Scene with one nut or bearing row.
     answer
         Loads of a model.
     ref

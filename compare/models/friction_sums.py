@@ -70,7 +70,7 @@ def cached_friction_sums(scene: Scene, result: StaticResult, options: Options) -
     Parameters
     ----------
     scene
-        Scene with one set.
+        Scene with one nut or bearing row.
     result
         Its converged result.
     options

@@ -128,7 +128,7 @@ def solve_scaled(scene: Scene, factor: float, model: str, options: Options) -> S
     Parameters
     ----------
     scene
-        Scene with one set.
+        Scene with one nut or bearing row.
     factor
         The factor.
     model
@@ -176,7 +176,7 @@ def lift_off(scene: Scene, result: StaticResult, bare: StaticResult, model: str,
     Parameters
     ----------
     scene
-        Scene with one set.
+        Scene with one nut or bearing row.
     result
         Its result.
     bare
@@ -333,7 +333,7 @@ def load_path_of_set(scene: Scene, result: StaticResult, bare: StaticResult) -> 
     Parameters
     ----------
     scene
-        Scene with one set.
+        Scene with one nut or bearing row.
     result
         Its result.
     bare

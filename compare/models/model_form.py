@@ -174,7 +174,7 @@ def features(scene: Scene, result: StaticResult) -> dict[str, float]:
     Parameters
     ----------
     scene
-        Scene with one set.
+        Scene with one nut or bearing row.
     result
         Its converged result.
 
@@ -311,7 +311,7 @@ def estimate(scene: Scene, result: StaticResult, points: Iterable[Point] | None 
     Parameters
     ----------
     scene
-        Scene with one set.
+        Scene with one nut or bearing row.
     result
         Its converged result.
     points
@@ -430,7 +430,7 @@ def loaded_section(scene: Scene, answer: Loads) -> SectionAnswer:
     Parameters
     ----------
     scene
-        Scene with one set.
+        Scene with one nut or bearing row.
     answer
         Loads and displacements.
 
@@ -465,7 +465,7 @@ def point(name: str, scene: Scene, result: StaticResult, run: Run, raised: Raise
     name
         Name of the scene.
     scene
-        Scene with one set.
+        Scene with one nut or bearing row.
     result
         Result of the model.
     run

@@ -56,7 +56,7 @@ def read_condensed(scene: Scene, options: Options) -> Condensed:
     Parameters
     ----------
     scene
-        Scene with one set.
+        Scene with one nut or bearing row.
     options
         Options that name the file.
 

@@ -491,7 +491,7 @@ def total(scene: Scene, reference: Reference, *, inputs: bool = True) -> LoadUnc
     Parameters
     ----------
     scene
-        Scene with one set.
+        Scene with one nut or bearing row.
     reference
         Its reference.
     inputs

@@ -80,7 +80,7 @@ def reference(scene: Scene, stores: Sequence[Path] | None = None) -> Reference |
     Parameters
     ----------
     scene
-        Scene with one set.
+        Scene with one nut or bearing row.
     stores
         Folders with runs; None: those of the package.
 
