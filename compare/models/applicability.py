@@ -67,7 +67,7 @@ def _poisson(scene: Scene) -> float:
 
 #: Descriptors of a scene. The margins are assumptions of the order of the steps between the compared scenes. Young's moduli
 #: have no such step, because all parts of the compared scenes are of one steel. The nut's compliance causes most of the
-#: error of the model lin; this error grows by a quarter if the nut's modulus changes by its margin. The modulus of the balls
+#: error of the model lin; this error grows by a quarter if the nut's modulus changes by its margin. The balls' modulus
 #: changes only the Hertz constants, so its margin includes silicon nitride.
 DESCRIPTORS = (
     Descriptor("length of the nut over the pitch diameter", "", 0.8, lambda s: s.nut.length / (2.0 * s.track.pitch_radius)),
@@ -239,8 +239,8 @@ def outside(scene: Scene) -> tuple[str, ...]:
     Returns
     -------
     tuple of str
-        Sentences with the scene's value and the compared range. If the data of the compared scenes are missing, one sentence
-        that says so.
+        Sentences with the scene's value and the compared range; one sentence that says so if the data of the compared
+        scenes are missing.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""Response of a scene to its loads: internal preload, load at which the first contact opens, and load path to the supports."""
+"""Response of a scene to its loads: internal preload, load at which a contact opens, and load path to the supports."""
 
 from __future__ import annotations
 
@@ -151,7 +151,7 @@ def solve_scaled(scene: Scene, factor: float, model: str, options: Options) -> S
 
 
 def preload(scene: Scene, bare: StaticResult) -> Preload:
-    """Return mean and largest contact load and axial force of a scene's preload, from its result without loads (``bare``)."""
+    """Return contact loads and axial force of a scene's preload, from its result without loads (``bare``)."""
     loads = bare.load[bare.load > 0.0]
     if not loads.size:
         return Preload(0.0, 0.0, 0, 0.0)
@@ -404,7 +404,7 @@ def loaded_bodies(assembly: Assembly) -> dict[str, tuple[Assembly, Assembly]]:
 
 
 def sum_of_loads(loads: Sequence[Load]) -> Array:
-    """Return the sum of the forces and of the moments of loads, (6,) [N, N m], without moments of the forces' lever arms."""
+    """Return the sums of forces and of moments of loads, (6,) [N, N m], without moments of the forces' lever arms."""
     return np.asarray(np.array([(*x.force, *x.moment) for x in loads]).reshape(-1, 6).sum(axis=0))
 
 
@@ -462,7 +462,7 @@ def load_path_warnings(path: LoadPath | None) -> Iterator[Warned]:
         return
     words = load_path_text(path)
     text = (
-        f"only {100.0 * share:.2g} % of {what} reaches the contacts, and contact results hold for this share only: {words}; "
-        "free the direction in which a support carries the load, unless this is intended"
+        f"only {100.0 * share:.2g} % of {what} reaches the contacts, and contact results hold for this share only: {words}"
+        "; free the direction in which a support carries the load, unless this is intended"
     )
     yield Warned("held load", text, f"only {100.0 * share:.2g} % of {what} reaches the contacts, supports carry the rest")
