@@ -197,7 +197,7 @@ def test_several_sets_on_one_shaft_are_refused_in_one_line(installed, command):
     installed(LOADS + "    return loads")
     for words in (("solve", "double-nut"), ("check", "double-nut", "--no-compute")):
         code, out, err = command(*words, "--model", "mine")
-        assert (code, out, err.count("\n"), "mine describes one set" in err) == (2, "", 1, True), err
+        assert (code, out, err.count("\n"), "mine does not solve several" in err) == (2, "", 1, True), err
     code, _, err = command("sweep", "double-nut", "--vary", "errors.seed=1:2", "--model", "mine")
     assert code == 2
     assert "mine" in err
