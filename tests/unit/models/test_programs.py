@@ -115,14 +115,14 @@ FAULTY = {
     "too few balls": (ANSWER.replace("range(32)", "range(31)"), "no load of ball 32 SL and 3 more"),
     "too many balls": (ANSWER.replace("range(32)", "range(33)"), "ball: 33; allowed: a ball number from 1 to 32"),
     "too few flanks": (ANSWER.replace('"SL", "SR", ', ""), "no loads on SL, SR"),
-    "a contact twice": (ANSWER.replace('("SL", "SR"', '("SL", "SL", "SR"'), "ball 1 SL again"),
+    "a contact twice": (ANSWER.replace('("SL", "SR"', '("SL", "SL", "SR"'), "a second row of ball 1 SL"),
     "displacement": (
         ANSWER.replace('["ball', '["# displacement: 1 2 x"] + ["ball'),
-        "# displacement: 1 2 x; allowed: ux uy uz",
+        "# displacement: 1 2 x; allowed: six numbers ux uy uz",
     ),
     "late": (
         "print('at work', flush=True); time.sleep(60)",
-        "was ended after 0.5 s, its limit of time; its last line: at work",
+        "was ended after its time limit of 0.5 s; its last line: at work",
     ),
 }
 
