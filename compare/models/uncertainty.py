@@ -508,13 +508,13 @@ class LoadUncertainty:
 
     @property
     def beside(self) -> str:
-        """Sentence on the error that all contact loads share, which no part contains; empty if equilibrium fixes their sum."""
+        """Sentence on an error that all contact loads share and no part contains; empty if equilibrium fixes their sum."""
         if not self.shared:
             return ""
         low, high = SHARED
         return (
-            "Not included is an error that all contacts share: for preloaded screws, independent 3D programs obtain sums of "
-            f"contact loads {low:g} to {high:g} % larger than those of the 3D reference; mesh refinement does not show it."
+            "Not included is an error that all contacts share: for preloaded screws, independent 3D programs obtain sums "
+            f"of contact loads {low:g} to {high:g} % larger than those of the 3D reference; mesh refinement does not show it."
         )
 
 
