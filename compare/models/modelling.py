@@ -98,8 +98,8 @@ def base_run(scene: Scene, level: int, stores: Sequence[Path] | None) -> Run | N
 def varied(scene: Scene, stores: Sequence[Path] | None = None) -> list[Effect]:
     """Return the effect of each variant of the 3D reference on a scene, from converged runs in the folders ``stores``.
 
-    Beyond its 3D part, the reference neglects that an axial force twists a grooved shaft. The effect of this twist is computed
-    by the refined model. Empty if no run of a variant is stored.
+    Beyond its 3D part, the reference neglects that an axial force twists a grooved shaft. The effect of this twist is
+    computed by the refined model. Empty if no run of a variant is stored.
     """
     out = []
     for name, variant in VARIANTS.items():

@@ -111,7 +111,7 @@ def with_groove(scene: Scene, conformity: float) -> Scene:
 
 
 def with_balls(base: Scene, count: int) -> Scene:
-    """Return a copy of a ball screw with another number of balls at the same spacing, and nut and screw as long as needed."""
+    """Return a copy of a ball screw with another number of balls at the same spacing, nut and screw as long as needed."""
     step = (base.balls.azimuths[-1] - base.balls.azimuths[0]) / (len(base.balls.azimuths) - 1)
     azimuths = tuple((i - (count - 1) / 2.0) * step for i in range(count))
     length = max(base.nut.length, base.track.lead * count * step / (2.0 * math.pi) + 14e-3)

@@ -514,7 +514,7 @@ class LoadUncertainty:
         low, high = SHARED
         return (
             "Not included is an error that all contacts share: for preloaded screws, independent 3D programs obtain sums "
-            f"of contact loads {low:g} to {high:g} % larger than those of the 3D reference; mesh refinement does not show it."
+            f"of contact loads {low:g} to {high:g} % larger than the 3D reference; mesh refinement does not show it."
         )
 
 
