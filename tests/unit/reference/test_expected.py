@@ -86,7 +86,7 @@ def test_an_interrupt_says_what_is_kept(tmp_path, monkeypatch: pytest.MonkeyPatc
     monkeypatch.setattr(jobs, "output_closed", lambda: False)
     with pytest.raises(KeyboardInterrupt):
         jobs.ensure([TASK], tmp_path, jobs.Engine(cache=tmp_path / "cache"), said.append)
-    assert said[-1].startswith(f"WARNING: interrupted: 0 of 1 set-ups are kept in {tmp_path}, finished stages")
+    assert said[-1].startswith(f"WARNING: interrupted: 0 of 1 set-ups are stored in {tmp_path}, and finished stages")
     monkeypatch.setattr(jobs, "output_closed", lambda: True)
     with pytest.raises(BrokenPipeError):
         jobs.ensure([TASK], tmp_path, jobs.Engine(), said.append)
