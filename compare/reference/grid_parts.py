@@ -207,7 +207,7 @@ def _cell_sizes(level: int) -> Array:
 
 
 def _variance_factors(level: int, other: int) -> Array:
-    """Return the variance of the load difference between two levels per unit variance of the parts contact and bodies, (2,)."""
+    """Return the variance of the load change between two levels per unit variance of the parts contact and bodies, (2,)."""
     return np.asarray(_cell_sizes(level) ** (2 * ORDER) + _cell_sizes(other) ** (2 * ORDER))
 
 
@@ -271,7 +271,7 @@ def derive_experience(
 
 
 def _covering_bound(errors: Sequence[Array], least: float) -> float:
-    """Return the smallest bound that covers the share `SHARE` of all errors and the share ``least`` of each scene's errors."""
+    """Return the smallest bound that covers the share `SHARE` of all errors and ``least`` of the errors of each scene."""
     return float(max(np.quantile(np.concatenate(errors), SHARE), *(np.quantile(of_scene, least) for of_scene in errors)))
 
 
@@ -308,7 +308,7 @@ TOWARDS = (2, 3)
 
 @dataclass(frozen=True)
 class LipCompliance:
-    """Compliance of the nut's lip between a contact and a free face, as a function of the contact's distance from the face."""
+    """Compliance of the nut's lip between a contact and a free face, as a function of their distance."""
 
     #: Distances from the face [ball radii], increasing.
     radii: Array
@@ -318,7 +318,7 @@ class LipCompliance:
     missing: dict[int, Array]
 
     def at(self, radii: Array, level: int) -> tuple[Array, Array]:
-        """Return the lip's compliance times E r at distances [ball radii] from the face, and its part that a level neglects."""
+        """Return the lip's compliance times E r at distances [ball radii] from a face, and the part that a level neglects."""
         missing = self.missing[min(max(level, 1), max(self.missing))]
         return np.interp(radii, self.radii, self.lip), np.interp(radii, self.radii, missing)
 
@@ -348,7 +348,7 @@ def read_lip(store: Path) -> LipCompliance:
 
 
 def excess_near_faces(scene: Scene, load: Array, level: int) -> Array:
-    """Return the largest amounts by which contact loads near free faces of the nut are too high on a mesh level, (n, 4) [N].
+    """Return by how much contact loads near free faces of the nut are at most too high on a mesh level, (n, 4) [N].
 
     ``load``: contact loads (n, 4) [N] of the level.
     """

@@ -1,4 +1,4 @@
-"""Mesh levels of the 3D reference and of rolling contacts; from one level to the next all numerical settings are refined."""
+"""Mesh levels of the 3D reference and of rolling contacts; each level refines all settings of the previous one."""
 
 from __future__ import annotations
 
@@ -18,11 +18,11 @@ def _settings(keys: Mapping[str, Any]) -> dict[str, Any]:
 
 
 #: Mesh settings (`hifi.meshing.part_meshes.Settings`) of each level, coarse to fine; lengths in m. b_over_h counts
-#: second-order cells, so that there are twice as many nodes. From one level to the next, the cells at the contact are refined
-#: by 4/3. The following are refined by 1.15 to 1.2: cells and sockets of the submodels for a contact's local compliance,
-#: coarse bodies and balls, which only transfer loads between contacts, and the models of the shaft's cut ends. The growth of
-#: the patches' cells and the numbers of modes follow. The plane mesh of the shaft's cross-section is the same on all levels;
-#: its error is below 0.04 % in bending (tests/unit/hifi/test_helical_section.py).
+#: second-order cells, so that there are twice as many nodes. From one level to the next, the cells at the contact are
+#: refined by 4/3. The following are refined by 1.15 to 1.2: cells and sockets of the submodels for a contact's local
+#: compliance, coarse bodies and balls, which only transfer loads between contacts, and the models of the shaft's cut ends.
+#: The growth of the patches' cells and the numbers of modes follow. The plane mesh of the shaft's cross-section is the same
+#: on all levels; its error is below 0.04 % in bending (tests/unit/hifi/test_helical_section.py).
 LEVELS: dict[int, dict[str, Any]] = {int(level): _settings(keys) for level, keys in _TABLES["level"].items()}
 #: Finer values of single settings of the finest level (`compare.reference.variants`).
 BEYOND: dict[str, Any] = _settings(_TABLES["beyond"])
