@@ -318,7 +318,7 @@ class LipCompliance:
     missing: dict[int, Array]
 
     def at(self, radii: Array, level: int) -> tuple[Array, Array]:
-        """Return compliance of the lip times E r at distances [ball radii] from a face, and its part that a level neglects."""
+        """Return lip compliance times E r at distances [ball radii] from a face, and its part that a level neglects."""
         missing = self.missing[min(max(level, 1), max(self.missing))]
         return np.interp(radii, self.radii, self.lip), np.interp(radii, self.radii, missing)
 
