@@ -75,11 +75,12 @@ def _kind_tag(value: Any) -> str:
 def json_schema() -> dict[str, Any]:
     """Return the JSON Schema (draft 2020-12) of scene files of all kinds, with description, unit and range of every key."""
     by_tag = {"whole": SceneKeys} | {name: kind_named(name).keys for name in KINDS} | {AXIS: AxisKeys}
-    every: Any = Annotated[Union[tuple(Annotated[of, Tag(name)] for name, of in by_tag.items())], Discriminator(_kind_tag)]
-    # noqa: UP007 schema: dict[str, Any] = without_null(TypeAdapter[Any](every).json_schema()) name =
-    schema["$defs"]["MaterialKeys"]["properties"]["name"]  # any name is allowed if both constants are given name["anyOf"] =
-    [{"enum": name.pop("enum")}, {"type": "string"}] draft = "https://json-schema.org/draft/2020-12/schema" return
-    {"$schema": draft, "$id": "urn:rollbench:scene", "title": "rollbench scene"} | schema
+    every: Any = Annotated[Union[tuple(Annotated[of, Tag(name)] for name, of in by_tag.items())], Discriminator(_kind_tag)]  # noqa: UP007
+    schema: dict[str, Any] = without_null(TypeAdapter[Any](every).json_schema())
+    name = schema["$defs"]["MaterialKeys"]["properties"]["name"]  # any name is allowed if both constants are given
+    name["anyOf"] = [{"enum": name.pop("enum")}, {"type": "string"}]
+    draft = "https://json-schema.org/draft/2020-12/schema"
+    return {"$schema": draft, "$id": "urn:rollbench:scene", "title": "rollbench scene"} | schema
 
 
 Table = dict[str, Any]
