@@ -216,7 +216,7 @@ class Lives:
 
 
 @record
-class Together:
+class CycleResults:
     """Extreme values over the load cases of a duty cycle, and lives of each nut or bearing row over the whole cycle."""
 
     #: Largest pressure [Pa] of the load cases with equilibrium.
@@ -273,7 +273,7 @@ class Together:
         return min(self.lives, key=lambda lives: 0.0 if lives.life is None else lives.life.revolutions)
 
 
-def together(cycle: DutyCycle, solved: Sequence[Solved | SolvedAxis]) -> Together:
+def cycle_results(cycle: DutyCycle, solved: Sequence[Solved | SolvedAxis]) -> CycleResults:
     """Compute extreme values over the load cases of a duty cycle, and lives over the whole cycle.
 
     Parameters
@@ -285,13 +285,13 @@ def together(cycle: DutyCycle, solved: Sequence[Solved | SolvedAxis]) -> Togethe
 
     Returns
     -------
-    Together
+    CycleResults
         Largest pressure, least static safety, largest expected error, and lives.
     """
     pairs = list(zip(cycle.cases, solved, strict=True))
     answers = [(case, x) for case, one in pairs for x in one.contacts]
     errors = [(case, None if one.expected is None else one.expected.percent) for case, one in pairs if one.answers]
-    return Together(
+    return CycleResults(
         _extreme_over_cases(max, ((case, a.worst.pressure) for case, a in answers if a.worst)),
         _extreme_over_cases(min, ((case, a.safety.factor) for case, a in answers if a.safety)),
         _extreme_over_cases(max, errors),

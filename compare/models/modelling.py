@@ -27,7 +27,7 @@ from rollbench.compare.models.registry import DEFAULT, MODELS, Options, run_mode
 from rollbench.compare.models.study import Study
 from rollbench.compare.reference.estimate import Reference, uncertainty_percent
 from rollbench.compare.reference.store import Run, load_run
-from rollbench.compare.reference.variants import TWIST, VARIANTS, Kind, twisted
+from rollbench.compare.reference.variants import TWIST, VARIANTS, Kind, with_twisted_supports
 from rollbench.compare.scenes.catalogue import names_with_role
 from rollbench.lowfi.compliance.bodies import PARTS, Condensed
 from rollbench.lowfi.statics.elastic import solve_elastic
@@ -111,7 +111,7 @@ def varied(scene: Scene, stores: Sequence[Path] | None = None) -> list[Effect]:
     if not out:
         return []
     options = Options(discretisation=False)
-    straight, turned = (run_model(s, DEFAULT, options).load for s in (scene, twisted(scene)))
+    straight, turned = (run_model(s, DEFAULT, options).load for s in (scene, with_twisted_supports(scene)))
     label = "supports rotated by the largest twist that the reference neglects, by the refined model"
     return [*out, effect(scene.name, "coupling", label, TWIST, "modelling", turned, straight)]
 

@@ -18,9 +18,9 @@ from rollbench.compare.reference.tasks import (
     Task,
     balls_of,
     needed_sides,
-    recorded,
     refused,
     set_ups,
+    settings_to_store,
     stations,
 )
 from rollbench.compare.reference.variants import VARIANTS
@@ -174,7 +174,7 @@ def _run_record(
         for name in INGREDIENTS:
             without[name] = solve_reference(setups[0], scene, sides=needed_sides(scene), leave_out=frozenset([name]))
     shared = list({id(s): s for s in setups}.values())
-    settings = recorded(ups) if not task.single else asdict(ups[0].settings) | {"stations": stations(*task.scenes)}
+    settings = settings_to_store(ups) if not task.single else asdict(ups[0].settings) | {"stations": stations(*task.scenes)}
     assert result.frozen is not None
     return Run(
         scene=task.scenes[number].name,

@@ -98,10 +98,10 @@ def as_done(
     calls = [job if isinstance(job, tuple) else (job, ()) for job in jobs]
     if backend == "joblib" and (workers or 1) == 1:
         return ((number, function(*arguments)) for number, (function, arguments) in enumerate(calls))
-    return _elsewhere(calls, backend, scheduler, workers or 0, LONELY if wait is None else wait)
+    return _run_in_workers(calls, backend, scheduler, workers or 0, LONELY if wait is None else wait)
 
 
-def _elsewhere(
+def _run_in_workers(
     calls: list[tuple[Callable[..., Any], Sequence[Any]]], backend: str, scheduler: str | None, workers: int, wait: float
 ) -> Generator[tuple[int, Any], None, None]:
     """Run jobs in other processes or on a cluster, and yield number and result of each.
@@ -118,7 +118,7 @@ def _elsewhere(
             yield number, value
 
 
-def _call(number: int, version: str, function: Callable[..., Any], arguments: Sequence[Any]) -> Answer:
+def _run_job(number: int, version: str, function: Callable[..., Any], arguments: Sequence[Any]) -> Answer:
     """Run one job in a worker process, and return its number, whether it succeeded, and its pickled result or exception.
 
     A process runs one job at a time, because gmsh has one state per process. A worker of another version than ``version``,
@@ -154,13 +154,13 @@ def _in_processes(asked: Sequence[Asked], workers: int) -> Generator[Answer, Non
 
     with local_workers():  # max_nbytes: no read-only arguments
         many = Parallel(workers, return_as="generator_unordered", pre_dispatch=workers, batch_size=1, max_nbytes=None)
-        answers = many(delayed(_call)(*one) for one in asked)
+        answers = many(delayed(_run_job)(*one) for one in asked)
         try:
             with restarts_unsaid():
                 for answer in answers:  # noqa: UP028 - closed below, where its warning is suppressed
                     yield answer
         except BrokenProcessPool as error:
-            raise _died(error) from error
+            raise _dead_worker_error(error) from error
         finally:
             with warnings.catch_warnings():
                 warnings.simplefilter("ignore")  # joblib warns of cancelled jobs
@@ -177,14 +177,14 @@ def _on_cluster(asked: Sequence[Asked], scheduler: str | None, workers: int, wai
         from distributed import KilledWorker, as_completed
 
         left, running = deque(asked), 0
-        looks = _looks(client, scheduler or "a cluster on this machine", wait)
+        looks = _check_cluster(client, scheduler or "a cluster on this machine", wait)
         next(looks)  # before the first job, so that a worker that this job kills is counted
         looked = monotonic()
         done = as_completed([], loop=client.loop)
         try:
             while left or running:
                 while left and running < (workers or len(asked)):
-                    done.add(client.submit(_call, *left.popleft(), pure=False))
+                    done.add(client.submit(_run_job, *left.popleft(), pure=False))
                     running += 1
                 if done.has_ready():
                     running -= 1
@@ -195,15 +195,15 @@ def _on_cluster(asked: Sequence[Asked], scheduler: str | None, workers: int, wai
                     next(looks)
                     looked = monotonic()
         except (KilledWorker, CancelledError) as error:
-            if isinstance(error, CancelledError) and scheduler is not None and not _alive(scheduler):
-                raise _lost(f"{scheduler}: the scheduler no longer answers") from error
-            raise _died(error) from error
+            if isinstance(error, CancelledError) and scheduler is not None and not _scheduler_answers(scheduler):
+                raise _lost_cluster_error(f"{scheduler}: the scheduler no longer answers") from error
+            raise _dead_worker_error(error) from error
         except ImportError as error:
             place = f"a worker without rollbench, which joined later ({error})"
             raise ArgumentError("scheduler", place, "workers with rollbench", INSTALL) from error
 
 
-def _looks(client: Any, place: str, wait: float) -> Iterator[None]:
+def _check_cluster(client: Any, place: str, wait: float) -> Iterator[None]:
     """Check once per iteration that a cluster has workers and its scheduler answers.
 
     InputError if no worker joins within ``wait`` seconds, at the beginning or after the last one was lost, or if the
@@ -217,9 +217,9 @@ def _looks(client: Any, place: str, wait: float) -> Iterator[None]:
         except TimeoutError as error:  # the scheduler may be busy
             silent += PATIENCE
             if silent > SILENCE:
-                raise _lost(f"{place}: the scheduler has not answered for {SILENCE:g} s") from error
+                raise _lost_cluster_error(f"{place}: the scheduler has not answered for {SILENCE:g} s") from error
         except Exception as error:  # any error of a closed connection
-            raise _lost(f"{place}: the scheduler no longer answers ({type(error).__name__})") from error
+            raise _lost_cluster_error(f"{place}: the scheduler no longer answers ({type(error).__name__})") from error
         else:
             had_workers = had_workers or workers > 0
             if workers == 0 and alone == 0.0:
@@ -228,7 +228,7 @@ def _looks(client: Any, place: str, wait: float) -> Iterator[None]:
             alone = 0.0 if workers else alone + LOOK
             if alone > wait:
                 if had_workers:
-                    raise _lost(f"{place}: the last worker was lost, and no other joined within {wait:g} s")
+                    raise _lost_cluster_error(f"{place}: the last worker was lost, and no other joined within {wait:g} s")
                 start = f"start workers with: dask worker {place}; if they need more time, use `wait_workers=600`"
                 raise _no_cluster(place, f"no workers within {wait:g} s", start)
         yield
@@ -239,12 +239,12 @@ def _no_cluster(place: str, reason: str, advice: str) -> InputError:
     return ArgumentError("scheduler", f"{place}: {reason}", "a scheduler with workers", advice)
 
 
-def _lost(reason: str) -> InputError:
+def _lost_cluster_error(reason: str) -> InputError:
     """Return an ArgumentError for a cluster whose scheduler or workers were lost while jobs ran."""
     return ArgumentError("scheduler", reason, "a scheduler with workers", AGAIN)
 
 
-def _died(error: BaseException) -> InputError:
+def _dead_worker_error(error: BaseException) -> InputError:
     """Return an ArgumentError for a worker process that died."""
     allowed, advice = "as many as the memory allows", "use fewer workers; a worker that runs out of memory is killed"
     return ArgumentError("workers", f"a worker that died ({type(error).__name__})", allowed, advice)
@@ -315,7 +315,7 @@ def _cluster(scheduler: str | None, workers: int) -> Iterator[Any]:
         try:
             versions = set(
                 client.run(_version).values()
-            )  # versions of the present workers; `_call` checks those that join later
+            )  # versions of the present workers; `_run_job` checks those that join later
         except Exception as error:
             raise _no_cluster(place, f"workers without rollbench ({error})", INSTALL) from error
         if versions - {__version__}:
@@ -330,7 +330,7 @@ def _other_version(value: str, version: str) -> InputError:
     return ArgumentError("scheduler", value, f"workers of rollbench {version}", advice)
 
 
-def _alive(scheduler: str) -> bool:
+def _scheduler_answers(scheduler: str) -> bool:
     """Return whether the scheduler at an address accepts a connection."""
     try:
         asyncio.run(asyncio.wait_for(_greet(scheduler), PATIENCE))

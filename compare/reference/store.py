@@ -394,7 +394,7 @@ def load_run(scene: Solvable, level: int, variant: str = "", stores: Sequence[Pa
             if run is not None and meshes_suit(scene, level, variant, run.settings, run.sides):
                 runs.append(run)
         if runs:
-            return min(runs, key=partial(_order, installed))
+            return min(runs, key=partial(_sort_key, installed))
     return None
 
 
@@ -455,7 +455,7 @@ def _known_mesh(path: Path, _changed: int) -> _Mesh | None:
         return None
 
 
-def _order(installed: Mapping[str, str], run: Run) -> tuple[float, ...]:
+def _sort_key(installed: Mapping[str, str], run: Run) -> tuple[float, ...]:
     """Return the key by which runs are sorted: installed versions first, then fine contact cells, then large patches."""
     other = any(run.versions.get(name) != version for name, version in installed.items())
     each = run.settings.get("sets", (run.settings,))

@@ -158,7 +158,7 @@ def settings_of(scenes: Sequence[Scene], level: int, variant: str = "") -> Setti
     return set_ups(scenes, level, variant)[0].settings
 
 
-def recorded(ups: Sequence[SetUp]) -> dict[str, Any]:
+def settings_to_store(ups: Sequence[SetUp]) -> dict[str, Any]:
     """Return the mesh settings to store with a run: cells per semi-axis of a contact, and the settings of each row."""
     by_set = {k: asdict(up.settings) | {"sides": up.sides} for up in ups for k in up.sets}
     return {"b_over_h": ups[0].settings.b_over_h, "sets": tuple(by_set[k] for k in sorted(by_set))}
@@ -171,7 +171,7 @@ def meshes_suit(scene: Solvable, level: int, variant: str, settings: Mapping[str
     """
     changed = VARIANTS[variant].change(scene) if variant and isinstance(scene, Scene) else scene
     try:
-        wanted = recorded(set_ups([changed], level, variant))["sets"]
+        wanted = settings_to_store(set_ups([changed], level, variant))["sets"]
     except InputError:
         return False
     meshed = settings.get("sets", ({**settings, "sides": sides},))

@@ -57,7 +57,7 @@ class NotVaried:
     reason: str
 
 
-def same(scene: Scene) -> Scene:
+def unchanged_scene(scene: Scene) -> Scene:
     """Return the scene unchanged, for variants that differ only in the mesh."""
     return scene
 
@@ -76,12 +76,12 @@ def scaled(name: str, take: Callable[[Dimensions], float], factor: float, shift:
     return lambda scene: solid(**{name: take(solid_dimensions(scene)) * factor + shift})(scene)
 
 
-def longer(leads: float) -> Change:
+def lengthen_3d_shaft(leads: float) -> Change:
     """Return a function that copies a scene with the 3D part of its shaft lengthened on each side by a number of leads."""
     return lambda scene: scaled("shaft", lambda d: d.shaft, 1.0, leads * abs(scene.track.lead))(scene)
 
 
-def held_ring(half: Literal["inner", "outer"]) -> Change:
+def fix_half_of_face(half: Literal["inner", "outer"]) -> Change:
     """Return a function that copies a scene with the nut fixed only at the inner or outer half of its fixed face.
 
     For a flanged nut it is the half of the flange's seat. The function raises ValueError if the nut is not fixed at one
@@ -111,7 +111,7 @@ def ends_in_plain_shaft(scene: Scene) -> Scene:
     return plain_shaft(scaled("shaft", lambda d: d.shaft, 0.5)(scene))
 
 
-def twisted(scene: Scene) -> Scene:
+def with_twisted_supports(scene: Scene) -> Scene:
     """Return a copy of the scene whose supports are rotated by the twist that the axial-torsional coupling would cause.
 
     The 3D reference neglects this coupling beyond the 3D part of the shaft. Between a support and the nut at the distance
@@ -142,9 +142,9 @@ BEYOND, TWIST = "where the screw's groove ends", "axial-torsional coupling of th
 SIDES, MODES, FIXING = "set-up shared with other scenes", "modes per patch", "where the nut is held"
 
 
-def finer(label: str, choice: str, *refined: str) -> Variant:
+def mesh_refinement_variant(label: str, choice: str, *refined: str) -> Variant:
     """Return the variant of the finest mesh level with finer values of the mesh settings ``refined``."""
-    return Variant(label, choice, "numerical", same, refined)
+    return Variant(label, choice, "numerical", unchanged_scene, refined)
 
 
 _shaft, _land = partial(scaled, "shaft", lambda d: d.shaft), partial(scaled, "nut_inner_diameter", lambda d: 2.0 * d.land)
@@ -154,28 +154,30 @@ _filled = "nut's groove filled from two ball diameters beyond its outermost ball
 _alone = "the scene alone: sockets on flanks that touch, contact grid by its own load"
 
 VARIANTS: dict[str, Variant] = {
-    "base": Variant(_alone, SIDES, "numerical", same),
+    "base": Variant(_alone, SIDES, "numerical", unchanged_scene),
     "junction": Variant("3D shaft 20 mm longer on each side", LENGTH, "modelling", _shaft(1.0, 20e-3)),
     "junction-short": Variant("3D shaft of half the length", LENGTH, "modelling", _shaft(0.5)),
-    "junction-phase": Variant("3D shaft half a lead longer on each side", PHASE, "modelling", longer(0.5)),
+    "junction-phase": Variant("3D shaft half a lead longer on each side", PHASE, "modelling", lengthen_3d_shaft(0.5)),
     "land": Variant("nut lands 0.6 mm narrower in diameter", LANDS, "modelling", _land(1.0, -0.6e-3)),
     "land-wide": Variant("nut lands 0.6 mm wider in diameter", LANDS, "modelling", _land(1.0, 0.6e-3)),
     "hole": Variant("hole along the screw of half the diameter", HOLE, "modelling", _hole),
-    "held-outer": Variant(_width.format("outer"), WIDTH, "modelling", held_ring("outer")),
-    "held-inner": Variant(_width.format("inner"), WIDTH, "modelling", held_ring("inner")),
+    "held-outer": Variant(_width.format("outer"), WIDTH, "modelling", fix_half_of_face("outer")),
+    "held-inner": Variant(_width.format("inner"), WIDTH, "modelling", fix_half_of_face("inner")),
     "nut-filled": Variant(_filled, FILLED, "modelling", solid(nut_groove="loaded")),
     "shaft-plain": Variant("shaft beyond the 3D stretch plain, of the lands' diameter", BEYOND, "scene", plain_shaft),
     "runout": Variant("groove of the screw ends at half the 3D stretch", BEYOND, "scene", ends_in_plain_shaft),
-    "finer-contact": finer("cells of the contact, 4.2 for 3.2 per semi-axis", "contact's cells", "b_over_h"),
-    "finer-patch": finer("growth of a patch's cells, 1.5 for 1.62", "patch's cells", "growth"),
-    "finer-own": finer(
+    "finer-contact": mesh_refinement_variant(
+        "cells of the contact, 4.2 for 3.2 per semi-axis", "contact's cells", "b_over_h"
+    ),
+    "finer-patch": mesh_refinement_variant("growth of a patch's cells, 1.5 for 1.62", "patch's cells", "growth"),
+    "finer-own": mesh_refinement_variant(
         "sockets and cells of the submodels of one contact", "submodels", "own_cuts", "own_sizes", "own_ball_sizes"
     ),
-    "finer-bodies": finer("cells of screw and nut", "coarse bodies", "fine", "coarse"),
-    "finer-sockets": finer("sockets of the bodies cut 4 x 3 x 4 for 3 x 2 x 3", "coarse sockets", "cuts"),
-    "modes": finer("28 modes per patch for 14", MODES, "modes"),
-    "finer-ball": finer("cells and modes of the ball", "ball", "ball_fine", "ball_coarse", "ball_modes"),
-    "finer-cell": finer("cells of the shaft's cut ends", "cut ends of the shaft", "cell"),
+    "finer-bodies": mesh_refinement_variant("cells of screw and nut", "coarse bodies", "fine", "coarse"),
+    "finer-sockets": mesh_refinement_variant("sockets of the bodies cut 4 x 3 x 4 for 3 x 2 x 3", "coarse sockets", "cuts"),
+    "modes": mesh_refinement_variant("28 modes per patch for 14", MODES, "modes"),
+    "finer-ball": mesh_refinement_variant("cells and modes of the ball", "ball", "ball_fine", "ball_coarse", "ball_modes"),
+    "finer-cell": mesh_refinement_variant("cells of the shaft's cut ends", "cut ends of the shaft", "cell"),
     "nut-right": Variant("nut held at its right face", FIXING, "scene", solid(nut_held="right face")),
     "nut-outer": Variant("nut held by its outer surface", FIXING, "scene", solid(nut_held="outer surface")),
 }
