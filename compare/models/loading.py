@@ -110,17 +110,17 @@ def scaled(scene: Scene | Assembly, factor: float) -> Scene | Assembly:
         The copy. Displacement and stiffness are reported at the same position as for the original.
     """
 
-    def times(x: Loaded) -> Loaded:
+    def multiplied_load(x: Loaded) -> Loaded:
         (fx, fy, fz), (mx, my, mz) = x.force, x.moment
         force, moment = (factor * fx, factor * fy, factor * fz), (factor * mx, factor * my, factor * mz)
         return replace(x, force=force, moment=moment)
 
-    loads = tuple(map(times, scene.loads))
+    loads = tuple(map(multiplied_load, scene.loads))
     if isinstance(scene, Scene):
         return replace(scene, loads=loads if factor else ())
     from rollbench.lowfi.statics.axis.system import asked  # heavy import
 
-    return replace(scene, loads=loads, housings=tuple(map(times, scene.housings)), stiffness_at=asked(scene))
+    return replace(scene, loads=loads, housings=tuple(map(multiplied_load, scene.housings)), stiffness_at=asked(scene))
 
 
 def solve_scaled(scene: Scene, factor: float, model: str, options: Options) -> StaticResult:
@@ -198,12 +198,12 @@ def lift_off(scene: Scene, result: StaticResult, bare: StaticResult, model: str,
         return None
     unit = axial_force(result)
 
-    def least(solution: StaticResult) -> tuple[float, int]:
+    def smallest_preloaded_load(solution: StaticResult) -> tuple[float, int]:
         values = np.where(tracked, solution.load, np.inf)
         k = int(values.argmin())
         return float(values.flat[k]) ** (2.0 / 3.0), k
 
-    (approach, nearest), (first, contact) = least(result), least(bare)
+    (approach, nearest), (first, contact) = smallest_preloaded_load(result), smallest_preloaded_load(bare)
     known, high = [(0.0, first)], np.inf
     if approach > 0.0:
         known.append((1.0, approach))
@@ -225,7 +225,7 @@ def lift_off(scene: Scene, result: StaticResult, bare: StaticResult, model: str,
         trial = solve_scaled(scene, factor, model, options)
         if not trial.converged:
             return LiftOff(None, solves=solves + 1, words=f"not found: at {factor:.3g} times the loads {trial.status}")
-        value, nearest = least(trial)
+        value, nearest = smallest_preloaded_load(trial)
         if value > 0.0:
             known.append((factor, value))
             contact = nearest

@@ -340,29 +340,31 @@ def estimate(scene: Scene, result: StaticResult, points: Iterable[Point] | None 
     like = [p for p in compared if (p.features["lead"] == 0.0) == ring and (flanged or FLANGE not in p.features)]
     words: tuple[str, ...] = (model.words,)
 
-    def uncovered(why: str, away: float = float("inf"), nearest: str = "") -> ModelForm:
+    def estimate_not_covered(why: str, away: float = float("inf"), nearest: str = "") -> ModelForm:
         return ModelForm(None, None, away, nearest, len(like), (*words, why))
 
     if not (result.load > 0.0).any():
-        return uncovered("no contact carries load, so that errors in per cent of the mean load are not defined")
+        return estimate_not_covered("no contact carries load, so that errors in per cent of the mean load are not defined")
     try:
         place = _scaled(features(scene, result), scales)
     except ValueError as error:
-        return uncovered(f"not comparable: {error}")
+        return estimate_not_covered(f"not comparable: {error}")
     if not compared:
-        return uncovered("no scene was compared with the 3D reference")
+        return estimate_not_covered("no scene was compared with the 3D reference")
     other = why_kind_not_compared(scene)
     if not other and sum(not flanged or FLANGE in p.features for p in like) < FEWEST:
         what = "rings" if ring else "nuts held by a flange" if flanged else "screws"
         other = f"too few {what} were compared with the 3D reference"
     if other:
-        return uncovered(other)
+        return estimate_not_covered(other)
     known = np.array([_scaled(p.features, scales) for p in like])
     away = np.hypot.reduce(known - place, axis=1)  # hypot: does not overflow for a moment with nearly zero loads
     nearest = like[int(away.argmin())].scene
     unlike = [*outside(scene), *_features_beyond_compared(known, place)]
     if unlike:
-        return uncovered(f"outside the range of the compared scenes: {'; '.join(unlike)}", float(away.min()), nearest)
+        return estimate_not_covered(
+            f"outside the range of the compared scenes: {'; '.join(unlike)}", float(away.min()), nearest
+        )
     return ModelForm(
         distance=float(away.min()), nearest=nearest, compared=len(like), words=words, **_expected_errors(like, known, place)
     )

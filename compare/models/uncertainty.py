@@ -131,12 +131,14 @@ def _with_larger_contact_angle(scene: Scene) -> Scene:
 def _with_stiffer_material(scene: Scene) -> Scene:
     """Return a copy of the scene with all Young's moduli increased by 1 %."""
 
-    def stiffened(material: Material) -> Material:
+    def with_higher_modulus(material: Material) -> Material:
         return replace(material, youngs_modulus=1.01 * material.youngs_modulus)
 
-    screw = replace(scene.screw, material=stiffened(scene.screw.material))
-    nut = replace(scene.nut, material=stiffened(scene.nut.material))
-    return replace(scene, screw=screw, nut=nut, balls=replace(scene.balls, material=stiffened(scene.balls.material)))
+    screw = replace(scene.screw, material=with_higher_modulus(scene.screw.material))
+    nut = replace(scene.nut, material=with_higher_modulus(scene.nut.material))
+    return replace(
+        scene, screw=screw, nut=nut, balls=replace(scene.balls, material=with_higher_modulus(scene.balls.material))
+    )
 
 
 def _with_larger_oversize(scene: Scene) -> Scene | None:

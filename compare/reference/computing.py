@@ -238,7 +238,7 @@ def with_larger_patches(setup: Setup, contacts: Sequence[tuple[Array, Array]], l
         share = choose_patch_lines(settings, widths, size.depth)[1]
         return share[0] * widths[0], share[1] * widths[1]
 
-    def mm(lengths: tuple[float, float]) -> str:
+    def patch_size_text(lengths: tuple[float, float]) -> str:
         return f"{1e3 * lengths[0]:.3g} mm across and {1e3 * lengths[1]:.3g} mm along the groove"
 
     m, needs, askew = setup.map, np.zeros(2), 0.0
@@ -249,7 +249,8 @@ def with_larger_patches(setup: Setup, contacts: Sequence[tuple[Array, Array]], l
         needs = np.maximum(needs, [float((across + np.abs(angle - m.beta) * m.radius).max()), float(along.max())])
         askew = max(askew, *(contact_reach_along(m, s, angle[:, s], across[:, s], along[:, s]) for s in setup.sides))
     has, reach = zone(setup.settings), np.array(setup.settings.reach)
-    words = f"the computed loads need {mm((float(needs[0]), float(needs[1])))}, the patch has {mm(has)}"
+    required = patch_size_text((float(needs[0]), float(needs[1])))
+    words = f"the computed loads need {required}, the patch has {patch_size_text(has)}"
     refused, wide = "", max(float(reach[0]), float(needs[0]))
     longer = replace(setup.settings, reach=(wide, askew))
     try:

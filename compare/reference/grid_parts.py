@@ -336,14 +336,16 @@ def read_lip(store: Path) -> LipCompliance:
     radii = np.array([row["radii"] for row in first])
     step = CLOSER / (radii[1] - radii[0])
 
-    def ended(values: list[float]) -> Array:
+    def with_extrapolated_ends(values: list[float]) -> Array:
         return np.array([values[0] + step * (values[0] - values[1]), *values, 0.0])
 
     missing = {int(k): [row["missing"][k] for row in first] for k in first[0]["missing"]}
     spread = max(row["missing"]["1"] / np.interp(row["radii"], radii, missing[1]) for row in rows)
     places = np.array([radii[0] - CLOSER, *radii, AWAY])
     return LipCompliance(
-        places, ended([row["lip"] for row in first]), {k: spread * ended(values) for k, values in missing.items()}
+        places,
+        with_extrapolated_ends([row["lip"] for row in first]),
+        {k: spread * with_extrapolated_ends(values) for k, values in missing.items()},
     )
 
 

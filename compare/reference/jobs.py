@@ -380,7 +380,7 @@ def ensure(
     ]
     finished = 0
 
-    def reached(index: int, outcome: tuple[list[Run], CondensedBodies | None]) -> None:
+    def record_finished_task(index: int, outcome: tuple[list[Run], CondensedBodies | None]) -> None:
         nonlocal done, finished
         task = left[index]
         runs, bodies = outcome
@@ -403,7 +403,7 @@ def ensure(
 
     over = threading.Event()
 
-    def pulse() -> None:
+    def report_regularly() -> None:
         while not over.wait(HEARTBEAT):
             if output_closed():
                 interrupt_main()
@@ -411,10 +411,10 @@ def ensure(
             stage = f"; {progress[finished].under_way}" if alone and finished < len(left) else ""
             step(f"[{finished}/{len(left)}] {perf_counter() - start:.0f} s{stage}")
 
-    threading.Thread(target=pulse, daemon=True).start()
+    threading.Thread(target=report_regularly, daemon=True).start()
     try:
         for number, outcome in parallel.as_done(jobs, engine.backend, engine.scheduler, engine.workers, engine.wait):
-            reached(number, outcome)
+            record_finished_task(number, outcome)
     except KeyboardInterrupt:
         if output_closed():
             raise BrokenPipeError from None

@@ -182,11 +182,11 @@ def _serves(meshed: Mapping[str, Any], wanted: Mapping[str, Any]) -> bool:
     """Return whether the settings of a stored mesh are as fine and as large as the ``wanted`` ones, and equal otherwise."""
     from rollbench.hifi.meshing.settings import Settings
 
-    def others(mesh: Mapping[str, Any]) -> str:
+    def settings_that_must_agree(mesh: Mapping[str, Any]) -> str:
         return canonical(Fields(Settings, {name: mesh[name] for name in wanted.keys() & mesh.keys() - _SIZED}))
 
     return (
-        others(meshed) == others(wanted)
+        settings_that_must_agree(meshed) == settings_that_must_agree(wanted)
         and {"semi", "reach"} <= meshed.keys()
         and all(x <= y for x, y in zip(meshed["semi"], wanted["semi"], strict=True))
         and all(x >= y for x, y in zip(meshed["reach"], wanted["reach"], strict=True))

@@ -88,7 +88,7 @@ def fix_half_of_face(half: Literal["inner", "outer"]) -> Change:
     face.
     """
 
-    def change(scene: Scene) -> Scene:
+    def fix_half(scene: Scene) -> Scene:
         face, flange = solid_dimensions(scene).nut_held, scene.nut.flange
         if flange is not None and face.startswith("flange"):
             low, high = flange.seat
@@ -98,7 +98,7 @@ def fix_half_of_face(half: Literal["inner", "outer"]) -> Change:
             raise ValueError(f"the nut is fixed at its {face}, not at one face")
         return solid(nut_held=f"{face}, {half} half")(scene)
 
-    return change
+    return fix_half
 
 
 def plain_shaft(scene: Scene) -> Scene:
@@ -128,10 +128,10 @@ def with_twisted_supports(scene: Scene) -> Scene:
     force = sum(abs(load.force[2]) for load in scene.loads)
     rate = COUPLING * force / float(np.sqrt(e.youngs_modulus * area * e.shear_modulus * polar))
 
-    def turned(freedom: tuple[str, float], at: float) -> tuple[str, float]:
+    def rotated_freedom(freedom: tuple[str, float], at: float) -> tuple[str, float]:
         return (freedom[0], freedom[1] + rate * abs(at - scene.nut.position)) if freedom[0] == "rz" else freedom
 
-    supports = tuple(replace(s, fixed=tuple(turned(f, s.at) for f in s.fixed)) for s in scene.supports)
+    supports = tuple(replace(s, fixed=tuple(rotated_freedom(f, s.at) for f in s.fixed)) for s in scene.supports)
     return replace(scene, supports=supports)
 
 
