@@ -518,7 +518,7 @@ class SetOfAssembly:
         """Set of balls as a separate scene, named after assembly and set; ValueError for a row of rollers."""
         parts = self.assembly.sets[self.number].parts
         if not isinstance(parts, Scene):
-            raise ValueError(f"{self.name} has no balls")
+            raise ValueError(f"{self.name} has rollers instead of balls")
         return replace(parts, name=re.sub(r"[^\w.-]+", "-", f"{self.assembly.name}-{self.name}"))
 
     @property

@@ -82,7 +82,7 @@ class LiftOff:
     @property
     @Stated("axial_force_N", "axial force at that factor")
     def force(self) -> float | None:
-        """Axial force on the nut at which the contact opens [N]; None if no contact opens within the searched range."""
+        """Axial force on the nut at which the contact opens [N]; None if no such load was found."""
         return None if self.factor is None else self.axial
 
 

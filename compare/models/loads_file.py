@@ -349,7 +349,8 @@ def _columns(path: Path, table: CsvTable) -> dict[str, Column]:
         raise InputError(str(path), where, ", ".join(table.titles), f"a column {COLUMNS[2]}", EXAMPLE)
     twice = next((head for k, head in enumerate(table.titles) if names[k] and names[k] in names[:k]), None)
     if twice is not None:
-        raise InputError(str(path), where, f"a second column of one quantity, {twice}", "each quantity once", "delete one")
+        value = f"a second column of one quantity, {twice}"
+        raise InputError(str(path), where, value, "each quantity once", "delete one of the columns")
     return columns
 
 

@@ -1,11 +1,11 @@
 """Uncertainty of the 3D reference's contact loads due to the mesh, from a part for each kind of refinement.
 
 From one mesh level to the next, the cells at the contact are refined by 4/3, those of the bodies by 1.15, and the cut of
-the coarse sockets (the recesses around the contacts) not at all. Therefore no order of convergence in a single cell size
-describes the loads. The loads do not approach a limit from one side either. Consecutive changes of a contact load have a
-correlation of -0.5, like independent errors, because no cell of one level's mesh is a cell of the next. Extrapolation with
-any order increases the distance to the next level (tests/unit/models/test_grid_coverage.py). The errors of a level are
-therefore treated as scatter with the variance
+the coarse sockets (boxes around the contacts into which fine patches fit) not at all. Therefore no order of convergence in
+a single cell size describes the loads. The loads do not approach a limit from one side either. Consecutive changes of a
+contact load have a correlation of -0.5, like independent errors, because no cell of one level's mesh is a cell of the next.
+Extrapolation with any order increases the distance to the next level (tests/unit/models/test_grid_coverage.py). The errors
+of a level are therefore treated as scatter with the variance
 
     s^2 = contact^2 h_c^4 + bodies^2 h_b^4 + sockets^2 + common^2,
 

@@ -75,19 +75,19 @@ def checksum(data: Mapping[str, Any]) -> str:
 def _parsed(path: Path) -> dict[str, Any]:
     """Return the JSON object in a run's file; ValueError if the file is too large, too deeply nested or no object."""
     if not path.is_file():
-        raise ValueError("no regular file")
+        raise ValueError("the path is not a regular file")
     with open(path, "rb") as file:
         content = file.read(LARGEST + 1)
     if len(content) > LARGEST:
-        raise ValueError(f"more than {LARGEST} bytes")
+        raise ValueError(f"the file has more than {LARGEST} bytes")
     text, depth = content.decode("utf-8"), 0
     for mark in (c for c in text if c in "[]{}"):
         depth += 1 if mark in "[{" else -1
         if depth > DEEPEST:
-            raise ValueError(f"brackets nested more than {DEEPEST} deep")
+            raise ValueError(f"the brackets of the file are nested more than {DEEPEST} deep")
     data = json.loads(text)
     if not isinstance(data, dict):
-        raise ValueError("no table of a run")
+        raise ValueError("the file does not contain the table of a run")
     return data
 
 
@@ -124,7 +124,7 @@ def one_run(times: Iterable[Measured]) -> Measured | None:
     """Return the common measuring conditions of several times; None without times, ValueError if they differ."""
     found = set(times)
     if len(found) > 1:
-        raise ValueError(f"times of several measuring runs: {', '.join(sorted(map(str, found)))}")
+        raise ValueError(f"the times stem from several measuring runs: {', '.join(sorted(map(str, found)))}")
     return next(iter(found), None)
 
 

@@ -127,12 +127,13 @@ class MaterialKeys(Table):
 
     @model_validator(mode="before")
     @classmethod
-    def _by_name(cls, value: Any) -> Any:
+    def _fill_in_constants(cls, value: Any) -> Any:
+        """Return the unchecked table with elastic constants filled in from the material's name."""
         return fill_in_material(value)
 
     @field_validator("youngs_modulus")
     @classmethod
-    def _of_a_solid(cls, value: float | None, info: ValidationInfo) -> float | None:
+    def _check_modulus(cls, value: float | None, info: ValidationInfo) -> float | None:
         """Raise an error for a modulus that no solid has, usually due to a wrong unit, unless ``unusual`` is true."""
         if value is None or SOLIDS[0] <= value <= SOLIDS[1] or info.data.get("unusual"):
             return value

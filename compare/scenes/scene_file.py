@@ -186,7 +186,7 @@ def read_toml(text: str, origin: str) -> dict[str, Any]:
         reason = str(error)[: match.start()] if match else str(error)
     numbered = re.match(r"line (\d+)", place)
     line = text.splitlines()[int(numbered[1]) - 1].strip() if numbered else "text that is not TOML"
-    advice = f'{reason[:1].lower()}{reason[1:]}; texts need double quotes, e.g. length = "800 mm"'
+    advice = f'correct the line ({reason[:1].lower()}{reason[1:]}); put texts in double quotes, e.g. length = "800 mm"'
     if has_comma(line.partition("=")[2]):
         advice = COMMA
     raise SceneError(origin, place, line or "an empty line", "TOML: [table] and key = value lines", advice)

@@ -59,7 +59,8 @@ class TrackKeys(keys.HelixKeys):
 
     @model_validator(mode="before")
     @classmethod
-    def _by_diameter(cls, value: Any) -> Any:
+    def _fill_in_radius(cls, value: Any) -> Any:
+        """Return the unchecked table with the radius filled in from the diameter."""
         return fill_in_radius(value, "pitch_radius", "pitch_diameter")
 
 
@@ -145,7 +146,8 @@ class BallKeys(keys.BallSizeKeys):
 
     @model_validator(mode="before")
     @classmethod
-    def _by_diameter(cls, value: Any) -> Any:
+    def _fill_in_radius(cls, value: Any) -> Any:
+        """Return the unchecked table with the radius filled in from the diameter."""
         return fill_in_radius(value, "radius", "diameter")
 
 

@@ -380,7 +380,7 @@ def _linear_faults(keys: LinearPairKeys | LinearChainKeys) -> Iterator[Fault]:
     for i, row in enumerate(angles):
         if row.min() <= 0.0 or row.max() >= 0.5 * pi:
             where = f"chain[{i}].angle_deviations" if chain else "angles.deviation"
-            advice = f"the nominal contact angle is {degrees(keys.track.contact_angle):.6g} deg"
+            advice = f"choose smaller deviations; the nominal contact angle is {degrees(keys.track.contact_angle):.6g} deg"
             yield Fault((where,), "contact angles above 0 deg, below 90 deg", advice)
             return
         low, high = side_force_range(row, keys.track.contact_angle, keys.load.distribution)
