@@ -61,7 +61,7 @@ def test_a_machine_that_is_too_small_is_refused_before_anything_runs(tmp_path, m
     enough = expected_cost(TASK).memory_GB
     monkeypatch.setattr(module, "available_GB", lambda: 1.5 * enough)
     assert need_memory([TASK, TASK], 1) == pytest.approx(enough)
-    with pytest.raises(errors.InputError, match="`workers=1`, "):
+    with pytest.raises(errors.InputError, match="`workers=1`"):
         need_memory([TASK, TASK], 2)
     monkeypatch.setattr(module, "available_GB", lambda: None)
     assert need_memory([TASK, TASK], 2) == pytest.approx(2.0 * enough)
