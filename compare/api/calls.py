@@ -200,7 +200,7 @@ def solve_described(
         If the model does not cover the scene.
     """
     from rollbench.compare.models.answers import Answers, tangent_stiffness_at, tangent_stiffness_at_nut
-    from rollbench.compare.models.load_cases import solve_any, together
+    from rollbench.compare.models.load_cases import cycle_results, solve_any
     from rollbench.compare.models.registry import default_model
     from rollbench.compare.results.solved import make_result
 
@@ -221,7 +221,7 @@ def solve_described(
             at_nut.append(K)
     if not isinstance(described, DutyCycle):
         return make_result(solved, tangents, at_nut)
-    return make_result(solved, tangents, at_nut, described, together(described, solved))
+    return make_result(solved, tangents, at_nut, described, cycle_results(described, solved))
 
 
 @held_to_one_thread()

@@ -1,7 +1,7 @@
-"""Answers of a solved scene: pressure, safety, life, rigidity, preload and friction, of one set or several.
+"""Results of a solved scene: pressure, safety, life, rigidity, preload and friction, for one bearing row or nut or several.
 
-Also warnings where an answer is outside the range of validity of the models, and where the rings of deep-groove bearings
-lie within their clearance.
+The module also warns where a result is outside the range of validity of the models, and where the supports fix a
+deep-groove bearing near one end of its axial play.
 """
 
 from __future__ import annotations
@@ -65,16 +65,26 @@ AT_END = 0.9
 
 
 def clearance_of_deep_groove(parts: Scene, thrust: str = "deep groove") -> Clearance | None:
-    """Return the clearance of a row of balls with one arc per groove that carries thrust in both directions.
+    """Return the clearance of a deep-groove ball bearing row; None for other rows and for rows without play.
 
-    None for other rows and for rows without play.
+    Parameters
+    ----------
+    parts
+        Bearing row as a scene.
+    thrust
+        Thrust that the row carries: "deep groove" (both directions), or one direction.
+
+    Returns
+    -------
+    Clearance or None
+        Axial and radial play with the contact angle at the end of the play.
     """
     found = clearance_of(parts) if thrust == "deep groove" else None
     return found if found is not None and found.axial > 0.0 else None
 
 
 def play_warnings(scene: Scene | Assembly) -> Iterator[Warned]:
-    """Yield a warning for each deep-groove row whose rings are fixed axially near one end of their play."""
+    """Yield a warning for each deep-groove bearing row that the supports fix axially near one end of its play."""
     shaft = _prescribed_axial_place(scene.supports)
     if shaft is None:
         return
@@ -88,7 +98,10 @@ def play_warnings(scene: Scene | Assembly) -> Iterator[Warned]:
 
 
 def _play_warning_of_row(parts: Scene, place: float) -> Iterator[Warned]:
-    """Yield the warning for a row whose inner ring is fixed at ``place`` [m] relative to its outer ring."""
+    """Yield a warning if a deep-groove row is fixed near one end of its axial play.
+
+    ``place``: prescribed axial displacement of the inner ring relative to the outer ring [m].
+    """
     clearance = clearance_of_deep_groove(parts)
     if clearance is None:
         return
@@ -97,36 +110,42 @@ def _play_warning_of_row(parts: Scene, place: float) -> Iterator[Warned]:
         return
     yield Warned(
         "play",
-        f"the held uz keeps a ring at one end of its axial play of {1e6 * clearance.axial:.4g} um, where balls touch "
-        f"at {degrees(clearance.angle):.3g} deg at rest, so that it moves less across than its clearance lets it; free "
-        f"uz, or hold it {1e6 * (middle - place):+.4g} um from there, in the middle of the play",
+        f"the support fixes uz near one end of the bearing's axial play of {1e6 * clearance.axial:.4g} um, where the "
+        f"unloaded balls touch at a contact angle of {degrees(clearance.angle):.3g} deg; the ring can then move radially "
+        "by less than its radial clearance; free uz, or fix it "
+        f"{1e6 * (middle - place):+.4g} um from there, in the middle of the play",
     )
 
 
 def _prescribed_axial_place(supports: tuple[Support, ...]) -> float | None:
-    """Return the axial displacement [m] that supports prescribe for the shaft; None if it is axially free."""
+    """Return the axial displacement [m] that the supports prescribe for the shaft; None for an axially free shaft."""
     return next((value for s in supports for name, value in s.fixed if name == "uz"), None)
 
 
 def _outer_ring_place(assembly: Assembly, row: RollingSet) -> float | None:
-    """Return the axial displacement [m] of a row's outer ring; None if its housing can move axially."""
+    """Return the prescribed axial displacement [m] of a row's outer ring; None if its housing can move axially."""
     if row.housing is None:
         return row.offset
     housing = next(h for h in assembly.housings if h.name == row.housing)
     return next((row.offset + value for name, value in housing.fixed if name == "uz"), None)
 
 
-#: By model: the model whose elastic bodies give its tangent stiffness. Others have none, except Liu's, axially only.
+#: For each model, the model whose elastic bodies are used for its tangent stiffness. Liu's model has an axial stiffness
+#: only; models that are neither listed here nor in `LADDER` have none.
 TANGENT_OF = {"lin-source-partition": "lin", "lin-printed-hertz": "lin", "source": "lin"}
 
 
-#: Largest credible conformity (groove radius over ball diameter): usual are 0.51 to 0.58; radius over radius is twice that.
+#: Largest credible conformity, groove radius over ball diameter [1]. Usual values are 0.51 to 0.58; a larger value suggests
+#: that the groove radius was divided by the ball's radius instead.
 WIDEST = 0.6
 
 
 @record
 class LoadAnswers:
-    """Results that follow from contact loads of a model or of the 3D reference; None without load."""
+    """Pressure, static safety, rating life and load ratings that follow from the contact loads of a row or nut.
+
+    The loads are those of a low-order model or of the 3D reference. Fields are None without load.
+    """
 
     #: Contact with the highest pressure.
     worst: Contact | None = quantity("worst_contact")
@@ -146,7 +165,10 @@ class LoadAnswers:
 
 @record
 class RollerAnswers:
-    """Results that follow from the line loads of a row of rollers; None without load."""
+    """Pressure, static safety, life and friction torque that follow from the line loads of a row of rollers.
+
+    Fields are None without load.
+    """
 
     #: Line contact with the highest pressure.
     worst: RollerContact | None = quantity("worst_contact")
@@ -165,7 +187,7 @@ class RollerAnswers:
 
 @dataclass(frozen=True)
 class Answers:
-    """All answers of one solved set by a low-order model."""
+    """All results of a low-order model for a scene with one nut or bearing row."""
 
     #: Results derived from the contact loads.
     loads: LoadAnswers
@@ -184,7 +206,7 @@ class Answers:
     preload: Preload | None
     #: Load at which the first preloaded contact opens.
     lift: LiftOff | None
-    #: Sums of friction as JSON values; None if not computed.
+    #: Friction torques and efficiencies as JSON values; None if not computed.
     friction: dict[str, Any] | None
     #: Why friction is not computed.
     friction_words: str
@@ -199,22 +221,22 @@ class Answers:
 
     @property
     def displacement(self) -> float:
-        """Axial component of `motion` [m]."""
+        """Axial displacement of the screw at the nut's centre from its unloaded position [m]."""
         return float(self.motion[2])
 
     @property
     def tangent(self) -> float | None:
-        """Axial rigidity from `at_nut` [N/m], rotation about the axis fixed."""
+        """Axial rigidity at the nut's centre from the tangent stiffness [N/m], with rotation about the axis fixed."""
         return None if self.at_nut is None else self.at_nut.rigidity("uz")
 
 
 def load_answers(scene: Scene, load: Array, angle: Array, member: int = 0, pressure: Array | None = None) -> LoadAnswers:
-    """Compute pressure, safety and life from contact loads.
+    """Compute pressure, static safety, rating life and load ratings from contact loads.
 
     Parameters
     ----------
     scene
-        Scene with one set.
+        Scene with one nut or bearing row.
     load
         Contact loads, (n, 4) [N].
     angle
@@ -247,12 +269,12 @@ def load_answers(scene: Scene, load: Array, angle: Array, member: int = 0, press
 
 
 def tangent_stiffness_at(scene: Scene, station: float, model: str, options: Options) -> Tangent:
-    """Compute the tangent stiffness at a station of the screw.
+    """Compute the tangent stiffness of a loaded screw at an axial position.
 
     Parameters
     ----------
     scene
-        Scene with one set.
+        Scene with one nut or bearing row.
     station
         Axial position on the screw [m].
     model
@@ -268,12 +290,13 @@ def tangent_stiffness_at(scene: Scene, station: float, model: str, options: Opti
     Raises
     ------
     InputError
-        If the model has no tangent stiffness; as Refusal if its elastic bodies cannot be built for the scene.
+        If the model has no tangent stiffness; its subclass Refusal if the model's elastic bodies cannot be built for the
+        scene.
     """
     step = TANGENT_OF.get(model, model)
     if step not in (*LADDER, "condensed"):
         allowed = ", ".join((*LADDER, "condensed", *TANGENT_OF))
-        raise ArgumentError("stiffness_at", f"with the model {model}", allowed, "choose another model")
+        raise ArgumentError("stiffness_at", f"the model {model}", f"only with a model of {allowed}", "choose another model")
     condensed = read_condensed(scene, options) if step == "condensed" else None
     modelled = MODELS[model].scene(scene)
     try:
@@ -281,17 +304,17 @@ def tangent_stiffness_at(scene: Scene, station: float, model: str, options: Opti
             modelled, station, backend=LADDER.get(step, REFINED), condensed=condensed, member=options.member
         )
     except ValueError as error:
-        advice = "the loads are solved without it: leave the stiffness out"
+        advice = "omit the stiffness; contact loads are computed without it"
         raise Refusal(scene.name, key_of_error(error), str(error), advice) from error
 
 
 def tangent_stiffness_at_nut(scene: Scene, model: str, options: Options) -> tuple[Tangent | None, str]:
-    """Compute the tangent stiffness at the nut's centre.
+    """Compute the tangent stiffness of a loaded screw at the nut's centre, if the model has one.
 
     Parameters
     ----------
     scene
-        Scene with one set.
+        Scene with one nut or bearing row.
     model
         Name of the model.
     options
@@ -302,10 +325,10 @@ def tangent_stiffness_at_nut(scene: Scene, model: str, options: Options) -> tupl
     Tangent or None
         The stiffness; None if the model has none.
     str
-        Why the elastic bodies that it needs cannot be built or do not converge; else empty.
+        Why the elastic bodies cannot be built or the solution does not converge; else empty.
     """
     if model == "liu":
-        from rollbench.lowfi.statics.liu import row_of  # loads the chain
+        from rollbench.lowfi.statics.liu import row_of  # heavy import, needed for this model only
 
         axial = row_of(scene, member=options.member).stiffness()
         along = np.full((6, 6), np.nan)
@@ -316,30 +339,33 @@ def tangent_stiffness_at_nut(scene: Scene, model: str, options: Options) -> tupl
     try:
         tangent = tangent_stiffness_at(scene, scene.nut.position, model, options)
     except Refusal as refused:
-        return None, refused.value.partition(";")[0]  # what to do instead is of other answers
+        return None, refused.value.partition(";")[0]  # the rest is advice for other results
     return (tangent, "") if tangent.status == "converged" else (None, tangent.status)
 
 
 def axial_place_without_loads(scene: Scene, bare: StaticResult) -> float:
-    """Return the screw's axial displacement at the nut's centre without loads [m], where displacements are zero.
+    """Return the screw's axial position at the nut's centre without loads [m], from which displacements are counted.
 
     Parameters
     ----------
     scene
-        Scene with one set.
+        Scene with one nut or bearing row.
     bare
-        Its result without loads.
+        Result for the same scene without loads.
 
     Returns
     -------
     float
-        Displacement; zero (the nominal position) if no contact fixes the unloaded screw.
+        Displacement from the nominal position; zero if no contact fixes the unloaded screw.
     """
     return float(displacement_without_loads(scene, bare)[2])
 
 
 def displacement_without_loads(scene: Scene, bare: StaticResult) -> Array:
-    """Return the displacement of the screw at the nut's centre without loads, (6,) [m, rad]."""
+    """Return the unloaded screw's displacement at the nut's centre from its nominal position, (6,) [m, rad].
+
+    ``bare``: result of the scene without loads. Zero if no contact fixes the unloaded screw.
+    """
     return displacement_at_nut(scene, bare) if bare.converged and (bare.load > 0.0).any() else np.zeros(6)
 
 
@@ -349,14 +375,14 @@ def displacement_at_nut(scene: Scene, result: StaticResult) -> Array:
 
 
 def all_answers(scene: Scene, result: StaticResult, model: str, options: Options) -> Answers:
-    """Compute all answers of a converged result; preload and lift-off take further solutions.
+    """Compute all results that follow from a converged solution; preload and lift-off take further solutions.
 
     Parameters
     ----------
     scene
-        Scene with one set.
+        Scene with one nut or bearing row.
     result
-        Its converged result.
+        Converged result of the scene.
     model
         Name of the model.
     options
@@ -381,7 +407,7 @@ def all_answers(scene: Scene, result: StaticResult, model: str, options: Options
     path = load_path_of_set(scene, result, bare)
     step, stepped = scene.ingredients.load_step, None
     if model == "liu" and step is not None:
-        from rollbench.lowfi.statics.liu import row_of  # loads the chain
+        from rollbench.lowfi.statics.liu import row_of  # heavy import, needed for this model only
 
         stepped = row_of(scene, member=options.member).stiffness(step)
     shaft = shaft_limits(scene, result)
@@ -408,18 +434,18 @@ def row_torque(
     thrust
         Thrust that a row with one arc per groove carries: "deep groove" (both directions), or one direction.
     balls
-        Its result.
+        Contact loads and angles of the row.
     force
         Force between shaft and row, (3,) [N].
     loads
-        Answers of its contact loads.
+        Pressure, static safety and life of the row.
     lubricant, motion
-        Those of the scene; None: only the torque from rest.
+        Lubricant and speed of the scene; if either is None, only the load-dependent torque is computed.
 
     Returns
     -------
     BallTorque or None
-        The torque; None for nuts and without load.
+        The torque; None for ball-screw nuts and for unloaded rows.
     """
     if parts.track.lead or loads.safety is None:
         return None
@@ -437,12 +463,12 @@ def row_torque(
 
 
 def quick_friction(scene: Scene, result: StaticResult, options: Options) -> tuple[dict[str, Any] | None, str]:
-    """Return friction torques and efficiencies if no kernel must be compiled for them.
+    """Return friction torques and efficiencies if they can be computed without compiling a kernel.
 
     Parameters
     ----------
     scene
-        Scene with one set.
+        Scene with one nut or bearing row.
     result
         Its converged result.
     options
@@ -451,9 +477,9 @@ def quick_friction(scene: Scene, result: StaticResult, options: Options) -> tupl
     Returns
     -------
     dict or None
-        Sums as JSON values; None without a coefficient of friction, or if a kernel must be compiled.
+        Torques and efficiencies as JSON values; None without a coefficient of friction, or if a kernel must be compiled.
     str
-        What to do to get them; else empty.
+        Advice how to obtain them; empty if they are returned.
     """
     if scene.friction is None:
         return None, "no coefficient given; rollbench friction takes mu = 0.1"
@@ -474,7 +500,7 @@ def roller_answers(row: RollerRow, line_loads: Array, speed: float | None, lubri
     speed
         Relative speed of the rings [rad/s]; None: not known.
     lubricant
-        Lubricant of the scene, if any.
+        Lubricant of the scene; None: the viscous part of the torque is not computed.
 
     Returns
     -------
@@ -494,47 +520,50 @@ def roller_answers(row: RollerRow, line_loads: Array, speed: float | None, lubri
 
 
 def _conformity_warnings(scene: Scene) -> Iterator[Warned]:
-    """Yield a warning for conformities too large for a groove radius over the ball diameter."""
+    """Yield a warning if a conformity exceeds `WIDEST`, as if the radius had been divided by the ball's radius."""
     grooves = {"screw": scene.screw.groove_radius, "nut": scene.nut.groove_radius}
     wide = [f"{part} {f:.4g}" for part, radius in grooves.items() if (f := 0.5 * radius / scene.balls.radius) > WIDEST]
     if wide:
         brief = f"conformity above {WIDEST:g} ({', '.join(wide)})"
-        words = "it is groove radius over ball diameter, usually 0.51 to 0.58; if it is over the ball's radius, halve it"
+        words = (
+            "conformity is groove radius over ball diameter, usually 0.51 to 0.58; "
+            "if it was computed with the ball's radius, halve it"
+        )
         yield Warned("conformity", f"{brief}: {words}", f"{brief}: {words}")
 
 
 def validity_warnings(parts: Scene | RollerRow, loads: LoadAnswers | RollerAnswers, preload: float) -> Iterator[Warned]:
-    """Yield warnings for answers outside the range of validity of the models.
+    """Yield warnings for results outside the range of validity of the models.
 
     Parameters
     ----------
     parts
-        Parts of the set.
+        Geometry and materials of the nut or bearing row.
     loads
-        Answers of its contact loads.
+        Pressure, static safety and life of the nut or row.
     preload
         Axial preload [N].
 
     Yields
     ------
     Warned
-        For wide grooves, static safety below one, and preload above the dynamic load rating.
+        Warning for too wide a groove, for static safety below one, or for preload above the dynamic load rating.
     """
     if isinstance(parts, Scene):
         yield from _conformity_warnings(parts)
     if loads.safety is not None and loads.safety.factor < 1.0:
         factor = f"{loads.safety.factor:.3g}"
-        words = "hardened steel keeps a permanent dent, which life and friction do not take into account"
+        words = "the contact leaves a permanent dent in hardened steel, which life and friction do not take into account"
         yield Warned("safety", f"static safety of {factor}, below 1: {words}", f"static safety {factor}, below 1")
     if isinstance(parts, RollerRow):
         return
     try:
         C = dynamic_rating(parts)
-    except ValueError:  # said with the answers
+    except ValueError:  # the reason is in LoadAnswers.words
         return
     if preload > C:
-        words = "the preload alone sets the life; catalogues stop at 8 % of the rating"
-        text = f"preload of {preload:.4g} N, beyond the dynamic load rating of {C:.4g} N: {words}"
+        words = "the preload alone determines the life; catalogues limit it to 8 % of the rating"
+        text = f"preload of {preload:.4g} N, above the dynamic load rating of {C:.4g} N: {words}"
         yield Warned("preload", text, f"preload {preload:.4g} N, above C = {C:.4g} N")
 
 
@@ -543,15 +572,15 @@ def validity_warnings(parts: Scene | RollerRow, loads: LoadAnswers | RollerAnswe
 
 @dataclass(frozen=True)
 class SetAnswers:
-    """Answers of one of several sets on a shaft."""
+    """Results for one of several nuts or bearing rows on a shaft."""
 
-    #: Name of the set.
+    #: Name of the nut or row.
     name: str
-    #: Parts of the set.
+    #: Geometry and materials of the nut or row.
     parts: Scene | RollerRow
-    #: Results derived from the contact loads of the set.
+    #: Results derived from the contact loads of the nut or row.
     loads: LoadAnswers | RollerAnswers
-    #: Contact loads and axial force on the shaft without the scene's loads; None without equilibrium then.
+    #: Contact loads and axial force on the shaft without the scene's loads; None if the unloaded shaft has no equilibrium.
     preload: Preload | None
     #: Friction torque of a loaded ball bearing.
     torque: BallTorque | None = None
@@ -559,23 +588,24 @@ class SetAnswers:
 
 @dataclass(frozen=True)
 class AxisAnswers:
-    """Answers of several sets on one shaft."""
+    """Results for several nuts or bearing rows on one shaft."""
 
-    #: Answers of each set.
+    #: Results of each nut or row.
     sets: tuple[SetAnswers, ...]
     #: Sum of the axial loads on shaft and housings [N].
     force: float
-    #: Displacement of the station or housing of interest from its unloaded position, (6,) [m, rad]; None if there is no
-    #: unloaded equilibrium.
+    #: Displacement of the shaft position or housing of interest from its unloaded position, (6,) [m, rad]; None if the
+    #: unloaded shaft has no equilibrium.
     motion: Array | None
     #: Share of all loads that each support and the contacts take; None without loads.
     path: LoadPath | None = None
-    #: Load paths for the loads on each body separately, so that others do not hide a load that a frame takes.
+    #: Load paths for the loads on each body separately. In their sum, loads on other bodies may hide a load that the
+    #: frame carries.
     paths: tuple[LoadPath, ...] = ()
 
     @property
     def by_pressure(self) -> list[int]:
-        """Numbers (from 0) of the loaded sets, by decreasing share of the allowed pressure."""
+        """Numbers (from 0) of the loaded nuts or rows, sorted by decreasing ratio of highest to allowed pressure."""
         found = [x.loads for x in self.sets]
         shares = {i: x.worst.pressure / x.safety.allowed for i, x in enumerate(found) if x.worst and x.safety}
         return sorted(shares, key=lambda i: -shares[i])
@@ -583,29 +613,31 @@ class AxisAnswers:
     @property
     @Stated("worst_set", "set whose highest pressure is the largest share of its allowed pressure")
     def worst_set(self) -> int | None:
-        """Number (from 1) of the set with the largest share of the allowed pressure; None without load."""
+        """Number (from 1) of the nut or row with the largest ratio of highest to allowed pressure; None without load."""
         return next((i + 1 for i in self.by_pressure), None)
 
     @property
     def displacement(self) -> float | None:
-        """Axial component of `motion` [m]."""
+        """Axial displacement of the position of interest from its unloaded position [m]; None as for `motion`."""
         return None if self.motion is None else float(self.motion[2])
 
 
 def all_axis_answers(assembly: Assembly, result: AxisResult) -> AxisAnswers:
-    """Compute all answers of a converged result of several sets; takes a further solution without loads.
+    """Compute all results that follow from a converged solution of a shaft with several nuts or bearing rows.
+
+    The shaft is solved once more without loads, and without the loads of each body if several bodies are loaded.
 
     Parameters
     ----------
     assembly
-        Shaft with several sets.
+        Shaft with several nuts or bearing rows.
     result
-        Its converged result.
+        Converged result of the assembly.
 
     Returns
     -------
     AxisAnswers
-        The answers.
+        The results.
     """
     bare = run_model(loading.scaled(assembly, 0.0), result.model, Options(member=result.member))
     unloaded = bare.sets if bare.converged else [None] * len(result.sets)
@@ -620,7 +652,10 @@ def all_axis_answers(assembly: Assembly, result: AxisResult) -> AxisAnswers:
 
 
 def _load_paths_by_body(assembly: Assembly, result: AxisResult, path: LoadPath | None) -> tuple[LoadPath, ...]:
-    """Return the load path of each loaded body (what changes without its loads); ``path`` if only one is loaded."""
+    """Return the load path of each loaded body: the change of all reactions when the loads on that body are removed.
+
+    If only one body is loaded, return ``path``, the load path of all loads.
+    """
     bodies, options = loaded_bodies(assembly), Options(member=result.member)
     if len(bodies) < 2:
         return () if path is None else (path,)
@@ -630,12 +665,12 @@ def _load_paths_by_body(assembly: Assembly, result: AxisResult, path: LoadPath |
 
 
 def solve_sets(assembly: Assembly, model: str, member: int = 0) -> tuple[AxisResult, AxisAnswers | None]:
-    """Solve several sets on one shaft, with all warnings and answers.
+    """Solve a shaft with several nuts or bearing rows, and compute all results and warnings.
 
     Parameters
     ----------
     assembly
-        Shaft with several sets.
+        Shaft with several nuts or bearing rows.
     model
         Name of the model.
     member
@@ -644,9 +679,9 @@ def solve_sets(assembly: Assembly, model: str, member: int = 0) -> tuple[AxisRes
     Returns
     -------
     AxisResult
-        The result.
+        The solution, with its warnings.
     AxisAnswers or None
-        The answers; None without equilibrium.
+        Results that follow from the solution; None without equilibrium.
 
     Raises
     ------
@@ -668,7 +703,10 @@ def solve_sets(assembly: Assembly, model: str, member: int = 0) -> tuple[AxisRes
 
 
 def _answers_of_set(assembly: Assembly, s: SetResult, bare: SetResult | None, member: int) -> SetAnswers:
-    """Return the answers of one set; ``bare``: its result without the scene's loads, None without equilibrium."""
+    """Return the results of one nut or bearing row on a shaft.
+
+    ``bare``: solution of the row without the scene's loads; None if the unloaded shaft has no equilibrium.
+    """
     parts, torque = s.of.parts, None
     if isinstance(parts, RollerRow):
         assert s.line_loads is not None, "a row of rollers has line loads"

@@ -1,8 +1,9 @@
-"""Whether a scene lies within the range of the scenes compared with the 3D reference, by descriptors of its parts.
+"""Check whether a scene's dimensions lie within the range of the scenes that were compared with the 3D reference.
 
-Descriptors need no solution, so a scene can be placed before it is solved. A scene is outside if a descriptor is beyond the
-compared range by more than its margin. `compare.models.model_form` adds features of the loads (preload, spread, lateral
-force and moment); outside in either, the error to expect is "not covered".
+A scene is described by numbers (descriptors) such as lead over pitch diameter, which are known before it is solved. It is
+outside the range if a descriptor exceeds the range of the compared scenes by more than its margin.
+`compare.models.model_form` does the same with numbers that depend on the loads (preload, spread, lateral force and moment).
+If a scene is outside in either, its expected error is "not covered".
 """
 
 from __future__ import annotations
@@ -25,50 +26,49 @@ from rollbench.meshes.solid import solid_dimensions
 
 @dataclass(frozen=True)
 class Descriptor:
-    """Number that describes a scene, with the margin by which it may exceed the compared range."""
+    """Number that describes a scene, with the margin by which it may exceed the range of the compared scenes."""
 
     #: Name of the descriptor.
     name: str
     #: Unit of value and margin.
     unit: str
-    #: Distance beyond the compared range that still counts as similar [unit].
+    #: Distance outside the range of the compared scenes that still counts as similar [unit].
     margin: float
     #: Function that computes the value of a scene [unit].
     value: Callable[[Scene], float]
 
 
 def _largest_lateral_displacement(scene: Scene) -> float:
-    """Return the largest lateral displacement prescribed between supports [um]."""
+    """Return the largest relative lateral displacement that the supports prescribe [um], a misalignment."""
     given = {axis: [0.0, *(v for s in scene.supports for k, v in s.fixed if k == axis)] for axis in ("ux", "uy")}
     across, up = (max(v) - min(v) for v in given.values())
     return 1e6 * float(np.hypot(across, up))
 
 
 def _preload(scene: Scene) -> float:
-    """Return the oversize of the balls over their diameter [1e-3]."""
+    """Return the preload of a scene as ball oversize over ball diameter [1e-3]."""
     return 1e3 * scene.errors.balls.oversize / (2.0 * scene.balls.radius)
 
 
 def _nut_length_beyond_balls(scene: Scene) -> float:
-    """Return the smallest length of nut or outer ring beyond the outermost ball centres, over the ball radius; at most 4.
+    """Return the distance from the outermost ball centre to the nearer face of the nut, over the ball radius; at most 4.
 
-    Where balls run up to the face, only a thin lip supports their flanks (`lowfi.compliance.faces`); few such scenes were
-    compared.
+    Near the face only a thin lip supports the flank (`lowfi.compliance.faces`), and few such scenes were compared.
     """
     z, half = ball_layout(scene).z - scene.nut.position, scene.nut.length / 2.0
     return min(float(half - np.abs(z).max()) / scene.balls.radius, 4.0)
 
 
 def _poisson(scene: Scene) -> float:
-    """Return the Poisson's ratio, among all parts, that differs most from 0.3 (steel)."""
+    """Return the Poisson's ratio of that part (screw, nut or balls) whose ratio differs most from 0.3 (steel)."""
     ratios = (scene.screw.material, scene.nut.material, scene.balls.material)
     return max((m.poissons_ratio for m in ratios), key=lambda ratio: abs(ratio - 0.3))
 
 
-#: Descriptors of a scene. Margins are of the order of the steps between the compared scenes: a choice, not a result.
-#: Young's moduli have no such step, as all parts of the compared scenes are of one steel. The nut's compliance causes
-#: most of lin's error, which grows by a quarter at the margin of the nut's modulus. The modulus of the balls changes
-#: only Hertz constants: its margin includes silicon nitride.
+#: Descriptors of a scene. The margins are assumptions of the order of the steps between the compared scenes. Young's moduli
+#: have no such step, because all parts of the compared scenes are of one steel. The nut's compliance causes most of the
+#: error of the model lin; this error grows by a quarter if the nut's modulus changes by its margin. The balls' modulus
+#: changes only the Hertz constants, so its margin includes silicon nitride.
 DESCRIPTORS = (
     Descriptor("length of the nut over the pitch diameter", "", 0.8, lambda s: s.nut.length / (2.0 * s.track.pitch_radius)),
     Descriptor(
@@ -120,35 +120,36 @@ class DescriptorInRange:
 
     @property
     def outside(self) -> bool:
-        """Whether the value is beyond the compared range by more than the margin."""
+        """Whether the value exceeds the range of the compared scenes by more than the margin."""
         d = self.descriptor.margin * (1.0 + 1e-9)
         return not self.low - d <= self.value <= self.high + d
 
     @property
     def text(self) -> str:
-        """Sentence with the scene's value and the compared range."""
+        """Sentence with the scene's value and the range of the compared scenes."""
         unit = f" {self.descriptor.unit}" if self.descriptor.unit else ""
-        return f"{self.descriptor.name} is {self.value:.4g}{unit}, compared were {self.low:.4g} to {self.high:.4g}{unit}"
+        compared = f"{self.low:.4g} to {self.high:.4g}{unit}"
+        return f"{self.descriptor.name} is {self.value:.4g}{unit}, that of compared scenes is {compared}"
 
 
 @cache
 def compared_scenes(*, ring: bool) -> tuple[Scene, ...]:
-    """Return the shipped scenes that were compared with the 3D reference: rings if ``ring``, else screws."""
+    """Return the shipped scenes that were compared with the 3D reference: bearings if ``ring``, else screws."""
     names = (*catalogue.names_with_role("referenced"), *catalogue.names_with_role("unseen"))
     scenes = (catalogue.scene(name) for name in names)
     return tuple(s for s in scenes if (s.track.lead == 0.0) == ring)
 
 
-#: Record of drawn screws that were compared (the survey of `rollbench stability`), in a store of runs.
+#: File with the randomly drawn screws that were compared (by `rollbench stability`), in a folder of 3D reference runs.
 SURVEY = "survey.json"
 
-#: Number of the first drawn screws, whose errors are known to the expected error; the screws after them judge it.
+#: Number of drawn screws from which expected errors are estimated. Later screws of the file test the estimate.
 KNOWN_SCREWS = 240
 
 
 @cache
 def survey_records() -> tuple[dict[str, Any], ...]:
-    """Return the survey's records of the first `KNOWN_SCREWS` drawn screws; empty if its file cannot be used."""
+    """Read the records of the first `KNOWN_SCREWS` randomly drawn screws; empty if their file cannot be used."""
     try:
         scenes = json.loads(files.text(f"references/{SURVEY}"))["scenes"]
         return tuple(row for row in scenes if row["number"] < KNOWN_SCREWS and row.get("points"))
@@ -158,16 +159,16 @@ def survey_records() -> tuple[dict[str, Any], ...]:
 
 @cache
 def descriptors_of_drawn_screws() -> tuple[dict[str, float], ...]:
-    """Return, for each of the first `KNOWN_SCREWS` drawn screws, its descriptors by name."""
+    """Return the descriptors, by name, of each of the first `KNOWN_SCREWS` randomly drawn screws."""
     return tuple({d.name: float(row["places"][d.name]) for d in DESCRIPTORS} for row in survey_records())
 
 
-#: File with the descriptors of the compared shipped scenes, in a store of runs: reading all scenes would be slower.
+#: File with the descriptors of the compared shipped scenes, stored because reading all scenes would take longer.
 PLACES = "places.json"
 
 
 def save_descriptors(store: Path) -> None:
-    """Write the descriptors of all compared shipped screws and rings to `PLACES` in a store."""
+    """Write the descriptors of all compared shipped screws and bearings to the file `PLACES` in a folder of 3D runs."""
     from rollbench.compare.files import replace_file
 
     by_kind = {
@@ -179,7 +180,10 @@ def save_descriptors(store: Path) -> None:
 
 @cache
 def descriptors_of_shipped_scenes(*, ring: bool) -> tuple[dict[str, float], ...]:
-    """Return the descriptors of each compared shipped ring, or screw; empty if `PLACES` is missing or damaged."""
+    """Read the descriptors of each compared shipped bearing if ``ring``, else of each screw.
+
+    Empty if the file `PLACES` is missing or damaged.
+    """
     try:
         rows = json.loads(files.text(f"references/{PLACES}"))["rings" if ring else "screws"].values()
         return tuple({d.name: float(place[d.name]) for d in DESCRIPTORS} for place in rows)
@@ -188,7 +192,7 @@ def descriptors_of_shipped_scenes(*, ring: bool) -> tuple[dict[str, float], ...]
 
 
 def compared_values(descriptor: Descriptor, *, ring: bool) -> list[float]:
-    """Return a descriptor's values for all compared rings if ``ring``, else for all screws, shipped and drawn."""
+    """Return the values of a descriptor for all compared bearings if ``ring``, else for all compared screws."""
     return [
         place[descriptor.name]
         for place in (*descriptors_of_shipped_scenes(ring=ring), *(() if ring else descriptors_of_drawn_screws()))
@@ -196,19 +200,19 @@ def compared_values(descriptor: Descriptor, *, ring: bool) -> list[float]:
 
 
 def descriptors_in_range(scene: Scene, among: Sequence[Scene] | None = None) -> tuple[DescriptorInRange, ...]:
-    """Compare the descriptors of a scene with those of the compared scenes of its kind (screws or rings).
+    """Return each descriptor of a scene with the range of the compared scenes of its kind (screws or bearings).
 
     Parameters
     ----------
     scene
-        Scene with one set.
+        Scene with one nut or bearing row.
     among
-        Compared scenes; None: all shipped and drawn ones.
+        Compared scenes; None: all shipped scenes and drawn screws.
 
     Returns
     -------
-    tuple of Place
-        One for each descriptor; empty if no scene of its kind was compared.
+    tuple of DescriptorInRange
+        Value and range of each descriptor; empty if no scene of its kind was compared.
 
     Raises
     ------
@@ -225,17 +229,18 @@ def descriptors_in_range(scene: Scene, among: Sequence[Scene] | None = None) -> 
 
 
 def outside(scene: Scene) -> tuple[str, ...]:
-    """Describe each descriptor of a scene that is outside the compared range.
+    """Return a sentence for each descriptor of a scene that is outside the range of the compared scenes.
 
     Parameters
     ----------
     scene
-        Scene with one set.
+        Scene with one nut or bearing row.
 
     Returns
     -------
     tuple of str
-        A sentence for each; a single sentence to that effect if the data of the compared scenes are missing.
+        Sentences with the scene's value and the compared range; one sentence that says so if the data of the compared
+        scenes are missing.
 
     Raises
     ------
@@ -243,5 +248,5 @@ def outside(scene: Scene) -> tuple[str, ...]:
         If the scene has no solid dimensions (`meshes.solid.solid_dimensions`).
     """
     if not descriptors_of_shipped_scenes(ring=scene.track.lead == 0.0):
-        return (f"what was compared is not known, because references/{PLACES} is absent or damaged: reinstall rollbench",)
+        return (f"the range of the compared scenes is not known; references/{PLACES} is missing or damaged",)
     return tuple(place.text for place in descriptors_in_range(scene) if place.outside)

@@ -1,6 +1,7 @@
-"""Comparison of low-order models with the 3D reference: errors by contact, with the uncertainty of the reference.
+"""Comparison of low-order models with the 3D reference: errors of each contact load, with the reference's uncertainty.
 
-Compared are scenes of one set, and each set of several on one shaft with the loads that the model finds for it.
+A scene with one nut or bearing row is compared as a whole. Of several nuts or rows on one shaft, each is compared
+separately, with the force and moment that the model computes for it.
 """
 
 from __future__ import annotations
@@ -33,13 +34,13 @@ from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly
 from rollbench.meshes.parts import SIDES, Load, Scene
 
-#: Scenes whose runs of the 3D reference are shipped.
+#: Scenes whose runs of the 3D reference are part of the package.
 REFERENCED = names_with_role("referenced")
 
-#: Definition of the gate's error (`measure.gate_scale`) in words.
+#: Definition of the error that is compared with the limit (`measure.gate_scale`), as text.
 RULE = "in per cent of a contact's own load, of the mean load for contacts below a tenth of it"
 
-#: Printed errors (largest, RMS) and load ratio by scene.
+#: For each scene of Lin's thesis, the keys of its printed errors (largest, RMS) and load ratio.
 PRINTED = {
     "lin-case1": ("case1_max_error", "case1_rms_error", "case1_ratio"),
     "lin-case2": ("case2_max_error", "case2_rms_error", ""),
@@ -52,7 +53,7 @@ def suitable_models(scene: Scene | Assembly) -> list[Model]:
     Parameters
     ----------
     scene
-        Scene with one set or several.
+        Scene with one nut or bearing row, or with several on one shaft.
 
     Returns
     -------
@@ -64,14 +65,14 @@ def suitable_models(scene: Scene | Assembly) -> list[Model]:
 
 
 def compared_models(names: tuple[str, ...], argument: str = "models") -> list[Model]:
-    """Return the models with the given names.
+    """Return the records of the models that a user named.
 
     Parameters
     ----------
     names
-        Names of models; empty: none.
+        Names of models.
     argument
-        Argument that errors name.
+        Name of the argument that error messages refer to.
 
     Returns
     -------
@@ -87,7 +88,10 @@ def compared_models(names: tuple[str, ...], argument: str = "models") -> list[Mo
 
 
 def finest_bodies(scene: Scene, reference: Reference, stores: Sequence[Path] | None) -> Path | None:
-    """Return the file with the condensed bodies of the finest level of a reference; None if no store has it."""
+    """Return the path of the condensed stiffness of screw and nut from the reference's finest mesh level.
+
+    None if no folder of ``stores`` has the file, or if the reference is the user's.
+    """
     if reference.stated:
         return None
     for store in (shipped_store(),) if stores is None else stores:
@@ -100,20 +104,22 @@ def finest_bodies(scene: Scene, reference: Reference, stores: Sequence[Path] | N
 def options_for(
     model: Model, scene: Scene, reference: Reference, stores: Sequence[Path] | None, engine: str = "auto"
 ) -> Options:
-    """Return the options to run a model for a comparison: "condensed" takes the bodies of the reference's finest level.
+    """Return the options to run a model for a comparison with the reference.
+
+    The model "condensed" uses the condensed bodies of the reference's finest mesh level.
 
     Parameters
     ----------
     model
         The model.
     scene
-        Scene with one set.
+        Scene with one nut or bearing row.
     reference
-        Its reference.
+        Reference of the scene.
     stores
         Folders with runs of the 3D reference; None: those of the package.
     engine
-        Whether kernels are compiled.
+        "interpreted" (plain Python), "compiled", or "auto" as suits the problem.
 
     Returns
     -------
@@ -123,28 +129,28 @@ def options_for(
     Raises
     ------
     InputError
-        If no store has the condensed bodies.
+        If no folder has the condensed bodies.
     """
     if model.name != "condensed":
         return Options(discretisation=False, engine=engine)
     path = finest_bodies(scene, reference, stores)
     if path is None:
-        allowed = f"a store with the condensed bodies of its 3D reference, level {reference.best.level}"
-        advice = "mesh-study with `fresh=True` computes and keeps them"
+        allowed = f"only with stored condensed bodies of the 3D reference at mesh level {reference.best.level}"
+        advice = "run mesh-study with `fresh=True`, which computes and stores them"
         raise InputError(scene.name, "model", '"condensed"', allowed, advice)
     return Options(discretisation=False, engine=engine, condensed=path)
 
 
 @dataclass(frozen=True)
 class ComparisonRow:
-    """One quantity of one model against the reference, a row of ``rollbench compare --json``."""
+    """Value of one quantity by a model and by the 3D reference; a row of ``rollbench compare --json``."""
 
     scene: str
     quantity: str
     ball: int | None
     side: str | None
     unit: str
-    #: Value that the source prints, if any.
+    #: Value that the publication prints, if any.
     printed: float | None
     model: str
     value: float | None
@@ -159,17 +165,17 @@ class ComparisonRow:
     measured_with: str = ""
 
     def as_json(self) -> dict[str, Any]:
-        """Return the row as JSON values; nan and infinity become None."""
+        """Return the fields of the row as JSON values; nan and infinity become None."""
         return {k: None if isinstance(v, float) and not np.isfinite(v) else v for k, v in asdict(self).items()}
 
 
-#: Function that makes a row of a comparison: `_row` with scene and loads given.
+#: Function that returns a row of a comparison: `_row` with its scene and loads already bound.
 RowOf = Callable[..., ComparisonRow]
 
 
 @dataclass(frozen=True)
 class Loads:
-    """Loads and displacements of a scene by a model or a run of the reference."""
+    """Contact loads, contact angles and displacements of a scene, computed by a model or by a run of the 3D reference."""
 
     #: Name of the model or run.
     model: str
@@ -177,32 +183,32 @@ class Loads:
     load: Array
     #: Contact angles, (n, 4) [deg].
     angle: Array
-    #: Stations of the screw's axis, (k,) [m].
+    #: Axial positions on the screw, (k,) [m].
     stations: Array
-    #: Displacement of the axis at the stations, (k, 3) [m].
+    #: Displacement of the screw's axis at these positions, (k, 3) [m].
     line: Array
     #: Run time [s].
     seconds: float | None
     #: Version and machine with which the time was measured; empty: this version and machine.
     measured: str = ""
-    #: Largest pressure of each contact, (n, 4) [Pa], if the model gives it; None: by Hertz.
+    #: Largest pressure of each contact, (n, 4) [Pa]; None: not given by the model, and computed by Hertz' equations.
     pressure: Array | None = None
 
 
 def from_result(result: StaticResult, seconds: float | None = None) -> Loads:
-    """Return loads and displacements of a low-order result.
+    """Return the contact loads and displacements of a low-order model's result.
 
     Parameters
     ----------
     result
-        The result.
+        Result of the model.
     seconds
-        Run time [s]; None: that of the solver.
+        Run time [s]; None: not measured.
 
     Returns
     -------
     Loads
-        The record.
+        Loads, angles in degrees, and displacements of the screw's axis.
     """
     line = result.centreline[:, :3]
     angle = np.degrees(result.contact_angle)
@@ -214,16 +220,16 @@ def solve_and_time(
 ) -> tuple[StaticResult, float]:
     """Solve a scene with a low-order model in plain Python (no compiled kernels), and measure the run time.
 
-    Elastic bodies of a geometry that was solved before are cached.
+    The run time does not include elastic bodies that are cached from an earlier solution of the same geometry.
 
     Parameters
     ----------
     model
         The model.
     scene
-        Scene with one set.
+        Scene with one nut or bearing row.
     reference
-        Its reference.
+        Reference of the scene.
     stores
         Folders with runs of the 3D reference; None: those of the package.
 
@@ -237,7 +243,7 @@ def solve_and_time(
     Raises
     ------
     InputError
-        As `options_for`.
+        If the model needs condensed bodies and no folder has them.
     """
     options = options_for(model, scene, reference, stores, "interpreted")
     start = perf_counter()
@@ -246,26 +252,31 @@ def solve_and_time(
 
 
 def from_run(run: Run, name: str) -> Loads:
-    """Return loads and displacements of a 3D reference run, with the run time that includes setting up all parts.
+    """Return the contact loads and displacements of a run of the 3D reference.
+
+    The run time includes meshing and condensing all parts.
 
     Parameters
     ----------
     run
         The run.
     name
-        Name in the record; that of its level unless given.
+        Name of the run in the returned record.
 
     Returns
     -------
     Loads
-        The record.
+        Loads, angles in degrees, and displacements of the screw's axis.
     """
     line, measured = run.centreline, "" if run.measured == measuring_conditions() else str(run.measured)
     return Loads(name, run.load, run.angle, line[:, 0], line[:, 1:], run.setup_seconds + run.solve_seconds, measured)
 
 
 def reference_answers(reference: Reference, source: Run | None) -> list[Loads]:
-    """Return the reference's loads on the source's mesh and on each level; empty for a user's reference."""
+    """Return the loads of the 3D reference on the mesh of Lin's thesis and on each mesh level, coarse to fine.
+
+    ``source``: run on the mesh of the thesis; None if there is none. The list is empty for a user's reference.
+    """
     if reference.stated:
         return []
     out = [from_run(run, f"3D level {run.level}") for run in reference.runs]
@@ -275,16 +286,16 @@ def reference_answers(reference: Reference, source: Run | None) -> list[Loads]:
 
 
 def comparison_rows(scene: Scene, answer: Loads, ref: Reference) -> list[ComparisonRow]:
-    """Return rows for all compared quantities of a scene: loads, angles, displacements, load ratio, errors.
+    """Return a row for each compared quantity of a scene: loads, contact angles, displacements, load ratio, errors.
 
     Parameters
     ----------
     scene
-        Scene with one set.
+        Scene with one nut or bearing row.
     answer
-        Loads of a model.
+        Loads and displacements by a model.
     ref
-        The reference.
+        Reference of the scene.
 
     Returns
     -------
@@ -306,25 +317,29 @@ def _row(
     at: tuple[int | None, str | None] = (None, None),
     printed: float | None = None,
 ) -> ComparisonRow:
-    """Return a row from the values of model and reference, the reference's uncertainty, and the error [%]."""
+    """Return a row of a comparison.
+
+    ``pair``: values of model and reference; ``error``: uncertainty of the reference in their unit; ``percent``: error of
+    the model [%]; ``at``: ball and flank.
+    """
     values, time = (*pair, error, percent, answer.seconds), answer.measured
     return ComparisonRow(scene.name, quantity, *at, unit, printed, answer.model, *values, measured_with=time)
 
 
 def uncertainties_of(reference: Reference, take: Callable[[Run], Array]) -> Array:
-    """Return the grid uncertainty of similar quantities (any shape), by `pool` with a common order of convergence.
+    """Return the grid uncertainty of quantities of one kind, estimated with a common order of convergence.
 
     Parameters
     ----------
     reference
-        The reference, with a run for each level.
+        The reference, with a run for each mesh level.
     take
-        Function that takes the quantities from a run.
+        Function that returns the quantities of a run, for example all contact angles, in any shape.
 
     Returns
     -------
     Array
-        Uncertainty of each; nan with one level, or if a level lacks one of them.
+        Uncertainty of each quantity; nan with one level, or where a level lacks the quantity.
     """
     values = np.stack([take(run) for run in reference.runs])
     bars = np.full(values.shape[1:], np.nan)
@@ -335,7 +350,7 @@ def uncertainties_of(reference: Reference, take: Callable[[Run], Array]) -> Arra
 
 
 def _finite_or_none(value: float) -> float | None:
-    """Return an uncertainty as a number; None for nan."""
+    """Return an uncertainty as a float, or None if it is not finite."""
     return float(value) if np.isfinite(value) else None
 
 
@@ -356,9 +371,10 @@ def _contact_rows(row: RowOf, answer: Loads, reference: Reference) -> Iterator[C
 
 
 def _line_rows(row: RowOf, answer: Loads, reference: Reference) -> Iterator[ComparisonRow]:
-    """Yield rows of the axis' displacement at the reference's stations; errors are in % of the largest component.
+    """Yield rows of the displacement of the screw's axis at the axial positions where the reference gives it.
 
-    No rows if the model gives the displacement at one station and the reference at several.
+    Errors are in per cent of the largest displacement in the same direction. There are no rows if the model gives the
+    displacement at one position only and the reference at several.
     """
     line = reference.best.centreline
     if answer.stations.size < min(2, len(line)):
@@ -373,7 +389,7 @@ def _line_rows(row: RowOf, answer: Loads, reference: Reference) -> Iterator[Comp
 
 
 def _summary_rows(row: RowOf, scene: Scene, answer: Loads, reference: Reference) -> Iterator[ComparisonRow]:
-    """Yield rows of largest and RMS error and of the load ratio, with printed values if the source has them."""
+    """Yield rows of largest and RMS error and of the load ratio, with printed values for the scenes of Lin's thesis."""
     e = load_error(answer.load, reference.load, reference.contacts)
     keys = PRINTED.get(scene.name, ("", "", ""))
 
@@ -397,15 +413,15 @@ def _summary_rows(row: RowOf, scene: Scene, answer: Loads, reference: Reference)
 
 
 def load_ratio(load: Array) -> float:
-    """Return the ratio of largest to smallest load on the flanks SL; infinite if a contact there carries no load."""
+    """Return the ratio of largest to smallest ball load on the screw's left flank; infinite if a ball carries no load."""
     smallest = float(load[:, 0].min())
     return float(load[:, 0].max()) / smallest if smallest > 0.0 else float("inf")
 
 
 def ratio_uncertainty(reference: Reference) -> float | None:
-    """Return the grid uncertainty of `load_ratio`; None without a finite ratio.
+    """Return the grid uncertainty of the ratio of largest to smallest load; None if the ratio is infinite.
 
-    It is the sum of the relative uncertainties of both contacts, which may err in opposite senses.
+    The relative uncertainties of both loads are added, because the loads may err in opposite directions.
     """
     ratio = load_ratio(reference.load)
     if not np.isfinite(ratio):
@@ -417,7 +433,7 @@ def ratio_uncertainty(reference: Reference) -> float | None:
 
 @dataclass(frozen=True)
 class Exceedance:
-    """Contact of a shipped scene on which the source's model is known to be beyond the gate's limit."""
+    """Contact of a shipped scene on which the error of Lin's model is known to exceed the limit."""
 
     #: Name of the scene.
     scene: str
@@ -425,18 +441,18 @@ class Exceedance:
     ball: int
     #: Flank: SL, SR, NL, NR.
     side: str
-    #: Cause of the error, in words.
+    #: Cause of the error, as text.
     cause: str
 
 
 def known_exceedances() -> list[Exceedance]:
-    """Return the shipped list of contacts on which the source's model is beyond the gate's limit."""
+    """Read the shipped list of contacts on which the error of Lin's model exceeds the limit."""
     return [Exceedance(**row) for row in files.shipped_table("references/known_exceedances.toml").get("row", [])]
 
 
 @dataclass(frozen=True)
 class GatePoint:
-    """Error of one contact, and whether it exceeds the gate's limit."""
+    """Error of one contact load of a model, and whether it exceeds the limit."""
 
     #: Name of the scene.
     scene: str
@@ -446,21 +462,23 @@ class GatePoint:
     side: str
     #: Error [% of the contact's reference load; for small loads of the mean load].
     error_percent: float
-    #: Uncertainty of the reference, in the same per cent.
+    #: Uncertainty of the reference [% of the same load].
     uncertainty_percent: float
-    #: Whether the error less the uncertainty is beyond the limit.
+    #: Whether the magnitude of the error less the uncertainty exceeds the limit.
     exceeds: bool
 
 
 def gate_points(name: str, reference: Reference, max_error: float, load: Array) -> list[GatePoint]:
-    """Return the error of every contact loaded by the model or in the reference, and whether it exceeds the limit.
+    """Return the error of each contact load of a model, and whether it exceeds the limit.
+
+    Contacts that are unloaded both by the model and in the reference are omitted.
 
     Parameters
     ----------
     name
         Name of the scene.
     reference
-        Its reference.
+        Reference of the scene.
     max_error
         Limit [%].
     load
@@ -483,95 +501,95 @@ def gate_points(name: str, reference: Reference, max_error: float, load: Array) 
 
 @dataclass(frozen=True)
 class SetOfAssembly:
-    """One of several sets on a shaft."""
+    """Set of balls (a nut or a bearing row) on a shaft that has several."""
 
-    #: Shaft with all sets.
+    #: Shaft with all sets of balls.
     assembly: Assembly
     #: Number of the set, from 0.
     number: int
 
     @property
     def name(self) -> str:
-        """Name of the set."""
+        """Name of the set of balls."""
         return self.assembly.sets[self.number].name
 
     @property
     def scene(self) -> Scene:
-        """Parts of the set as a scene with the names of assembly and set; ValueError for rollers."""
+        """Set of balls as a separate scene, named after assembly and set; ValueError for a row of rollers."""
         parts = self.assembly.sets[self.number].parts
         if not isinstance(parts, Scene):
-            raise ValueError(f"{self.name} has no balls")
+            raise ValueError(f"{self.name} has rollers instead of balls")
         return replace(parts, name=re.sub(r"[^\w.-]+", "-", f"{self.assembly.name}-{self.name}"))
 
     @property
     def contacts(self) -> int:
-        """Number of contacts that are loaded in the nominal set."""
+        """Number of loaded contacts if the set had its nominal geometry, that is no errors but the preload."""
         return _loaded_contact_counts(self.assembly)[self.number]
 
 
 @dataclass(frozen=True)
 class Referenced:
-    """Reference of a scene, or of one of several sets on a shaft."""
+    """Scene with one set of balls, or one of several sets on a shaft, with its 3D reference."""
 
-    #: Parts of the set as a scene.
+    #: Set of balls as a separate scene.
     scene: Scene
-    #: Reference of the scene or set.
+    #: Reference of the set of balls.
     found: Reference
-    #: Set on the shaft; None of a scene with one set.
+    #: Place of the set on the shaft; None for a scene with one set.
     of: SetOfAssembly | None = None
 
     @property
     def described(self) -> str:
-        """Name of the scene; for one of several sets, name of the assembly."""
+        """Name of the scene that the user described: the assembly's name if the shaft has several sets of balls."""
         return self.scene.name if self.of is None else self.of.assembly.name
 
     @property
     def set(self) -> str:
-        """Name of the set; empty if it is the only one."""
+        """Name of the set of balls on its shaft; empty if the scene has one set."""
         return "" if self.of is None else self.of.name
 
 
 @dataclass(frozen=True)
 class SetSolution:
-    """Solution of a low-order model for one of several sets on a shaft."""
+    """Solution of a low-order model for one of several sets of balls on a shaft, with and without loads."""
 
-    #: Contacts under the loads of the assembly.
+    #: Result under the loads of the assembly.
     result: StaticResult
-    #: Contacts without these loads.
+    #: Result without these loads.
     bare: StaticResult
-    #: Run time of the first solution [s].
+    #: Run time of the solution under load [s].
     seconds: float
-    #: Set as a separate scene, under the force and moment that its balls carry.
+    #: Set of balls as a separate scene, loaded by the force and moment that its balls carry.
     scene: Scene
 
 
 def stored_references(
     described: Solvable, stores: Sequence[Path] | None, levels: Sequence[int] = tuple(LEVELS), fitted: int = FITTED
 ) -> list[Referenced]:
-    """Return the best stored reference of each set of a scene.
+    """Return the stored 3D reference of each set of balls of a scene, from the finest runs.
 
     Parameters
     ----------
     described
-        Scene with one set or several.
+        Scene with one set of balls or several.
     stores
         Folders with runs of the 3D reference; None: those of the package.
     levels
-        Mesh levels that are taken.
+        Mesh levels that are used.
     fitted
         Number of the finest runs from which the uncertainty is estimated.
 
     Returns
     -------
     list of Referenced
-        One for each set; empty if no run is stored.
+        Reference of each set; empty if no run is stored.
     """
     runs = tuple(run for level in levels if (run := load_run(described, level, stores=stores)) is not None)
     return references_from_runs(described, runs[-fitted:]) if runs else []
 
 
 def references_from_runs(described: Solvable, runs: tuple[Run, ...]) -> list[Referenced]:
-    """Return the reference of each set of a scene from its runs, coarse to fine."""
+    """Return the 3D reference of each set of balls of a scene from runs at several mesh levels, coarse to fine."""
     if isinstance(described, Scene):
         return [
             Referenced(
@@ -589,21 +607,21 @@ def references_from_runs(described: Solvable, runs: tuple[Run, ...]) -> list[Ref
 
 @lru_cache(maxsize=64)
 def _loaded_contact_counts(assembly: Assembly) -> tuple[int, ...]:
-    """Return the number of loaded contacts of each set by the model lin, all errors but preload removed."""
+    """Return the number of loaded contacts of each set of balls by the model lin, without any errors but the preload."""
     sets = tuple(replace(s, parts=nominal(s.parts)) if isinstance(s.parts, Scene) else s for s in assembly.sets)
     result = run_model(replace(assembly, sets=sets), "lin")
     return tuple(_loaded_contact_count(result, k) for k in range(len(sets)))
 
 
 def _loaded_contact_count(result: AxisResult, k: int) -> int:
-    """Return the number of loaded contacts of the k-th set; 0 for rollers, or without equilibrium."""
+    """Return the number of loaded contacts of the k-th set of balls; 0 for rollers, or without equilibrium."""
     balls = result.sets[k].balls if result.converged else None
     return 0 if balls is None else int(np.count_nonzero(balls.load > 0.0))
 
 
 @lru_cache(maxsize=16)
 def _solved_assembly(assembly: Assembly, model: str) -> tuple[AxisResult, AxisResult, float]:
-    """Return the results of an assembly with and without its loads, and the run time of the first [s]; cached."""
+    """Solve an assembly with and without its loads; return both results and the run time of the first [s]. Cached."""
     start = perf_counter()
     result = run_model(assembly, model, Options(engine="interpreted"))
     seconds = perf_counter() - start
@@ -611,19 +629,19 @@ def _solved_assembly(assembly: Assembly, model: str) -> tuple[AxisResult, AxisRe
 
 
 def solution_of_set(of: SetOfAssembly, model: str) -> SetSolution | str:
-    """Return a model's solution for one of several sets on a shaft, with and without the loads of the assembly.
+    """Return a model's solution for one of several sets of balls on a shaft, with and without the loads of the assembly.
 
     Parameters
     ----------
     of
-        The set.
+        The set of balls on its shaft.
     model
         Name of the model.
 
     Returns
     -------
-    Answered or str
-        The solution, or why the assembly has no equilibrium.
+    SetSolution or str
+        The solution, or the reason why the assembly has no equilibrium.
 
     Raises
     ------

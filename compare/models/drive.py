@@ -1,4 +1,4 @@
-"""Torques and inertias at the motor of an axis, and the life of all its sets as one system."""
+"""Motor torques and moments of inertia of a feed axis, and the combined life of its nuts and bearings."""
 
 from __future__ import annotations
 
@@ -20,14 +20,15 @@ from rollbench.meshes.quantity import quantity, record
 
 #: Default efficiency of a nut that accelerates a mass (Smith 4.3.1: typically 0.90 to 0.95).
 EFFICIENCY: Band = (0.90, 0.95)
-NOT_RUNNING = "a bearing that runs takes [lubricant] and [motion]"
-#: Friction results of every nut as JSON values, by the set's number from 0; None and the reason if not known.
+NOT_RUNNING = "the running torque of a bearing needs the tables [lubricant] and [motion]"
+#: For the number (from 0) of each nut: its friction torques and efficiencies as JSON values, or None and the reason why
+#: they are not known.
 NutSums = Mapping[int, tuple[dict[str, Any] | None, str]]
 
 
 @record
 class SetDrive:
-    """Torque of one set on the turning shaft, as (low, high) [N m]; None if not known."""
+    """Torque of one nut or bearing row on the turning shaft, as (low, high) [N m]; None if not known."""
 
     name: str = quantity("name", "name of the set")
     running: Band | None = quantity(
@@ -43,7 +44,7 @@ class SetDrive:
 
 @record
 class AxisDrive:
-    """Torques (low, high) [N m] and moments of inertia [kg m^2] at the motor of an axis (Smith 4.10 to 4.15)."""
+    """Torques (low, high) [N m] and moments of inertia [kg m^2] at the motor of a feed axis (Smith 4.10 to 4.15)."""
 
     sets: tuple[SetDrive, ...] = quantity("sets")
     seals: float = quantity("seals_Nmm", "friction torque of all seals and wipers, as given")
@@ -81,19 +82,19 @@ class AxisDrive:
 
 
 def nut_sums(assembly: Assembly, result: AxisResult) -> NutSums:
-    """Return the friction torques and efficiencies of every nut, or why they are not known.
+    """Return the friction torques and efficiencies of every nut on a shaft, or the reason why they are not known.
 
     Parameters
     ----------
     assembly
-        Shaft with several sets.
+        Shaft with several nuts or bearing rows.
     result
-        Its converged result.
+        Converged result of the assembly.
 
     Returns
     -------
     dict
-        Sums of friction by the number of the set, or None and the reason.
+        For the number (from 0) of each nut: its friction results as JSON values, or None and the reason.
     """
     from rollbench.compare.models.friction_sums import cached_friction_sums
 
@@ -109,20 +110,20 @@ def nut_sums(assembly: Assembly, result: AxisResult) -> NutSums:
 
 
 def axis_drive(assembly: Assembly, result: AxisResult, answers: AxisAnswers, nuts: NutSums) -> AxisDrive | None:
-    """Compute torques and inertias at the motor of an axis with a turning shaft.
+    """Compute torques and moments of inertia at the motor of a feed axis with a turning shaft.
 
-    Sets that a moving housing carries do not turn with the shaft and are left out.
+    Bearings whose inner ring sits on a moving housing do not turn with the shaft and are omitted.
 
     Parameters
     ----------
     assembly
-        Shaft with several sets.
+        Shaft with several nuts or bearing rows.
     result
-        Its converged result.
+        Converged result of the assembly.
     answers
-        Answers of the result.
+        Bearing torques and other results that follow from ``result``.
     nuts
-        Friction of the nuts, by `nut_sums`.
+        Friction results of the nuts, by `nut_sums`.
 
     Returns
     -------
@@ -165,12 +166,12 @@ def axis_drive(assembly: Assembly, result: AxisResult, answers: AxisAnswers, nut
 
 
 def lead_of(assembly: Assembly) -> float:
-    """Return the lead of the first nut [m]; 0 without a nut."""
+    """Return the lead of the first nut on the shaft [m]; 0 without a nut."""
     return next((s.parts.track.lead for s in assembly.sets if isinstance(s.parts, Scene) and s.parts.track.lead), 0.0)
 
 
 def _sum_of_torques(other: float, sets: list[Band | None], seals: float) -> Band | None:
-    """Return the sum of all torques on the shaft as (low, high) [N m] (Smith 4.10); None if a set's is not known."""
+    """Return the sum of all torques on the shaft as (low, high) [N m] (Smith 4.10); None if one of ``sets`` is None."""
     known = [x for x in sets if x is not None]
     if len(known) < len(sets):
         return None
@@ -179,15 +180,15 @@ def _sum_of_torques(other: float, sets: list[Band | None], seals: float) -> Band
 
 
 def _torque_of_nut(name: str, sums: dict[str, Any] | None, why: str, sign: float) -> SetDrive:
-    """Return the torque that drives a nut, positive in the shaft's direction of rotation (``sign``)."""
+    """Return the torque with which the screw drives a nut, positive in the shaft's direction of rotation (``sign``)."""
     if sums is None or sums["driving_torque_on_screw_Nmm"] is None:
-        return SetDrive(name, None, None, words=why or "no balance of friction found")
+        return SetDrive(name, None, None, words=why or "the friction of the balls did not converge")
     torque = 1e-3 * sign * sums["driving_torque_on_screw_Nmm"]
     return SetDrive(name, (torque, torque), (torque, torque))
 
 
 def _torque_of_bearing(assembly: Assembly, s: SetResult, torque: BallTorque | None) -> SetDrive:
-    """Return the friction torque of a bearing, running and from rest; zero if it carries no load."""
+    """Return the friction torque of a bearing row, running and from rest; zero if the row carries no load."""
     ends: tuple[Band | None, Band | None] = (0.0, 0.0), (0.0, 0.0)
     if torque is not None:
         ends = torque.running, torque.starting
@@ -200,7 +201,7 @@ def _torque_of_bearing(assembly: Assembly, s: SetResult, torque: BallTorque | No
 
 
 def axis_life(assembly: Assembly, result: AxisResult, answers: AxisAnswers) -> SystemLife | None:
-    """Compute the life of all sets that turn with the shaft, as one system; None if no set has a life."""
+    """Compute the combined life of all nuts and bearings that turn with the shaft; None if none of them has a life."""
     lives = {}
     for s, one in zip(result.sets, answers.sets, strict=True):
         life = getattr(one.loads, "life", None)

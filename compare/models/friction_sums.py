@@ -1,4 +1,4 @@
-"""Friction torques and efficiencies of statically solved scenes, summed over all contacts, as JSON values."""
+"""Friction torques and efficiencies of a ball screw from its contact loads, summed over all contacts, as JSON values."""
 
 from __future__ import annotations
 
@@ -16,7 +16,10 @@ from rollbench.meshes.parts import Friction, Motion, Scene
 
 
 def friction_sums_json(t: ScrewTorque, drag: float | None) -> dict[str, Any]:
-    """Return torques about +z [N mm], axial load [N] and efficiencies [%] as JSON values; None where undefined."""
+    """Return friction and driving torques about +z [N mm], axial load [N] and efficiencies [%] as JSON values.
+
+    ``drag``: drag torque without load [N m]. Values that are not defined, as the efficiency of a bearing, are None.
+    """
     screw, ideal = t.translating, t.ratio != 0.0
     forward, backward = t.efficiency
     return {
@@ -37,51 +40,51 @@ def friction_sums_json(t: ScrewTorque, drag: float | None) -> dict[str, Any]:
 
 
 def motion_against_load(torque: ScrewTorque) -> str | None:
-    """Return whether the motion is ``with the load`` or ``against the load`` (axial); None if nothing translates."""
+    """Return whether the axial motion is ``with the load`` or ``against the load``; None if no part moves axially."""
     if not torque.translating:
         return None
     return "with the load" if torque.load * torque.ratio * torque.speed > 0.0 else "against the load"
 
 
 def percent(share: float) -> float | None:
-    """Return a share in per cent."""
+    """Return a ratio in per cent as a JSON value; None if it is not finite."""
     return number(100.0 * share)
 
 
 @kept(ScrewTorque)
 def _cached_torque(scene: Scene, result: StaticResult, friction: Friction, drive: Motion, member: int) -> ScrewTorque:
-    """Return the torque record of `lowfi.friction.whole.state.friction_state`, from the cache if solved before.
+    """Return the friction torque and efficiencies of a screw or bearing; cached on disk.
 
-    Raises ValueError as that function does, and if a kernel would have to be compiled first.
+    ValueError if they cannot be computed (`lowfi.friction.whole.state.friction_state`), or only after compiling a kernel.
     """
     if will_compile(scene, friction) and not is_machine_code_cached(CONTACT):
-        raise ValueError("kernels are not compiled yet; rollbench friction SCENE does it, once")
+        raise ValueError("the friction kernels are not compiled yet; run rollbench friction SCENE once")
     from rollbench.lowfi.friction.whole.state import friction_state
 
     return friction_state(scene, result, friction, drive, member).torque
 
 
 def cached_friction_sums(scene: Scene, result: StaticResult, options: Options) -> tuple[dict[str, Any] | None, str]:
-    """Return friction torques and efficiencies of a scene that has [friction], if no kernel must be compiled.
+    """Return friction torques and efficiencies of a scene with [friction] if no kernel must be compiled for them.
 
-    Results are cached on disk by scene and loads, as loading machine code would take longer than the rest of the
+    The results are cached on disk by scene and loads, because loading machine code would take longer than the rest of the
     solution.
 
     Parameters
     ----------
     scene
-        Scene with one set.
+        Scene with one nut or bearing row.
     result
-        Its converged result.
+        Converged result of the scene.
     options
         Options of the model.
 
     Returns
     -------
     dict or None
-        Sums as JSON values.
+        Torques and efficiencies as JSON values; None if they are not available.
     str
-        Reason why there are none; else empty.
+        Reason why they are not available; else empty.
     """
     assert scene.friction is not None
     loads = replace(result, solver=replace(result.solver, seconds=0.0, setup_seconds=0.0), warnings=())
@@ -96,23 +99,23 @@ def cached_friction_sums(scene: Scene, result: StaticResult, options: Options) -
 def torque(
     sets: list[tuple[Scene, StaticResult]], friction: Friction, motion: Motion | None, options: Options
 ) -> float | None:
-    """Compute the sum of the friction torques of all sets.
+    """Compute the sum of the friction torques of several nuts and ball bearings.
 
     Parameters
     ----------
     sets
-        Parts and result of each set.
+        Each nut or row as a scene, with its result.
     friction
         Coefficients of friction.
     motion
-        Motion of the scene, if stated.
+        Motion of the scene; None: a rotation that shows only the torque.
     options
         Options of the model.
 
     Returns
     -------
     float or None
-        Torque [N mm]; None if the iteration does not converge, or a set is not covered.
+        Torque [N mm]; None if the iteration does not converge, or the friction model does not cover a nut or row.
     """
     from rollbench.lowfi.friction.whole.state import friction_state
 

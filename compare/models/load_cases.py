@@ -1,4 +1,4 @@
-"""Solution of a scene with all answers, and lives and extremes over the load cases of a duty cycle."""
+"""Solution of a scene with all results, and life and extreme values over the load cases of a duty cycle."""
 
 from __future__ import annotations
 
@@ -45,13 +45,13 @@ from rollbench.meshes.quantity import Stated, quantity, record
 
 @dataclass(frozen=True)
 class SolvedSet:
-    """Data of one solved set that the life over a duty cycle needs."""
+    """Contact loads and force of one solved nut or bearing row, from which its life over a duty cycle is computed."""
 
-    #: Parts of the set; a ball set has the loads and supports of the scene.
+    #: Geometry of the nut or row; if it has balls, with the loads and supports of the whole scene.
     parts: Scene | RollerRow
     #: Contact loads (n, 4) [N]; line loads of rollers (count, slices) [N/m].
     load: Array
-    #: Force of the shaft on the set, (3,) [N].
+    #: Force of the shaft on the nut or row, (3,) [N].
     force: Array
     #: Axial force between both halves of a nut with a lead offset [N].
     preload: float = 0.0
@@ -59,25 +59,25 @@ class SolvedSet:
 
 @dataclass(frozen=True)
 class Solved:
-    """Solution of a scene with one set by one model."""
+    """Solution of a scene with one nut or bearing row by one model, with all results."""
 
     #: The scene.
     scene: Scene
-    #: Result of the model, with all warnings.
+    #: Contact loads and displacements by the model, with all warnings.
     result: StaticResult
-    #: Answers; None without equilibrium.
+    #: Results that follow from them; None without equilibrium.
     answers: Answers | None = None
-    #: Error of the model to expect; None without equilibrium.
+    #: Expected error of the model; None without equilibrium.
     expected: ModelForm | None = None
 
     @property
     def contacts(self) -> tuple[LoadAnswers, ...]:
-        """Answers of the contact loads; empty without equilibrium."""
+        """Pressure, static safety and life from the contact loads, as one item; empty without equilibrium."""
         return () if self.answers is None else (self.answers.loads,)
 
     @property
     def sets(self) -> dict[str, SolvedSet]:
-        """Data of the only set, under an empty name; empty without equilibrium."""
+        """Contact loads and force of the nut or row, under an empty name; empty without equilibrium."""
         if self.answers is None or self.result.equilibrium is None:
             return {}
         preload = absolute_axial_preload(self.answers.preload) if self.scene.errors.lead_offset else 0.0
@@ -87,29 +87,29 @@ class Solved:
 
 @dataclass(frozen=True)
 class SolvedAxis:
-    """Solution of several sets on one shaft by one model."""
+    """Solution of a shaft with several nuts or bearing rows by one model, with all results."""
 
     #: The assembly.
     scene: Assembly
-    #: Result of the model, with all warnings.
+    #: Contact loads and displacements by the model, with all warnings.
     result: AxisResult
-    #: Answers; None without equilibrium.
+    #: Results that follow from them; None without equilibrium.
     answers: AxisAnswers | None = None
-    #: Always None: the error to expect is not known for several sets.
+    #: Always None: expected errors are estimated for scenes with one nut or row only.
     expected: None = None
     #: Torques and inertias at the motor.
     drive: AxisDrive | None = None
-    #: Life of all sets that turn with the shaft, as one system.
+    #: Combined life of all nuts and rows that turn with the shaft.
     life: SystemLife | None = None
 
     @property
     def contacts(self) -> tuple[LoadAnswers | RollerAnswers, ...]:
-        """Answers of the contact loads of each set, rollers included; empty without equilibrium."""
+        """Pressure, static safety and life of each nut or row, rollers included; empty without equilibrium."""
         return () if self.answers is None else tuple(x.loads for x in self.answers.sets)
 
     @property
     def sets(self) -> dict[str, SolvedSet]:
-        """Data of each set by name; empty without equilibrium."""
+        """Contact loads and force of each nut or row by its name; empty without equilibrium."""
         if self.answers is None:
             return {}
         on_housings = (Load(h.at, h.force, h.moment) for h in self.scene.housings)
@@ -124,12 +124,12 @@ class SolvedAxis:
 
 
 def solve_any(scene: Scene | Assembly, model: str, options: Options) -> Solved | SolvedAxis:
-    """Solve a scene with one set or several by a model, and compute all answers.
+    """Solve a scene by a model and compute all results: pressure, safety, life, rigidity, preload, friction.
 
     Parameters
     ----------
     scene
-        One load case.
+        Scene with one nut or bearing row, or with several on one shaft; one load case.
     model
         Name of the model.
     options
@@ -138,7 +138,7 @@ def solve_any(scene: Scene | Assembly, model: str, options: Options) -> Solved |
     Returns
     -------
     Solved or SolvedAxis
-        The solution.
+        The solution with all results.
 
     Raises
     ------
@@ -149,7 +149,10 @@ def solve_any(scene: Scene | Assembly, model: str, options: Options) -> Solved |
 
 
 def solve_axis(scene: Assembly, model: str, options: Options) -> SolvedAxis:
-    """Solve several sets on one shaft and compute all answers; InputError if the model does not cover them."""
+    """Solve a shaft with several nuts or bearing rows, and compute all results.
+
+    InputError if the model does not cover the assembly.
+    """
     result, answers = solve_sets(scene, model, options.member)
     if answers is None:
         return SolvedAxis(scene, result)
@@ -158,7 +161,7 @@ def solve_axis(scene: Assembly, model: str, options: Options) -> SolvedAxis:
 
 
 def solve_one(scene: Scene, model: str, options: Options) -> Solved:
-    """Solve a scene with one set and compute all answers; InputError if the model does not cover it."""
+    """Solve a scene with one nut or bearing row, and compute all results; InputError if the model does not cover it."""
     result = run_model(scene, model, options)
     if not result.converged:
         return Solved(scene, result)
@@ -184,17 +187,17 @@ class Extreme:
 
 @record
 class Lives:
-    """Life of one set over a duty cycle."""
+    """Lives of one nut or bearing row over a duty cycle: by its contact loads, and by the standards' equivalent loads."""
 
-    #: Life by the contact loads; None with the reason in ``life_words``.
+    #: Life by the contact loads; if None, ``life_words`` states the reason.
     life: Life | None
     life_words: str = quantity("life_words", "why there is no life over the duty cycle", show=lambda words: words or None)
-    #: Life by the equivalent loads of the standards; None with the reason in ``standard_words``.
+    #: Life by the equivalent loads of the standards; if None, ``standard_words`` states the reason.
     standard: EquivalentLife | None = quantity("standard_life")
     standard_words: str = quantity(
         "standard_life_words", "why the standard does not apply", show=lambda words: words or None
     )
-    #: Name of the set; empty if it is the only one.
+    #: Name of the nut or row; empty if the scene has only one.
     set: str = ""
     #: Life by the contact loads, modified for reliability and lubricant.
     modified: ModifiedLife | None = quantity("modified_life", default=None)
@@ -213,8 +216,8 @@ class Lives:
 
 
 @record
-class Together:
-    """Extremes and lives over the load cases of a duty cycle."""
+class CycleResults:
+    """Extreme values over the load cases of a duty cycle, and lives of each nut or bearing row over the whole cycle."""
 
     #: Largest pressure [Pa] of the load cases with equilibrium.
     pressure: Extreme | None = quantity(
@@ -261,34 +264,34 @@ class Together:
     @property
     @Stated("life_set", "of several sets that of the shortest life over the duty cycle, which the summary gives")
     def shortest(self) -> str:
-        """Name of the set with the shortest life over the duty cycle."""
+        """Name of the nut or row with the shortest life over the duty cycle."""
         return self.least.set
 
     @property
     def least(self) -> Lives:
-        """Lives of the set with the shortest life; if a life is not known, those of the first set without one."""
+        """Lives of the nut or row with the shortest life, or of the first one whose life is not known."""
         return min(self.lives, key=lambda lives: 0.0 if lives.life is None else lives.life.revolutions)
 
 
-def together(cycle: DutyCycle, solved: Sequence[Solved | SolvedAxis]) -> Together:
-    """Compute extremes and lives over the load cases of a duty cycle.
+def cycle_results(cycle: DutyCycle, solved: Sequence[Solved | SolvedAxis]) -> CycleResults:
+    """Compute extreme values over the load cases of a duty cycle, and lives over the whole cycle.
 
     Parameters
     ----------
     cycle
         The duty cycle.
     solved
-        Solutions of its load cases, in order.
+        Solution of each load case, in the order of the cycle.
 
     Returns
     -------
-    Together
-        The record.
+    CycleResults
+        Largest pressure, least static safety, largest expected error, and lives.
     """
     pairs = list(zip(cycle.cases, solved, strict=True))
     answers = [(case, x) for case, one in pairs for x in one.contacts]
     errors = [(case, None if one.expected is None else one.expected.percent) for case, one in pairs if one.answers]
-    return Together(
+    return CycleResults(
         _extreme_over_cases(max, ((case, a.worst.pressure) for case, a in answers if a.worst)),
         _extreme_over_cases(min, ((case, a.safety.factor) for case, a in answers if a.safety)),
         _extreme_over_cases(max, errors),
@@ -301,7 +304,10 @@ def together(cycle: DutyCycle, solved: Sequence[Solved | SolvedAxis]) -> Togethe
 
 
 def _axis_life(cycle: DutyCycle, lives: Sequence[Lives]) -> SystemLife | None:
-    """Return the life of all sets that turn with the shaft as one system; None for one set or without any life."""
+    """Return the combined life over a duty cycle of all nuts and rows that turn with the shaft.
+
+    None for a scene with one nut or row, or if no life is known.
+    """
     if not isinstance(cycle.parts, Assembly):
         return None
     turning = {s.name: s.parts for s in cycle.parts.sets if s.carrier is None}
@@ -314,16 +320,16 @@ def _axis_life(cycle: DutyCycle, lives: Sequence[Lives]) -> SystemLife | None:
 
 
 def cycle_life(cycle: DutyCycle, name: str, loads: Sequence[Array | None]) -> tuple[Life | None, str]:
-    """Compute the life of a set over a duty cycle from its loads in every load case.
+    """Compute the life of a nut or bearing row over a duty cycle from its loads in every load case.
 
     Parameters
     ----------
     cycle
         The duty cycle.
     name
-        Name of the set, as in `DutyCycle.sets`.
+        Name of the nut or row, as in `DutyCycle.sets`.
     loads
-        Contact loads (n, 4) [N], or line loads of rollers, in every load case; None: not known.
+        Contact loads (n, 4) [N], or line loads of rollers (count, slices) [N/m], in every load case; None: not known.
 
     Returns
     -------
@@ -334,7 +340,7 @@ def cycle_life(cycle: DutyCycle, name: str, loads: Sequence[Array | None]) -> tu
     """
     lacking = [case.name for case, load in zip(cycle.cases, loads, strict=True) if load is None and case.share > 0.0]
     if lacking:
-        return None, f"none, because case {lacking[0]} has no loads"
+        return None, f"the contact loads of case {lacking[0]} are not known"
     try:
         known = [np.zeros((1, 4)) if load is None else load for load in loads]
         parts = cycle.sets[name]
@@ -348,17 +354,17 @@ def cycle_life(cycle: DutyCycle, name: str, loads: Sequence[Array | None]) -> tu
 
 
 def loads_of(result: StaticResult | AxisResult) -> dict[str, Array]:
-    """Return contact loads (n, 4) [N] or line loads of rollers of each set.
+    """Return the contact loads of each nut or bearing row of a solved scene.
 
     Parameters
     ----------
     result
-        Result of one set or several.
+        Result of a scene with one nut or row, or with several on one shaft.
 
     Returns
     -------
     dict
-        Loads by name, as in `DutyCycle.sets`.
+        Contact loads (n, 4) [N], or line loads of rollers (count, slices) [N/m], by name as in `DutyCycle.sets`.
     """
     if isinstance(result, StaticResult):
         return {"": result.load}
@@ -367,7 +373,7 @@ def loads_of(result: StaticResult | AxisResult) -> dict[str, Array]:
 
 
 def _lives_of_set(cycle: DutyCycle, name: str, each: Sequence[SolvedSet | None]) -> Lives:
-    """Return the lives of a set from its data in every load case (None: no equilibrium)."""
+    """Return the lives of a nut or bearing row from its contact loads in every load case (None: no equilibrium)."""
     rated, words = cycle_life(cycle, name, [None if s is None else s.load for s in each])
     if rated is None:
         return Lives(rated, words, None, words, name)
@@ -389,6 +395,6 @@ def _lives_of_set(cycle: DutyCycle, name: str, each: Sequence[SolvedSet | None])
 def _extreme_over_cases(
     pick: Callable[..., tuple[float, str]], values: Iterable[tuple[LoadCase, float | None]]
 ) -> Extreme | None:
-    """Return the largest or smallest known value (by ``pick``), with its load case; None if no value is known."""
+    """Return the largest or smallest known value over load cases (``pick``: max or min); None if no value is known."""
     known = [(value, case.name) for case, value in values if value is not None]
     return Extreme(*pick(known, key=lambda one: one[0])) if known else None

@@ -1,4 +1,4 @@
-"""Response of a scene to its loads: preload at zero load, load at which a contact opens, and the load path."""
+"""Response of a scene to its loads: internal preload, load at which a contact opens, and load path to the supports."""
 
 from __future__ import annotations
 
@@ -22,16 +22,17 @@ from rollbench.meshes.quantity import Stated, quantity, record
 
 Loaded = TypeVar("Loaded", Load, Housing)
 
-#: Relative accuracy of the load factor at which a contact opens, largest factor tried, and most solutions for it.
+#: Search for the load factor at which a contact opens: relative accuracy, largest factor, largest number of solutions.
 TOLERANCE, FURTHEST, MOST = 0.005, 20.0, 16
 
-#: Share of the step to the expected factor that is taken, as an open contact beyond that factor has no approach.
+#: Share of the step to the expected factor that is taken. Beyond that factor the contact is open and its approach, from
+#: which the next step is computed, is not known.
 NEAR = 0.9
 
 
 @record
 class Preload:
-    """Contact loads that errors and supports of the scene cause without its loads."""
+    """Contact loads without external loads, caused by ball oversize, geometry errors and misaligned supports."""
 
     #: Mean load of the loaded contacts (`meshes.loads.mean_load`) [N].
     mean: float = quantity(
@@ -45,8 +46,8 @@ class Preload:
     largest: float = quantity("max_N", "largest load of a contact or roller without the scene's loads", error="as above")
     #: Number of loaded contacts.
     loaded: int = quantity("loaded_contacts", "contacts that preload loads; of a row of rollers, rollers")
-    #: Internal axial force [N]: the smaller of the sums by which the flanks push the screw either way; zero if only one
-    #: way.
+    #: Internal axial force [N]: the smaller of the axial forces with which contacts push the screw in the two directions;
+    #: zero if they push in one direction only.
     axial: float = quantity(
         "axial_N",
         "axial sum of one direction's contacts without the scene's loads; of one of several sets the axial force on the "
@@ -58,7 +59,7 @@ class Preload:
 
 @record
 class LiftOff:
-    """Load at which the first preloaded contact opens, as the loads grow in proportion."""
+    """Load at which the first preloaded contact opens when all loads of the scene grow in proportion."""
 
     #: Factor on the loads of the scene; None if none was found.
     factor: float | None = quantity(
@@ -81,7 +82,7 @@ class LiftOff:
     @property
     @Stated("axial_force_N", "axial force at that factor")
     def force(self) -> float | None:
-        """Axial force on the nut [N]; None if no factor was found."""
+        """Axial force on the nut at which the contact opens [N]; None if no such load was found."""
         return None if self.factor is None else self.axial
 
 
@@ -94,43 +95,43 @@ def scaled(scene: Assembly, factor: float) -> Assembly: ...
 
 
 def scaled(scene: Scene | Assembly, factor: float) -> Scene | Assembly:
-    """Return a copy of a scene with all loads times a factor, those on housings included.
+    """Return a copy of a scene with all loads on shaft and housings multiplied by a factor.
 
     Parameters
     ----------
     scene
-        Scene with one set or several.
+        Scene with one nut or bearing row, or with several on one shaft.
     factor
-        The factor; with zero a scene with one set has no loads.
+        Factor on forces and moments.
 
     Returns
     -------
     Scene or Assembly
-        The copy; motion and stiffness are reported at the same place.
+        The copy. Displacement and stiffness are reported at the same position as for the original.
     """
 
-    def times(x: Loaded) -> Loaded:
+    def multiplied_load(x: Loaded) -> Loaded:
         (fx, fy, fz), (mx, my, mz) = x.force, x.moment
         force, moment = (factor * fx, factor * fy, factor * fz), (factor * mx, factor * my, factor * mz)
         return replace(x, force=force, moment=moment)
 
-    loads = tuple(map(times, scene.loads))
+    loads = tuple(map(multiplied_load, scene.loads))
     if isinstance(scene, Scene):
         return replace(scene, loads=loads if factor else ())
-    from rollbench.lowfi.statics.axis.system import reported_location  # loads the solver of several sets
+    from rollbench.lowfi.statics.axis.system import reported_location  # heavy import
 
-    return replace(scene, loads=loads, housings=tuple(map(times, scene.housings)), stiffness_at=reported_location(scene))
+    return replace(scene, loads=loads, housings=tuple(map(multiplied_load, scene.housings)), stiffness_at=reported_location(scene))
 
 
 def solve_scaled(scene: Scene, factor: float, model: str, options: Options) -> StaticResult:
-    """Solve a scene with its loads times a factor.
+    """Solve a scene with all loads multiplied by a factor.
 
     Parameters
     ----------
     scene
-        Scene with one set.
+        Scene with one nut or bearing row.
     factor
-        The factor.
+        Factor on forces and moments.
     model
         Name of the model.
     options
@@ -144,13 +145,13 @@ def solve_scaled(scene: Scene, factor: float, model: str, options: Options) -> S
     Raises
     ------
     InputError
-        As `run_model`.
+        If the model does not cover the scene.
     """
     return run_model(scaled(scene, factor), model, replace(options, discretisation=False))
 
 
 def preload(scene: Scene, bare: StaticResult) -> Preload:
-    """Return the preload record of a scene from its result without loads (``bare``)."""
+    """Return contact loads and axial force of a scene's preload, from its result without loads (``bare``)."""
     loads = bare.load[bare.load > 0.0]
     if not loads.size:
         return Preload(0.0, 0.0, 0, 0.0)
@@ -159,28 +160,29 @@ def preload(scene: Scene, bare: StaticResult) -> Preload:
 
 
 def axial_preload(scene: Scene, bare: StaticResult) -> float:
-    """Return the internal axial force `Preload.axial` [N] from the result without loads."""
+    """Return the internal axial force of the preload [N] (`Preload.axial`), from the result without loads (``bare``)."""
     return min(float(bare.load[:, s].sum()) for s in (0, 1)) * approach_per_displacement(scene)
 
 
 def absolute_axial_preload(held: Preload | None) -> float:
-    """Return the absolute axial preload [N]; zero if not known."""
+    """Return the magnitude of the axial preload [N]; zero if the preload is not known (None)."""
     return 0.0 if held is None else abs(held.axial)
 
 
 def lift_off(scene: Scene, result: StaticResult, bare: StaticResult, model: str, options: Options) -> LiftOff | None:
-    """Find the factor on the loads at which the first preloaded contact opens.
+    """Find the factor on the scene's loads at which the first preloaded contact opens.
 
-    The approach of a contact is nearly linear in the load, so secant steps are taken on F^(2/3) of the smallest load.
+    The approach of a contact is nearly linear in the external load. Secant steps are therefore taken on F^(2/3), which is
+    proportional to the approach, of the contact with the smallest force F.
 
     Parameters
     ----------
     scene
-        Scene with one set.
+        Scene with one nut or bearing row.
     result
-        Its result.
+        Result of the scene.
     bare
-        Its result without loads.
+        Result of the scene without loads.
     model
         Name of the model.
     options
@@ -189,19 +191,19 @@ def lift_off(scene: Scene, result: StaticResult, bare: StaticResult, model: str,
     Returns
     -------
     LiftOff or None
-        The factor; None without preload or without loads.
+        Load factor and contact; None without preload or without loads.
     """
     tracked = bare.load > 0.0
     if not tracked.any() or not any(np.any(x.force) or np.any(x.moment) for x in scene.loads):
         return None
     unit = axial_force(result)
 
-    def least(solution: StaticResult) -> tuple[float, int]:
+    def smallest_preloaded_load(solution: StaticResult) -> tuple[float, int]:
         values = np.where(tracked, solution.load, np.inf)
         k = int(values.argmin())
         return float(values.flat[k]) ** (2.0 / 3.0), k
 
-    (approach, nearest), (first, contact) = least(result), least(bare)
+    (approach, nearest), (first, contact) = smallest_preloaded_load(result), smallest_preloaded_load(bare)
     known, high = [(0.0, first)], np.inf
     if approach > 0.0:
         known.append((1.0, approach))
@@ -223,7 +225,7 @@ def lift_off(scene: Scene, result: StaticResult, bare: StaticResult, model: str,
         trial = solve_scaled(scene, factor, model, options)
         if not trial.converged:
             return LiftOff(None, solves=solves + 1, words=f"not found: at {factor:.3g} times the loads {trial.status}")
-        value, nearest = least(trial)
+        value, nearest = smallest_preloaded_load(trial)
         if value > 0.0:
             known.append((factor, value))
             contact = nearest
@@ -233,7 +235,7 @@ def lift_off(scene: Scene, result: StaticResult, bare: StaticResult, model: str,
 
 
 def _secant_root(known: Sequence[tuple[float, float]]) -> float:
-    """Return the zero of the line through the last two points (x, y); infinite if there is one point or no fall."""
+    """Return the zero of the line through the last two points (x, y); infinite with one point or if y does not fall."""
     if len(known) < 2:
         return float("inf")
     (a, f), (b, g) = known[-2:]
@@ -246,8 +248,8 @@ def axial_load(assembly: Assembly) -> float:
 
 
 def displacement_of_interest(assembly: Assembly, result: AxisResult) -> Array:
-    """Return the displacement of the station or housing of interest (``stiffness_at``), (6,) [m, rad]."""
-    from rollbench.lowfi.statics.axis.system import reported_location  # loads the solver of several sets
+    """Return the displacement of the shaft position or housing that the scene's ``stiffness_at`` names, (6,) [m, rad]."""
+    from rollbench.lowfi.statics.axis.system import reported_location  # heavy import
 
     at = reported_location(assembly)
     if isinstance(at, str):
@@ -255,10 +257,10 @@ def displacement_of_interest(assembly: Assembly, result: AxisResult) -> Array:
     return np.array([np.interp(at, result.centreline_z, u) for u in result.centreline.T])
 
 
-#: Share of a load that counts as small.
+#: Share of a load below which the contacts carry too little of it, and a warning is shown.
 LITTLE = 0.05
 
-#: Share of a load that counts as round-off.
+#: Share of a load below which a reaction counts as round-off.
 NOTHING = 5e-4
 
 #: Names of the six components of a load.
@@ -267,11 +269,11 @@ COMPONENTS = tuple(f"{way} {axis}" for way in ("along", "about") for axis in "xy
 
 @record
 class LoadTaker:
-    """Support or frame of a housing, with its share of the loads."""
+    """Support of the shaft or frame of a housing, with the part of the loads that it carries."""
 
-    #: Name: station of the support, or housing.
+    #: Name of the support (its axial position) or of the housing.
     name: str = quantity("name", "support of the shaft by its station, or frame of a housing")
-    #: Force and moment that it takes, (6,) [N, N m].
+    #: Force and moment that it carries, (6,) [N, N m].
     part: Array = quantity(
         "force_N",
         "what the support of this name (of several sets also the frame of a housing) takes of the loads: the force on it, "
@@ -284,9 +286,9 @@ class LoadTaker:
 
 @record
 class LoadPath:
-    """Share of the loads that each support and the contacts take.
+    """Parts of the external loads that each support and the rolling contacts carry.
 
-    All values are differences from the scene without its loads: preload and prescribed displacements do not count.
+    All values are differences from the scene without its loads, so preload and prescribed displacements are not included.
     """
 
     #: Force and moment of all loads, (6,) [N, N m].
@@ -304,7 +306,7 @@ class LoadPath:
     )
     #: Force and moment of the loads on the shaft, (6,) [N, N m].
     on_shaft: Array
-    #: Shares of supports and frames.
+    #: Parts that supports and frames carry.
     takers: tuple[LoadTaker, ...] = quantity("supports")
     #: Force and moment of the contacts about their nut or ring, (6,) [N, N m]; of several sets the sum of the absolute
     #: values.
@@ -328,21 +330,21 @@ class LoadPath:
 
 
 def load_path_of_set(scene: Scene, result: StaticResult, bare: StaticResult) -> LoadPath | None:
-    """Return the load path of a scene with one set.
+    """Return the parts of the loads that supports and contacts carry, for a scene with one nut or bearing row.
 
     Parameters
     ----------
     scene
-        Scene with one set.
+        Scene with one nut or bearing row.
     result
-        Its result.
+        Result of the scene.
     bare
-        Its result without loads.
+        Result of the scene without loads.
 
     Returns
     -------
     LoadPath or None
-        The path; None without loads.
+        Loads, reactions and contact forces; None without loads.
     """
     applied = sum_of_loads(scene.loads)
     if not applied.any():
@@ -352,23 +354,23 @@ def load_path_of_set(scene: Scene, result: StaticResult, bare: StaticResult) -> 
 
 
 def load_path_of_assembly(assembly: Assembly, result: AxisResult, bare: AxisResult, where: str = "") -> LoadPath | None:
-    """Return the load path of several sets on one shaft.
+    """Return the parts of the loads that supports, frames and contacts carry, for several nuts or rows on one shaft.
 
     Parameters
     ----------
     assembly
-        Shaft with several sets.
+        Shaft with several nuts or bearing rows.
     result
-        Its result.
+        Result of the assembly.
     bare
-        Its result without loads.
+        Result of the assembly without loads.
     where
         Body on which the loads act; empty: all bodies.
 
     Returns
     -------
     LoadPath or None
-        The path; None without loads.
+        Loads, reactions and contact forces; None without loads.
     """
     on_shaft = sum_of_loads(assembly.loads)
     applied = on_shaft + sum_of_loads([Load(h.at, h.force, h.moment) for h in assembly.housings])
@@ -385,7 +387,10 @@ def load_path_of_assembly(assembly: Assembly, result: AxisResult, bare: AxisResu
 
 
 def loaded_bodies(assembly: Assembly) -> dict[str, tuple[Assembly, Assembly]]:
-    """Return, by loaded body (shaft or housing), the assembly with only its loads, and with all loads but its own."""
+    """Return each loaded body (shaft or housing) with two copies of the assembly, for the load path of that body.
+
+    In the first copy only the loads on this body act, in the second all other loads.
+    """
     none, out = (0.0, 0.0, 0.0), dict[str, tuple[Assembly, Assembly]]()
     bare = tuple(replace(h, force=none, moment=none) for h in assembly.housings)
     off = tuple(replace(x, force=none, moment=none) for x in assembly.loads)
@@ -399,13 +404,13 @@ def loaded_bodies(assembly: Assembly) -> dict[str, tuple[Assembly, Assembly]]:
 
 
 def sum_of_loads(loads: Sequence[Load]) -> Array:
-    """Return the sums of forces and of given moments, (6,) [N, N m]; lever arms of the forces do not count."""
+    """Return the sums of forces and of moments of loads, (6,) [N, N m], without moments of the forces' lever arms."""
     return np.asarray(np.array([(*x.force, *x.moment) for x in loads]).reshape(-1, 6).sum(axis=0))
 
 
 def _support_shares(scene: Scene | Assembly, result: Solved, bare: Solved) -> tuple[LoadTaker, ...]:
-    """Return what each support takes of the loads; empty if the model has no reactions by support."""
-    if not len(result.reactions):  # the axial models of Mei know no single support
+    """Return the part of the loads that each support carries; empty if the model does not compute support reactions."""
+    if not len(result.reactions):  # Mei's axial models do not distinguish supports
         return ()
     idle = bare.reactions if bare.converged else np.zeros(result.reactions.shape)
     parts = zip(scene.supports, -(result.reactions - idle), strict=True)
@@ -413,18 +418,18 @@ def _support_shares(scene: Scene | Assembly, result: Solved, bare: Solved) -> tu
 
 
 def _contact_wrench_on_screw(result: StaticResult) -> Array:
-    """Return force and moment (6,) of the contacts on the screw about the origin; zero without equilibrium."""
+    """Return force and moment of all contacts on the screw about the origin, (6,) [N, N m]; zero without equilibrium."""
     e = result.equilibrium
     return np.zeros(6) if e is None or not result.converged else np.concatenate([e.contact_force, e.contact_moment])
 
 
 def _wrench_at(station: float, wrench: Array) -> Array:
-    """Move a wrench (6,) from the origin to a station [m] of the axis."""
+    """Return a force and moment (6,) about the origin as a force and moment about an axial position [m]."""
     return about_origin(np.array([-station]), wrench[None])
 
 
 def load_path_text(path: LoadPath) -> str:
-    """Return a text on how much of each load component each support takes; empty if supports take nothing."""
+    """Return a text with the part of each load component that each support carries; empty if supports carry nothing."""
     out = []
     for k in np.flatnonzero(path.applied):
         load, unit = float(path.applied[k]), "N" if k < 3 else "N m"
@@ -438,9 +443,9 @@ def load_path_text(path: LoadPath) -> str:
 
 
 def load_path_warnings(path: LoadPath | None) -> Iterator[Warned]:
-    """Yield a warning if little of the axial force, or of all loads on the shaft, reaches the contacts.
+    """Yield a warning if supports carry most of the axial force, or of all loads on the shaft, past the contacts.
 
-    The contact loads then do not represent the applied load. Loads on several bodies are judged body by body.
+    The contact loads then do not represent the applied load. Loads on several bodies are judged for each body separately.
     """
     if path is None:
         return
@@ -457,7 +462,7 @@ def load_path_warnings(path: LoadPath | None) -> Iterator[Warned]:
         return
     words = load_path_text(path)
     text = (
-        f"of {what} only {100.0 * share:.2g} % reaches the contacts, and what is computed of them holds for that: {words}; "
-        "free the freedom that holds it, unless that is meant"
+        f"only {100.0 * share:.2g} % of {what} reaches the contacts, and contact results hold for this share only: {words}"
+        "; free the direction in which a support carries the load, unless this is intended"
     )
-    yield Warned("held load", text, f"only {100.0 * share:.2g} % of {what} reaches the contacts, supports take the rest")
+    yield Warned("held load", text, f"only {100.0 * share:.2g} % of {what} reaches the contacts, supports carry the rest")

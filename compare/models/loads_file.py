@@ -1,6 +1,6 @@
-"""Contact loads as CSV files, read and written: columns ball, flank, newton, and further quantities of the contacts.
+"""Reading and writing contact loads as CSV files with the columns ball, flank, newton and further contact quantities.
 
-The files come from users, other programs or ``rollbench solve --csv``.
+Such files come from users, other programs or ``rollbench solve --csv``.
 """
 
 from __future__ import annotations
@@ -25,10 +25,10 @@ from rollbench.meshes.units import COMMA, COMMON, UnitError, has_comma, parse_qu
 
 COLUMNS = ("ball", "flank", "newton")
 
-#: Columns of a row that hold text.
+#: Columns that contain text instead of numbers.
 WORDS = ("ball", "flank", "case", "set")
 
-#: Numeric columns, by their name in headings: quantity and dimension. Each needs a unit.
+#: Numeric columns: the beginning of their heading, with their quantity and dimension. The heading must end with a unit.
 NAMES = {
     "contact_angle": ("angle", "angle"),
     "contact_load": ("load", "force"),
@@ -43,21 +43,21 @@ NAMES = {
     "z": ("z", "length"),
 }
 
-#: Units by their spelling without capitals; ``mn`` is left out because it is ambiguous.
+#: Units by their spelling in lower case; ``mn`` is omitted because it may be MN or mN.
 FOLDED = {unit.lower(): unit for units in COMMON.values() for unit in units if unit != "MN"}
 
 FOLDED |= {"newton": "N", "newtons": "N"}
 
-#: First line in which Excel names the separator.
+#: First line of a file in which Excel states the separator.
 SEPARATOR = re.compile(r'"?sep=(.)"?\s*', re.IGNORECASE)
 
-#: Columns with the position of a ball; if both are given, they identify the ball, whatever its number in the file.
+#: Columns with the position of a ball. A file that has both identifies balls by position instead of by number.
 PLACE = {"azimuth", "z"}
 
-#: Further quantities of contacts that a file may give, by the names of `NAMES`.
+#: Contact quantities besides the load that a file may give, by the names of `NAMES`.
 FURTHER = ("angle", "approach", "pressure", "uncertainty", "uncertain share")
 
-#: Filter for the rows of a file: by column, the accepted texts, the usual one first.
+#: Filter for the rows of a file: for a column, the texts whose rows are read, the usual text first.
 Only = Mapping[str, Sequence[str]]
 
 EVERY: Only = {}
@@ -78,17 +78,19 @@ class Column(NamedTuple):
 
 
 def column(head: str) -> Column:
-    """Return the quantity that a heading names; ``newton`` or any unit of force is the load.
+    """Return the quantity and unit of a column of contact data from its heading.
+
+    A heading that is only a unit of force, such as ``newton``, is the contact load.
 
     Parameters
     ----------
     head
-        Heading: a name with its unit.
+        Heading: name of the quantity with its unit.
 
     Returns
     -------
     Column
-        Name and factor to SI; an empty name if the quantity is unknown or has no fitting unit.
+        Name and factor to SI; the name is empty if the quantity is unknown or its unit has another dimension.
 
     Examples
     --------
@@ -106,7 +108,7 @@ def column(head: str) -> Column:
 
 
 def _column_in_unit(name: str, text: str, dimension: str) -> Column:
-    """Return the column of a quantity with the unit in a text; an empty column if the unit does not fit."""
+    """Return the column of a quantity ``name`` whose unit is in ``text``; an empty column if the dimension differs."""
     unit = tidy_unit(text.strip(" _[]()/"))
     if name == "uncertainty" and unit in ("%", "percent"):
         return Column("uncertain share", 0.01)
@@ -118,24 +120,24 @@ def _column_in_unit(name: str, text: str, dimension: str) -> Column:
 
 @dataclass(frozen=True)
 class GivenLoads:
-    """Contact loads read from a file, with the further quantities of contacts in it."""
+    """Contact loads that were read from a CSV file, with other contact quantities of the file."""
 
-    #: Contact loads (n, 4) [N]; zero on flanks that the file does not name.
+    #: Contact loads (n, 4) [N]; zero on flanks without rows in the file.
     load: Array
-    #: Flanks that the file names.
+    #: Flanks that have rows in the file.
     flanks: tuple[str, ...]
     #: Number of balls whose number differs between file and scene.
     renumbered: int = 0
-    #: Further quantities (n, 4) in SI by the names of `FURTHER`; nan in empty cells.
+    #: Other quantities (n, 4) in SI by the names of `FURTHER`; nan in empty cells.
     further: Mapping[str, Array] = field(default_factory=dict)
-    #: Headings that are not known.
+    #: Headings that were not recognised.
     unknown: tuple[str, ...] = ()
-    #: Texts of notes by name.
+    #: Notes of the file: text by name.
     notes: Mapping[str, str] = field(default_factory=dict)
 
 
 def loads_csv(load: Array, azimuth: Array, z: Array) -> list[dict[str, str]]:
-    """Return the rows of a CSV file of loads, one for each contact.
+    """Return the rows of a CSV file with contact loads and ball positions, one row for each contact.
 
     Parameters
     ----------
@@ -149,7 +151,7 @@ def loads_csv(load: Array, azimuth: Array, z: Array) -> list[dict[str, str]]:
     Returns
     -------
     list of dict
-        Texts by heading.
+        Text of each cell by its heading.
     """
     return [
         {
@@ -166,7 +168,7 @@ def loads_csv(load: Array, azimuth: Array, z: Array) -> list[dict[str, str]]:
 
 @dataclass(frozen=True)
 class CsvTable:
-    """Table of a CSV file."""
+    """Headings, rows and notes of a CSV file."""
 
     #: Headings as written.
     titles: tuple[str, ...]
@@ -181,26 +183,26 @@ class CsvTable:
 
     @classmethod
     def from_csv(cls, path: Path, columns: Sequence[str], example: str, optional: Sequence[str] = ()) -> CsvTable:
-        """Read a CSV file that has at least the columns named, in any order.
+        """Read a CSV file that has at least the columns ``columns``, in any order.
 
-        Separators are commas, semicolons, tabs, or what a first line ``sep=;`` names; unless commas separate, a decimal
-        comma is read.
+        The separator is a comma, semicolon or tab, or the character in a first line such as ``sep=;``. Unless the separator
+        is a comma, numbers may have a decimal comma.
 
         Parameters
         ----------
         path
-            The file.
+            Path of the file.
         columns
-            Columns that it must have.
+            Headings that the file must have.
         example
-            Example that errors show.
+            Example that error messages show.
         optional
-            Further columns that are read if present.
+            Headings that the file may have, each once.
 
         Returns
         -------
-        Rows
-            The table.
+        CsvTable
+            Headings, rows and notes of the file.
 
         Raises
         ------
@@ -223,7 +225,7 @@ class CsvTable:
                 raise InputError(str(path), first, title, f"a column {name}", example)
         for name in (*columns, *optional):
             if heads.count(name.lower()) > 1:
-                raise InputError(str(path), first, title, f"one column {name}", "delete the others")
+                raise InputError(str(path), first, title, f"only one column {name}", "delete the others")
         kept = []
         for number, row in rows:
             if any(row):
@@ -231,56 +233,63 @@ class CsvTable:
                 cells = dict(zip_longest(heads, row[: len(heads)], fillvalue=""))
                 short = next((name for name in columns if heads.index(name.lower()) >= len(row)), None)
                 if short is not None:
-                    value, allowed = f"nothing after {separator.join(row)}", "a cell for every heading that is read"
-                    raise InputError(str(path), f"line {number}: {short}", value, allowed, "was the file cut off?")
+                    value, allowed = f"no cell after {separator.join(row)}", "a cell in every required column"
+                    advice = "complete the row, or check whether the file was truncated"
+                    raise InputError(str(path), f"line {number}: {short}", value, allowed, advice)
                 kept.append((number, cells))
         notes = dict(_note_above_table(line) for line in lines[begin:above])
         return cls(titles, above + 1, separator != ",", tuple(kept), notes)
 
 
 def _cells_by_line(path: Path, lines: Sequence[str], above: int, separator: str) -> Iterator[tuple[int, list[str]]]:
-    """Yield the cells of every row with the number of its line; InputError for unmatched quotes."""
+    """Yield each row of a CSV table as (line number, cells); InputError for unmatched quotes.
+
+    ``above``: number of lines of the file before ``lines``.
+    """
     reader = csv.reader(lines, delimiter=separator, strict=True)
     try:
         for row in reader:
             yield above + reader.line_num, [cell.strip() for cell in row]
     except csv.Error as error:
-        advice = "close every quote, or leave quotes out"
+        advice = "close every quotation mark, or remove them"
         raise InputError(str(path), f"line {above + reader.line_num}", str(error), "cells of a CSV file", advice) from None
 
 
 def _check_cells(path: Path, number: int, titles: Sequence[str], row: Sequence[str], separator: str) -> None:
-    """Raise InputError for a row with a filled cell that has no heading; the first cell may (row numbers)."""
+    """Raise InputError for a row with text in a column without heading, other than the first column (row numbers)."""
     if not any(cell and not title for cell, title in [*zip_longest(row, titles, fillvalue="")][1:]):
         return
     value = f"{sum(map(bool, row))} cells: {separator.join(row)}"
-    advice = "give every column a heading, or put a cell that holds a separator into quotes"
+    advice = "give every column a heading, or put a cell that contains the separator into quotation marks"
     if separator == ",":
-        advice = "is it a decimal comma? write a point, or separate cells by semicolons; else give every column a heading"
+        advice = (
+            "write numbers with a decimal point, or separate cells by semicolons if numbers have a decimal comma; "
+            "else give every column a heading"
+        )
     raise InputError(str(path), f"line {number}", value, f"{sum(map(bool, titles))}, one for each heading", advice)
 
 
 def read_loads(path: Path, balls: int, scene: Scene | None = None, only: Only = EVERY) -> GivenLoads:
-    """Read contact loads from a CSV file, and the further quantities of contacts that it gives.
+    """Read contact loads and other contact quantities (angle, pressure, approach) from a CSV file.
 
-    Headings state the units (`column`). Every ball must be given on every named flank, with 0 where it carries no load: a
-    missing row is not taken for a contact without load.
+    Headings state the units (`column`). On each flank that the file contains, every ball must have a row, with load 0 if
+    the contact carries none: a missing row is an error.
 
     Parameters
     ----------
     path
-        The file.
+        Path of the file.
     balls
         Number of balls of the scene.
     scene
         Scene whose balls are identified by azimuth and axial position if the file has both; else by their numbers.
     only
-        Filter for the rows, by the accepted texts of the columns case and set.
+        Filter for the rows: accepted texts of the columns case and set.
 
     Returns
     -------
     GivenLoads
-        The loads.
+        Loads and other quantities of each contact.
 
     Raises
     ------
@@ -297,22 +306,22 @@ def read_loads(path: Path, balls: int, scene: Scene | None = None, only: Only = 
         cells = _LoadsRow(path, f"line {number}", named, decimal_comma=table.decimal_comma)
         if any(cells.word(name) not in words for name, words in only.items()):
             if empty := [name for name in only if name in named and not cells.word(name)]:
-                raise cells.fault(empty[0], "", "the word that the row is of", "fill the cell, or delete the row")
+                raise cells.fault(empty[0], "", f"the {empty[0]} of the row", "fill in the cell, or delete the row")
             continue
         cases.add(cells.word("case"))
         if len(cases) > 1:
-            advice = "a scene is one load case: split the file, or delete the others"
-            raise InputError(str(path), f"line {number}: case", cells.word("case"), "one case", advice)
+            advice = "split the file by load case, or delete the rows of other cases"
+            raise InputError(str(path), f"line {number}: case", cells.word("case"), "one load case in all rows", advice)
         ball, side = cells.ball(balls) if find is None else find.number(cells), cells.side()
         renumbered |= {ball} if find is not None and cells.word("ball") != str(ball + 1) else set()
         if not np.isnan(values["load"][ball, side]):
-            value = f"ball {ball + 1} {SIDES[side]} again"
-            raise InputError(str(path), f"line {number}", value, "each contact once", "keep one of the rows")
+            value = f"a second row of ball {ball + 1} {SIDES[side]}"
+            raise InputError(str(path), f"line {number}", value, "each contact once", "delete one of the rows")
         for name, of in values.items():
             of[ball, side] = cells.amount(name)
     if only and not cases:
         which, value = " and ".join(only), " of ".join(f"{name} {words[0]}" for name, words in reversed([*only.items()]))
-        advice = f"solve with `loads_csv=FILE` writes all, identified by the column {which}"
+        advice = f"add the rows; solve with `loads_csv=FILE` writes a complete file with the column {which}"
         raise InputError(str(path), which, f"no rows of {value}", f"rows of every {which} of the scene", advice)
     unknown = tuple(f'"{head}"' for head, c in columns.items() if not c.name)
     further = {name: of for name, of in values.items() if name != "load" and name in {c.name for c in columns.values()}}
@@ -321,30 +330,32 @@ def read_loads(path: Path, balls: int, scene: Scene | None = None, only: Only = 
         gaps = np.argwhere(np.isnan(further[name]) & (loads.load > 0.0))
         if gaps.size:
             value = f"no {name} of ball {gaps[0][0] + 1} {SIDES[gaps[0][1]]}"
-            raise InputError(str(path), "rows", value, "one of every contact that carries load", "or leave the column out")
+            advice = f"add the missing {name}, or delete the column"
+            raise InputError(str(path), "rows", value, f"the {name} of every contact that carries load", advice)
     return replace(loads, renumbered=len(renumbered), further=further, unknown=unknown, notes=table.notes)
 
 
 def _note_above_table(line: str) -> tuple[str, str]:
-    """Return name and text of a line ``# name: text``, without separators that a spreadsheet appended."""
+    """Return name and text of a comment line ``# name: text``, without separators that a spreadsheet appended."""
     name, _, text = line.strip("#;, \t").partition(":")
     return name.strip().lower(), text.strip()
 
 
 def _columns(path: Path, table: CsvTable) -> dict[str, Column]:
-    """Return the column of each heading; InputError if the load is missing or a quantity is named twice."""
+    """Return the quantity and unit of each heading; InputError if the load is missing or a quantity occurs twice."""
     columns = {head: column(head) for head in table.titles}
     where, names = f"line {table.line}", [column(head).name for head in table.titles]
     if "load" not in names:
         raise InputError(str(path), where, ", ".join(table.titles), f"a column {COLUMNS[2]}", EXAMPLE)
     twice = next((head for k, head in enumerate(table.titles) if names[k] and names[k] in names[:k]), None)
     if twice is not None:
-        raise InputError(str(path), where, twice, "each quantity once", "delete one of the columns")
+        value = f"a second column of one quantity, {twice}"
+        raise InputError(str(path), where, value, "each quantity once", "delete one of the columns")
     return columns
 
 
 class _LoadsRow:
-    """Row of a file of loads, with access to its cells by quantity."""
+    """Row of a CSV file with contact loads, whose cells are read by the name of their quantity."""
 
     def __init__(self, path: Path, line: str, cells: Mapping[str, tuple[str, float, str]], *, decimal_comma: bool) -> None:
         self._path, self._line, self._cells_by_line, self._comma = path, line, cells, decimal_comma
@@ -354,53 +365,56 @@ class _LoadsRow:
         return InputError(str(self._path), f"{self._line}: {name}", value or "nothing", allowed, advice)
 
     def word(self, name: str) -> str:
-        """Return the text of a cell; empty if there is none."""
+        """Return the text of the cell in the column ``name``; empty if the file has no such column."""
         return self._cells_by_line.get(name, ("", 1.0, ""))[2]
 
     def ball(self, balls: int) -> int:
-        """Return the index of the ball with the number in the row."""
+        """Return the index (from 0) of the ball whose number (from 1) is in the row."""
         ball = self.word("ball")
         if not (ball.isascii() and ball.isdecimal() and len(ball) < 10 and 1 <= int(ball) <= balls):
-            first = "the file's seem to begin with 0: " if ball == "0" else ""
-            advice = f"{first}balls are numbered from 1, all balls of start 1 first"
+            shift = "add 1 to all numbers: " if ball == "0" else "check the number: "
+            advice = f"{shift}balls are numbered from 1, all balls of the first thread start first"
             raise self.fault("ball", ball, f"a ball number from 1 to {balls}", advice)
         return int(ball) - 1
 
     def side(self) -> int:
-        """Return the index of the flank that the row names."""
+        """Return the index of the flank in the row: 0 to 3 for SL, SR, NL, NR."""
         flank = self.word("flank")
         if flank.upper() not in SIDES:
-            advice = "SL and SR: left and right flank of the screw, NL and NR: of the nut"
+            advice = "write SL or SR for the left or right flank of the screw, NL or NR for those of the nut"
             raise self.fault("flank", flank, ", ".join(SIDES), advice)
         return SIDES.index(flank.upper())
 
     def place(self, name: str) -> float:
-        """Return an azimuth [rad] or an axial position [m] of the row."""
+        """Return the azimuth [rad] or the axial position [m] of the row's ball."""
         value, factor, text = self._number(name)
         if not np.isfinite(value):
             raise self.fault(
-                self._cells_by_line[name][0], text, "a number", decimal_comma_advice("or leave the column out", text)
+                self._cells_by_line[name][0],
+                text,
+                "a number",
+                decimal_comma_advice("write a number, or delete the column", text),
             )
         return value * factor
 
     def amount(self, name: str) -> float:
-        """Return a number of zero or more in SI; nan if the cell is empty or missing, except for the load."""
+        """Return a non-negative quantity of the row in SI; nan for an empty cell, InputError for an empty load."""
         value, factor, text = self._number(name)
         if not text and name != "load":
             return float("nan")
         if not 0.0 <= value < float("inf"):
-            advice = "write the size without unit, which the heading says, and 0 where contact is lost"
-            raise self.fault(self._cells_by_line[name][0], text, "a number from 0", decimal_comma_advice(advice, text))
+            advice = "write a number without unit (the heading states the unit), and 0 for a contact without load"
+            raise self.fault(self._cells_by_line[name][0], text, "a number, at least 0", decimal_comma_advice(advice, text))
         return value * factor
 
     def _number(self, name: str) -> tuple[float, float, str]:
-        """Return the number of a cell (nan if it is none), the factor to SI and the text."""
+        """Return the number in a cell (nan if the text is no number), the factor to SI units, and the text."""
         _, factor, text = self._cells_by_line.get(name, ("", 1.0, ""))
         return number_of(text, decimal_comma=self._comma), factor, text
 
 
 class _BallFinder:
-    """Finds the balls of a scene by azimuth and axial position."""
+    """Search for the ball of a scene at an azimuth and axial position."""
 
     def __init__(self, scene: Scene) -> None:
         layout = ball_layout(scene)
@@ -408,28 +422,31 @@ class _BallFinder:
         self._pitch, self._near = scene.track.pitch_radius, scene.balls.radius
 
     def number(self, row: _LoadsRow) -> int:
-        """Return the index of the ball at the position of a row; InputError if none is within a ball radius."""
+        """Return the index of the ball at the position in a row; InputError if no ball centre is within a ball radius."""
         azimuth, z = row.place("azimuth"), row.place("z")
         turn = np.angle(np.exp(1j * (self._azimuth - azimuth)))
         away = np.hypot(self._pitch * turn, self._z - z)
         ball = int(away.argmin())
         if away[ball] > self._near:
             place = f"{np.degrees(azimuth):g} deg, {1e3 * z:g} mm"
-            allowed = f"the place of a ball; the nearest, {ball + 1}, is {1e3 * away[ball]:.3g} mm away"
-            advice = "places are those of solve with `loads_csv=FILE`; without the columns, numbers count"
+            allowed = f"the position of a ball; the nearest, ball {ball + 1}, is {1e3 * away[ball]:.3g} mm away"
+            advice = (
+                "use the positions that solve with `loads_csv=FILE` writes, or delete both columns to identify balls by "
+                "their numbers"
+            )
             raise row.fault("azimuth, z", place, allowed, advice)
         return ball
 
 
 def number_of(text: str, *, decimal_comma: bool) -> float:
-    """Return the number in a cell; nan if its text is no number.
+    """Return the number in a cell of a CSV file; nan if its text is no number.
 
     Parameters
     ----------
     text
         Text of a cell.
     decimal_comma
-        Whether a comma is read as the decimal point.
+        Whether a comma is read as the decimal mark.
     """
     try:
         return float(text.replace(",", ".") if decimal_comma else text)
@@ -438,12 +455,12 @@ def number_of(text: str, *, decimal_comma: bool) -> float:
 
 
 def decimal_comma_advice(advice: str, text: str) -> str:
-    """Return advice for a cell that is no number: about decimal commas if it has a comma, else the general advice.
+    """Return the advice for a cell that should be a number: about the decimal mark if its text has a comma.
 
     Parameters
     ----------
     advice
-        General advice.
+        Advice for a text without comma.
     text
         Text of the cell.
 
@@ -456,15 +473,16 @@ def decimal_comma_advice(advice: str, text: str) -> str:
 
 
 def read_table(path: Path) -> str:
-    """Return the text of a file; InputError if it cannot be read, is not text, or is too large."""
+    """Return the text of a CSV file; InputError if it cannot be read, is not text, or is larger than `MAX_BYTES`."""
     allowed, advice = "a readable CSV file", "check the path"
     try:
         if not path.is_file():
             value, near = ("no regular file", "") if path.exists() else ("no such file", similar_paths(path))
             raise InputError(str(path), "file", value, allowed, near or advice)
         if path.stat().st_size > MAX_BYTES:
-            most = f"up to {MAX_BYTES // 1_000_000} MB"
-            raise InputError(str(path), "file", "a larger one", most, "is this a table of loads?")
+            size = f"{path.stat().st_size / 1e6:.0f} MB"
+            advice = "check whether the file is a table of contact loads"
+            raise InputError(str(path), "file", size, f"up to {MAX_BYTES // 1_000_000} MB", advice)
         return text_of(path.read_bytes())
     except OSError as error:
         raise InputError(str(path), "file", error.strerror or str(error), allowed, advice) from None
@@ -475,7 +493,10 @@ def read_table(path: Path) -> str:
 
 
 def _complete_loads(path: Path, load: Array) -> GivenLoads:
-    """Return loads as a record; InputError if a ball has no load on a flank that the file names."""
+    """Return contact loads (n, 4) [N] read from a file as a record.
+
+    InputError if a ball has no load (nan) on a flank on which other balls have one.
+    """
     given = ~np.isnan(load)
     if not given.any():
         raise InputError(str(path), "file", "no loads", "a row for every contact", EXAMPLE)
@@ -484,7 +505,7 @@ def _complete_loads(path: Path, load: Array) -> GivenLoads:
     if gaps.size:
         ball, side = (int(k) for k in gaps[0])
         value = f"no load of ball {ball + 1} {SIDES[side]}" + (f" and {len(gaps) - 1} more" if len(gaps) > 1 else "")
-        advice = "write 0 for a contact that carries nothing, or leave out the whole flank"
-        raise InputError(str(path), "rows", value, "every ball on every flank that is named", advice)
+        advice = "write 0 for a contact that carries nothing, or delete all rows of the flank"
+        raise InputError(str(path), "rows", value, "a row for every ball on each flank of the file", advice)
     flanks = tuple(SIDES[k] for k in np.flatnonzero(named))
     return GivenLoads(np.where(given, load, 0.0), flanks)

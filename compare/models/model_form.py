@@ -1,22 +1,24 @@
-"""Error to expect of a low-order model, estimated from its errors against the 3D reference on other scenes.
+"""Expected error of a low-order model, estimated from its errors against the 3D reference on other scenes.
 
-A scene is a point in a space of features; the compared scenes, shipped or drawn by the survey, are points with
-measured errors. The logarithm of an error is taken as linear in the features (ridge regression, so that few scenes do not
-give steep slopes). The expected error is the fitted one times the factor within which ``SHARE`` of the compared scenes lie,
-each judged by a fit without that scene.
+Each scene is described by dimensionless features (`SCALES`). On the compared scenes, which are shipped or drawn at random,
+the errors of the model were measured. The logarithm of an error is fitted as a linear function of the features, by ridge
+regression to avoid steep slopes with few scenes. The expected error is the fitted error times a factor. This factor is
+chosen so that the share `SHARE` of the compared scenes lies below their expected error, each estimated by a fit without it.
 
-This is plain leave-one-out (jackknife), for which no theorem states how often a new scene lies within (Barber, Candes,
-Ramdas and Tibshirani 2021: for an unstable fit it may be none), and a user's scene is not drawn as the compared ones were.
-So it is counted: `leave_one_out` estimates every compared scene from the others, and at least nine of ten were within the
-estimate in each quantity of lin and refined (the report's table ladder-estimate; tests/unit/models/test_covered.py). A
-scene beyond the compared ones in any feature is "not covered".
+This method is the leave-one-out jackknife. No theorem guarantees which share of new scenes lies below the expected error
+(Barber, Candes, Ramdas and Tibshirani 2021: for an unstable fit it may be none), and the scenes of users are not drawn from
+the distribution of the compared scenes. The share is therefore counted: `leave_one_out` estimates every compared scene from
+the others. In each quantity of the models lin and refined, at least nine of ten errors were below the estimate (table
+ladder-estimate of the report; tests/unit/models/test_covered.py). A scene outside the range of the compared scenes in any
+feature is "not covered".
 
-`rollbench report` writes the points of shipped scenes (model_form.json in its store), the survey its points (survey.json).
+`rollbench report` stores the errors on the shipped scenes in model_form.json; those on randomly drawn screws are in
+survey.json.
 
-The errors of a compared scene are against one run of the 3D reference (`point`). Displacement and rigidity are those
-of the section of the screw on which the axial load acts. Beyond the nut a beam and a 3D shaft agree on the motion of a
-section (Saint-Venant); within it contacts deform the material locally, and the motion of a section depends on its
-definition.
+Each error is measured against one run of the 3D reference (`point`). Displacement and rigidity are those of the screw's
+cross-section on which the axial load acts. Outside the nut, a beam and a 3D shaft agree on the displacement of a
+cross-section (Saint-Venant's principle). Inside the nut, the contacts deform the material locally, and the displacement of
+a cross-section depends on its definition.
 """
 
 from __future__ import annotations
@@ -48,29 +50,29 @@ if TYPE_CHECKING:
     from rollbench.compare.models.comparison import Loads
     from rollbench.compare.reference.store import Run
 
-#: File with the points of shipped scenes in a store of runs.
+#: File with the errors on shipped scenes, in a folder of 3D reference runs.
 FILE = "model_form.json"
 
 #: Errors that are estimated, each separately: loads (largest, RMS; of the mean load), axial displacement and tangent
-#: rigidity of the section that the axial load acts on, largest pressure.
+#: rigidity of the cross-section that the axial load acts on, largest pressure.
 QUANTITIES = ("percent", "rms_percent", "displacement_percent", "rigidity_percent", "pressure_percent")
 
-#: Share of compared scenes whose error lies within the expected one, each estimated without itself.
+#: Share of compared scenes whose error is below their expected error, each estimated from the other scenes.
 SHARE = 0.92
 
-#: Least error [%] of each quantity; smaller ones are raised to it. Load errors are absolute, others change sign.
+#: Least error [%] of each quantity, to which smaller errors are raised before their logarithm is taken.
 LEAST = dict.fromkeys(QUANTITIES[:2], 0.05) | dict.fromkeys(QUANTITIES[2:], 0.1)
 
-#: Weight of the ridge penalty: of a slope of one per unit of a feature, against the misfit of one scene.
+#: Weight of the ridge penalty (squared slopes per unit of each feature) relative to the squared misfit of one scene.
 RIDGE = 2.0
 
 #: Smallest number of compared scenes of a kind for an estimate.
 FEWEST = 3
 
-#: Distance beyond the compared range of a feature, in its units, up to which a scene is covered.
+#: Distance outside the compared range of a feature, in units of `SCALES`, up to which a scene is covered.
 MARGIN = 0.5
 
-#: Features, with the difference that counts as one unit.
+#: Definition of each feature, and the difference by which it is divided.
 SCALES: dict[str, tuple[str, float]] = {
     "wall": ("wall of the nut over the pitch radius", 0.1),
     "length": ("length of the nut over the pitch diameter", 0.8),
@@ -94,8 +96,8 @@ SCALES: dict[str, tuple[str, float]] = {
     "few": ("one over the number of balls", 0.2),
 }
 
-#: Feature that only scenes with a nut held by its flange have. Their errors are expected from those of all screws, with it;
-#: those of other screws from others without a flange, as before.
+#: Feature that only scenes with a nut fixed at its flange have. Their errors are estimated from those of all screws, with
+#: this feature; errors of other screws are estimated from screws without a flange.
 FLANGE = "flange"
 
 WITH_FLANGE = SCALES | {FLANGE: ("nut held by its flange", 1.0)}
@@ -103,7 +105,7 @@ WITH_FLANGE = SCALES | {FLANGE: ("nut held by its flange", 1.0)}
 
 @record
 class ModelForm:
-    """Error of a model to expect for a result, from its errors against the 3D reference on other scenes.
+    """Expected error of a model for one scene, estimated from its errors against the 3D reference on other scenes.
 
     Percentages are None if no similar scene was compared (not covered).
     """
@@ -128,11 +130,11 @@ class ModelForm:
     compared: int = quantity("compared", "number of compared scenes")
     #: Which parts the model contains, and in what the scene differs from the compared ones.
     words: tuple[str, ...] = quantity("words")
-    #: Error of the axial displacement of the loaded section [%].
+    #: Error of the axial displacement of the loaded cross-section [%].
     displacement_percent: float | None = quantity(
         "displacement_percent", "the same of the axial displacement", default=None
     )
-    #: Error of the tangent rigidity of the loaded section [%].
+    #: Error of the tangent rigidity of the loaded cross-section [%].
     rigidity_percent: float | None = quantity("rigidity_percent", "the same of the tangent rigidity", default=None)
     #: Error of the largest pressure, against Hertz on the loads of the reference [%].
     pressure_percent: float | None = quantity("pressure_percent", "the same of the largest pressure", default=None)
@@ -140,7 +142,10 @@ class ModelForm:
 
 @dataclass(frozen=True)
 class Point:
-    """Errors of a model on one compared scene, in per cent as in `ModelForm`; None: not measured."""
+    """Errors of a model on one scene that was compared with the 3D reference, in per cent as in `ModelForm`.
+
+    Errors that were not measured are None.
+    """
 
     scene: str
     model: str
@@ -151,14 +156,14 @@ class Point:
     displacement_percent: float | None = None
     rigidity_percent: float | None = None
     pressure_percent: float | None = None
-    #: Largest error of a contact load as the gate defines it (`measure.LoadError`).
+    #: Largest error of a contact load in per cent of its own load, as it is compared with the limit (`measure.LoadError`).
     gate_percent: float | None = None
 
 
 def lateral_force_and_tilting_moment(scene: Scene, result: StaticResult) -> tuple[float, float]:
     """Return the lateral force [N] and the tilting moment about the nut's centre [N m] that the contacts carry.
 
-    They include the effects of loads anywhere on the shaft, of their lever arms and of displaced supports. Some
+    They include the effects of loads anywhere on the shaft, of their lever arms and of displaced supports. At least one
     contact must carry load.
     """
     touching = result.load[:, :2] > 0.0
@@ -169,19 +174,19 @@ def lateral_force_and_tilting_moment(scene: Scene, result: StaticResult) -> tupl
 
 
 def features(scene: Scene, result: StaticResult) -> dict[str, float]:
-    """Compute the features of a scene (`SCALES`), from its parts and a model's loads.
+    """Compute the features (`SCALES`) that describe a scene for the estimate of a model's error.
 
     Parameters
     ----------
     scene
-        Scene with one set.
+        Scene with one nut or bearing row.
     result
-        Its converged result.
+        Converged result of a model for the scene.
 
     Returns
     -------
     dict
-        Values by name.
+        Value of each feature by its name.
 
     Raises
     ------
@@ -222,18 +227,18 @@ def features(scene: Scene, result: StaticResult) -> dict[str, float]:
 
 
 def _median(values: Array) -> float:
-    """Return the median; numpy's function would import masked arrays, which takes longer."""
+    """Return the median of an array. `numpy.median` is not used because it imports masked arrays, which takes time."""
     ordered = np.sort(values)
     return float(0.5 * (ordered[(ordered.size - 1) // 2] + ordered[ordered.size // 2]))
 
 
 def _scaled(values: dict[str, float], scales: Mapping[str, tuple[str, float]]) -> Array:
-    """Return features as an array (k,), each divided by its unit in ``scales``; missing ones are zero."""
+    """Return features as an array (k,), each divided by its unit in ``scales``; a missing feature is zero."""
     return np.array([values.get(name, 0.0) / unit for name, (_, unit) in scales.items()])
 
 
 def save_points(store: Path, points: Sequence[Point]) -> None:
-    """Write comparison points (errors of a model on a scene) to `FILE` in a store."""
+    """Write the errors of models on compared scenes to the file `FILE` in a folder of 3D reference runs."""
     text = json.dumps([asdict(p) for p in points], indent=1, sort_keys=True) + "\n"
     from rollbench.compare.files import replace_file
 
@@ -242,18 +247,21 @@ def save_points(store: Path, points: Sequence[Point]) -> None:
 
 @cache
 def shipped_points() -> tuple[Point, ...]:
-    """Return the comparison points of shipped scenes and drawn screws, without a file that cannot be used."""
+    """Return the errors of models on the shipped scenes and on the randomly drawn screws of the package.
+
+    A file that is missing or damaged contributes nothing.
+    """
     return (*_points(lambda: json.loads(files.text(f"references/{FILE}"))), *points_of_drawn_screws())
 
 
 @cache
 def points_of_drawn_screws() -> tuple[Point, ...]:
-    """Return the comparison points of all drawn screws of the survey; empty if its file is missing or damaged."""
+    """Return the errors of models on all randomly drawn screws; empty if their file is missing or damaged."""
     return _points(lambda: [point for scene in survey_records() for point in scene["points"]])
 
 
 def _points(rows: Callable[[], Iterable[dict[str, Any]]]) -> tuple[Point, ...]:
-    """Return comparison points from rows of JSON; empty if the rows cannot be read."""
+    """Return the errors of models on compared scenes from rows of JSON; empty if the rows cannot be read."""
     try:
         points = tuple(Point(**row) for row in rows())
         return tuple(p for p in points if set(p.features) - {FLANGE} == set(SCALES))
@@ -262,37 +270,37 @@ def _points(rows: Callable[[], Iterable[dict[str, Any]]]) -> tuple[Point, ...]:
 
 
 def why_kind_not_compared(scene: Scene) -> str:
-    """Return why a scene is of a kind that was never compared with the 3D reference; empty if it was."""
+    """Return the reason why no scene of this kind was compared with the 3D reference; empty if some were."""
     if scene.solid.nut == "rigid":
-        return "its nut is rigid, that of every compared scene is elastic"
+        return "its nut is rigid; the nuts of all compared scenes are elastic"
     if scene.ingredients.screw == "rigid" and scene.track.lead > 0.0:
-        return "its screw is rigid, and every compared one with a lead bends"
+        return "its screw is rigid; the screws of all compared scenes with a lead are elastic"
     if scene.nut.flange is not None and not held_by_flange(scene):
-        return "its nut has a flange that does not hold it, those of compared scenes do"
+        return "its nut has a flange but is not fixed at it; flanged nuts of compared scenes are"
     return ""
 
 
 def held_by_flange(scene: Scene) -> bool:
-    """Return whether the nut is fixed at the face of its flange."""
+    """Return whether the nut has a flange and is fixed at its face."""
     return scene.nut.flange is not None and scene.solid.nut_held in (None, "flange face")
 
 
 def error_bound(known: Array, errors: Array, here: Array, least: float) -> float:
-    """Return the error [%] within which ``SHARE`` of similar scenes lie, at given features.
+    """Return an upper bound [%] of a model's error on a scene, below which the share `SHARE` of similar errors lies.
 
-    It is the fit of the logarithms of the errors, plus the quantile ``SHARE`` of the fit's residuals. Each
-    residual is that of a scene left out of its fit.
+    The logarithm of the bound is the linear fit of the logarithms of the errors, plus the quantile `SHARE` of the
+    leave-one-out residuals.
 
     Parameters
     ----------
     known
         Scaled features of the compared scenes, (n, k).
     errors
-        Their errors, (n,) [%]; below ``least`` all count as that.
+        Errors of the model on these scenes, (n,) [%].
     here
         Scaled features of the scene, (k,).
     least
-        Smallest error that counts [%].
+        Value to which smaller errors are raised [%].
     """
     A = np.column_stack([np.ones(len(known)), known - known.mean(axis=0)])
     y = np.log(np.maximum(np.abs(errors), least))
@@ -303,17 +311,17 @@ def error_bound(known: Array, errors: Array, here: Array, least: float) -> float
 
 
 def estimate(scene: Scene, result: StaticResult, points: Iterable[Point] | None = None) -> ModelForm:
-    """Estimate the error of a model to expect for a result.
+    """Estimate the expected error of a model's result for a scene.
 
-    Not covered are models that were not compared (Mei's, those of users), other kinds of scenes (rings are compared with
-    rings only), and scenes beyond the range of the compared ones.
+    The estimate does not cover models that were not compared with the 3D reference (Mei's, those of users), kinds of scenes
+    that were not compared (bearings are compared with bearings only), and scenes outside the range of the compared scenes.
 
     Parameters
     ----------
     scene
-        Scene with one set.
+        Scene with one nut or bearing row.
     result
-        Its converged result.
+        Converged result of the model for the scene.
     points
         Errors of the model on compared scenes; None: those of the package.
 
@@ -332,42 +340,50 @@ def estimate(scene: Scene, result: StaticResult, points: Iterable[Point] | None 
     like = [p for p in compared if (p.features["lead"] == 0.0) == ring and (flanged or FLANGE not in p.features)]
     words: tuple[str, ...] = (model.words,)
 
-    def uncovered(why: str, away: float = float("inf"), nearest: str = "") -> ModelForm:
+    def estimate_not_covered(why: str, away: float = float("inf"), nearest: str = "") -> ModelForm:
         return ModelForm(None, None, away, nearest, len(like), (*words, why))
 
     if not (result.load > 0.0).any():
-        return uncovered("no contact carries load, so that there is no mean load to be wrong by a share of")
+        return estimate_not_covered("no contact carries load, so that errors in per cent of the mean load are not defined")
     try:
         place = _scaled(features(scene, result), scales)
     except ValueError as error:
-        return uncovered(f"not comparable: {error}")
+        return estimate_not_covered(f"not comparable: {error}")
     if not compared:
-        return uncovered("no scene was compared with the 3D reference")
+        return estimate_not_covered("no scene was compared with the 3D reference")
     other = why_kind_not_compared(scene)
     if not other and sum(not flanged or FLANGE in p.features for p in like) < FEWEST:
         what = "rings" if ring else "nuts held by a flange" if flanged else "screws"
         other = f"too few {what} were compared with the 3D reference"
     if other:
-        return uncovered(other)
+        return estimate_not_covered(other)
     known = np.array([_scaled(p.features, scales) for p in like])
-    away = np.hypot.reduce(known - place, axis=1)  # of any size: a moment without loads lies far away
+    away = np.hypot.reduce(known - place, axis=1)  # hypot: does not overflow for a moment with nearly zero loads
     nearest = like[int(away.argmin())].scene
     unlike = [*outside(scene), *_features_beyond_compared(known, place)]
     if unlike:
-        return uncovered(f"beyond what was compared: {'; '.join(unlike)}", float(away.min()), nearest)
+        return estimate_not_covered(
+            f"outside the range of the compared scenes: {'; '.join(unlike)}", float(away.min()), nearest
+        )
     return ModelForm(
         distance=float(away.min()), nearest=nearest, compared=len(like), words=words, **_expected_errors(like, known, place)
     )
 
 
 def _features_beyond_compared(known: Array, here: Array) -> list[str]:
-    """Return the texts of the features in which a scene (k,) lies beyond the compared scenes (n, k), all scaled."""
+    """Return the definitions of the features in which a scene lies outside the range of the compared scenes.
+
+    ``here``: scaled features of the scene, (k,); ``known``: those of the compared scenes, (n, k).
+    """
     far = np.maximum(known.min(axis=0) - here, here - known.max(axis=0)) > MARGIN
     return [what for (what, _), beyond in zip(WITH_FLANGE.values(), far, strict=False) if beyond]
 
 
 def _expected_errors(like: Sequence[Point], known: Array, here: Array) -> dict[str, float | None]:
-    """Return the expected errors [%] by quantity at scaled features (k,), from the points of similar scenes."""
+    """Return the expected error [%] of each quantity on a scene, from the errors ``like`` on similar scenes.
+
+    ``here``: scaled features of the scene, (k,); ``known``: those of the similar scenes, (n, k).
+    """
     out: dict[str, float | None] = {}
     for name in QUANTITIES:
         errors = np.array([np.nan if (e := getattr(p, name)) is None else e for p in like], dtype=float)
@@ -379,7 +395,7 @@ def _expected_errors(like: Sequence[Point], known: Array, here: Array) -> dict[s
 
 @dataclass(frozen=True)
 class LeftOutScene:
-    """Compared scene, with its measured errors and those estimated from all other compared scenes."""
+    """Compared scene with its measured errors and the errors estimated from all other compared scenes."""
 
     #: Measured errors of the scene.
     point: Point
@@ -388,9 +404,9 @@ class LeftOutScene:
 
 
 def leave_one_out(points: Sequence[Point], model: str) -> list[LeftOutScene]:
-    """Estimate the error of every compared screw of a model from all other screws (leave one out).
+    """Estimate the error of a model on each compared screw from its errors on all other compared screws.
 
-    Screws without a flange are estimated from screws without one only.
+    Screws whose nut is not fixed at a flange are estimated from other such screws only.
     """
     out = []
     for flange, scales in ((False, SCALES), (True, WITH_FLANGE)):
@@ -414,25 +430,25 @@ Raised: TypeAlias = "tuple[Scene, StaticResult, Run]"
 
 @dataclass(frozen=True)
 class SectionAnswer:
-    """Axial displacement of the screw's section with the largest axial load, and axial force of the screw on the nut."""
+    """Axial displacement of the loaded cross-section of the screw, and axial force of the screw on the nut."""
 
-    #: Axial displacement of the section [m].
+    #: Axial displacement of the cross-section [m].
     moved: float
     #: Axial force of the screw on the nut [N].
     force: float
 
 
 def loaded_section(scene: Scene, answer: Loads) -> SectionAnswer:
-    """Return the axial displacement of the loaded section and the force on the nut, by a model or a 3D reference run.
+    """Return the axial displacement of the screw's loaded cross-section, and the axial force on the nut.
 
-    The loaded section is where the largest axial load acts; the nut's centre if the scene has no loads.
+    The loaded cross-section is where the largest axial load acts, or the nut's centre if the scene has no loads.
 
     Parameters
     ----------
     scene
-        Scene with one set.
+        Scene with one nut or bearing row.
     answer
-        Loads and displacements.
+        Contact loads and displacements by a model or a run of the 3D reference.
 
     Returns
     -------
@@ -445,7 +461,10 @@ def loaded_section(scene: Scene, answer: Loads) -> SectionAnswer:
 
 
 def rigidity_between(answers: Sequence[SectionAnswer]) -> float | None:
-    """Return the tangent axial rigidity [N/m] between two states; None if nothing moves."""
+    """Return the axial rigidity [N/m], change of force over change of displacement, between two load states.
+
+    None if the displacement does not change.
+    """
     first, second = answers
     step = second.moved - first.moved
     return (second.force - first.force) / step if step != 0.0 else None
@@ -465,18 +484,18 @@ def point(name: str, scene: Scene, result: StaticResult, run: Run, raised: Raise
     name
         Name of the scene.
     scene
-        Scene with one set.
+        Scene with one nut or bearing row.
     result
         Result of the model.
     run
-        Run of the reference.
+        Run of the 3D reference.
     raised
-        Scene, result and run under increased loads, for the rigidity; None: without.
+        Scene, result and run under increased loads, from which the rigidity is computed; None: no rigidity.
 
     Returns
     -------
     Point
-        The errors.
+        Errors of the model, with the features of the scene.
     """
     error = load_error(result.load, run.load, nominal_contacts(scene))
     from rollbench.compare.models.comparison import from_result, from_run
@@ -504,5 +523,5 @@ def point(name: str, scene: Scene, result: StaticResult, run: Run, raised: Raise
 
 
 def error_of_value(value: float | None, reference: float | None) -> float | None:
-    """Return the error of a value against its reference [%]; None if one is missing or the reference is zero."""
+    """Return the error of a value [% of the reference value]; None if a value is missing or the reference is zero."""
     return None if value is None or not reference else round(float(error_percent(value, reference)), 4)

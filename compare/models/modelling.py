@@ -1,11 +1,12 @@
-"""Effect of modelling choices on contact loads: idealisations of the 3D reference, and each step of the model ladder.
+"""Effect of modelling choices on contact loads: in the 3D reference, and in the sequence of low-order models.
 
-The modelling uncertainty of the reference is the effect of its idealisations and of dimensions that the source does not
-print. Each choice is varied separately on the coarsest level, each mesh setting refined separately on the finest,
-and compared with the same scene on that level (``base``). If a choice has several variants, the largest change of
-each contact counts. Choices are independent and of unknown sign, so they add by the root of the sum of squares, contact
-by contact. The sum is an estimate of one typical variation of every choice, not a bound. Properties of the scene (where
-the nut is fixed) or of the method (modes, sockets) are listed but not included, nor are choices that cannot be varied
+The modelling uncertainty of the reference is the effect of its idealisations and of dimensions that Lin's thesis does not
+print. Each choice is varied separately on the coarsest mesh level, and each mesh setting is refined separately on the
+finest level. Each varied run is compared with the unchanged scene on the same level (``base``). If a choice has several
+variants, the largest change of each contact load counts. The choices are independent and their effects have unknown signs,
+so they are combined for each contact by the root of the sum of squares. The result estimates the effect of one typical
+variation of every choice and is not a bound. Properties of the scene (where the nut is fixed) or of the method (modes,
+sockets) are listed but not included; choices that cannot be varied are not included either
 (``compare.reference.variants.NOT_VARIED``).
 """
 
@@ -26,7 +27,7 @@ from rollbench.compare.models.registry import DEFAULT, MODELS, Options, run_mode
 from rollbench.compare.models.study import Study
 from rollbench.compare.reference.estimate import Reference, uncertainty_percent
 from rollbench.compare.reference.store import Run, load_run
-from rollbench.compare.reference.variants import TWIST, VARIANTS, Kind, twisted
+from rollbench.compare.reference.variants import TWIST, VARIANTS, Kind, with_twisted_supports
 from rollbench.compare.scenes.catalogue import names_with_role
 from rollbench.lowfi.compliance.bodies import PARTS, Condensed
 from rollbench.lowfi.statics.elastic import solve_elastic
@@ -36,19 +37,19 @@ from rollbench.meshes.arrays import Array
 from rollbench.meshes.loads import mean_load
 from rollbench.meshes.parts import Scene
 
-#: Scenes on which every choice is varied: one without preload, one with.
+#: Scenes on which every modelling choice is varied: one without preload, one with preload.
 VARIED = ("lin-case1", "lin-case3")
 
-#: The preloaded scene of `VARIED`, with load on all flanks, on which each setting of the finest mesh is refined.
+#: Scene on which each setting of the finest mesh is refined separately: the preloaded one, with loads on all flanks.
 REFINED = "lin-case3"
 
-#: By scene name: the varied scene with the same parts, whose effects are used for it.
+#: For each scene: the scene with the same parts on which choices were varied, and whose effects are used for it.
 SPOKEN_FOR = {"lin-case1": "lin-case1", "lin-case2": "lin-case1", "lin-case3": "lin-case3", "lin-case3-offset": "lin-case3"}
 
 
 @dataclass(frozen=True)
 class Effect:
-    """Effect of one variant of the 3D reference on the contact loads of one scene."""
+    """Effect of one changed modelling choice or setting of the 3D reference on the contact loads of one scene."""
 
     #: Name of the scene.
     scene: str
@@ -58,7 +59,7 @@ class Effect:
     label: str
     #: Modelling choice that it varies.
     choice: str
-    #: Kind of the choice.
+    #: Kind of the choice: "modelling", "numerical" or "scene" (a property of the scene).
     kind: Kind
     #: Changes of the contact loads, (n, 4) [% of the mean load].
     change: Array
@@ -70,59 +71,62 @@ class Effect:
 
 @dataclass(frozen=True)
 class Modelling:
-    """Modelling uncertainty of a scene's reference, combined from the effects of all choices."""
+    """Modelling uncertainty of the 3D reference on one scene, combined from the effects of all modelling choices."""
 
     #: Name of the scene.
     scene: str
     #: Uncertainty of every contact load, (n, 4) [% of the mean load].
     contacts: Array
-    #: Largest of these.
+    #: Largest uncertainty of a contact load [% of the mean load].
     largest: float
-    #: Root mean square over the loaded contacts.
+    #: Root mean square of the uncertainty over the loaded contacts [% of the mean load].
     rms: float
     #: Uncertainty of the ratio of largest to smallest load on SL [%].
     ratio: float
-    #: Largest change by choice, sorted by decreasing root mean square.
+    #: Largest change of a contact load by each choice, sorted by decreasing root mean square [% of the mean load].
     choices: dict[str, float]
 
 
 def base_run(scene: Scene, level: int, stores: Sequence[Path] | None) -> Run | None:
-    """Return the baseline run for variants on a level: the scene's run of variant ``base``, else its regular run."""
+    """Return the 3D run of a scene with which its variants on a mesh level are compared.
+
+    It is the run of the variant ``base`` if one is stored, else the regular run.
+    """
     return load_run(scene, level, "base", stores) or load_run(scene, level, stores=stores)
 
 
 def varied(scene: Scene, stores: Sequence[Path] | None = None) -> list[Effect]:
-    """Return the effects of all variants of a scene with a converged run in a store.
+    """Return the effect of each variant of the 3D reference on a scene, from converged runs in the folders ``stores``.
 
-    The effect of the dropped coupling is computed by the refined model, whose loads respond to a turned shaft like the
-    reference's. Empty if no run of a variant is stored.
+    Beyond its 3D part, the reference neglects that an axial force twists a grooved shaft. The effect of this twist is
+    computed by the refined model. Empty if no run of a variant is stored.
     """
     out = []
     for name, variant in VARIANTS.items():
         run, against = load_run(scene, variant.level, name, stores), base_run(scene, variant.level, stores)
-        if name == "base":  # what the base itself leaves out, against the scene in its group
+        if name == "base":  # effect of the settings that the base run itself changes, against the scene's regular run
             against = load_run(scene, variant.level, stores=stores)
         if run is not None and against is not None and run.status == "converged":
             out.append(effect(scene.name, name, variant.label, variant.choice, variant.kind, run.load, against.load))
     if not out:
         return []
     options = Options(discretisation=False)
-    straight, turned = (run_model(s, DEFAULT, options).load for s in (scene, twisted(scene)))
-    label = "supports turned by the largest twist that is dropped, by the refined model"
+    straight, turned = (run_model(s, DEFAULT, options).load for s in (scene, with_twisted_supports(scene)))
+    label = "supports rotated by the largest twist that the reference neglects, by the refined model"
     return [*out, effect(scene.name, "coupling", label, TWIST, "modelling", turned, straight)]
 
 
 def effect(scene: str, variant: str, label: str, choice: str, kind: Kind, changed: Array, base: Array) -> Effect:
-    """Compute the effect of a variant from its loads and those of the base run.
+    """Compute the effect of a variant of the 3D reference from its contact loads and those of the unchanged run.
 
     Parameters
     ----------
     scene, variant, label, choice, kind
-        As in `Effect`.
+        Fields of the returned `Effect`.
     changed
         Contact loads of the variant, (n, 4) [N].
     base
-        Contact loads of the base run, (n, 4) [N].
+        Contact loads of the unchanged run, (n, 4) [N].
     """
     change = np.asarray(error_percent(changed, base, mean_load(base)))
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -132,7 +136,10 @@ def effect(scene: str, variant: str, label: str, choice: str, kind: Kind, change
 
 
 def combine_effects(scene: Scene, effects: Sequence[Effect]) -> Modelling | None:
-    """Return a scene's modelling uncertainty: root sum of squares over all choices; None if none was varied."""
+    """Return the modelling uncertainty of a scene: root of the sum of squares of the effects of all choices.
+
+    None if no choice was varied on the scene.
+    """
     of_scene = [e for e in effects if e.kind == "modelling" and e.scene == scene.name]
     if all(e.variant == "coupling" for e in of_scene):
         return None
@@ -155,9 +162,9 @@ def combine_effects(scene: Scene, effects: Sequence[Effect]) -> Modelling | None
 
 
 def modelling_percent(scene: str, by_scene: Mapping[str, Modelling]) -> float | None:
-    """Return the largest modelling uncertainty that applies to a scene [% of the mean load].
+    """Return the largest modelling uncertainty of a contact load that applies to a scene [% of the mean load].
 
-    None if no scene with its parts was varied.
+    ``by_scene``: modelling uncertainty of each varied scene. None if choices were varied on no scene with the same parts.
     """
     spoken = by_scene.get(SPOKEN_FOR.get(scene, ""))
     return None if spoken is None else spoken.largest
@@ -169,13 +176,13 @@ UNSEEN = names_with_role("unseen")
 #: Scenes with an uncertainty above 0.3 % on four mesh levels, due to lightly loaded contacts next to heavily loaded ones.
 DEEP = ("two-balls", "unseen-25x5")
 
-#: Models of the ladder, from the source's to the refined one.
+#: Models in the sequence of refinement, from the model of Lin's thesis to the refined model.
 RUNGS = tuple(sorted((m for m in MODELS.values() if m.ladder_step), key=lambda m: m.ladder_step or (0, "")))
 
 
 @dataclass(frozen=True)
 class Rung:
-    """Result of one model of the ladder on one scene, against its reference."""
+    """Result of one model of the refinement sequence on one scene, with its errors against the 3D reference."""
 
     #: Name of the scene.
     scene: str
@@ -187,14 +194,14 @@ class Rung:
     error: LoadError
     #: Uncertainty of the reference [% of the mean load].
     uncertainty: float | None
-    #: Difference of the sum of loads from the reference's [%].
+    #: Difference of the sum of contact loads from that of the reference [%].
     bias: float
-    #: Run time for a new geometry, in plain Python with libraries imported [s].
+    #: Run time for a new geometry, in plain Python, without import of libraries [s].
     seconds: float
 
 
 def solve_ladder(scene: Scene, reference: Reference, stores: Sequence[Path] | None) -> list[Rung]:
-    """Solve a scene with every model of the ladder that its stored data allow."""
+    """Solve a scene with every model of the refinement sequence; "condensed" only if its bodies are stored."""
     rungs = []
     for model in RUNGS:
         options = Options(discretisation=False, engine="interpreted")
@@ -224,18 +231,18 @@ def solve_ladder(scene: Scene, reference: Reference, stores: Sequence[Path] | No
 
 @dataclass(frozen=True)
 class BodyShareErrors:
-    """Errors of the refined model on one scene when the bodies of the finest 3D run replace some of its bodies."""
+    """Errors of the refined model on one scene if its screw, nut or both are replaced by those of the finest 3D run."""
 
     #: Name of the scene.
     scene: str
-    #: Errors of the loads, by the bodies that are taken from 3D: none, one, both.
+    #: Errors of the contact loads, by the names of the replaced bodies: none, one, both.
     errors: dict[tuple[str, ...], LoadError]
-    #: Difference of the sum of loads from the reference's [%], by the bodies that are taken from 3D.
+    #: Difference of the sum of contact loads from that of the reference [%], by the names of the replaced bodies.
     bias: dict[tuple[str, ...], float]
 
 
 def errors_by_replaced_body(study: Study) -> list[BodyShareErrors]:
-    """Compute, by scene, the refined model's errors with neither body, the screw, the nut or both taken from 3D."""
+    """Compute the refined model's errors on each scene with no body, the screw, the nut or both replaced by 3D bodies."""
     out = []
     for name, reference in study.references((*REFERENCED, *UNSEEN)).items():
         scene = study.scene(name)
@@ -255,28 +262,32 @@ def errors_by_replaced_body(study: Study) -> list[BodyShareErrors]:
 
 
 def ladder(study: Study) -> list[Rung]:
-    """Solve every scene with a stored reference by every model of the ladder; the study keeps the results."""
+    """Solve every scene that has a stored 3D reference with every model of the refinement sequence.
+
+    The results are stored in the study.
+    """
     references = study.references((*REFERENCED, *UNSEEN))
     rungs = [rung for name, ref in references.items() for rung in solve_ladder(study.scene(name), ref, study.stores)]
     for rung in rungs:
-        if rung.model != "condensed":  # that one depends on a file too
+        if rung.model != "condensed":  # its result also depends on a file, which is not part of the key
             study.results[study.scene(rung.scene), rung.model, 0] = rung.result
     return rungs
 
 
 def points(study: Study, rungs: Sequence[Rung]) -> list[Point]:
-    """Return the comparison points (errors of a model on a scene) from which the expected error is estimated."""
+    """Return the errors of the models on the shipped scenes, from which expected errors are estimated."""
     references = study.references((*REFERENCED, *UNSEEN))
     return [point(r.scene, study.scene(r.scene), r.result, references[r.scene].best) for r in rungs]
 
 
 def left_out_one(study: Study, rungs: Sequence[Rung]) -> list[dict[str, Any]]:
-    """Estimate the errors of every compared screw (shipped or drawn) from all others, for each model of the ladder.
+    """Estimate the errors of each model on every compared screw (shipped or randomly drawn) from all other screws.
 
     Returns
     -------
     list of dict
-        Measured and expected errors of the loads [% of the mean load]; None if the others do not cover the screw.
+        Measured and expected errors of the loads [% of the mean load]. Expected errors are None if a screw is outside the
+        range of the others.
     """
     everything = [*points(study, rungs), *points_of_drawn_screws()]
     return [

@@ -1,8 +1,8 @@
-"""Low-order models of users as programs in any language: a command that reads a scene as JSON and writes loads as CSV.
+"""External programs as low-order models: a command that reads a scene as JSON and writes contact loads as CSV.
 
-``prog {scene.json} {loads.csv}`` is run for every scene in the current folder, without a shell, with two paths in place of
-the braces. Such a command can be given wherever a model is named; ``{seconds=600}`` in it is its time limit (see
-`model_command`).
+For every scene, a command such as ``prog {scene.json} {loads.csv}`` is run in the current folder, without a shell, after
+the two placeholders were replaced by paths. A command can be given instead of the name of a model; ``{seconds=600}`` in it
+sets its time limit (see `model_command`).
 """
 
 from __future__ import annotations
@@ -40,15 +40,18 @@ SCENE, LOADS, LIMIT = "{scene.json}", "{loads.csv}", re.compile(r"\{seconds=([^{
 SECONDS, LONGEST = 60.0, 1e6
 #: Contact loads below this [N] are round-off and set to zero.
 LEAST = 1e-9
-#: Name of the note in the file of loads that gives the displacement of the screw at the nut's centre.
+#: Name of the comment in the program's CSV file that gives the displacement of the screw at the nut's centre.
 DISPLACEMENT = "displacement"
 #: Bytes at the end of a program's output that are searched for its last line.
 TAIL = 4096
-MEND = "run it by hand on what rollbench export SCENE --format json writes; `model_seconds` gives it more time"
+MEND = (
+    "run the program by hand on a file of `rollbench export SCENE --format json`; "
+    "increase its time limit by `model_seconds` if necessary"
+)
 
 
 def is_command(name: str) -> bool:
-    """Return whether the name of a model is a command.
+    """Return whether the name of a model is the command of an external program.
 
     Parameters
     ----------
@@ -59,7 +62,7 @@ def is_command(name: str) -> bool:
 
 
 def model_command(command: str, seconds: float = SECONDS) -> str:
-    """Return the model name that stands for the command of a program; every function that takes a model accepts it.
+    """Return a model name for the command of an external program, for all functions with an argument ``model``.
 
     Parameters
     ----------
@@ -77,7 +80,7 @@ def model_command(command: str, seconds: float = SECONDS) -> str:
     Raises
     ------
     rollbench.InputError
-        If a file is missing in the command, its quotes do not match, or the time limit is out of range.
+        If a placeholder is missing in the command, its quotation marks do not match, or the time limit is out of range.
 
     Examples
     --------
@@ -90,7 +93,7 @@ def model_command(command: str, seconds: float = SECONDS) -> str:
 
 
 def title_of(name: str) -> str:
-    """Return the name of a model for headings; for a command, its words without folders and placeholders.
+    """Return the name of a model for headings; of a command, its words without folders and placeholders.
 
     Parameters
     ----------
@@ -112,7 +115,7 @@ def title_of(name: str) -> str:
 
 @cache
 def parse_command(name: str) -> Program:
-    """Split a command into a program and its time limit.
+    """Split the command of an external program into its words and its time limit.
 
     Parameters
     ----------
@@ -122,23 +125,23 @@ def parse_command(name: str) -> Program:
     Returns
     -------
     Program
-        The program.
+        Words and time limit.
 
     Raises
     ------
     ArgumentError
-        If a file is missing in the command, its quotes do not match, or the time limit is out of range.
+        If a placeholder is missing in the command, its quotation marks do not match, or the time limit is out of range.
     """
-    advice = f'give its words in one text: "./prog {SCENE} {LOADS}"'
+    advice = f'give the whole command as one text, such as "./prog {SCENE} {LOADS}"'
     limit = LIMIT.search(name)
     command = LIMIT.sub("", name).strip()
     for file in (SCENE, LOADS):
         if command.count(file) != 1:
-            raise ArgumentError("model_command", command or "nothing", f"{file} once", advice)
+            raise ArgumentError("model_command", command or "nothing", f"a command that contains {file} once", advice)
     try:
         words = tuple(shlex.split(command, posix=os.name != "nt"))
     except ValueError as error:
-        raise ArgumentError("model_command", command, f"words of a command ({error})", advice) from None
+        raise ArgumentError("model_command", command, f"a command that can be split into words ({error})", advice) from None
     if not words or SCENE in words[0] or LOADS in words[0]:
         raise ArgumentError("model_command", command, "a program before its files", advice)
     try:
@@ -146,13 +149,14 @@ def parse_command(name: str) -> Program:
     except ValueError:
         seconds = math.nan
     if limit is not None and not 0.0 < seconds <= LONGEST:
-        raise ArgumentError("model_seconds", limit[1] or "nothing", f"above 0 to {LONGEST:g}", "600 are ten minutes")
+        allowed = f"above 0 and up to {LONGEST:g} seconds"
+        raise ArgumentError("model_seconds", limit[1] or "nothing", allowed, "write 600 for ten minutes")
     return Program(words, seconds)
 
 
 @dataclass(frozen=True)
 class Program:
-    """Program of a user that serves as a model: command and time limit."""
+    """Command of an external program that serves as a low-order model, with its time limit."""
 
     words: tuple[str, ...]
     """Words of the command, with placeholders for the files."""
@@ -161,13 +165,13 @@ class Program:
 
     @property
     def label(self) -> str:
-        """Words of the command without placeholders, paths shortened to the file name."""
+        """Short name of the program: words of the command without placeholders, paths shortened to the file name."""
         words = [Path(word).name or word for word in self.words if SCENE not in word and LOADS not in word]
         return one_line(" ".join(words), 40)
 
     @property
     def files(self) -> str:
-        """Names of the files in the command, each with a digest of its contents, to recognise a changed program."""
+        """Names of the files in the command, each with a hash of its contents, by which a changed program is recognised."""
         import hashlib
 
         paths = [Path(shutil.which(self.words[0]) or self.words[0]), *map(Path, self.words[1:])]
@@ -175,23 +179,23 @@ class Program:
         return ", ".join(found)
 
     def __call__(self, scene: Scene) -> tuple[GivenLoads, Array | None]:
-        """Run the program for a scene, in a temporary folder.
+        """Run the program for a scene, with its input and output files in a temporary folder.
 
         Parameters
         ----------
         scene
-            Scene, whose random errors are drawn.
+            Scene whose random errors have been drawn.
 
         Returns
         -------
         tuple
-            Loads, and the displacement of the screw (6,) [m, rad] or None.
+            Contact loads, and the displacement of the screw at the nut's centre (6,) [m, rad] or None.
 
         Raises
         ------
         ProgramError
-            If the program cannot be started, exits with another code than 0, exceeds its time limit, or does not write the
-            loads of every contact.
+            If the program cannot be started, exits with a code other than 0, exceeds its time limit, or does not write the
+            load of every contact.
         """
         import tempfile
 
@@ -228,26 +232,28 @@ class Program:
             try:
                 code = process.wait(self.seconds)
             except subprocess.TimeoutExpired:
-                return f"was ended after {self.seconds:g} s, its limit of time"
+                return f"was ended after its time limit of {self.seconds:g} s"
             finally:
                 _kill_process(process)
         return "" if code == 0 else f"ended by signal {-code}" if code < 0 else f"ended with exit code {code}"
 
     def _failed(self, scene: Scene, why: str, said: Path) -> ProgramError:
-        """Return the error for a program that failed, with the last line that it printed."""
+        """Return a ProgramError with the reason ``why`` the program failed and the last line that it printed."""
         line = last_line(said)
         words = "" if line is None else f"; its last line: {line}" if line else "; it printed nothing"
         return ProgramError(self.label, scene.name, why + words, MEND)
 
     def _read(self, path: Path, scene: Scene) -> tuple[GivenLoads, Array | None]:
-        """Return the loads and the displacement in a file; InputError if they cannot be used."""
+        """Read the contact loads and the displacement that the program wrote; InputError if they cannot be used."""
         from rollbench.compare.models.loads_file import read_loads
 
         given = read_loads(path, scene.ball_count, scene)
         given.load[given.load < LEAST] = 0.0
         lacking = [side for side in SIDES if side not in given.flanks]
         if lacking:
-            raise InputError(LOADS, "rows", f"no loads on {', '.join(lacking)}", "every ball on SL, SR, NL and NR", "")
+            raise InputError(
+                LOADS, "rows", f"no loads on {', '.join(lacking)}", "loads of every ball on SL, SR, NL and NR", ""
+            )
         note = given.notes.get(DISPLACEMENT)
         if note is None:
             return given, None
@@ -256,12 +262,12 @@ class Program:
         except ValueError:
             moved = np.zeros(0)
         if moved.shape != (6,) or not np.isfinite(moved).all():
-            raise InputError(LOADS, f"# {DISPLACEMENT}", note, "ux uy uz [m] rx ry rz [rad]", "")
+            raise InputError(LOADS, f"# {DISPLACEMENT}", note, "six numbers ux uy uz [m] rx ry rz [rad]", "")
         return given, moved
 
 
 def _kill_process(process: subprocess.Popen[bytes]) -> None:
-    """Kill a program that is still running, with all processes that it started."""
+    """Kill an external program that is still running, with all processes that it started."""
     if process.poll() is None:
         with suppress(OSError):
             if hasattr(os, "killpg"):
@@ -282,7 +288,7 @@ def last_line(path: Path) -> str | None:
     Returns
     -------
     str or None
-        The line, empty if nothing was printed; None if there is no such file.
+        The line, empty if nothing was printed; None if the file does not exist.
     """
     try:
         with path.open("rb") as file:
@@ -294,18 +300,18 @@ def last_line(path: Path) -> str | None:
 
 
 def scene_json(scene: Scene) -> str:
-    """Return a scene as JSON for a program, in SI units.
+    """Return a scene as JSON in SI units, as an external program reads it.
 
     Parameters
     ----------
     scene
-        The scene, whose random errors are drawn.
+        Scene whose random errors have been drawn.
 
     Returns
     -------
     str
-        Fields of the scene; under ``given`` the lead angle [rad] and the axial force of all loads [N]; under ``contacts``
-        for every ball its azimuth [rad] and axial position [m], the closures of both pairs of flanks by all errors in the
+        Fields of the scene. Under ``given``: lead angle [rad] and axial force of all loads [N]. Under ``contacts``, for
+        every ball: azimuth [rad], axial position [m], the interference that all errors cause on both pairs of flanks in the
         nominal position [m] (positive: pressed), and the Hertz constants C [m/N^(2/3)] of its contacts.
     """
     from rollbench.lowfi.statics.contacts import error_free, hertz_C

@@ -1,4 +1,4 @@
-"""Registry of the low-order models: names, descriptions, and the functions that run them on a scene."""
+"""Registry of the low-order models: their names, descriptions, and the functions that run them on a scene."""
 
 from __future__ import annotations
 
@@ -23,13 +23,13 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Options:
-    """Options for running a model."""
+    """Options with which a low-order model is run."""
 
     #: Whether terms that cannot change the result are computed too.
     everything: bool = False
     #: Number of the specimen of a scene with random errors.
     member: int = 0
-    #: Kernels: ``interpreted``, ``compiled``, or ``auto``, by size.
+    #: How numerical kernels run: ``interpreted``, ``compiled``, or ``auto`` (depends on the number of balls).
     engine: str = "auto"
     #: Whether the error of the beam's discretisation is estimated.
     discretisation: bool = True
@@ -38,7 +38,7 @@ class Options:
 
 
 def _solve_lin(scene: Scene, options: Options) -> StaticResult:
-    """Solve a scene by the source's model (lin)."""
+    """Solve a scene by the low-order model of Lin's thesis ("lin")."""
     from rollbench.lowfi.statics.static import solve_static
 
     return solve_static(
@@ -51,43 +51,43 @@ def _solve_lin(scene: Scene, options: Options) -> StaticResult:
 
 
 def read_condensed(scene: Scene, options: Options) -> Condensed:
-    """Read condensed bodies from the file that the options name.
+    """Read the condensed stiffness of screw and nut from the file ``options.condensed``.
 
     Parameters
     ----------
     scene
-        Scene with one set.
+        Scene with one nut or bearing row.
     options
         Options that name the file.
 
     Returns
     -------
     Condensed
-        The bodies.
+        Condensed screw and nut.
 
     Raises
     ------
     InputError
-        If there is no file or it does not fit the scene.
+        If the options name no file, or the file is missing or belongs to other parts than those of the scene.
     """
     from rollbench.lowfi.compliance.bodies import Condensed
 
     if options.condensed is None:
-        advice = "rollbench condense makes one: `condensed=FILE`"
-        raise InputError(scene.name, "model", '"condensed"', "a file of condensed bodies", advice)
+        advice = "write a file with rollbench condense, and pass it as `condensed=FILE`"
+        raise InputError(scene.name, "model", '"condensed"', "only with a file of condensed bodies", advice)
     try:
         return Condensed.read(options.condensed, scene)
     except OSError as error:
         near = similar_paths(options.condensed) if isinstance(error, FileNotFoundError) else ""
         words = error.strerror or str(error), "a file of condensed bodies", near or "check the path"
     except ValueError as error:
-        allowed = "a file that rollbench condense made of this scene's parts"
-        words = str(error), allowed, "make it again: rollbench condense"
+        allowed = "a file that rollbench condense wrote for the parts of this scene"
+        words = str(error), allowed, "write the file again with rollbench condense"
     raise InputError(str(options.condensed), "file", *words)
 
 
 def _solve_elastic(scene: Scene, options: Options, *, name: str) -> StaticResult:
-    """Solve a scene by a model with elastic bodies, given by name; "condensed" takes the bodies from a file."""
+    """Solve a scene by the model ``name``, which has elastic bodies; for "condensed" they are read from a file."""
     from rollbench.lowfi.compliance.parts import LADDER, REFINED
     from rollbench.lowfi.statics.elastic import solve_elastic
     from rollbench.lowfi.statics.static import with_discretisation
@@ -108,11 +108,11 @@ def _solve_elastic(scene: Scene, options: Options, *, name: str) -> StaticResult
 
 
 def _solve_as_source(scene: Scene, options: Options) -> StaticResult:
-    """Solve a scene by the equations and the iteration of the source; InputError for a rigid screw."""
+    """Solve a scene by the equations and the Newton iteration of Lin's thesis; InputError for a rigid screw."""
     from rollbench.lowfi.as_source import solve_source_result
 
     if scene.ingredients.screw == "rigid":
-        advice = "the source's equations are those of a beam: use lin"
+        advice = "use the model lin; the equations of Lin's thesis describe a beam"
         raise InputError(scene.name, "ingredients.screw", '"rigid"', '"beam"', advice)
     return solve_source_result(scene, everything=options.everything, member=options.member)
 
@@ -132,14 +132,14 @@ def _solve_liu(scene: Scene, options: Options) -> StaticResult:
 
 
 def _solve_axis_lin(assembly: Assembly, options: Options) -> AxisResult:
-    """Solve several sets on one shaft by the source's model (lin)."""
+    """Solve a shaft with several nuts or bearing rows by the low-order model of Lin's thesis ("lin")."""
     from rollbench.lowfi.statics.axis.solve import solve_assembly
 
     return solve_assembly(assembly, engine=options.engine, member=options.member)  # type: ignore[arg-type]
 
 
 def _solve_axis_elastic(assembly: Assembly, options: Options, *, name: str) -> AxisResult:
-    """Solve several sets on one shaft by a model with elastic bodies, given by name."""
+    """Solve a shaft with several nuts or bearing rows by the model ``name``, which has elastic bodies."""
     from rollbench.lowfi.compliance.parts import LADDER
     from rollbench.lowfi.statics.axis.elastic import solve_refined
 
@@ -148,17 +148,17 @@ def _solve_axis_elastic(assembly: Assembly, options: Options, *, name: str) -> A
 
 
 def any_scene(scene: Scene) -> bool:  # noqa: ARG001 - the signature of Model.suits
-    """Return True: condition of a model that covers every scene."""
+    """Return True for every scene: the condition `Model.suits` of a model without restrictions."""
     return True
 
 
 def has_beam(scene: Scene) -> bool:
-    """Return whether the scene has a screw that the equations of a beam describe."""
+    """Return whether the scene's screw is modelled as a beam."""
     return scene.ingredients.screw == "beam"
 
 
 def axial_only(scene: Scene) -> bool:
-    """Return whether Mei's model covers a scene: axial loads on a beam, no preload and no further support."""
+    """Return whether Mei's model covers a scene: axial loads only, no preload, a single support, screw as a beam."""
     axial = all(x.force[0] == x.force[1] == 0.0 and not any(x.moment) for x in scene.loads)
     return axial and scene.errors.balls.oversize == 0.0 and len(scene.supports) == 1 and has_beam(scene)
 
@@ -172,7 +172,7 @@ def loaded_at_one_end(scene: Scene) -> bool:
 
 @dataclass(frozen=True)
 class Model:
-    """Low-order model, with everything that commands, tables and the report need of it."""
+    """Low-order model: its name, description and solver, as commands, tables and the report use them."""
 
     #: Name on the command line.
     name: str
@@ -182,29 +182,29 @@ class Model:
     label: str
     #: Text on the elasticity of screw, nut and balls in the model.
     words: str
-    #: Function that runs it on a scene with one set.
+    #: Function that solves a scene with one nut or bearing row.
     run: Callable[[Scene, Options], StaticResult]
-    #: Function that runs the model on several sets on one shaft, or the reason why there is none.
-    assembly: Callable[[Assembly, Options], AxisResult] | str = "it solves one set"
+    #: Function that solves a shaft with several nuts or bearing rows, or the reason why the model cannot.
+    assembly: Callable[[Assembly, Options], AxisResult] | str = "it solves one nut or bearing row"
     #: Function that returns whether the model covers a scene.
     suits: Callable[[Scene], bool] = any_scene
     #: Whether ``rollbench compare`` shows it by default.
     compared: bool = False
     #: Whether the model is in the table of numerical stability.
     extremes: bool = False
-    #: Changes of the scene that make it a variant of another model.
+    #: Settings of the scene's table [ingredients] that distinguish this model from the one with the same solver.
     ingredients: tuple[tuple[str, Any], ...] = ()
-    #: Rank on the ladder from the source's model to the refined model, and what this step adds; None: not on it.
+    #: Position in the sequence of models from Lin's to the refined one, and what this step adds; None: not in it.
     ladder_step: tuple[int, str] | None = None
-    #: Name of the model whose measured errors hold for this one; empty: its own.
+    #: Name of another model whose measured errors hold for this one, too; empty: none.
     errors_of: str = ""
 
     def scene(self, scene: Scene) -> Scene:
-        """Return a copy of the scene with the ingredients that this model changes."""
+        """Return a copy of the scene with the settings (`Scene.ingredients`) that this model prescribes."""
         return replace(scene, ingredients=replace(scene.ingredients, **dict(self.ingredients)))
 
     def of_assembly(self, assembly: Assembly) -> Assembly:
-        """Return a copy of the assembly and its sets with the ingredients that this model changes."""
+        """Return a copy of the assembly, with all nuts and rows, with the settings that this model prescribes."""
         parts = [self.scene(s.parts) if isinstance(s.parts, Scene) else s.parts for s in assembly.sets]
         sets = tuple(replace(s, parts=p) for s, p in zip(assembly.sets, parts, strict=True))
         return replace(assembly, sets=sets, ingredients=replace(assembly.ingredients, **dict(self.ingredients)))
@@ -212,7 +212,7 @@ class Model:
 
 C_8, HALF_SPACES = "screw a beam by Lin C.8, nut rigid, balls half spaces", "balls half spaces"
 BARS = "axial bars and springs of fixed direction"
-MEI_AXIS = "its bars end in one nut that stands"
+MEI_AXIS = "its bars connect the supports to a single fixed nut"
 _ALL = (
     Model(
         "refined",
@@ -251,7 +251,7 @@ _ALL = (
         "the source's model, Hertz constants as printed",
         C_8,
         _solve_lin,
-        'write hertz = "as printed" under [ingredients], and take the model lin',
+        'use the model lin, with hertz = "as printed" under [ingredients]',
         compared=True,
         ingredients=(("hertz", "as printed"),),
     ),
@@ -280,7 +280,7 @@ _ALL = (
         "refined model, bodies from the condensed 3D model",
         "screw, nut and balls from a condensed 3D model",
         partial(_solve_elastic, name="condensed"),
-        "a file of condensed bodies holds those of one set",
+        "a file of condensed bodies contains one nut or bearing row",
         ladder_step=(5, "bodies from the condensed 3D model"),
     ),
     Model(
@@ -289,7 +289,7 @@ _ALL = (
         "equations and iteration of the source",
         C_8,
         _solve_as_source,
-        "the equations of the source are those of one nut that stands",
+        "the equations of the thesis describe a single fixed nut",
         suits=has_beam,
         errors_of="lin",
     ),
@@ -319,7 +319,7 @@ _ALL = (
         "Liu: axial bars, turning contact angles",
         "axial bars and springs whose direction turns, screw and nut loaded at one end",
         _solve_liu,
-        "its screw and nut are loaded at one end of one row",
+        "it describes one row of balls, with screw and nut loaded at one end",
         suits=loaded_at_one_end,
         compared=True,
     ),
@@ -328,7 +328,7 @@ _ALL = (
 MODELS = {m.name: m for m in _ALL}
 
 
-#: Models that solve several sets on one shaft: the source's and the steps of the ladder to the refined one.
+#: Models that solve a shaft with several nuts or bearing rows.
 AXIS_MODELS = tuple(name for name, model in MODELS.items() if callable(model.assembly))
 #: Default model.
 DEFAULT = "refined"
@@ -337,7 +337,7 @@ DEFAULT = "refined"
 def default_model(scene: Scene | Assembly) -> str:
     """Return the name of the default model of a scene.
 
-    It is `DEFAULT`, but lin where an inner ring sits on a housing on springs, which no other model covers.
+    It is `DEFAULT`, or lin if an inner ring sits on a spring-supported housing, because no other model covers this.
     """
     if isinstance(scene, Scene):
         return DEFAULT
@@ -347,21 +347,21 @@ def default_model(scene: Scene | Assembly) -> str:
 
 
 def is_model(name: str) -> bool:
-    """Return whether a name is that of a rollbench model, of a model in an installed package, or a command."""
+    """Return whether a name denotes a model of rollbench, a model of an installed package, or an external command."""
     return name in MODELS or programs.is_command(name) or name in user_models.installed_models()
 
 
 def known_model(name: str, argument: str = "model", without: Sequence[str] = ()) -> Model:
-    """Return the model with a name: one of rollbench, of an installed package (which is imported), or a command.
+    """Return the record of a model: of rollbench, of an installed package (which is imported), or an external command.
 
     Parameters
     ----------
     name
         Name of the model, or a command.
     argument
-        Argument that errors name.
+        Name of the argument that error messages refer to.
     without
-        Names that are refused.
+        Names of models that are not accepted.
 
     Returns
     -------
@@ -380,7 +380,7 @@ def known_model(name: str, argument: str = "model", without: Sequence[str] = ())
         import difflib
 
         near = difflib.get_close_matches(name.lower(), names, n=1)
-        advice = f"did you mean {near[0]}?" if near else "lin is the thesis's model"
+        advice = f"did you mean {near[0]}?" if near else "choose one of these; lin is the model of Lin's thesis"
         raise ArgumentError(argument, f'"{name}"', ", ".join(names), advice)
     if name in MODELS:
         return MODELS[name]
@@ -389,18 +389,19 @@ def known_model(name: str, argument: str = "model", without: Sequence[str] = ())
     def run(scene: Scene, options: Options) -> StaticResult:
         return user_models.solve_by_user_model(name, scene, options.member)
 
-    return Model(name, "", programs.title_of(name), user_models.WORDS, run, "it is a function of a scene of one set")
+    reason = "models of users are functions of a scene with one nut or bearing row"
+    return Model(name, "", programs.title_of(name), user_models.WORDS, run, reason)
 
 
 def random_errors(scene: Scene | Assembly) -> bool:
-    """Return whether the scene, or any of its sets, has random errors."""
+    """Return whether the scene, or any of the nuts or rows on its shaft, has random errors."""
     if isinstance(scene, Scene):
         return scene.errors.random
     return any(isinstance(s.parts, Scene) and s.parts.errors.random for s in scene.sets)
 
 
 def key_of_error(error: ValueError) -> str:
-    """Return the scene key that a solver's error names as its cause; ``scene`` if it names none.
+    """Return the key of the scene file that caused a solver's error; ``scene`` if the error does not name one.
 
     Examples
     --------
@@ -415,12 +416,12 @@ def run_model(scene: Scene, name: str = "", options: Options | None = None) -> S
 @overload
 def run_model(scene: Assembly, name: str = "", options: Options | None = None) -> AxisResult: ...
 def run_model(scene: Scene | Assembly, name: str = "", options: Options | None = None) -> StaticResult | AxisResult:
-    """Run a model on a scene with one set or several.
+    """Solve a scene with a low-order model.
 
     Parameters
     ----------
     scene
-        One load case.
+        Scene with one nut or bearing row, or with several on one shaft; one load case.
     name
         Name of the model; empty: the default.
     options
@@ -429,18 +430,19 @@ def run_model(scene: Scene | Assembly, name: str = "", options: Options | None =
     Returns
     -------
     StaticResult or AxisResult
-        The result; loads are nan if it did not converge.
+        Contact loads and displacements; loads are nan if the solution did not converge.
 
     Raises
     ------
     InputError
-        If the name is unknown, the model does not cover the scene, or a specimen is asked for without random errors.
+        If the name is unknown, the model does not cover the scene, or ``options.member`` numbers a specimen of a scene
+        without random errors.
     """
     name, options = name or default_model(scene), options or Options()
     run = _runner(scene, name)
     if options.member and not random_errors(scene):
-        which = "the scene has no" if isinstance(scene, Scene) else "no set has"
-        raise ArgumentError("member", str(options.member), "0", f"{which} random errors: leave it out", scene.name)
+        allowed = "0, because the scene has no random errors"
+        raise ArgumentError("member", str(options.member), allowed, "leave it out", scene.name)
     try:
         with np.errstate(all="ignore"):
             result = run(options)
@@ -452,7 +454,7 @@ def run_model(scene: Scene | Assembly, name: str = "", options: Options | None =
 
 
 def _runner(scene: Scene | Assembly, name: str) -> Callable[[Options], StaticResult | AxisResult]:
-    """Return a function of options that runs the named model on the scene; InputError if there is none."""
+    """Return a function that solves the scene with the model ``name`` and given options; InputError if none does."""
     if isinstance(scene, Scene):
         model = known_model(name)
         return partial(model.run, model.scene(scene))
@@ -460,5 +462,7 @@ def _runner(scene: Scene | Assembly, name: str) -> Callable[[Options], StaticRes
         model = MODELS[name]
         assert not isinstance(model.assembly, str)
         return partial(model.assembly, model.of_assembly(scene))
-    advice = f"{name} describes one set: {known_model(name).assembly}" if is_model(name) else "choose one of these"
+    advice = "choose one of these"
+    if is_model(name):
+        advice += f"; {name} does not solve several nuts or bearing rows: {known_model(name).assembly}"
     raise ArgumentError("model", f'"{name}"', ", ".join(AXIS_MODELS), advice, scene.name)

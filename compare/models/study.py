@@ -1,4 +1,4 @@
-"""Cache of scenes, results and references that a report, a gate or a test module uses several times."""
+"""Cache of scenes, results and 3D references that a report, a check of error limits or a test module uses repeatedly."""
 
 from __future__ import annotations
 
@@ -22,37 +22,37 @@ if TYPE_CHECKING:
 
 @dataclass
 class Study:
-    """Scenes, results and stored 3D references of one report, gate or test module, each computed once."""
+    """Scenes, model results and stored 3D references of one report or check, each computed or read only once."""
 
     #: Folders with runs of the 3D reference, in order of search; None: those of the package.
     stores: Sequence[Path] | None = None
-    #: Number of specimens of an ensemble; None: as the scene states; 0: none, entries that need one stay open.
+    #: Number of specimens with random errors; None: as the scene states; 0: none, and results that need them stay open.
     members: int | None = None
     #: Whether only coarse meshes are used.
     quick: bool = False
-    #: Whether run times are measured instead of taken from stored ones.
+    #: Whether run times are measured; else stored run times are used.
     timed: bool = False
     #: Folder of meshes and condensed parts; None: no cache.
     cache: Path | None = None
-    #: Scenes by name.
+    #: Scenes with one nut or bearing row, by name.
     scenes: dict[str, Scene] = field(default_factory=dict)
     #: Shipped scenes of other types than `Scene` (shafts, duty cycles, kinds for friction), by name.
     others: dict[str, Described] = field(default_factory=dict)
-    #: Results by scene, model and specimen.
+    #: Results by scene, model and number of the specimen.
     results: dict[tuple[Scene, str, int], StaticResult] = field(default_factory=dict)
-    #: Values of `once`.
+    #: Values of `once`, by function and arguments.
     computed: dict[Any, Any] = field(default_factory=dict)
-    #: Evidence by printed table.
+    #: Computed counterparts of printed numbers, by printed table.
     evidence: dict[str, tuple[Any, ...]] = field(default_factory=dict)
 
     def scene(self, name: str) -> Scene:
-        """Return a shipped scene by name."""
+        """Return the shipped scene ``name``; read on first use."""
         if name not in self.scenes:
             self.scenes[name] = catalogue.scene(name)
         return self.scenes[name]
 
     def uses(self, names: Sequence[str]) -> None:
-        """Record that results of the study depend on these shipped scenes."""
+        """Record that results of the study depend on the shipped scenes ``names``."""
         for name in names:
             scene = catalogue.shipped(name)
             if isinstance(scene, Scene):
@@ -62,28 +62,28 @@ class Study:
 
     @property
     def used(self) -> dict[str, Described]:
-        """Return all scenes used so far by name, sorted."""
+        """All scenes that were used so far, sorted by name."""
         scenes: dict[str, Described] = {**self.scenes, **self.others}
         return dict(sorted(scenes.items()))
 
     def changed(self, name: str, **ingredients: Any) -> Scene:
-        """Return a copy of a shipped scene with changed model ingredients (fields of `meshes.parts.Ingredients`)."""
+        """Return a copy of a shipped scene with changed modelling options (fields of `meshes.parts.Ingredients`)."""
         scene = self.scene(name)
         return replace(scene, ingredients=replace(scene.ingredients, **ingredients))
 
     def solve(self, scene: Scene | str, model: str = "lin", member: int = 0) -> StaticResult:
-        """Return the result of a model on a scene; solved on first use."""
+        """Return the result of a model for a scene; solved on first use."""
         parts = self.scene(scene) if isinstance(scene, str) else scene
         key = (parts, model, member)
         if key not in self.results:
             flanks = [parts.errors.side(side) for side in SIDES]
             uneven = any(flank.profile or flank.profile_sigma for flank in flanks)
-            engine = "auto" if uneven else "interpreted"  # a few solves do not repay compiling
+            engine = "auto" if uneven else "interpreted"  # compiling takes longer than a few solutions in plain Python
             self.results[key] = run_model(parts, model, Options(member=member, discretisation=False, engine=engine))
         return self.results[key]
 
     def once(self, make: Callable[..., T], *args: Any) -> T:
-        """Return ``make(study, *args)``, computed on first use; the arguments must be hashable."""
+        """Return the value of ``make(study, *args)``, computed on first use; the arguments must be hashable."""
         key = (make, *args)
         if key not in self.computed:
             self.computed[key] = make(self, *args)
@@ -94,13 +94,13 @@ class Study:
         return self.once(_stored_reference, name)
 
     def references(self, names: Sequence[str]) -> dict[str, Reference]:
-        """Return the stored 3D references by scene name; scenes without one are left out."""
+        """Return the stored 3D references by scene name, without scenes that have none."""
         references = {name: self.reference(name) for name in names}
         return {name: ref for name, ref in references.items() if ref is not None}
 
 
 def _stored_reference(study: Study, name: str) -> Reference | None:
-    """Return the stored 3D reference of a shipped scene; None if there is none."""
+    """Return the stored 3D reference of a shipped scene; None without a converged run."""
     return reference(study.scene(name), study.stores)
 
 
@@ -111,7 +111,7 @@ def with_groove(scene: Scene, conformity: float) -> Scene:
 
 
 def with_balls(base: Scene, count: int) -> Scene:
-    """Return a copy of the screw with another number of balls at the same spacing; nut and screw lengths follow."""
+    """Return a copy of a ball screw with another number of balls at the same spacing, nut and screw as long as needed."""
     step = (base.balls.azimuths[-1] - base.balls.azimuths[0]) / (len(base.balls.azimuths) - 1)
     azimuths = tuple((i - (count - 1) / 2.0) * step for i in range(count))
     length = max(base.nut.length, base.track.lead * count * step / (2.0 * math.pi) + 14e-3)

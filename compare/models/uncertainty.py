@@ -1,25 +1,28 @@
-"""Uncertainty of a comparison with the 3D reference, in parts that add by squares.
+"""Uncertainty of a comparison with the 3D reference, as the root of the sum of squares of its parts.
 
-By ASME V&V 20, the comparison error of a quantity is E = model - reference. The error of the model is distinguished from
-the errors of reference and inputs by the validation uncertainty
+By ASME V&V 20, the comparison error of a quantity is E = model - reference. The validation uncertainty
 
-    u_val = sqrt(u_grid^2 + u_model^2 + u_input^2),
+    u_val = sqrt(u_grid^2 + u_model^2 + u_input^2)
 
-u_grid: grid convergence of the reference (`compare.reference.grid_parts`); u_model: idealisations and unprinted dimensions
-of the reference, each varied separately (`compare.models.modelling`); u_input: tolerances of the inputs of both, each
-varied separately. If |E| <= u_val, the error of the model cannot be distinguished from it; else it lies within E +- u_val.
-Percentages are of the reference's value, those of contact loads of the mean load. u_input is computed by the source's model
-(lin), whose sensitivities are cheap. Model and reference get the same inputs, so u_input cancels in E here: it is the
-uncertainty of E if one of the two were a measured screw. The share of values within the reference's part, sqrt(u_grid^2 +
-u_model^2), is therefore given too. If choices were not varied on a scene, those of the varied scene with the largest effect
-are taken, unless the scene lies beyond what was compared. u_val is not known if a part is not.
+has three parts. u_grid is the grid uncertainty of the reference (`compare.reference.grid_parts`). u_model is the effect
+of idealisations and of unprinted dimensions of the reference, each varied separately (`compare.models.modelling`). u_input
+is the effect of tolerances of the inputs, each varied separately. If |E| <= u_val, the error of the model cannot be
+distinguished from these uncertainties; else it lies within E +- u_val. u_val is not known if one of its parts is not.
 
-The largest contact load of a scene (`total`) has a fourth part, the second order of displacements, which the reference
-neglects: CalculiX finds contacts of the scene two-balls weaker by large displacements in proportion to their larger
-semi-axis a over the ball radius r, dF / F = -`SECOND_ORDER` a / r, within 15 %. Here an unknown part counts as zero, and
-the text says so. Contacts of a screw whose sum of loads is not fixed by equilibrium share a further part: independent 3D
-programs find that sum larger by `SHARED`, with one sign, while finer meshes of the reference move it by less and the other
-way.
+Percentages refer to the reference's value, those of contact loads to the mean load. u_input is computed by the model of
+Lin's thesis (lin), because this takes little time. Model and reference get the same inputs, so that u_input cancels in E;
+it would count if one of the two were a measured screw. Therefore the share of values within sqrt(u_grid^2 + u_model^2), the
+part of the reference, is stated too. If the modelling choices were not varied on a scene, the largest effect on the scenes
+on which they were varied is used, unless the scene is outside the range of the compared scenes.
+
+The largest contact load of a scene (`total`) has a fourth part, the second-order effect of displacements, which the
+reference neglects. On the scene two-balls, large displacements in CalculiX reduce the contact forces F in proportion to the
+larger semi-axis a of the contact over the ball radius r: dF / F = -`SECOND_ORDER` a / r, within 15 %. In this sum, an
+unknown part counts as zero, and the text for the user says so.
+
+If equilibrium does not determine the sum of the contact loads, as in a preloaded screw, all contacts share a further error.
+Independent 3D programs obtain a sum that is larger by `SHARED`, always with this sign, whereas refining the mesh of the
+reference changes the sum by less and in the opposite direction.
 """
 
 from __future__ import annotations
@@ -54,13 +57,14 @@ from rollbench.meshes.quantity import Stated, quantity, record
 
 Take = Callable[[Scene, Loads], Array]
 
-#: Names of parts.
+#: Names of the parts of the uncertainty.
 GRID, CHOICES, INPUT, SECOND = "discretisation", "modelling choices", "inputs", "large displacements"
-#: Record of the modelling choices, next to the stored runs.
+#: File with the effects of the modelling choices, in a folder of 3D reference runs.
 FILE = "choices.json"
-#: Relative loss of load by large displacements, over a / r [1] (tests/unit/models/test_uncertainty.py).
+#: Relative reduction of a contact load by large displacements, over a / r [1] (tests/unit/models/test_uncertainty.py).
 SECOND_ORDER = 0.030
-#: Excess of the sum of loads in independent 3D programs over the reference, preloaded scenes, smallest and largest [%].
+#: Smallest and largest excess [%] of the sum of contact loads of a preloaded scene in independent 3D programs over the
+#: 3D reference.
 SHARED = (0.12, 0.19)
 #: Model that gives the sensitivities to the inputs.
 SENSITIVE = "lin"
@@ -70,7 +74,7 @@ CONTACTS = "contact loads"
 
 @dataclass(frozen=True)
 class Quantity:
-    """Quantity of which model and reference are compared, with the function that computes it."""
+    """Quantity by which model and reference are compared, with the function that computes it."""
 
     #: Name of the quantity.
     name: str
@@ -85,12 +89,12 @@ class Quantity:
 
 
 def _axial_displacement(scene: Scene, answer: Loads) -> Array:
-    """Return the axial displacement of the screw at the nut's centre, (1,) [um]."""
+    """Return the axial displacement of the screw at the nut's centre as an array (1,) [um]."""
     return np.array([1e6 * float(np.interp(scene.nut.position, answer.stations, answer.line[:, 2]))])
 
 
 def _angle_at_most_loaded(scene: Scene, answer: Loads) -> Array:  # noqa: ARG001 - every quantity takes the scene
-    """Return the contact angle of the most loaded contact, (1,) [deg]."""
+    """Return the contact angle of the most loaded contact as an array (1,) [deg]."""
     return np.array([float(answer.angle.ravel()[int(answer.load.argmax())])])
 
 
@@ -104,46 +108,48 @@ QUANTITIES = (
 
 @dataclass(frozen=True)
 class InputTolerance:
-    """Tolerance of an input value, as a change of the scene."""
+    """Tolerance of an input value, with the function that changes a scene by this tolerance."""
 
-    #: Description, with the size of the tolerance.
+    #: Name of the input value and size of its tolerance.
     name: str
-    #: Function that changes a scene by it; None if the scene has no such value.
+    #: Function that returns the changed scene, or None if the scene does not have this value.
     change: Callable[[Scene], Scene | None]
 
 
 def _with_wider_grooves(scene: Scene) -> Scene:
-    """Return the scene with both groove radii larger by 0.005 ball diameters."""
+    """Return a copy of the scene with both groove radii increased by 0.005 ball diameters."""
     wider = 0.005 * 2.0 * scene.balls.radius
     screw = replace(scene.screw, groove_radius=scene.screw.groove_radius + wider)
     return replace(scene, screw=screw, nut=replace(scene.nut, groove_radius=scene.nut.groove_radius + wider))
 
 
 def _with_larger_contact_angle(scene: Scene) -> Scene:
-    """Return the scene with a contact angle larger by 1 deg."""
+    """Return a copy of the scene with the contact angle increased by 1 deg."""
     return replace(scene, track=replace(scene.track, contact_angle=scene.track.contact_angle + float(np.radians(1.0))))
 
 
 def _with_stiffer_material(scene: Scene) -> Scene:
-    """Return the scene with all Young's moduli larger by 1 %."""
+    """Return a copy of the scene with all Young's moduli increased by 1 %."""
 
-    def stiffened(material: Material) -> Material:
+    def with_higher_modulus(material: Material) -> Material:
         return replace(material, youngs_modulus=1.01 * material.youngs_modulus)
 
-    screw = replace(scene.screw, material=stiffened(scene.screw.material))
-    nut = replace(scene.nut, material=stiffened(scene.nut.material))
-    return replace(scene, screw=screw, nut=nut, balls=replace(scene.balls, material=stiffened(scene.balls.material)))
+    screw = replace(scene.screw, material=with_higher_modulus(scene.screw.material))
+    nut = replace(scene.nut, material=with_higher_modulus(scene.nut.material))
+    return replace(
+        scene, screw=screw, nut=nut, balls=replace(scene.balls, material=with_higher_modulus(scene.balls.material))
+    )
 
 
 def _with_larger_oversize(scene: Scene) -> Scene | None:
-    """Return the scene with an oversize of the ball radii larger by 0.25 um; None without oversize."""
+    """Return a copy of the scene with the balls' oversize (of the radius) increased by 0.25 um; None without oversize."""
     balls = scene.errors.balls
     if balls.oversize == 0.0:
         return None
     return replace(scene, errors=replace(scene.errors, balls=replace(balls, oversize=balls.oversize + 0.25e-6)))
 
 
-#: Assumed tolerances: makers state them for such parts or do not print them; no source of a scene gives them.
+#: Assumed tolerances of the inputs. Some are values that makers state for such parts; no publication of a scene gives them.
 INPUTS = (
     InputTolerance("conformity of both grooves 0.005", _with_wider_grooves),
     InputTolerance("contact angle 1 deg", _with_larger_contact_angle),
@@ -154,40 +160,43 @@ INPUTS = (
 
 @dataclass(frozen=True)
 class Uncertainty:
-    """Uncertainty of a quantity, in parts."""
+    """Parts of the validation uncertainty of a quantity on one scene."""
 
-    #: Parts by name in per cent, each a number or of the shape of the values; nan: not known.
+    #: Each part by its name [%], a number or an array in the shape of the quantity; nan: not known.
     parts: Mapping[str, Array | float]
     #: Scene on which the modelling choices were varied.
     varied: str = ""
 
     def combined(self, *names: str, unknown: float = np.nan) -> Array:
-        """Return the root of the sum of squares of the parts.
+        """Return the root of the sum of squares of parts of the uncertainty.
 
         Parameters
         ----------
         *names
-            Parts to combine; all unless given.
+            Names of the parts; without any, all parts are combined.
         unknown
-            Value of a part that is not known.
+            Value that replaces a part that is not known [%].
 
         Returns
         -------
         Array
-            The sum, in per cent.
+            Combined uncertainty [%].
         """
         parts = (np.asarray(self.parts[name]) for name in names or self.parts)
         return np.asarray(np.sqrt(sum(np.where(np.isnan(part), unknown, part) ** 2 for part in parts)))
 
 
 def percent(quantity: Quantity, value: Array, base: Array, mean: float) -> Array:
-    """Return value - base in per cent of the base, or of the mean load [N] for a quantity ``of_mean``."""
+    """Return the difference value - base in per cent of the base; for contact loads, in per cent of the mean load [N]."""
     scale = mean if quantity.of_mean else None
     return np.asarray(error_percent(value, base, scale))
 
 
 def grid_uncertainty(scene: Scene, reference: Reference, quantity: Quantity) -> Array:
-    """Return a quantity's grid uncertainty in the finest run [%]; with one level nan, but loads by experience."""
+    """Return the grid uncertainty [%] of a quantity in the finest run of the reference.
+
+    With a single mesh level it is nan, except for contact loads, whose uncertainty is then estimated from other scenes.
+    """
     base = quantity.take(scene, from_run(reference.best, ""))
     if quantity.of_mean:
         return percent(quantity, reference.uncertainty, np.zeros_like(base), reference.mean)
@@ -202,7 +211,10 @@ def grid_uncertainty(scene: Scene, reference: Reference, quantity: Quantity) -> 
 
 
 def variants_of(study: Study, name: str) -> tuple[tuple[str, Loads, Loads], ...]:
-    """Return each variant stored for a scene as (modelling choice, loads with the change, loads without it)."""
+    """Return the stored 3D runs of a scene with a changed modelling choice.
+
+    Each item is (name of the choice, loads with the change, loads without it).
+    """
     scene, out = study.scene(name), []
     bases: dict[int, Run | None] = {}
     for key, variant in VARIANTS.items():
@@ -218,7 +230,10 @@ def variants_of(study: Study, name: str) -> tuple[tuple[str, Loads, Loads], ...]
 
 
 def choice_uncertainty(study: Study, name: str, quantity: Quantity) -> Array | None:
-    """Return the root sum of squares over a scene's modelling choices [%], each by its largest variant."""
+    """Return the effect of all modelling choices of a scene on a quantity [%], as the root of the sum of squares.
+
+    The effect of one choice is that of its most effective variant. None if no choice was varied on the scene.
+    """
     scene, worst = study.scene(name), dict[str, Array]()
     contacts = nominal_contacts(scene)
     for choice, changed, base in study.once(variants_of, name):
@@ -229,7 +244,7 @@ def choice_uncertainty(study: Study, name: str, quantity: Quantity) -> Array | N
 
 
 def input_parts(study: Study, scene: Scene, quantity: Quantity) -> dict[str, Array]:
-    """Return the change of a quantity [%] by each input tolerance of a scene, computed by the model lin."""
+    """Return the change of a quantity [%] due to each input tolerance of a scene, computed by the model lin."""
     base = study.solve(scene, SENSITIVE)
     unchanged, out = quantity.take(scene, from_result(base)), {}
     mean = mean_load(base.load, nominal_contacts(scene))
@@ -242,13 +257,16 @@ def input_parts(study: Study, scene: Scene, quantity: Quantity) -> dict[str, Arr
 
 
 def input_uncertainty(study: Study, scene: Scene, quantity: Quantity) -> tuple[Array, str]:
-    """Return the root sum of squares over all input tolerances [%], and the name of the most effective tolerance."""
+    """Return the effect of all input tolerances on a quantity [%], and the name of the most effective tolerance.
+
+    The effects of the tolerances are combined as the root of the sum of squares.
+    """
     parts = input_parts(study, scene, quantity)
     return Uncertainty(parts).combined(), max(parts, key=lambda name: float(np.abs(parts[name]).max()))
 
 
 def uncertainty(study: Study, name: str, quantity: Quantity) -> Uncertainty | None:
-    """Compute the parts of the validation uncertainty u_val of one quantity of a scene; None without a reference."""
+    """Compute the parts of the validation uncertainty u_val of a quantity of a scene; None without a 3D reference."""
     reference = study.reference(name)
     if reference is None:
         return None
@@ -267,14 +285,17 @@ def uncertainty(study: Study, name: str, quantity: Quantity) -> Uncertainty | No
 
 
 def choices_of(study: Study, quantity: Quantity) -> dict[str, Array]:
-    """Return, by scene on which modelling choices were varied, their joint effect on a quantity [%]."""
+    """Return the effect of all modelling choices on a quantity [%], for each scene on which they were varied."""
     changes = {name: choice_uncertainty(study, name, quantity) for name in VARIED}
     return {name: u for name, u in changes.items() if u is not None}
 
 
 @dataclass(frozen=True)
 class Validated:
-    """Error of a model in a quantity of a scene, with the parts of u_val [%]; of contact loads, at the worst one."""
+    """Error of a model in one quantity of a scene, with the parts of the validation uncertainty u_val.
+
+    For contact loads, error and uncertainty are those of the contact with the largest error.
+    """
 
     scene: str
     model: str
@@ -289,26 +310,29 @@ class Validated:
     inputs: float
     #: u_val [%].
     combined: float
-    #: Share of values within u_val.
+    #: Share of values whose error is within u_val.
     within: float
-    #: Share of values within the reference's part of u_val.
+    #: Share of values whose error is within the reference's part of u_val.
     within_own: float
-    #: Model over reference, of the value or of every loaded contact above a tenth of the mean.
+    #: Ratio of model to reference, of the value or of every contact load above a tenth of the mean load.
     ratio: tuple[float, ...]
     #: Scene on which the modelling choices were varied.
     varied: str
 
     @property
     def bar(self) -> str:
-        """Text with u_val [%], or why it is not known."""
+        """Text with the validation uncertainty u_val [%], or the reason why it is not known."""
         if np.isfinite(self.combined):
             return f"u_val {self.combined:.2f} %"
-        why = "modelling choices were varied on no scene like it" if np.isfinite(self.grid) else "one mesh level"
+        why = "modelling choices were not varied on similar scenes" if np.isfinite(self.grid) else "only one mesh level"
         return f"u_val not known ({why})"
 
 
 def validated_error(study: Study, name: str, model: str, quantity: Quantity, answer: Loads) -> Validated | None:
-    """Compare a model's answer in one quantity of a scene with the reference; None without a stored reference."""
+    """Return the error of a model in one quantity of a scene, with its validation uncertainty.
+
+    ``name``: name of the scene; ``answer``: loads and displacements by the model. None without a stored 3D reference.
+    """
     ref, parts = study.reference(name), study.once(uncertainty, name, quantity)
     if ref is None or parts is None:
         return None
@@ -317,7 +341,7 @@ def validated_error(study: Study, name: str, model: str, quantity: Quantity, ans
     value = quantity.take(scene, answer)
     error = percent(quantity, value, reference, ref.mean)
     floor = 0.1 * ref.mean if quantity.of_mean else 0.0
-    # every loaded contact is judged; a value by itself is one
+    # every loaded contact counts; a scalar quantity counts as one value
     judged = ((value > 0.0) | (reference > 0.0)) if quantity.of_mean else np.ones(value.shape, dtype=bool)
     big = judged & (reference > floor) & (value > 0.0) if quantity.of_mean else reference * value > 0.0
     worst = int(np.argmax(np.where(judged, np.abs(error), -1.0)))
@@ -331,7 +355,7 @@ def validated_error(study: Study, name: str, model: str, quantity: Quantity, ans
 
 @dataclass(frozen=True)
 class Scatter:
-    """Bias and scatter of a model in one quantity over all scenes."""
+    """Bias and scatter of a model's errors in one quantity over all scenes."""
 
     model: str
     quantity: str
@@ -341,21 +365,23 @@ class Scatter:
     values: int
     #: Relative deviation from the reference, as a geometric mean [%].
     bias: float
-    #: Relative standard deviation of the model without the grid uncertainty [%].
+    #: Relative standard deviation of the model's errors, less the part due to grid uncertainty [%].
     scatter: float
-    #: Share of values within u_val.
+    #: Share of values whose error is within u_val.
     within: float
-    #: Share of values within the reference's part of u_val.
+    #: Share of values whose error is within the reference's part of u_val.
     within_own: float
 
 
 def scatter(rows: Sequence[Validated]) -> list[Scatter]:
-    """Compute bias and scatter by model and quantity, as in fire-model validation (NUREG-1824, supplement 1).
+    """Compute bias and scatter of each model's errors in each quantity, as in fire-model validation.
 
     Notes
     -----
-    delta = exp(mean ln(M/E)), sigma_M^2 = var(ln(M/E)) - sigma_E^2, the latter u_grid / 2 (a bound of 95 % taken as two
-    standard deviations), and at least zero. Inputs and choices are the same for model and reference and cause no scatter.
+    The method is that of NUREG-1824, supplement 1. With the ratio M/E of model to reference, the bias is
+    delta = exp(mean ln(M/E)), and the scatter is sigma_M^2 = var(ln(M/E)) - sigma_E^2, at least zero. sigma_E = u_grid / 2,
+    because u_grid is a 95 % bound, that is two standard deviations. Inputs and modelling choices are the same for model and
+    reference and cause no scatter.
     """
     out = []
     for model, name in dict.fromkeys((r.model, r.quantity) for r in rows):
@@ -372,7 +398,11 @@ def scatter(rows: Sequence[Validated]) -> list[Scatter]:
 
 
 def bound_shares(rows: Sequence[Mapping[str, Any]]) -> dict[str, tuple[int, int]]:
-    """Count, by model, the rows of `left_out_one` with measured <= expected error, and those with an estimate."""
+    """Count, for each model, the scenes whose measured error does not exceed the expected error.
+
+    ``rows``: scenes with their measured and expected errors, by leaving each scene out of the estimate. Each model has
+    (number within, number of scenes with an estimate).
+    """
     out: dict[str, tuple[int, int]] = {}
     for row in rows:
         if row["expected"] is None:
@@ -388,7 +418,7 @@ def bound_shares(rows: Sequence[Mapping[str, Any]]) -> dict[str, tuple[int, int]
 
 @dataclass(frozen=True)
 class ChoiceEffects:
-    """Effects of the modelling choices that were varied on a scene."""
+    """Effect of the 3D reference's modelling choices on the contact loads of a scene on which they were varied."""
 
     #: Name of the scene.
     scene: str
@@ -396,19 +426,22 @@ class ChoiceEffects:
     percent: float
     #: Choice with the largest effect.
     choice: str
-    #: Effect of this choice [% of the mean load].
+    #: Effect of this choice alone [% of the mean load].
     alone: float
 
 
 @record
 class LoadUncertainty:
-    """Uncertainty of the contact loads of a scene [% of the mean load], by part; None: not known."""
+    """Uncertainty of the contact loads of the 3D reference on a scene [% of the mean load], in parts.
 
-    #: Discretisation of the reference.
+    A part that is not known is None.
+    """
+
+    #: Part due to the mesh of the reference.
     discretisation: float
-    #: Whether it is from experience with other scenes, as with a single mesh level.
+    #: Whether this part is estimated from other scenes, because the scene was solved on a single mesh level.
     by_experience: bool = quantity("discretisation_by_experience")
-    #: Modelling choices, with the dominant one and the scene on which they were varied.
+    #: Part due to modelling choices, with the dominant choice and the scene on which they were varied.
     choices: ChoiceEffects | None = quantity(
         "modelling_percent",
         "what choices change that no mesh shows",
@@ -416,21 +449,21 @@ class LoadUncertainty:
         Stated("modelling_varied_on", show=lambda choices: choices and choices.scene),
         show=lambda choices: choices and choices.percent,
     )
-    #: Tolerances of the inputs.
+    #: Part due to tolerances of the inputs.
     inputs: float | None = quantity("input_percent", "what tolerances of the input change")
-    #: Dominant input.
+    #: Name of the input with the largest effect.
     input: str = quantity("input_dominated_by", show=lambda name: name or None)
-    #: Second order of displacements.
+    #: Part due to large displacements, which the reference neglects.
     second_order: float = quantity("large_displacements_percent", "what the second order of displacements changes")
-    #: Whether the sum of loads has a part that all contacts share.
+    #: Whether all contacts share a further error of the sum of loads.
     shared: bool = quantity(
         "shared_by_all_percent",
         "part that all contacts share and no mesh shows; null where it is not known",
         show=lambda shared: SHARED if shared else None,
     )
-    #: Text on the uncertainty of a user's reference, shown in place of the parts; empty for a computed reference.
+    #: Text on the uncertainty of a user's reference, shown instead of the parts; empty for a computed reference.
     stated: str = ""
-    #: Part of the discretisation for the contact ``at_face``, near a free face of the nut (`compare.reference.grid_parts`).
+    #: Part of the mesh error at the contact ``at_face`` that is due to a near free face (`compare.reference.grid_parts`).
     beside_face: float = quantity(
         "beside_free_face_percent",
         "of it, what the cells leave out of the lip's compliance at the contact `uncertainty.beside_free_face_at`; 0 where "
@@ -443,13 +476,13 @@ class LoadUncertainty:
     @property
     @Stated("discretisation_percent", "that of the mesh, by refinement or, with one level, by experience")
     def of_mesh(self) -> float | None:
-        """Uncertainty by discretisation [%]; None for a user's reference, which states one number for everything."""
+        """Uncertainty due to the mesh [%]; None for a user's reference, which states only a total."""
         return None if self.stated else self.discretisation
 
     @property
     @Stated("total_percent", "discretisation, modelling and input as independent errors")
     def percent(self) -> float:
-        """Root of the sum of squares of all parts [%]; unknown parts count as zero."""
+        """Total uncertainty: root of the sum of squares of all parts [%]; a part that is not known counts as zero."""
         choices = np.nan if self.choices is None else self.choices.percent
         inputs = np.nan if self.inputs is None else self.inputs
         parts = {GRID: self.discretisation, CHOICES: choices, INPUT: inputs, SECOND: self.second_order}
@@ -457,50 +490,52 @@ class LoadUncertainty:
 
     @property
     def text(self) -> str:
-        """Sentence with the combined uncertainty and its parts."""
+        """Text with the total uncertainty and its parts."""
         if self.stated:
             return self.stated
         grid = f"discretisation {self.discretisation:.2f} %{' by experience with other scenes' * self.by_experience}"
         if self.at_face:
-            grid += f", of it {self.beside_face:.2f} % at {self.at_face} near the nut's free face"
+            grid += f", of which {self.beside_face:.2f} % at {self.at_face} near the nut's free face"
         c = self.choices
-        modelling = "modelling choices not known" if c is None else f"modelling choices {c.percent:.2f} %, most {c.choice}"
+        modelling = (
+            "modelling choices not known" if c is None else f"modelling choices {c.percent:.2f} %, mainly {c.choice}"
+        )
         inputs = (
             "inputs not known"
             if self.inputs is None
-            else f"inputs {self.inputs:.2f} %, most {self.input.partition(',')[0]}"
+            else f"inputs {self.inputs:.2f} %, mainly {self.input.partition(',')[0]}"
         )
         second = f"large displacements {self.second_order:.2f} %"
-        return f"uncertain by {self.percent:.2f} % in all: {grid}; {modelling}; {inputs}; {second}"
+        return f"uncertain by {self.percent:.2f} % in total: {grid}; {modelling}; {inputs}; {second}"
 
     @property
     def beside(self) -> str:
-        """Sentence on the error of the sum of loads that no part contains; empty if equilibrium fixes that sum."""
+        """Sentence on an error that all contact loads share and no part contains; empty if equilibrium fixes their sum."""
         if not self.shared:
             return ""
         low, high = SHARED
         return (
-            f"Beside it, for all contacts alike: independent 3D programs find sums of preloaded screws {low:g} to {high:g} "
-            "% larger than the 3D reference; no mesh shows it, no bar holds it."
+            "Not included is an error that all contacts share: for preloaded screws, independent 3D programs obtain sums "
+            f"of contact loads {low:g} to {high:g} % larger than the 3D reference; mesh refinement does not show it."
         )
 
 
 def total(scene: Scene, reference: Reference, *, inputs: bool = True) -> LoadUncertainty:
-    """Compute the uncertainty of the contact loads of a scene's reference.
+    """Compute the uncertainty of the contact loads of a scene's 3D reference.
 
     Parameters
     ----------
     scene
-        Scene with one set.
+        Scene with one nut or bearing row.
     reference
-        Its reference.
+        Reference of the scene.
     inputs
-        Whether the tolerances of the inputs are varied (several solutions).
+        Whether the effect of input tolerances is included, which takes several solutions of a low-order model.
 
     Returns
     -------
-    Total
-        The parts.
+    LoadUncertainty
+        Parts of the uncertainty.
     """
     if reference.stated:
         return LoadUncertainty(uncertainty_percent(reference), False, None, None, "", 0.0, False, reference.stated)
@@ -520,9 +555,9 @@ def total(scene: Scene, reference: Reference, *, inputs: bool = True) -> LoadUnc
 
 
 def beside_face(reference: Reference) -> tuple[float, str]:
-    """Return the largest uncertainty of a contact due to a free face near it [% of the mean load], and the contact.
+    """Return the largest mesh error of a contact load due to a near free face [% of the mean load], and the contact.
 
-    Zero and an empty text if it is not above the rest of the uncertainty by discretisation.
+    Zero and an empty text if this error does not exceed the rest of the uncertainty due to the mesh.
     """
     share = np.zeros(1) if reference.beside_face is None else error_percent(reference.beside_face, 0.0, reference.mean)
     if share.max() <= reference.parts.bar or not reference.parts.bar:
@@ -541,7 +576,10 @@ def second_order(scene: Scene, reference: Reference) -> float:
 
 
 def _largest_input_effect(scene: Scene) -> tuple[float | None, str]:
-    """Return the largest joint effect of the input tolerances on a contact load [%], and the dominant input."""
+    """Return the largest effect of all input tolerances on a contact load [% of the mean load], and the dominant input.
+
+    None and an empty text if the model lin does not cover or does not solve the scene.
+    """
     study = Study()
     if not MODELS[SENSITIVE].suits(scene) or not study.solve(scene, SENSITIVE).converged:
         return None, ""
@@ -550,26 +588,32 @@ def _largest_input_effect(scene: Scene) -> tuple[float | None, str]:
 
 
 def choice_effects_record(varied: Modelling) -> ChoiceEffects:
-    """Return the record, for a store, of the effects of the modelling choices varied on a scene."""
+    """Return the effects of the modelling choices that were varied on a scene as a record to be stored."""
     first = max(varied.choices, key=lambda name: varied.choices[name])
     return ChoiceEffects(varied.scene, varied.largest, first, varied.choices[first])
 
 
 def choices_for(scene: Scene, known: Mapping[str, ChoiceEffects]) -> ChoiceEffects | None:
-    """Return the choices' effects used for a scene: of a scene with its parts, else the largest; None if outside."""
+    """Return the effects of modelling choices that apply to a scene, from the stored effects ``known`` by scene.
+
+    They are those of a scene with the same parts, else the largest; None if the scene is outside the compared range.
+    """
     if outside(scene):
         return None
     return known.get(SPOKEN_FOR.get(scene.name, "")) or max(known.values(), key=lambda c: c.percent, default=None)
 
 
 def save_choices(store: Path, known: Mapping[str, ChoiceEffects]) -> None:
-    """Write the effects of modelling choices by scene to a store; OSError if the file cannot be written."""
+    """Write the effects of modelling choices, by scene, to a folder of 3D runs; OSError if the file cannot be written."""
     replace_file(store / FILE, json.dumps({name: asdict(c) for name, c in known.items()}, indent=1) + "\n")
 
 
 @cache
 def read_choices(store: Path) -> dict[str, ChoiceEffects]:
-    """Read the effects of modelling choices by scene; OSError, ValueError or TypeError if the file cannot be used."""
+    """Read the effects of modelling choices, by scene, from a folder of 3D reference runs.
+
+    OSError, ValueError or TypeError if the file cannot be used.
+    """
     return {
         name: ChoiceEffects(**fields) for name, fields in json.loads((store / FILE).read_text(encoding="utf-8")).items()
     }

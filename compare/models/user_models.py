@@ -1,12 +1,12 @@
-"""Low-order models of users: functions that an installed package names in the entry point group ``rollbench.models``.
+"""Low-order models of users: functions that an installed package registers in the entry point group ``rollbench.models``.
 
 In the ``pyproject.toml`` of that package::
 
     [project.entry-points."rollbench.models"]
     mine = "my_package:contact_loads"
 
-``rollbench compare my.toml --model mine`` then compares it like the models of rollbench. A model is imported only when it
-is named. A program in any language can be named by its command instead (`programs`).
+``rollbench compare my.toml --model mine`` then compares this model with the 3D reference, like the models of rollbench. The
+package is imported only if its model is used. Instead of a function, a model can be an external program (`programs`).
 """
 
 from __future__ import annotations
@@ -34,27 +34,27 @@ if TYPE_CHECKING:
     from rollbench.lowfi.statics.result import Equilibrium, StaticResult
 
 GROUP = "rollbench.models"
-#: Largest unbalanced share of the largest force or moment without a warning.
+#: Largest imbalance of forces or moments without a warning, as a share of the largest force or moment.
 UNBALANCED = 0.01
 #: Descriptions of a user's model in results.
 WORDS = "the model is a function of an installed package, or a program"
-NOT_COMPARED = "a model of yours has not been compared with the 3D reference"
-ASSUMPTION = "contact angles stay nominal: the model gives loads only"
+NOT_COMPARED = "your model has not been compared with the 3D reference"
+ASSUMPTION = "contact angles are nominal, because the model gives loads only"
 
 
 @dataclass(frozen=True)
 class ModelAnswer:
-    """Answer of a user's model for a scene, in SI units.
+    """Contact loads and, optionally, displacement and pressures that a user's model computes for a scene, in SI units.
 
     Parameters
     ----------
     loads
-        Contact loads, (n, 4) [N]: balls in the order of the scene, flanks SL, SR, NL, NR (screw and nut, left and right);
-        zero without contact.
+        Contact loads, (n, 4) [N]: balls in the order of the scene, flanks SL, SR, NL, NR (left and right flank of screw and
+        nut); zero without contact.
     displacement
         Displacement of the screw at the nut's centre from its nominal position, (6,) [m, rad]; None: not known.
     pressure
-        Largest pressure of each contact, (n, 4) [Pa]; None: by Hertz from the loads.
+        Largest pressure of each contact, (n, 4) [Pa]; None: computed from the loads by Hertz' equations.
 
     Examples
     --------
@@ -74,13 +74,13 @@ class ModelAnswer:
     pressure: Array | None = None
 
 
-#: A model: a scene to its contact loads ``(n, 4)`` [N], or to a `ModelAnswer`.
+#: Function that takes a scene and returns its contact loads ``(n, 4)`` [N] or a `ModelAnswer`.
 UserModel = Callable[[Scene], Array | ModelAnswer]
 
 
 @cache
 def installed_models() -> dict[str, EntryPoint]:
-    """Return the entry points of all installed models; nothing is imported.
+    """Return the entry points of all models in installed packages, without importing the packages.
 
     Returns
     -------
@@ -93,7 +93,7 @@ def installed_models() -> dict[str, EntryPoint]:
 
 
 def origin_of_model(name: str) -> str:
-    """Describe where a user's model comes from.
+    """Return the origin of a user's model: its package or its program files.
 
     Parameters
     ----------
@@ -103,7 +103,7 @@ def origin_of_model(name: str) -> str:
     Returns
     -------
     str
-        Function, with name and version of its package; for a command, the files it names, with their digests.
+        Function with name and version of its package; for a command, the files in it with hashes of their contents.
     """
     if programs.is_command(name):
         return programs.parse_command(name).files
@@ -113,7 +113,7 @@ def origin_of_model(name: str) -> str:
 
 @cache
 def load_model(name: str) -> UserModel:
-    """Import the function of a model, or wrap a command as a function.
+    """Return a user's model as a function: imported from its package, or running an external program.
 
     Parameters
     ----------
@@ -128,7 +128,7 @@ def load_model(name: str) -> UserModel:
     Raises
     ------
     ArgumentError
-        If several packages have a model of that name, its package cannot be imported or has no such function, or the
+        If several packages have a model of this name, if the package cannot be imported or lacks the function, or if the
         command is not valid.
     """
     if programs.is_command(name):
@@ -137,51 +137,53 @@ def load_model(name: str) -> UserModel:
 
     point = installed_models()[name]
     if others := [other.value for other in entry_points(group=GROUP, name=name) if other.value != point.value]:
-        raise _unusable_model_error(point, f"{', '.join(others)} has that name too")
+        raise _unusable_model_error(point, f"{', '.join(others)} also has this name")
     try:
         function = point.load()
     except Exception as error:  # whatever the user's package raises when it is imported
         raise _unusable_model_error(point, f"{type(error).__name__}: {error}") from error
     if not callable(function):
-        raise _unusable_model_error(point, f"{type(function).__name__} in place of a function")
+        raise _unusable_model_error(point, f"an object of type {type(function).__name__} instead of a function")
     found: UserModel = function
     return found
 
 
 def _answer_of_program(program: programs.Program, scene: Scene) -> ModelAnswer:
-    """Run a user's program for a scene and return its answer."""
+    """Run an external program for a scene, and return the loads, displacement and pressures that it writes."""
     given, moved = program(scene)
     pressure = given.further.get("pressure")
     return ModelAnswer(given.load, moved, None if pressure is None else np.nan_to_num(pressure))
 
 
 def _unusable_model_error(point: EntryPoint, reason: str) -> ArgumentError:
-    """Return the error for an installed model that cannot be used."""
-    advice = "mend the package that adds the model, or uninstall it"
+    """Return an ArgumentError for a model of an installed package that cannot be used."""
+    advice = "correct the package that provides the model, or uninstall it"
     return ArgumentError("model", f"{point.name} ({point.value}): {reason}", "a function of a scene", advice)
 
 
 def solve_by_user_model(name: str, scene: Scene, member: int = 0) -> StaticResult:
-    """Solve a scene with a user's model: contact loads at nominal contact angles, their imbalance, and the run time.
+    """Solve a scene with a user's model, and check that the contact loads are in equilibrium.
+
+    Contact angles are the nominal ones.
 
     Parameters
     ----------
     name
         Name of an installed model, or a command.
     scene
-        The scene; random errors are drawn first, and the model gets a copy in which they are given values.
+        The scene. Random errors are drawn first, and the model gets a copy of the scene with the drawn values.
     member
         Number of the specimen, from 0.
 
     Returns
     -------
     StaticResult
-        Result like that of the models of rollbench.
+        Result as from the models of rollbench.
 
     Raises
     ------
     ArgumentError
-        If the answer has a wrong shape or holds negative loads or values that are not finite.
+        If an array has a wrong shape, or contains negative loads or values that are not finite.
     Refusal
         If the function raises.
     ProgramError
@@ -198,7 +200,7 @@ def solve_by_user_model(name: str, scene: Scene, member: int = 0) -> StaticResul
     except ProgramError:
         raise
     except Exception as error:  # whatever the user's function raises
-        advice = "mend the model, or choose another one"
+        advice = "correct the model, or choose another one"
         raise Refusal(scene.name, "model", f"{shown} fails with {type(error).__name__}: {error}", advice) from error
     seconds = perf_counter() - start
     answer = found if isinstance(found, ModelAnswer) else ModelAnswer(found)
@@ -243,9 +245,10 @@ def _equilibrium_warnings(name: str, balance: Equilibrium) -> Iterator[Warned]:
 
 
 def _contact_balance(scene: Scene, load_of: Array, points: Array, normal: Array) -> Equilibrium:
-    """Return the balance of contact loads (n, 4) [N] at points (n, 4, 3) [m], with normals pointing away from the balls.
+    """Return the equilibrium of the screw under external loads, contact loads and support reactions.
 
-    Support reactions are fitted to the resultant of loads and contacts (least squares); the rest is the residual.
+    ``load_of``: contact loads (n, 4) [N]; ``points``: contact points (n, 4, 3) [m]; ``normal``: unit vectors from the ball
+    centres to them. Reactions are fitted by least squares; what remains is the imbalance.
     """
     from rollbench.lowfi.statics.shape import rigid_transport
     from rollbench.lowfi.statics.summary import balance_of, wrench_of
@@ -267,18 +270,23 @@ def _contact_balance(scene: Scene, load_of: Array, points: Array, normal: Array)
 
 
 def _checked_numbers(name: str, what: str, value: Array, shape: Sequence[int], least: float = -np.inf) -> Array:
-    """Return an array of this shape with finite numbers, none below ``least``; ArgumentError otherwise."""
-    advice = "mend the model"
+    """Return an array that a user's model gave, after checking its shape and values.
+
+    ArgumentError if it is not of shape ``shape``, or a value is not finite or below ``least``. ``name``: name of the model;
+    ``what``: quantity.
+    """
+    advice = "correct the model"
+    allowed_shape = f"an array of shape {shape}"
     try:
         array = np.array(value, dtype=float)
     except (TypeError, ValueError):
-        raise ArgumentError("model", f"{name} gives {what} that are no numbers", f"shape {shape}", advice) from None
+        raise ArgumentError("model", f"{what} from {name} that are not numbers", allowed_shape, advice) from None
     if array.shape != tuple(shape):
-        raise ArgumentError("model", f"{name} gives {what} of shape {array.shape}", f"shape {shape}", advice)
+        raise ArgumentError("model", f"{what} of shape {array.shape} from {name}", allowed_shape, advice)
     wrong = ~np.isfinite(array) | (array < least)
     if wrong.any():
         place = tuple(int(k) for k in np.argwhere(wrong)[0])
         where = f" on ball {place[0] + 1}, {SIDES[place[1]]}" if len(place) > 1 else ""
-        allowed = "finite numbers" if least == -np.inf else f"finite numbers from {least:g}"
-        raise ArgumentError("model", f"{name} gives {what} of {array[place]:g}{where}", allowed, advice)
+        allowed = "finite numbers" if least == -np.inf else f"finite numbers, at least {least:g}"
+        raise ArgumentError("model", f"{what} of {array[place]:g}{where} from {name}", allowed, advice)
     return array

@@ -1,1 +1,1 @@
-"""The 3D reference: mesh levels, runs, their store, and a scene's reference with its grid uncertainty."""
+"""The 3D reference: mesh levels, computing and storing runs, and contact loads of a scene with their grid uncertainty."""

@@ -1,4 +1,4 @@
-"""Computes runs of the 3D reference: a set-up and its load cases; patches grow if a contact reaches their rim."""
+"""Computation of 3D reference runs: meshing and condensing the parts, load cases, enlarging too small contact patches."""
 
 from __future__ import annotations
 
@@ -18,9 +18,9 @@ from rollbench.compare.reference.tasks import (
     Task,
     balls_of,
     needed_sides,
-    recorded,
     refused,
     set_ups,
+    settings_to_store,
     stations,
 )
 from rollbench.compare.reference.variants import VARIANTS
@@ -38,23 +38,23 @@ if TYPE_CHECKING:
 
 Step = Callable[[str], None]
 
-#: Most enlargements of patches whose rim a contact reaches, factor of a step, and most steps at a time.
+#: Enlargement of patches whose rim a contact reaches: largest number, factor of a step, largest number of steps at once.
 ENLARGE, BEYOND, LARGER = 3, 1.2, 4
-#: Share of the length of skew contacts that a patch must have; with 0.995, drawn contacts stay off the rim.
+#: Share of the length of skew contacts that a patch must cover; with 0.995, contacts of drawn screws do not reach the rim.
 ALIKE = 0.99
-#: Smallest relative growth for which a patch is rebuilt.
+#: Smallest relative enlargement for which a patch is meshed again.
 GROWN = 5e-3
 
 
 def compute_runs(task: Task, step: Step = lambda _: None) -> list[Run]:
-    """Compute the runs of a task.
+    """Compute the runs of the 3D reference for the scenes of a task.
 
     Parameters
     ----------
     task
         Scenes, mesh level and variant.
     step
-        Called with lines of progress.
+        Function that is called with lines of progress.
 
     Returns
     -------
@@ -70,23 +70,24 @@ def compute_runs(task: Task, step: Step = lambda _: None) -> list[Run]:
 
 
 def compute_with_bodies(task: Task, step: Step = lambda _: None) -> tuple[list[Run], CondensedBodies | None]:
-    """Compute the runs of a task, and its bodies condensed to the contacts.
+    """Compute the runs of the 3D reference for the scenes of a task, and the bodies condensed to the contacts.
 
-    Patches whose rim a contact reaches are enlarged to the size that the loads need, if that changes them.
+    If a contact reaches the rim of its patch (the finely meshed part of the surface), the patches are enlarged as the loads
+    require, and the scenes are solved again.
 
     Parameters
     ----------
     task
         Scenes, mesh level and variant.
     step
-        Called with lines of progress.
+        Function that is called with lines of progress.
 
     Returns
     -------
     list of Run
         A run for each scene.
     CondensedBodies or None
-        The bodies; None if a run has no loads, or `stores_bodies` is false for the task.
+        Condensed screw and nut; None if a run did not converge, or `stores_bodies` is false for the task.
 
     Raises
     ------
@@ -124,7 +125,10 @@ def compute_with_bodies(task: Task, step: Step = lambda _: None) -> tuple[list[R
 
 
 def _prepare_setups(task: Task, scenes: Sequence[Solvable], ups: Sequence[SetUp], step: Step) -> list[Setup]:
-    """Return the prepared set-up for each set (equal sets share one); InputError if meshing or memory fails."""
+    """Mesh and condense the parts of each nut or bearing row; equal rows share one set-up.
+
+    InputError if a mesh cannot be built or memory is too small.
+    """
     from rollbench.hifi.setup import prepare
     from rollbench.meshes.cache import Cache
 
@@ -144,7 +148,7 @@ def _prepare_setups(task: Task, scenes: Sequence[Solvable], ups: Sequence[SetUp]
 
 
 def _solve_load_case(scene: Solvable, setups: Sequence[Setup], step: Step) -> ReferenceResult:
-    """Solve one load case on prepared set-ups; Refusal if they do not cover it."""
+    """Solve one load case with meshed and condensed parts; Refusal if the 3D reference does not cover it."""
     from rollbench.hifi.reference import solve_reference
     from rollbench.hifi.several_sets import solve_sets
 
@@ -162,7 +166,7 @@ def _solve_load_case(scene: Solvable, setups: Sequence[Setup], step: Step) -> Re
 def _run_record(
     task: Task, number: int, scene: Solvable, result: ReferenceResult, setups: Sequence[Setup], ups: Sequence[SetUp]
 ) -> Run:
-    """Make the record of the run of one load case, under the name of the task's scene."""
+    """Return the record of the run of one load case, under the name of the task's scene."""
     from rollbench.hifi.reference import INGREDIENTS, solve_reference
 
     without = {}
@@ -170,7 +174,7 @@ def _run_record(
         for name in INGREDIENTS:
             without[name] = solve_reference(setups[0], scene, sides=needed_sides(scene), leave_out=frozenset([name]))
     shared = list({id(s): s for s in setups}.values())
-    settings = recorded(ups) if not task.single else asdict(ups[0].settings) | {"stations": stations(*task.scenes)}
+    settings = settings_to_store(ups) if not task.single else asdict(ups[0].settings) | {"stations": stations(*task.scenes)}
     assert result.frozen is not None
     return Run(
         scene=task.scenes[number].name,
@@ -203,26 +207,26 @@ def _run_record(
 
 
 def with_larger_patches(setup: Setup, contacts: Sequence[tuple[Array, Array]], left: int) -> tuple[Settings | None, str]:
-    """Return mesh settings with larger contact patches, to suit the contact loads found.
+    """Return mesh settings with contact patches large enough for computed contact loads.
 
-    Patches grow by a fixed factor. If ``left`` steps would leave them shorter than the skew contacts reach along the
-    groove, they get that length at once.
+    Patches grow by a fixed factor. If the remaining steps would not make them as long as the skew contacts are along the
+    groove, they are enlarged to this length at once.
 
     Parameters
     ----------
     setup
-        The set-up.
+        Meshed and condensed parts.
     contacts
         Contact loads (n, 4) [N] and angles (n, 4) [rad] of each load case.
     left
-        Number of further steps.
+        Number of further enlargements that are possible.
 
     Returns
     -------
     Settings or None
-        The settings; None if no patch changes.
+        The settings; None if the patches cannot be enlarged.
     str
-        Description with old and new size.
+        Text with the required and the present size.
     """
     from rollbench.hifi.meshing.part_meshes import choose_patch_lines, choose_socket_size, contact_reach_along
     from rollbench.hifi.meshing.settings import hertz_units
@@ -234,7 +238,7 @@ def with_larger_patches(setup: Setup, contacts: Sequence[tuple[Array, Array]], l
         share = choose_patch_lines(settings, widths, size.depth)[1]
         return share[0] * widths[0], share[1] * widths[1]
 
-    def mm(lengths: tuple[float, float]) -> str:
+    def patch_size_text(lengths: tuple[float, float]) -> str:
         return f"{1e3 * lengths[0]:.3g} mm across and {1e3 * lengths[1]:.3g} mm along the groove"
 
     m, needs, askew = setup.map, np.zeros(2), 0.0
@@ -245,16 +249,17 @@ def with_larger_patches(setup: Setup, contacts: Sequence[tuple[Array, Array]], l
         needs = np.maximum(needs, [float((across + np.abs(angle - m.beta) * m.radius).max()), float(along.max())])
         askew = max(askew, *(contact_reach_along(m, s, angle[:, s], across[:, s], along[:, s]) for s in setup.sides))
     has, reach = zone(setup.settings), np.array(setup.settings.reach)
-    words = f"by the loads found it needs {mm((float(needs[0]), float(needs[1])))}, the patch has {mm(has)}"
+    required = patch_size_text((float(needs[0]), float(needs[1])))
+    words = f"the computed loads need {required}, the patch has {patch_size_text(has)}"
     refused, wide = "", max(float(reach[0]), float(needs[0]))
     longer = replace(setup.settings, reach=(wide, askew))
     try:
         last = BEYOND**left * max(float(reach[1]), float(needs[1]) / BEYOND if left else 0.0)
         if zone(replace(longer, reach=(wide, last)))[1] < ALIKE * askew <= zone(longer)[1]:
-            return longer, f"{words}, askew {1e3 * askew:.3g} mm along it"
+            return longer, f"{words}; skew contacts need {1e3 * askew:.3g} mm along the groove"
     except ValueError as error:
         refused = f"; a larger one is refused: {error}"
-    # a small step may be less than a cell, a large one more than there is room for: then the largest that fits
+    # a small step may be less than one cell, and a large step may exceed the available space: then the largest that fits
     for factor in (*(BEYOND**power for power in range(1, LARGER + 1)), *np.linspace(BEYOND, 1.0, 41)[1:-1]):
         a, b = np.maximum(factor * reach, 0.0 if refused else needs).tolist()
         larger = replace(setup.settings, reach=(a, b))
@@ -265,9 +270,14 @@ def with_larger_patches(setup: Setup, contacts: Sequence[tuple[Array, Array]], l
             continue
         if max(after[0] / has[0], after[1] / has[1]) > 1.0 + GROWN:
             return larger, words
-    return None, words + (refused or ", as much as there is room for; lower the load, or make more room around the contact")
+    return None, words + (
+        refused or ", the largest for which there is space; reduce the load, or leave more space around the contact"
+    )
 
 
 def stores_bodies(task: Task) -> bool:
-    """Return whether a task also stores its condensed bodies: one set per scene, no variant, a regular mesh level."""
+    """Return whether a task also stores its condensed bodies.
+
+    It does for scenes with one nut or bearing row, without a variant, on a regular mesh level.
+    """
     return bool(task.single) and not task.variant and task.level in LEVELS

@@ -1,24 +1,25 @@
 """Grid convergence by least squares after Eca and Hoekstra (J. Comput. Phys. 262 (2014) 104-130).
 
-`grid_convergence` fits one quantity, `pooled_grid_uncertainty` many with a common order. Both serve for displacements,
-angles and friction; contact loads do not converge with an order (`compare.reference.grid_parts`).
+`grid_convergence` fits one quantity; `pooled_grid_uncertainty` fits many quantities with a common order of convergence.
+Both are used for displacements, angles and friction. Contact loads do not converge with an order
+(`compare.reference.grid_parts`).
 
 A quantity phi on cells of size h is fitted by phi_0 + alpha h^p, with equal weights and with weights 1 / h; the fit with
-the smaller standard deviation counts. If its order p lies outside ``ORDERS``, the best of these fits replaces it:
-phi_0 + alpha h, phi_0 + alpha h^2 and (order below the range, four levels or more) phi_0 + alpha_1 h + alpha_2 h^2. With
-delta = phi_1 - phi_0 the error of the finest level by the fit, sigma the fit's standard deviation, r_1 the residual
-of the finest level and Delta = (max - min) / (levels - 1), the uncertainty of phi_1 is
+the smaller standard deviation is used. If its order p is outside `ORDERS`, it is replaced by the best of the following
+fits: phi_0 + alpha h, phi_0 + alpha h^2, and, if the order is below the range and there are four levels or more,
+phi_0 + alpha_1 h + alpha_2 h^2. With phi_1 the value of the finest level, delta = phi_1 - phi_0 its error by the fit, sigma
+the standard deviation of the fit, r_1 the residual of the finest level and Delta = (max - min) / (levels - 1), the
+uncertainty of phi_1 is
 
-    U = F |delta| + sigma + |r_1|                        where sigma < Delta,
-    U = 3 (sigma / Delta) (|delta| + sigma + |r_1|)      elsewhere,
+    U = F |delta| + sigma + |r_1|                        if sigma < Delta,
+    U = 3 (sigma / Delta) (|delta| + sigma + |r_1|)      otherwise,
 
-with F = 1.25 for an order in the range, else 3. Deviations from the publication are stated
-at `grid_convergence` and `pooled_grid_uncertainty`; both are
-tested for the share of noisy sequences whose true value lies within U.
+with F = 1.25 for an order within the range, else 3. Deviations from the publication are stated in `grid_convergence` and
+`pooled_grid_uncertainty`. For both, tests count the share of noisy sequences whose true value lies within U.
 
-Quantities ``(levels, m)`` that are fitted together share the powers of h; limit and coefficients differ (variable
-projection: for a given p they follow by linear least squares, so that only p is searched). Sizes are relative to the
-finest: h falls to 1.
+Quantities ``(levels, m)`` that are fitted together have the same powers of h but different limits and coefficients. Only
+the order p is searched; for a given p, limits and coefficients follow by linear least squares (variable projection). Cell
+sizes are relative to the finest, so that h falls to 1.
 """
 
 from __future__ import annotations
@@ -32,13 +33,14 @@ from numpy.typing import ArrayLike
 
 from rollbench.meshes.arrays import Array
 
-#: Range of credible orders (the source's): below, cells are too coarse; above, the order is due to scatter.
+#: Range of credible orders of convergence (Eca and Hoekstra). Below it the cells are too coarse; above it the fitted order
+#: is due to scatter.
 ORDERS = (0.5, 2.0)
-#: Safety factors with a credible order, and without.
+#: Safety factors with and without a credible order.
 SAFE, CAREFUL = 1.25, 3.0
-#: Changes below this share of the largest value are rounding of stored values.
+#: Share of the largest value below which changes are due to rounding of stored values.
 ROUND_OFF = 1e-6
-#: Number of orders in the allowed interval that ``pooled_grid_uncertainty`` tries for the largest uncertainty.
+#: Number of orders in the allowed interval for which `pooled_grid_uncertainty` computes the uncertainty.
 STEPS = 16
 
 #: Range of orders that are searched, including negative ones (values that diverge).
@@ -55,22 +57,22 @@ TOO_FEW = "fewer than three levels"
 
 @dataclass(frozen=True)
 class Convergence:
-    """Grid convergence of one quantity: order, extrapolated value and uncertainty."""
+    """Grid convergence of one quantity: order of convergence, extrapolated value and uncertainty."""
 
-    #: Values, coarse to fine.
+    #: Values on the mesh levels, coarse to fine.
     values: tuple[float, ...]
-    #: Kind of convergence, such as `MONOTONE`; says why there is no credible order.
+    #: Kind of convergence, such as `MONOTONE`, or the reason why there is no credible order.
     label: str
-    #: Order fitted to the values, credible or not; None if they do not change monotonically.
+    #: Order fitted to the values, credible or not; None if the values do not change monotonically.
     own_order: float | None
-    #: Value at zero cell size; None without credible order.
+    #: Value extrapolated to zero cell size; None without a credible order.
     extrapolated: float | None
     #: Uncertainty of the finest value, in the unit of the quantity; None with one level.
     uncertainty: float | None
 
     @property
     def order(self) -> float | None:
-        """Observed order, if credible; else None."""
+        """Observed order of convergence; None if it is not credible."""
         return self.own_order if self.label == MONOTONE else None
 
     @property
@@ -84,23 +86,23 @@ class Convergence:
 
 
 def _order_text(p: float) -> str:
-    """Return an order as text; at an end of ``SEARCH`` as "below" or "above" it."""
+    """Return an order of convergence as text, "below -4" or "above 12" at an end of the searched range."""
     low, high = SEARCH
     return f"below {low:g}" if p <= low else f"above {high:g}" if p >= high else f"= {p:.2f}"
 
 
 def representative_size(settings: Mapping[str, Any]) -> float:
-    """Return the relative cell size of a level, one over its number of cells per semi-axis of a contact."""
+    """Return the relative cell size of a mesh level: one over the number of cells per semi-axis of a contact."""
     return 1.0 / float(settings["b_over_h"])
 
 
 def grid_convergence(values: ArrayLike, sizes: ArrayLike) -> Convergence:
-    """Estimate the grid convergence of one quantity.
+    """Estimate order of convergence, extrapolated value and uncertainty of one quantity on several mesh levels.
 
-    Deviations from the source: U is at least that of first order with F = 1.25, as long as the values do not contradict
-    first order (F test), because a few noisy values easily show too high an order. With three levels, where the source
-    gives no estimate, the fit of an order has no degree of freedom left, so the smallest standard deviation of the fits of
-    fixed order is taken. With two levels U is three times their difference, without order.
+    The method deviates from the publication as follows. The uncertainty U is at least that of first order with F = 1.25, if
+    the values do not contradict first order (F test), because a few noisy values often show too high an order. With three
+    levels, for which the publication gives no estimate, the fit of an order has no degree of freedom; sigma is then the
+    smallest standard deviation of the fits with fixed order. With two levels, U is three times their difference.
 
     Parameters
     ----------
@@ -117,7 +119,7 @@ def grid_convergence(values: ArrayLike, sizes: ArrayLike) -> Convergence:
     Raises
     ------
     ValueError
-        If the sizes do not fall, or differ in number from the values.
+        If the sizes do not decrease, or their number differs from that of the values.
     """
     y, h = _checked_levels(values, sizes)
     n, column = len(h), y[:, 0]
@@ -148,20 +150,20 @@ def grid_convergence(values: ArrayLike, sizes: ArrayLike) -> Convergence:
 def pooled_grid_uncertainty(values: ArrayLike, sizes: ArrayLike) -> Array:
     """Estimate the uncertainty of many similar quantities that converge with one common order.
 
-    phi_0 and alpha differ between the quantities; the common order is searched, with the interval of orders that the data
-    allow (F test, 95 %). With so many degrees of freedom sigma is known, which changes the source's formula: U is the
-    largest of 1.25 |delta| + sigma + |r_1| over all allowed orders within ``ORDERS``. If all of them lie above, order 2 is
-    taken, whose error is larger than the fit's; if all lie below, the source's fits of fixed orders with its factor of 3.
-    sigma of a quantity is its own or the common one, if that is larger: one or two residuals are small by chance too
-    often.
+    Limit phi_0 and coefficient alpha differ between the quantities. The common order is fitted, with the interval of orders
+    that the data allow (F test, 95 %). With so many degrees of freedom sigma is well known, and the formula of the
+    publication is changed: U is the largest value of 1.25 |delta| + sigma + |r_1| over all allowed orders within `ORDERS`.
+    If all allowed orders are above this range, order 2 is used, whose error is larger than that of the fit. If all are
+    below, the fits with fixed orders and the factor of 3 are used, as in the publication. sigma of a quantity is its own
+    standard deviation or the common one, whichever is larger, because one or two residuals are often small by chance.
 
-    With two levels U is three times the difference, or three times the RMS difference of all if that is larger. Quantities
-    that are equal on all levels have no uncertainty.
+    With two levels, U is three times the difference, or three times the RMS difference of all quantities if that is larger.
+    Quantities that are equal on all levels have no uncertainty.
 
     Parameters
     ----------
     values
-        Values, (levels, m), coarse to fine.
+        Values of the quantities, (levels, m), coarse to fine.
     sizes
         Cell sizes; only their ratios count.
 
@@ -173,7 +175,7 @@ def pooled_grid_uncertainty(values: ArrayLike, sizes: ArrayLike) -> Array:
     Raises
     ------
     ValueError
-        As `grid_convergence`.
+        If the sizes do not decrease, or their number differs from that of the levels.
     """
     y, h = _checked_levels(values, sizes)
     bars = np.zeros(y.shape[1])
@@ -190,7 +192,10 @@ def pooled_grid_uncertainty(values: ArrayLike, sizes: ArrayLike) -> Array:
 
 
 def _pooled_uncertainties(data: Array, h: Array) -> Array:
-    """Return the uncertainties (m,) of `pooled_grid_uncertainty` for three or more levels; all quantities change."""
+    """Return the uncertainties (m,) of quantities with a common order, for three or more levels.
+
+    ``data``: values (levels, m), none of them equal on all levels; ``h``: cell sizes.
+    """
     free = min((fit_searched_order(data, h, weighted) for weighted in (False, True)), key=lambda f: f.deviation)
     low, high = allowed_orders(data, h, free)
     if high < ORDERS[0]:
@@ -204,13 +209,16 @@ def _pooled_uncertainties(data: Array, h: Array) -> Array:
 
 
 def _checked_levels(values: ArrayLike, sizes: ArrayLike) -> tuple[Array, Array]:
-    """Return values as (levels, m) and sizes relative to the finest; ValueError if they are not usable."""
+    """Return values as an array (levels, m) and sizes relative to the finest.
+
+    ValueError if a value is not finite, the numbers differ, or the sizes do not decrease.
+    """
     y, h = np.asarray(values, float), np.asarray(sizes, float)
     y = y[:, None] if y.ndim == 1 else y
     if h.ndim != 1 or len(y) != len(h) or not len(h) or not np.isfinite(y).all():
-        raise ValueError(f"{len(y)} levels of finite values and {h.size} sizes do not go together")
+        raise ValueError(f"needs finite values and as many sizes as levels; there are {len(y)} levels and {h.size} sizes")
     if not (np.diff(h) < 0.0).all() or h[-1] <= 0.0:
-        raise ValueError("sizes must fall from coarse to fine and be positive")
+        raise ValueError("sizes must be positive and decrease from coarse to fine")
     return y, h / h[-1]
 
 
@@ -220,7 +228,7 @@ def _is_constant(column: Array) -> bool:
 
 
 def _kind_of_convergence(column: Array, h: Array) -> tuple[str, float | None]:
-    """Return the kind of convergence of a quantity on three or more levels, and its order (None if not monotone)."""
+    """Return the kind of convergence of a quantity on three or more levels, and its fitted order (None if not monotone)."""
     steps = np.diff(column)
     if not ((steps > 0.0).all() or (steps < 0.0).all()):
         return NOT_MONOTONE, None
@@ -230,7 +238,10 @@ def _kind_of_convergence(column: Array, h: Array) -> tuple[str, float | None]:
 
 
 def _uncertainty_of_finest(y: Array, fit: Fit, sigma: Array | float, factor: float, spread: float = np.inf) -> Array:
-    """Return the uncertainty of the finest value of each quantity, (m,); ``spread`` is Delta."""
+    """Return the uncertainty U of the finest value of each quantity, (m,), from a fit.
+
+    ``sigma``: standard deviation; ``factor``: F; ``spread``: Delta, the mean change between levels.
+    """
     error, off = np.abs(y[-1] - fit.residual[-1] - fit.limit), np.abs(fit.residual[-1])
     if np.max(sigma) < spread:
         return np.asarray(factor * error + sigma + off)
@@ -239,15 +250,15 @@ def _uncertainty_of_finest(y: Array, fit: Fit, sigma: Array | float, factor: flo
 
 @dataclass(frozen=True)
 class Fit:
-    """Least-squares fit of quantities over cell size."""
+    """Least-squares fit of one or several quantities as functions of the cell size h."""
 
-    #: Form of the fit as text.
+    #: Form of the fitted function, as text.
     form: str
-    #: Order p; None if it was not fitted.
+    #: Order p; None for a fit with fixed orders.
     order: float | None
     #: Whether levels are weighted by 1 / h (Eca and Hoekstra).
     weighted: bool
-    #: Limits at h = 0, (m,); nan for orders without limit.
+    #: Limits of the quantities at h = 0, (m,); nan for orders without limit.
     limit: Array
     #: Residuals, (levels, m).
     residual: Array
@@ -258,7 +269,7 @@ class Fit:
 
 
 def fit_searched_order(y: Array, h: Array, weighted: bool = False) -> Fit:
-    """Fit the best common order in ``SEARCH`` to all quantities, by grids on ever smaller intervals."""
+    """Fit limits, slopes and the best common order to all quantities (levels, m), by grids on shrinking intervals of p."""
     w = level_weights(h, weighted)
     low, high = SEARCH
     at, step = 0.0, 1.0
@@ -270,7 +281,10 @@ def fit_searched_order(y: Array, h: Array, weighted: bool = False) -> Fit:
 
 
 def fit_given_order(y: Array, h: Array, p: float, weighted: bool) -> Fit:
-    """Fit limits and slopes for a given order p, which counts as one parameter that all quantities share."""
+    """Fit limits and slopes of all quantities (levels, m) for a given order p.
+
+    The order counts as one fitted parameter that all quantities share.
+    """
     x = _box_cox(h, np.array([p]))[0]
     finest, slope, residual = _linear_least_squares(y, x[:, None], level_weights(h, weighted))
     limit = finest - slope[0] / p if p > 0.0 else np.full_like(finest, np.nan)  # x is -1 / p at h = 0
@@ -278,7 +292,10 @@ def fit_given_order(y: Array, h: Array, p: float, weighted: bool) -> Fit:
 
 
 def fit_fixed_orders(y: Array, h: Array, *, both: bool) -> list[Fit]:
-    """Fit order 1 and order 2, each without and with weights; if ``both``, also their sum (four levels or more)."""
+    """Fit all quantities (levels, m) by h and by h^2, each with equal weights and with weights 1 / h.
+
+    If ``both``, and with four levels or more, also by the sum of h and h^2.
+    """
     forms: dict[str, tuple[float, ...]] = {"first order": (1.0,), "second order": (2.0,)}
     if both and len(h) > 3:
         forms["first and second order"] = (1.0, 2.0)
@@ -292,9 +309,10 @@ def fit_fixed_orders(y: Array, h: Array, *, both: bool) -> list[Fit]:
 
 
 def allowed_orders(y: Array, h: Array, best: Fit) -> tuple[float, float]:
-    """Return the interval of orders around the best one that the data allow, as the fit gets worse only by chance.
+    """Return the interval of orders around the best one that are compatible with the data.
 
-    An F test with ``CONFIDENCE`` on the sums of squares decides; all of ``SEARCH`` if there is no degree of freedom.
+    The criterion is an F test of the sums of squared residuals with the confidence `CONFIDENCE`. Without a degree of
+    freedom, the interval is the whole searched range.
     """
     from scipy.stats import f as f_ratio
 
@@ -314,7 +332,7 @@ def allowed_orders(y: Array, h: Array, best: Fit) -> tuple[float, float]:
 
 
 def level_weights(h: Array, weighted: bool) -> Array:
-    """Return the weights of the levels, with sum one: equal, or as 1 / h."""
+    """Return the weights of the mesh levels, with sum one: equal, or proportional to 1 / h."""
     w = 1.0 / h if weighted else np.ones_like(h)
     return np.asarray(w / w.sum())
 
@@ -330,13 +348,19 @@ def _residual_squares(y: Array, h: Array, w: Array, p: Array) -> Array:
 
 
 def _box_cox(h: Array, p: Array) -> Array:
-    """Return (h^p - 1) / p, (orders, levels), which spans the same fits as h^p and is ln h at p = 0."""
+    """Return (h^p - 1) / p as an array (orders, levels).
+
+    Fits with a constant are the same as with h^p, but at p = 0 the function is ln h.
+    """
     safe = np.where(p == 0.0, 1.0, p)[:, None]
     return np.where(p[:, None] == 0.0, np.log(h), np.expm1(safe * np.log(h)) / safe)
 
 
 def _linear_least_squares(y: Array, columns: Array, w: Array) -> tuple[Array, Array, Array]:
-    """Return constants (m,), coefficients (k, m) and residuals (levels, m) of weighted linear least squares."""
+    """Fit y (levels, m) by a constant and columns (levels, k) with weights w.
+
+    Return constants (m,), coefficients (k, m) and residuals (levels, m).
+    """
     root = np.sqrt(w)[:, None]
     basis = np.column_stack([np.ones(len(w)), columns])
     coefficients = np.linalg.lstsq(root * basis, root * y, rcond=None)[0]
@@ -346,7 +370,10 @@ def _linear_least_squares(y: Array, columns: Array, w: Array) -> tuple[Array, Ar
 def _fit_record(
     form: str, order: float | None, weighted: bool, h: Array, limit: Array, residual: Array, of_each: int, of_all: int
 ) -> Fit:
-    """Make the record of a fit that has ``of_each`` parameters for each quantity and ``of_all`` common parameters."""
+    """Return a fit with its standard deviations, which depend on the number of fitted parameters.
+
+    ``of_each``: parameters for each quantity; ``of_all``: parameters that all quantities share.
+    """
     n, m = residual.shape
     squares = n * (level_weights(h, weighted) @ (residual * residual))
     freedom = (n - of_each) * m - of_all

@@ -1,4 +1,4 @@
-"""The 3D reference of a scene: loads of the finest stored run, and their uncertainty by discretisation."""
+"""The 3D reference of a scene: contact loads of the finest stored run, and their uncertainty due to the mesh."""
 
 from __future__ import annotations
 
@@ -19,43 +19,43 @@ from rollbench.meshes.arrays import Array
 from rollbench.meshes.loads import mean_load
 from rollbench.meshes.parts import Scene
 
-#: Number of the finest levels from which the uncertainty is estimated: coarser ones say little about the finest.
+#: Number of the finest levels from which the uncertainty is estimated. Coarser levels say little about the finest.
 FITTED = 4
 
 
 @dataclass(frozen=True)
 class Reference:
-    """The 3D reference of a scene, or a user's reference."""
+    """Contact loads of a scene with which models are compared: from the 3D reference or from a user's file."""
 
     #: Name of the scene.
     scene: str
-    #: Runs, coarse to fine; of a user's reference one without mesh, displacements or times.
+    #: Runs, coarse to fine; for a user's file a single run without mesh, displacements or times.
     runs: tuple[Run, ...]
     #: Contact loads of the finest run, (n, 4) [N].
     load: Array
-    #: Uncertainty of the loads by discretisation and incomplete convergence, (n, 4) [N]; zero where no level has load.
+    #: Uncertainty of the loads due to mesh and incomplete convergence, (n, 4) [N]; zero for contacts without load.
     uncertainty: Array
-    #: Parts of this uncertainty.
+    #: Parts of the uncertainty due to the mesh.
     parts: GridParts
-    #: Number of contacts that the nominal screw loads; 0: not known.
+    #: Number of contacts that are loaded in the nominal screw; 0: not known.
     contacts: int = 0
-    #: Name of the reference; of a user's its file.
+    #: Name of the reference; for a user's file, the name of the file.
     label: str = "3D reference"
-    #: Text on the uncertainty in the file of a user's reference; empty for a computed reference.
+    #: Text on the uncertainty in a user's file; empty for a computed reference.
     stated: str = ""
-    #: Further quantities of contacts in a user's reference, (n, 4) in SI.
+    #: Other contact quantities in a user's file, (n, 4) in SI.
     further: Mapping[str, Array] = field(default_factory=dict)
-    #: Part of the uncertainty due to a free face of the nut near a contact, (n, 4) [N] (`compare.reference.grid_parts`).
+    #: Part of the uncertainty due to a free face of the nut near the contact, (n, 4) [N] (`compare.reference.grid_parts`).
     beside_face: Array | None = None
 
     @property
     def levels(self) -> tuple[int, ...]:
-        """Mesh levels of the runs."""
+        """Mesh levels of the runs, coarse to fine; empty for a user's file."""
         return () if self.stated else tuple(run.level for run in self.runs)
 
     @property
     def mean(self) -> float:
-        """Mean contact load [N], see `meshes.loads.mean_load`."""
+        """Mean load [N] of the loaded contacts, to which errors refer (`meshes.loads.mean_load`)."""
         return mean_load(self.load, self.contacts)
 
     @property
@@ -70,24 +70,24 @@ class Reference:
 
     @property
     def unsettled(self) -> str:
-        """Text with the status of the runs that did not fully converge; empty if all did."""
+        """Text with the status of each run that did not fully converge; empty if all converged."""
         return "; ".join(f"level {run.level} {run.status}" for run in self.runs if run.moving > 0.0)
 
 
 def reference(scene: Scene, stores: Sequence[Path] | None = None) -> Reference | None:
-    """Return the best stored reference of a scene.
+    """Return the 3D reference of a scene from its finest stored runs.
 
     Parameters
     ----------
     scene
-        Scene with one set.
+        Scene with one nut or bearing row.
     stores
         Folders with runs; None: those of the package.
 
     Returns
     -------
     Reference or None
-        The reference, from the `FITTED` finest stored runs; None if there is none.
+        Contact loads and uncertainty from at most `FITTED` runs; None without a stored run.
     """
     runs = tuple(run for level in LEVELS if (run := load_run(scene, level, stores=stores)) is not None)
     runs = tuple(run for run in runs if run.answers)[-FITTED:]
@@ -95,23 +95,23 @@ def reference(scene: Scene, stores: Sequence[Path] | None = None) -> Reference |
 
 
 def reference_from_runs(name: str, scene: Scene, runs: tuple[Run, ...], contacts: int = 0) -> Reference:
-    """Make the reference of a scene from its runs.
+    """Return the 3D reference of a scene (loads and uncertainty) from its runs on one or several mesh levels.
 
     Parameters
     ----------
     name
         Name of the scene.
     scene
-        Scene with one set; of several sets the parts of one.
+        Scene with one nut or bearing row; one row as a scene if the shaft has several.
     runs
         Runs, coarse to fine.
     contacts
-        Number of contacts that the nominal screw loads; 0: not known.
+        Number of contacts that are loaded in the nominal screw; 0: not known.
 
     Returns
     -------
     Reference
-        The reference.
+        Loads of the finest run with their uncertainty.
     """
     loads = {run.level: run.load for run in runs}
     grid, best = parts(loads, grid_parts.read_experience(shipped_store())), runs[-1]
@@ -122,5 +122,5 @@ def reference_from_runs(name: str, scene: Scene, runs: tuple[Run, ...], contacts
 
 
 def uncertainty_percent(reference: Reference) -> float:
-    """Return the largest uncertainty of a contact load by discretisation [% of the mean load]."""
+    """Return the largest uncertainty of a contact load of the reference [% of the mean load]; zero without load."""
     return float(error_percent(reference.uncertainty.max(), 0.0, reference.mean)) if reference.parts.bar else 0.0

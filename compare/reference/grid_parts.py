@@ -1,40 +1,43 @@
-"""Uncertainty of contact loads by the mesh, the sum of a part for each kind of refinement.
+"""Uncertainty of the 3D reference's contact loads due to the mesh, from a part for each kind of refinement.
 
-A level refines by different ratios: cells of the contact by 4/3, those of the bodies by 1.15, the cut of the coarse sockets
-not at all, so that no order over one cell size describes its loads. Nor do the loads approach a limit from one side:
-consecutive changes of a contact load correlate by -0.5, like independent errors, because no cell of one level's mesh is a
-cell of the next; extrapolated with any order they are further from the next level than without
-(tests/unit/models/test_grid_coverage.py). So errors of a level count as scatter, whose variance falls by part,
+From one mesh level to the next, the cells at the contact are refined by 4/3, those of the bodies by 1.15, and the cut of
+the coarse sockets (boxes around the contacts into which fine patches fit) not at all. Therefore no order of convergence in
+a single cell size describes the loads. The loads do not approach a limit from one side either. Consecutive changes of a
+contact load have a correlation of -0.5, like independent errors, because no cell of one level's mesh is a cell of the next.
+Extrapolation with any order increases the distance to the next level (tests/unit/models/test_grid_coverage.py). The errors
+of a level are therefore treated as scatter with the variance
 
     s^2 = contact^2 h_c^4 + bodies^2 h_b^4 + sockets^2 + common^2,
 
-with sizes h_c and h_b over those of the finest level (second-order cells: errors fall as h^2). The changes between the
-scene's levels give the first two, whose variances add between two levels. The others are taken from experience: sockets,
-from a run in which only they are cut finer; common, which moves all loads of a level together and so does not average over
-the contacts of one scene, from the mean changes of all scenes whose sum of loads is not fixed by equilibrium: those with
-load on both flanks of the screw.
+where h_c and h_b are the cell sizes of contact and bodies over those of the finest level (second-order cells, whose errors
+fall as h^2). The first two parts are determined from the changes between the levels of the scene; the variance of a change
+is the sum of those of two levels. The part sockets is that of a separate run with a finer cut of the sockets. The part
+common changes all loads of a level alike and does not average out over the contacts of one scene. It is determined from the
+mean changes of all scenes with loads on both flanks of the screw, where equilibrium does not fix the sum of the loads.
 
-The uncertainty is twice the root of the sum for the finest level and a next one together (2.2 times if it rests on the
-change between two neighbouring levels only): in 95 % of contacts it covers what a finer mesh finds. Errors of bodies and
-sockets are displacements, which a contact turns into load by its stiffness, dF / dx ~ F^(1/3) (Hertz): these two parts are
-distributed over the contacts accordingly. Errors that all meshes share are not covered (`compare.models.uncertainty`).
+The uncertainty is twice the root of the sum of the variances of the finest level and the next one, or 2.2 times this root
+if only the change between two neighbouring levels is known. In 95 % of the contacts it covers the change to a finer mesh.
+Errors of bodies and sockets are displacements. A contact converts them to loads by its stiffness, dF / dx ~ F^(1/3)
+(Hertz), and these two parts are distributed over the contacts accordingly. Errors that all meshes share are not included
+(`compare.models.uncertainty`).
 
-Near a free face of the nut a level neglects a part of a contact's compliance. A contact's local compliance is that of a
-finely meshed piece of its body (`hifi.bodies.coarse`), far from any face. Near a free face the lip adds compliance, which
-the cells of the level's body underestimate. Nuts of six balls with ever finer bodies give the difference
-(``near_face.json``, written by ``tests/near_face.py``). In terms of 1 / (E r) the missing compliance is the same for balls
-and leads of all sizes within a quarter, and depends on the distance d from the face over the ball radius r: on level 1 it
-is 0.4 at d = 1.1 r and 0.03 at 2.5 r.
+Near a free face of the nut, a level neglects a part of a contact's compliance. The local compliance of a contact is that of
+a finely meshed piece of its body (`hifi.bodies.coarse`), far from any face. Near a free face the thin lip adds compliance,
+which the cells of the level's body underestimate. Nuts with six balls and increasingly fine bodies give the difference
+(``near_face.json``, written by ``tests/near_face.py``). The missing compliance times E r is the same for balls and leads of
+all sizes within a quarter. It depends on the distance d from the face over the ball radius r: on level 1 it is 0.4 at
+d = 1.1 r and 0.03 at 2.5 r.
 
-It concerns the flank that is pressed towards the face, and through its ball the opposite flank of the screw. At a given
-approach of the bodies a missing compliance dC makes their load F too large by
+The missing compliance affects the flank that is pressed towards the face, and, through its ball, the opposite flank of the
+screw. At a given approach of the bodies, a missing compliance dC increases their load F by
 
     dF = F dC / (2/3 (delta_s + delta_n) / F + C_lip),
 
-delta: Hertz's approaches, whose tangent is 2/3 delta / F. Fixed faces, and balls far from faces, have no such part. If one
-flank of the screw carries load, equilibrium fixes the sum of loads, and the excess of these contacts is missing on the
-others of their side, in proportion to their stiffness (`error_near_faces`). The changes between the levels of a scene show
-that, and of a ring, all of whose contacts are near both faces, the rest as well.
+where delta_s and delta_n are Hertz's approaches, whose tangent is 2/3 delta / F. There is no such error at fixed faces and
+at balls far from the faces. If only one flank of the screw carries load, equilibrium fixes the sum of the loads, and the
+excess of these contacts is missing on the others of their flank, in proportion to their stiffness (`error_near_faces`). The
+changes between the levels of a scene contain this second effect; for a bearing, all of whose contacts are near both faces,
+they contain the first one as well.
 """
 
 from __future__ import annotations
@@ -60,72 +63,77 @@ from rollbench.meshes.solid import solid_dimensions
 
 FILE = "grid_parts.json"
 
-#: Number of standard deviations in an uncertainty that covers 95 %: usual, and if only the change between two neighbouring
-#: levels is known. That change scatters from scene to scene: a factor of 2 covered 87 % of the contacts of one drawn screw.
+#: Number of standard deviations in an uncertainty that covers 95 %: normally, and if only the change between two
+#: neighbouring levels is known. This change scatters between scenes: a factor of 2 covered 87 % of the contacts of one
+#: randomly drawn screw.
 COVER, COVER_OF_ONE_CHANGE = 2.0, 2.2
 
-#: Second-order cells.
+#: Order of convergence of the (second-order) cells.
 ORDER = 2
 
 #: Exponent of the load in the stiffness of a contact.
 STIFFNESS = 1.0 / 3.0
 
-#: Cell size of contact and bodies over that of the level before, for a level after the last.
+#: Ratio of the cell sizes (contact, bodies) of an assumed level beyond the last one to those of the last level.
 NEXT = (0.75, 0.87)
 
-#: Shares of contacts that the uncertainty of a single level covers: of all compared scenes, and of each scene with one
-#: loaded flank of the screw, and with both (of which there are fewer).
+#: Shares of contacts that the uncertainty of a single level must cover: of all compared scenes together, and at least of
+#: each scene with one loaded flank of the screw or with both.
 SHARE, LEAST = 0.95, (0.93, 0.95)
 
-#: Rounds of reweighting in a fit of variances, and the smallest variance [%^2] that differs from zero.
+#: Number of reweighting rounds in a fit of variances, and the smallest variance that counts [%^2].
 ROUNDS, TINY = 20, 1e-12
 
-#: Loads ``(n, 4)`` [N] of a scene by level.
+#: Contact loads ``(n, 4)`` [N] of a scene for each mesh level.
 Levelled = Mapping[int, Array]
 
 
 @dataclass(frozen=True)
 class Experience:
-    """Parts of the uncertainty that a scene's mesh levels do not show, from other scenes [% of the mean load]."""
+    """Parts of the mesh uncertainty that are determined from other scenes [% of the mean load]."""
 
-    #: Standard deviation by the cut of the sockets.
+    #: Standard deviation due to the cut of the sockets.
     sockets: float
     #: Standard deviation of an error that all contacts share.
     common: float
-    #: Uncertainty of the coarsest level without others, with one and with both flanks of the screw loaded: it covers 95 %
-    #: of the errors (93 % of those of every scene with one).
+    #: Uncertainty of a scene that was solved on the coarsest level only, with one and with both flanks of the screw loaded.
+    #: It covers 95 % of the errors (at least 93 % in every scene with one loaded flank).
     single: tuple[float, float]
-    #: Names of the scenes.
+    #: Names of the scenes from which these values were determined.
     scenes: tuple[str, ...]
 
 
 @dataclass(frozen=True)
 class GridParts:
-    """Discretisation of the finest level and a next one together [% of the mean load], RMS over the contacts.
+    """Uncertainty of a scene's contact loads due to the mesh, with its parts [% of the mean load], RMS over the contacts.
 
-    With a single level only the uncertainty is known, from experience; the parts are None.
+    The parts are standard deviations of the difference between the finest level and the next one. With a single level only
+    the uncertainty is known, from other scenes, and the parts are None.
     """
 
-    #: Uncertainty at 95 %; zero without load.
+    #: Uncertainty that covers 95 % of the contacts; zero without load.
     bar: float
-    #: Standard deviation by the cells of the contact.
+    #: Standard deviation due to the cells at the contact.
     contact: float | None = None
-    #: Standard deviation by the cells of the bodies.
+    #: Standard deviation due to the cells of the bodies.
     bodies: float | None = None
-    #: Standard deviation by the cut of the sockets.
+    #: Standard deviation due to the cut of the sockets.
     sockets: float | None = None
     #: Standard deviation of an error that all contacts share.
     common: float | None = None
-    #: Factor of the uncertainty over the root of the sum of squares of the parts.
+    #: Factor between the root of the sum of squares of the parts and the uncertainty.
     cover: float = COVER
 
     @property
     def by_experience(self) -> bool:
-        """Whether the uncertainty is that of a single level, taken from experience."""
+        """Whether the scene was solved on a single level, so that the uncertainty is estimated from other scenes."""
         return self.contact is None
 
     def bars(self, loads: Levelled) -> Array:
-        """Return the uncertainty at 95 % of each contact, (n, 4) [% of the mean load]; zero where no level has load."""
+        """Return the uncertainty of each contact load due to the mesh, (n, 4) [% of the mean load].
+
+        It covers 95 % of the contacts, and is zero for contacts that carry load on no level.
+        """
         on = loaded_on_any_level(loads)
         if self.contact is None or self.bodies is None or self.sockets is None or self.common is None:
             return np.where(on, self.bar, 0.0)
@@ -136,29 +144,32 @@ class GridParts:
 
 
 def both_flanks(load: Array) -> bool:
-    """Return whether both flanks of the screw carry load (n, 4); then equilibrium does not fix the sum of loads."""
+    """Return whether both flanks of the screw carry load, so that equilibrium does not fix the sum of the contact loads.
+
+    ``load``: contact loads (n, 4) [N].
+    """
     return bool((load[:, :2] > 0.0).any(axis=0).all())
 
 
 def loaded_on_any_level(loads: Levelled) -> Array:
-    """Return a mask (n, 4) of the contacts that carry load on any mesh level."""
+    """Return a mask (n, 4) of the contacts that carry load on at least one mesh level."""
     return np.asarray(np.max([loads[k] for k in loads], axis=0) > 0.0)
 
 
 def parts(loads: Levelled, known: Experience) -> GridParts:
-    """Compute the parts of the discretisation uncertainty from loads on several levels and from experience.
+    """Compute the uncertainty of a scene's contact loads due to the mesh, and its parts.
 
     Parameters
     ----------
     loads
-        Contact loads (n, 4) [N] by level.
+        Contact loads (n, 4) [N] for each mesh level.
     known
-        Experience with compared scenes.
+        Parts of the uncertainty that are determined from other scenes.
 
     Returns
     -------
     GridParts
-        The parts.
+        Uncertainty and parts.
     """
     levels = sorted(loads)
     finest, both = levels[-1], both_flanks(loads[levels[-1]])
@@ -176,13 +187,19 @@ def parts(loads: Levelled, known: Experience) -> GridParts:
 
 
 def _load_change(loads: Levelled, level: int, other: int, finest: int) -> Array:
-    """Return the changes of the loaded contacts from one level to another [% of the mean load on ``finest``]."""
+    """Return the changes of the contact loads from one mesh level to another [% of the mean load on level ``finest``].
+
+    Contacts that carry load on no level are omitted.
+    """
     on = loaded_on_any_level(loads)
     return np.asarray(error_percent(loads[other][on], loads[level][on], mean_load(loads[finest])))
 
 
 def _cell_sizes(level: int) -> Array:
-    """Return a level's relative cell sizes of contact and bodies, (2,); beyond the last level by ``NEXT``."""
+    """Return the relative cell sizes of a mesh level at the contact and of the bodies, (2,).
+
+    For levels beyond the last one, the sizes fall by the factors `NEXT`.
+    """
     last = max(LEVELS)
     cells = LEVELS[min(level, last)]
     size = np.array([1.0 / cells["b_over_h"], cells["fine"] / LEVELS[PRODUCTION]["fine"]])
@@ -190,15 +207,16 @@ def _cell_sizes(level: int) -> Array:
 
 
 def _variance_factors(level: int, other: int) -> Array:
-    """Return the variances of the difference between two levels, for contact and bodies, if their amounts are one."""
+    """Return the variance of the load change between two levels per unit variance of the parts contact and bodies, (2,)."""
     return np.asarray(_cell_sizes(level) ** (2 * ORDER) + _cell_sizes(other) ** (2 * ORDER))
 
 
 def _fit_variances(columns: Array, shown: Array, fixed: float) -> Array:
-    """Fit the variances of contact and bodies to the variances observed between levels, by relative least squares.
+    """Fit the variances of the parts contact and bodies (2,) to the observed variances between levels.
 
-    ``fixed`` is a known further variance. Results are at least zero; with two levels all is attributed to the bodies,
-    whose part falls more slowly.
+    ``columns``: `_variance_factors` of each pair of levels; ``shown``: observed variances without ``fixed``, the known
+    variance of other parts. Relative least squares with results of at least zero. With two levels the whole variance is
+    attributed to the bodies, whose part falls more slowly.
     """
     from scipy.optimize import nnls
 
@@ -213,26 +231,27 @@ def _fit_variances(columns: Array, shown: Array, fixed: float) -> Array:
 def derive_experience(
     scenes: Mapping[str, Levelled], sockets: float, known: Mapping[str, Array] | None = None
 ) -> Experience:
-    """Derive the experience with mesh errors from scenes solved on several levels.
+    """Determine the common parts of the mesh uncertainty from scenes that were solved on several levels.
 
     Parameters
     ----------
     scenes
-        Contact loads by level, for each scene.
+        Contact loads on each mesh level, for each scene.
     sockets
-        Standard deviation by the cut of the sockets [% of the mean load], from a separate run.
+        Standard deviation due to the cut of the sockets [% of the mean load], from a separate run.
     known
-        Errors of the coarsest level with a separate uncertainty (`error_near_faces`), (n, 4) [% of the mean load] by scene.
+        For each scene: errors of the coarsest level near free faces (`error_near_faces`), which have an uncertainty of
+        their own and are subtracted, (n, 4) [% of the mean load].
 
     Returns
     -------
     Experience
-        The experience.
+        Parts of the mesh uncertainty for other scenes.
 
     Raises
     ------
     ValueError
-        Without a scene of each kind.
+        If there is no scene with one loaded flank of the screw, or none with both.
     """
     shifts, errors = list[float](), (list[Array](), list[Array]())
     for name, loads in scenes.items():
@@ -244,7 +263,7 @@ def derive_experience(
             held = known[name][loaded_on_any_level(loads)] if known and name in known else 0.0
             errors[both].append(np.maximum(np.abs(_load_change(loads, levels[0], finest, finest)) - held, 0.0))
     if not shifts or not all(errors):
-        raise ValueError("no experience without scenes that load one flank of the screw, and both, on fine levels")
+        raise ValueError("needs scenes with one and with both flanks of the screw loaded, solved on fine mesh levels")
     common = float(np.sqrt(np.mean(np.square(shifts)) / 2.0))
     return Experience(
         sockets, common, (_covering_bound(errors[0], LEAST[0]), _covering_bound(errors[1], LEAST[1])), tuple(scenes)
@@ -252,18 +271,21 @@ def derive_experience(
 
 
 def _covering_bound(errors: Sequence[Array], least: float) -> float:
-    """Return the bound that covers ``SHARE`` of all errors, and the share ``least`` of each scene's errors."""
+    """Return the smallest bound that covers the share `SHARE` of all errors and ``least`` of the errors of each scene."""
     return float(max(np.quantile(np.concatenate(errors), SHARE), *(np.quantile(of_scene, least) for of_scene in errors)))
 
 
 def save_experience(store: Path, known: Experience) -> None:
-    """Write the experience to a store; OSError if the file cannot be written."""
+    """Write the parts of the mesh uncertainty to a folder of 3D reference runs; OSError if the file cannot be written."""
     replace_file(store / FILE, json.dumps(asdict(known), indent=1) + "\n")
 
 
 @cache
 def read_experience(store: Path) -> Experience:
-    """Read the experience from a store; OSError, ValueError, KeyError or TypeError if the file cannot be used."""
+    """Read the parts of the mesh uncertainty that were determined from other scenes.
+
+    OSError, ValueError, KeyError or TypeError if the file in the folder ``store`` cannot be used.
+    """
     data = json.loads((store / FILE).read_text(encoding="utf-8"))
     one, both = (float(x) for x in data["single"])
     return Experience(float(data["sockets"]), float(data["common"]), (one, both), tuple(data["scenes"]))
@@ -271,10 +293,10 @@ def read_experience(store: Path) -> Experience:
 
 LIP_FILE = "near_face.json"
 
-#: Distance [ball radii] beyond which a face has no influence; linear to zero from the last measured one.
+#: Distance [ball radii] beyond which a face has no influence; from the last measured distance it falls linearly to zero.
 AWAY = 3.0
 
-#: Smallest distance to which the influence is extrapolated [ball radii]; closer to a face no socket can be meshed.
+#: Distance by which the influence is extrapolated towards the face [ball radii]; closer to it no socket can be meshed.
 CLOSER = 0.25
 
 #: Approach [m] below which there is no load.
@@ -286,47 +308,52 @@ TOWARDS = (2, 3)
 
 @dataclass(frozen=True)
 class LipCompliance:
-    """Compliance of the nut's lip between a contact and a free face, by the distance of the contact."""
+    """Compliance of the nut's lip between a contact and a free face, as a function of their distance."""
 
-    #: Distances from the face [ball radii], rising.
+    #: Distances from the face [ball radii], increasing.
     radii: Array
-    #: Compliance of the lip, times Young's modulus and ball radius.
+    #: Compliance of the lip times Young's modulus and ball radius, at these distances.
     lip: Array
-    #: The part that a level neglects, by level.
+    #: For each mesh level, the part of this compliance that the mesh neglects.
     missing: dict[int, Array]
 
     def at(self, radii: Array, level: int) -> tuple[Array, Array]:
-        """Return the lip's compliance at distances [ball radii], and the part of it that a level neglects."""
+        """Return lip compliance times E r at distances [ball radii] from a face, and its part that a level neglects."""
         missing = self.missing[min(max(level, 1), max(self.missing))]
         return np.interp(radii, self.radii, self.lip), np.interp(radii, self.radii, missing)
 
 
 @cache
 def read_lip(store: Path) -> LipCompliance:
-    """Read the compliance of lips from a store.
+    """Read the compliance of the lip between a contact and a free face of the nut.
 
-    It is measured on one scene on all levels; the missing part is raised by the largest ratio of any other scene. Values
-    are extrapolated closer to the face from the two nearest distances, and to zero further away. OSError, ValueError or
-    KeyError if the file is missing or damaged.
+    It was computed for one scene on all mesh levels. The part that a level neglects is multiplied by the largest ratio of
+    any other scene to this one. Values are extrapolated from the two smallest distances towards the face, and fall to zero
+    beyond the largest distance. OSError, ValueError or KeyError if the file is missing or damaged.
     """
     rows = json.loads((store / LIP_FILE).read_text(encoding="utf-8"))
     first = [row for row in rows if row["scene"] == rows[0]["scene"]]
     radii = np.array([row["radii"] for row in first])
     step = CLOSER / (radii[1] - radii[0])
 
-    def ended(values: list[float]) -> Array:
+    def with_extrapolated_ends(values: list[float]) -> Array:
         return np.array([values[0] + step * (values[0] - values[1]), *values, 0.0])
 
     missing = {int(k): [row["missing"][k] for row in first] for k in first[0]["missing"]}
     spread = max(row["missing"]["1"] / np.interp(row["radii"], radii, missing[1]) for row in rows)
     places = np.array([radii[0] - CLOSER, *radii, AWAY])
     return LipCompliance(
-        places, ended([row["lip"] for row in first]), {k: spread * ended(values) for k, values in missing.items()}
+        places,
+        with_extrapolated_ends([row["lip"] for row in first]),
+        {k: spread * with_extrapolated_ends(values) for k, values in missing.items()},
     )
 
 
 def excess_near_faces(scene: Scene, load: Array, level: int) -> Array:
-    """Return the largest excess (n, 4) [N] of a level's contact loads (n, 4) [N] due to free faces of the nut."""
+    """Return by how much contact loads near free faces of the nut are at most too high on a mesh level, (n, 4) [N].
+
+    ``load``: contact loads (n, 4) [N] of the level.
+    """
     from rollbench.hifi.meshing.settings import hertz_units
 
     out = np.zeros_like(load)
@@ -349,9 +376,10 @@ def excess_near_faces(scene: Scene, load: Array, level: int) -> Array:
 
 
 def error_near_faces(scene: Scene, load: Array, level: int) -> Array:
-    """Return the largest error (n, 4) [N] of a level's contact loads (n, 4) [N] due to free faces of the nut.
+    """Return the largest errors of the contact loads on a mesh level due to free faces of the nut, (n, 4) [N].
 
-    If equilibrium fixes the sum of loads, the other contacts of the same flank have errors too.
+    ``load``: contact loads (n, 4) [N] of the level. If equilibrium fixes the sum of the loads, contacts far from the faces
+    have errors, too.
     """
     excess = excess_near_faces(scene, load, level)
     if both_flanks(load) or not excess.any():

@@ -1,8 +1,9 @@
 """Planning and computing runs of the 3D reference: missing runs, expected time and memory, parallel execution.
 
-Expected seconds and memory of each stage are fitted to the stored runs of 17 screws and bearings (6 to 264 contacts, four
-levels), each in one process next to another on two cores of 2026: within a factor of two. Several processes for one run:
-from case 1 on level 3, and screws of 228 and 264 contacts on level 1. Level 5 is not fitted (twice level 4).
+Expected time and memory of each stage are fitted to the stored runs of 17 screws and bearings (6 to 264 contacts, four mesh
+levels), within a factor of two. Each run used one process, with another run at the same time, on two cores of 2026. The
+effect of several processes for one run is that of Lin's case 1 on level 3, and of screws with 228 and 264 contacts on level
+1. Level 5 was not measured; it is assumed to take twice as much as level 4.
 """
 
 from __future__ import annotations
@@ -28,21 +29,22 @@ from rollbench.meshes.cache import StageDone
 from rollbench.meshes.condensed import CondensedBodies
 from rollbench.meshes.processes import reset_peak
 
-#: Seconds of the contact patches by level, independent of the number of contacts.
+#: Time of the contact patches on each mesh level [s], independent of the number of contacts.
 PATCHES = {0: 3.0, 1: 13.0, 2: 25.0, 3: 45.0, 4: 100.0, 5: 200.0}
 
-#: Seconds per contact of the other stages on level 1, and their growth with the level.
+#: Time per contact of the other stages on level 1 [s], and the factor by which it grows with the level.
 A_CONTACT = {"meshes": 0.02, "shaft section": 0.05, "screw": 0.08, "nut": 0.06, "contact loads": 0.02}
 
 GROWTH = {0: 0.4, 1: 1.0, 2: 1.2, 3: 1.8, 4: 3.0, 5: 6.0}
 
-#: Memory [GB] by level: independent of the number of contacts, and per contact.
+#: Memory [GB]: part that depends on the mesh level only, and part per contact.
 BASE_GB = {0: 0.6, 1: 0.65, 2: 0.9, 3: 1.3, 4: 2.2, 5: 4.4}
 
 CONTACT_GB = 0.007
 
-#: Stages that a second process shares, the speed-up there, and the memory that it adds: ``MORE`` of the whole up to
-#: ``TOGETHER`` contacts; beyond, it computes patches alone (`hifi.setup.TOGETHER`), ``PATCHES_ALONE`` of the base memory.
+#: Stages that two processes share, their speed-up, and the memory that a second process adds: the share `MORE` of the
+#: whole up to `TOGETHER` contacts. With more contacts it computes only patches (`hifi.setup.TOGETHER`) and adds the share
+#: `PATCHES_ALONE` of the base memory.
 SHARED, FASTER, MORE, TOGETHER = ("meshes", "patches", "ball", "shaft section", "screw", "nut"), 1.7, 0.7, 160
 
 PATCHES_ALONE = 0.68
@@ -53,9 +55,9 @@ STAGES = ("meshes", "patches", "shaft section", "screw", "nut", "ball", "contact
 
 @dataclass(frozen=True)
 class Expected:
-    """Expected time and memory of a task of the 3D reference."""
+    """Expected run time and memory of a task of the 3D reference."""
 
-    #: Seconds of each stage.
+    #: Time of each stage [s].
     stages: dict[str, float]
     #: Peak memory [GB].
     memory_GB: float
@@ -67,7 +69,7 @@ class Expected:
 
 
 def expected_cost(task: Task) -> Expected:
-    """Estimate run time and memory of a task from its level and number of contacts."""
+    """Estimate run time and memory of a task of the 3D reference from its mesh level and number of contacts."""
     by_bodies = [len(up.sides) * up.bodies.ball_count for up in set_ups(task.scenes, task.level)]
     contacts = sum(by_bodies)
     times = len(task.scenes) * (6 if task.ablate else 1)
@@ -82,14 +84,14 @@ def expected_cost(task: Task) -> Expected:
 
 
 def need_memory(tasks: Sequence[Task], workers: int) -> float:
-    """Estimate the peak memory of tasks of which several run in parallel.
+    """Estimate the peak memory of tasks of the 3D reference that run in parallel.
 
     Parameters
     ----------
     tasks
         The tasks.
     workers
-        Number of tasks at the same time.
+        Number of tasks that run at the same time.
 
     Returns
     -------
@@ -99,28 +101,28 @@ def need_memory(tasks: Sequence[Task], workers: int) -> float:
     Raises
     ------
     InputError
-        If this machine has less.
+        If this machine has less free memory.
     """
     each = sorted((expected_cost(task).memory_GB for task in tasks), reverse=True)
     peak, free = sum(each[:workers]), available_GB()
     if free is not None and peak > free:
         largest = max(tasks, key=lambda task: expected_cost(task).memory_GB)
-        fewer = f"`workers={workers - 1}`, " if workers > 1 else ""
+        fewer = f"fewer workers (`workers={workers - 1}`), " if workers > 1 else ""
         raise InputError(
             "this machine",
             "memory",
             f"{free:.1f} GB free",
             f"about {peak:.1f} GB for {largest.label}",
-            f"end other programs, take {fewer}a coarser level (`levels=1`), or a cluster (`backend=dask`)",
+            f"end other programs, or use {fewer}a coarser level (`levels=1`) or a cluster (`backend=dask`)",
         )
     return peak
 
 
 class Progress:
-    """Progress of a task: stage, share and time left, from expected and measured seconds of its stages."""
+    """Progress of a task of the 3D reference: present stage, finished share, and expected time left."""
 
     def __init__(self, task: Task, after: float = 0.0) -> None:
-        """Start the progress of a task; ``after``: expected seconds of the tasks that follow it."""
+        """Start the progress of a task; ``after``: expected time of all following tasks [s]."""
         self.label, self.after = task.label, after
         stages, scenes = expected_cost(task).stages, len(task.scenes)
         loads = stages.pop("contact loads")
@@ -129,13 +131,14 @@ class Progress:
 
     @property
     def under_way(self) -> str:
-        """Text with the task and its present stage."""
+        """Text with the name of the task and its present stage."""
         return f"{self.label}: {self.stages[0][0]}" if self.stages else self.label
 
     def line(self, text: str, spent: float) -> str:
-        """Return the line of progress for a message; a `StageDone` marks the end of a stage and updates the estimate.
+        """Return a line of progress with a message, and update the expected time left if the message ends a stage.
 
-        ``spent``: seconds since the task began. Stages read from the cache do not count for the speed of the machine.
+        ``text``: the message, a `StageDone` at the end of a stage; ``spent``: time since the task began [s]. The speed of
+        the machine is estimated from computed stages only, not from those that were read from the cache.
         """
         stage = next((s for s in self.stages if isinstance(text, StageDone) and s[0] == text.stage), None)
         if stage is None or not isinstance(text, StageDone):
@@ -151,7 +154,7 @@ class Progress:
 
 Step = Callable[[str], None]
 
-#: Smallest time saved [s] for which further processes are started: each has to import and compile.
+#: Time of the remaining jobs [s] below which no further processes are started, because each must import and compile first.
 WORTH_WORKERS = 10.0
 
 #: Interval of progress messages [s].
@@ -160,45 +163,46 @@ HEARTBEAT = 20.0
 
 @dataclass(frozen=True)
 class Engine:
-    """Settings for computing runs: this machine or a cluster, number of processes, cache."""
+    """Settings that determine where runs are computed: on this machine or a cluster, number of processes, cache folder."""
 
-    #: ``joblib``: processes of this machine; ``dask``: a cluster.
+    #: ``joblib``: processes on this machine; ``dask``: a cluster.
     backend: str = "joblib"
     #: Address of the scheduler of a Dask cluster.
     scheduler: str | None = None
     #: Number of jobs at the same time.
     workers: int | None = None
-    #: Folder of meshes and condensed parts; None: no cache.
+    #: Folder in which meshes and condensed parts are cached; None: no cache.
     cache: Path | None = None
-    #: Seconds to wait for a worker, see `parallel.as_done`.
+    #: Time to wait for a worker of the cluster [s], see `parallel.as_done`.
     wait: float | None = None
 
     @property
     def processes(self) -> int:
-        """Number of processes for one job: the cores of this machine over the workers; one on a cluster."""
+        """Number of processes for one job: the cores of this machine divided by the workers; one on a cluster."""
         return max(cores() // (self.workers or 1), 1) if self.backend == "joblib" else 1
 
 
 def first_here(jobs: Sequence[parallel.Job], engine: Engine, what: str, step: Step) -> Iterator[tuple[int, Any]]:
-    """Run jobs and yield number and result of each; with several workers, the first two still run in this process.
+    """Run independent jobs, in other processes only if they take long enough, and yield number and result of each.
 
-    If the time of the second job (all modules are then loaded) shows that other processes do not pay, all run here.
+    With several workers, the first two jobs run in this process. The time of the second job, for which all modules are
+    loaded, shows whether the remaining jobs would take longer than starting other processes; if not, they run here, too.
 
     Parameters
     ----------
     jobs
         Independent jobs.
     engine
-        Where they run.
+        Settings that determine where the jobs run.
     what
-        Plural name of what the jobs compute, for messages.
+        Name of the computed items in the plural, for messages.
     step
-        Called with lines of progress.
+        Function that is called with lines of progress.
 
     Yields
     ------
     tuple
-        Number of the job and its result, as `parallel.as_done`.
+        Number of the job, from 0, and its result.
     """
     workers, here = engine.workers, 0
     if (workers or 1) > 1 and engine.backend == "joblib":
@@ -207,7 +211,7 @@ def first_here(jobs: Sequence[parallel.Job], engine: Engine, what: str, step: St
             left, start = (perf_counter() - start) * (len(jobs) - here), perf_counter()
             yield number, result
         if here and left < WORTH_WORKERS:
-            step(f"no other processes: the {what} left take about {left:.1f} s here, to start others takes longer")
+            step(f"one process: the remaining {what} take about {left:.1f} s; starting more processes takes longer")
             workers = 1
     for number, result in parallel.as_done(jobs[here:], engine.backend, engine.scheduler, workers, engine.wait):
         yield here + number, result
@@ -221,7 +225,9 @@ def plan(
     source: bool = False,
     ablate: bool = False,
 ) -> list[Task]:
-    """List the tasks of a study: the coarsest level of every geometry first, the other tasks by decreasing cost.
+    """List the tasks of the 3D reference for a mesh study, in the order in which they are computed.
+
+    The coarsest level of every geometry comes first; the other tasks follow by decreasing run time.
 
     Parameters
     ----------
@@ -230,11 +236,11 @@ def plan(
     levels
         Mesh levels.
     variants
-        Modelling variants, each on its level.
+        Modelling variants, each computed on its own mesh level.
     source
-        Whether the source's mesh is added.
+        Whether the mesh of Lin's thesis is added.
     ablate
-        Whether each ingredient is left out in turn on the coarsest level.
+        Whether the coarsest level is also solved without each ingredient of the model in turn.
 
     Returns
     -------
@@ -248,13 +254,13 @@ def plan(
             tasks.append(Task(cases, SOURCE_LEVEL))
         tasks += [Task(cases[:1], VARIANTS[variant].level, variant) for variant in variants]
         if any(VARIANTS[variant].refined for variant in variants):
-            tasks.append(Task(cases[:1], PRODUCTION, "base"))  # what choices refined alone are compared with
+            tasks.append(Task(cases[:1], PRODUCTION, "base"))  # baseline for variants that refine one mesh setting
     coarsest = min(levels, default=None)
     return sorted(tasks, key=lambda task: (task.level != coarsest or bool(task.variant), -expected_cost(task).seconds))
 
 
 def missing_runs(tasks: Sequence[Task], stores: Sequence[Path]) -> list[Task]:
-    """Return the tasks reduced to the scenes whose runs (or condensed bodies) are in no store."""
+    """Return the tasks that are still to be computed, reduced to the scenes without a run (or bodies) in any folder."""
     left = []
     for task in tasks:
         runs = [load_run(scene, task.level, task.variant, stores) for scene in task.scenes]
@@ -274,7 +280,9 @@ def missing_runs(tasks: Sequence[Task], stores: Sequence[Path]) -> list[Task]:
 def compute_and_store(
     task: Task, store: Path, step: Step = lambda _: None, progress: Progress | None = None
 ) -> tuple[list[Run], CondensedBodies | None]:
-    """Compute a task and store its results at once: an interrupted study loses only the task under way.
+    """Compute a task of the 3D reference and store its results immediately.
+
+    If a study is interrupted, only the results of the unfinished task are lost.
 
     Parameters
     ----------
@@ -283,16 +291,16 @@ def compute_and_store(
     store
         Folder of runs.
     step
-        Called with lines of progress.
+        Function that is called with lines of progress.
     progress
-        Progress of the task.
+        Progress of the task; None: a new one.
 
     Returns
     -------
     list of Run
         A run for each scene, with its peak memory.
     CondensedBodies or None
-        Condensed bodies, if any.
+        Condensed screw and nut, if the task stores them.
     """
     reset_peak()
     start, progress = perf_counter(), progress or Progress(task)
@@ -302,7 +310,7 @@ def compute_and_store(
 
 
 def keep(store: Path, task: Task, runs: Sequence[Run], bodies: CondensedBodies | None) -> None:
-    """Store the runs of a task that have loads, and its condensed bodies; InputError if they cannot be written."""
+    """Write the usable runs of a task and its condensed bodies to a folder; InputError if they cannot be written."""
     for run, scene in zip(runs, task.scenes, strict=True):
         if run.answers:
             save(store, scene, run)
@@ -313,7 +321,7 @@ def keep(store: Path, task: Task, runs: Sequence[Run], bodies: CondensedBodies |
         bodies.save(path)
     except OSError as error:
         reason = error.strerror or str(error)
-        raise InputError(str(path), "file", reason, "a folder that can be written to", "check the path") from None
+        raise InputError(str(path), "file", reason, "a file in a writable folder", "check the path") from None
 
 
 def ensure(
@@ -326,29 +334,29 @@ def ensure(
     fresh: bool = False,
     stored: Callable[[Task], None] = lambda _: None,
 ) -> list[Run]:
-    """Compute and store the runs of tasks that are in no store.
+    """Compute and store those runs of tasks that are not stored yet.
 
     Parameters
     ----------
     tasks
-        Tasks that are needed.
+        Tasks whose runs are required.
     store
-        Folder that takes the runs.
+        Folder to which new runs are written.
     engine
-        Where they are computed.
+        Settings that determine where runs are computed.
     step
-        Called with lines of progress, the expected time first.
+        Function that is called with lines of progress, first with the expected time.
     stores
-        Further folders of runs.
+        Further folders that are searched for runs.
     fresh
         Whether stored runs are computed again.
     stored
-        Called with every stored task except the last.
+        Function that is called after every stored task except the last.
 
     Returns
     -------
     list of Run
-        Runs without loads.
+        Runs that did not converge and have no usable loads.
 
     Raises
     ------
@@ -372,13 +380,13 @@ def ensure(
     ]
     finished = 0
 
-    def reached(index: int, outcome: tuple[list[Run], CondensedBodies | None]) -> None:
+    def record_finished_task(index: int, outcome: tuple[list[Run], CondensedBodies | None]) -> None:
         nonlocal done, finished
         task = left[index]
         runs, bodies = outcome
         good = [(scene, run) for scene, run in zip(task.scenes, runs, strict=True) if run.answers]
         if not all(path_in(store, scene, run).exists() for scene, run in good):
-            keep(store, task, runs, bodies)  # computed on a machine that does not share this folder
+            keep(store, task, runs, bodies)  # they were computed on a machine without access to this folder
         failed.extend(run for run in runs if not run.answers)
         done += seconds[index]
         finished += 1
@@ -395,7 +403,7 @@ def ensure(
 
     over = threading.Event()
 
-    def pulse() -> None:
+    def report_regularly() -> None:
         while not over.wait(HEARTBEAT):
             if output_closed():
                 interrupt_main()
@@ -403,16 +411,16 @@ def ensure(
             stage = f"; {progress[finished].under_way}" if alone and finished < len(left) else ""
             step(f"[{finished}/{len(left)}] {perf_counter() - start:.0f} s{stage}")
 
-    threading.Thread(target=pulse, daemon=True).start()
+    threading.Thread(target=report_regularly, daemon=True).start()
     try:
         for number, outcome in parallel.as_done(jobs, engine.backend, engine.scheduler, engine.workers, engine.wait):
-            reached(number, outcome)
+            record_finished_task(number, outcome)
     except KeyboardInterrupt:
         if output_closed():
             raise BrokenPipeError from None
-        stages = "" if engine.cache is None else f", finished stages of the one under way in {engine.cache}"
-        kept = f"{finished} of {len(left)} set-ups are kept in {store}{stages}"
-        step(f"WARNING: interrupted: {kept}; the same command goes on there")
+        stages = "" if engine.cache is None else f", and finished stages of the next one in {engine.cache}"
+        kept = f"{finished} of {len(left)} set-ups are stored in {store}{stages}"
+        step(f"WARNING: interrupted: {kept}; the same command continues from there")
         raise
     finally:
         over.set()
@@ -420,7 +428,7 @@ def ensure(
 
 
 def _announced(left: Sequence[Task], stored: int, store: Path, workers: int, *, here: bool) -> str:
-    """Return the message before tasks are computed; InputError if this machine has too little memory."""
+    """Return the message that announces number, expected time and memory of tasks; InputError if memory is too small."""
     kept = f", {stored} are stored" if stored > 0 else ""
     head = f"3D reference: {count_of(len(left), 'set-up')} to compute{kept}"
     if not here:
@@ -431,10 +439,10 @@ def _announced(left: Sequence[Task], stored: int, store: Path, workers: int, *, 
 
 
 def all_variants() -> tuple[str, ...]:
-    """Return the names of the variants that are not mesh refinements."""
+    """Return the names of the variants of the 3D reference that change a modelling choice, not the mesh."""
     return tuple(name for name, variant in VARIANTS.items() if not variant.refined)
 
 
 def refinements() -> tuple[str, ...]:
-    """Return the names of the variants that refine one mesh setting of the finest level."""
+    """Return the names of the variants of the 3D reference that refine one mesh setting of the finest level."""
     return tuple(name for name, variant in VARIANTS.items() if variant.refined)

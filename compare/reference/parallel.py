@@ -1,6 +1,6 @@
-"""Parallel execution of independent jobs: in this process, in processes of this machine (joblib), or on a Dask cluster.
+"""Execution of independent jobs: in this process, in several processes of this machine (joblib), or on a Dask cluster.
 
-One job at a time unless more are asked for: a run of the 3D reference takes gigabytes, and its set-up uses all cores.
+By default jobs run one after another, because a run of the 3D reference takes gigabytes, and its set-up uses all cores.
 """
 
 from __future__ import annotations
@@ -22,27 +22,27 @@ from rollbench.compare import __version__
 from rollbench.compare.errors import ArgumentError, InputError
 from rollbench.meshes.processes import local_workers, one_thread, without_restart_warnings
 
-#: A job: a function without arguments, or a function and its arguments; picklable if it runs in another process.
+#: Job: a function without arguments, or a function and its arguments; picklable if it runs in another process.
 Job = Callable[[], Any] | tuple[Callable[..., Any], Sequence[Any]]
 Step = Callable[[str], None]
 #: Request to a worker: number of the job, version of this program, function and arguments.
 Asked = tuple[int, str, Callable[..., Any], Sequence[Any]]
-#: Answer of a worker: number of the job, whether it succeeded, its pickled result or exception.
+#: Reply of a worker: number of the job, whether it succeeded, its pickled result or exception.
 Answer = tuple[int, bool, bytes]
 
 BACKENDS = ("joblib", "dask")
-#: Seconds to wait for a scheduler.
+#: Time to wait for a reply of the scheduler [s].
 PATIENCE = 5.0
-#: Default time to wait for a worker [s], for the first, and for another after the last was lost.
+#: Default time to wait for the first worker, and for another one after the last was lost [s].
 LONELY = 60.0
 #: Intervals at which the cluster and the jobs are polled [s].
 LOOK, BLINK = 1.0, 0.02
-#: Time without answer of a connected scheduler after which it counts as lost [s].
+#: Time without reply of a connected scheduler after which it counts as lost [s].
 SILENCE = 120.0
 #: Advice when a cluster was lost.
-AGAIN = "see what ended it, restart it, and give the same command again: runs that are stored are not repeated"
+AGAIN = "find out what ended the cluster, restart it, and repeat the command; stored runs are not computed again"
 #: Advice about workers without this program.
-INSTALL = "install it where the workers run"
+INSTALL = "install rollbench where the workers run"
 
 _ALONE = threading.Lock()
 
@@ -54,20 +54,22 @@ def as_done(
     workers: int | None = None,
     wait: float | None = None,
 ) -> Generator[tuple[int, Any], None, None]:
-    """Run independent jobs and yield each result as soon as it is available; closing the generator drops the rest.
+    """Run independent jobs and yield each result as soon as it is available.
+
+    Closing the generator cancels the remaining jobs.
 
     Parameters
     ----------
     jobs
-        The jobs.
+        Functions, with or without arguments.
     backend
         ``joblib`` for this machine, ``dask`` for a cluster.
     scheduler
         Address of the scheduler of a cluster; None: a cluster is started on this machine.
     workers
-        Number of jobs at the same time; None: one on this machine, or one on each worker of a scheduler, whenever it joins.
+        Number of jobs that run at the same time; None: one on this machine, or one on each worker of a scheduler.
     wait
-        Seconds to wait for a worker of the scheduler; `LONELY` unless given.
+        Time to wait for a worker of the scheduler [s]; None: `LONELY`.
 
     Yields
     ------
@@ -77,32 +79,35 @@ def as_done(
     Raises
     ------
     InputError
-        If the backend is unknown, there is less than one worker, a package is missing, the scheduler does not answer, gets
-        no workers or has other versions, or a worker died.
+        If the backend is unknown, the number of workers is below one, a package is missing, the scheduler does not answer,
+        has no workers or workers of other versions, or a worker died.
     RuntimeError
-        If the exception of a job cannot be pickled. Other exceptions of jobs are raised as they are, once, and the
-        remaining jobs dropped.
+        If a job raised an exception that cannot be pickled. Other exceptions of jobs are raised unchanged, and the
+        remaining jobs are cancelled.
     """
     if backend not in BACKENDS:
-        raise ArgumentError("backend", backend, " or ".join(BACKENDS), "leave it out for this machine")
+        raise ArgumentError("backend", backend, " or ".join(BACKENDS), "leave it out to compute on this machine")
     if workers is not None and workers < 1:
-        raise ArgumentError("workers", str(workers), "1 or more", "every worker needs memory for a run")
+        raise ArgumentError("workers", str(workers), "1 or more", "choose as many as the memory allows")
     if scheduler is not None and backend != "dask":
         raise ArgumentError("scheduler", scheduler, "only with `backend=dask`", "add `backend=dask`")
     if wait is not None and scheduler is None:
         raise ArgumentError("wait_workers", f"{wait:g}", "only with `scheduler`", "leave it out")
     if wait is not None and not 0.0 <= wait <= 1e6:
-        raise ArgumentError("wait_workers", f"{wait:g}", "0 to 1e6 seconds", "600 are ten minutes")
+        raise ArgumentError("wait_workers", f"{wait:g}", "0 to 1e6 seconds", "write 600 for ten minutes")
     calls = [job if isinstance(job, tuple) else (job, ()) for job in jobs]
     if backend == "joblib" and (workers or 1) == 1:
         return ((number, function(*arguments)) for number, (function, arguments) in enumerate(calls))
-    return _elsewhere(calls, backend, scheduler, workers or 0, LONELY if wait is None else wait)
+    return _run_in_workers(calls, backend, scheduler, workers or 0, LONELY if wait is None else wait)
 
 
-def _elsewhere(
+def _run_in_workers(
     calls: list[tuple[Callable[..., Any], Sequence[Any]]], backend: str, scheduler: str | None, workers: int, wait: float
 ) -> Generator[tuple[int, Any], None, None]:
-    """Run jobs in other processes or on a cluster, and yield number and result of each; raise a job's exception."""
+    """Run jobs in other processes or on a cluster, and yield number and result of each.
+
+    The exception of a job is raised here.
+    """
     asked = [(number, __version__, *call) for number, call in enumerate(calls)]
     answers = _on_cluster(asked, scheduler, workers, wait) if backend == "dask" else _in_processes(asked, workers)
     with closing(answers):
@@ -113,12 +118,12 @@ def _elsewhere(
             yield number, value
 
 
-def _call(number: int, version: str, function: Callable[..., Any], arguments: Sequence[Any]) -> Answer:
-    """Run one job in a worker; one at a time in a process, because gmsh has one state per process.
+def _run_job(number: int, version: str, function: Callable[..., Any], arguments: Sequence[Any]) -> Answer:
+    """Run one job in a worker process, and return its number, whether it succeeded, and its pickled result or exception.
 
-    A worker whose version is not ``version`` (it may have joined the cluster at any time) answers with an InputError.
-    Results and exceptions are sent as bytes: joblib hangs on results that cannot be unpickled. Those of
-    cloudpickle may hold functions without a name, as a table of the report has them.
+    A process runs one job at a time, because gmsh has one state per process. A worker of another version than ``version``,
+    which may have joined the cluster at any time, returns an InputError. Results and exceptions are sent as bytes, because
+    joblib hangs on results that cannot be unpickled; cloudpickle is used because tables of the report contain lambdas.
     """
     import cloudpickle
 
@@ -135,7 +140,7 @@ def _call(number: int, version: str, function: Callable[..., Any], arguments: Se
                 error.add_note(note)
                 packed = pickle.dumps(error.with_traceback(None))
                 pickle.loads(packed)
-            except Exception:  # an exception that cannot travel, for whatever reason its class has: its words can
+            except Exception:  # the exception cannot be pickled: send its text
                 plain = RuntimeError(f"{type(error).__name__}: {error}")
                 plain.add_note(note)
                 packed = pickle.dumps(plain)
@@ -143,43 +148,43 @@ def _call(number: int, version: str, function: Callable[..., Any], arguments: Se
 
 
 def _in_processes(asked: Sequence[Asked], workers: int) -> Generator[Answer, None, None]:
-    """Run jobs in processes of this machine and yield answers as they come; closing drops the remaining jobs."""
+    """Run jobs in processes of this machine, and yield replies as they arrive; closing cancels the remaining jobs."""
     from joblib import Parallel, delayed
     from joblib.externals.loky.process_executor import BrokenProcessPool
 
     with local_workers():  # max_nbytes: no read-only arguments
         many = Parallel(workers, return_as="generator_unordered", pre_dispatch=workers, batch_size=1, max_nbytes=None)
-        answers = many(delayed(_call)(*one) for one in asked)
+        answers = many(delayed(_run_job)(*one) for one in asked)
         try:
             with without_restart_warnings():
-                for answer in answers:  # noqa: UP028 - closed below, where its warning is not heard
+                for answer in answers:  # noqa: UP028 - closed below, where its warning is suppressed
                     yield answer
         except BrokenProcessPool as error:
-            raise _died(error) from error
+            raise _dead_worker_error(error) from error
         finally:
             with warnings.catch_warnings():
-                warnings.simplefilter("ignore")  # joblib tells how many jobs it drops
+                warnings.simplefilter("ignore")  # joblib warns of cancelled jobs
                 answers.close()
 
 
 def _on_cluster(asked: Sequence[Asked], scheduler: str | None, workers: int, wait: float) -> Generator[Answer, None, None]:
-    """Run jobs on a cluster and yield the workers' answers as they come; closing drops the remaining jobs.
+    """Run jobs on a Dask cluster, and yield the workers' replies as they arrive; closing cancels the remaining jobs.
 
-    The scheduler gets all jobs at once, or as many as may run at the same time: it hands them to workers whenever these
-    join, and a cluster that adapts its size sees how much there is to do.
+    The scheduler gets all jobs at once, or as many as may run at the same time. It assigns them to workers as these join,
+    and a cluster with adaptive size knows the amount of work.
     """
     with _cluster(scheduler, workers) as client:
         from distributed import KilledWorker, as_completed
 
         left, running = deque(asked), 0
-        looks = _looks(client, scheduler or "a cluster on this machine", wait)
-        next(looks)  # before the first job: a worker that dies of it was there
+        looks = _check_cluster(client, scheduler or "a cluster on this machine", wait)
+        next(looks)  # before the first job, so that a worker that this job kills is counted
         looked = monotonic()
         done = as_completed([], loop=client.loop)
         try:
             while left or running:
                 while left and running < (workers or len(asked)):
-                    done.add(client.submit(_call, *left.popleft(), pure=False))
+                    done.add(client.submit(_run_job, *left.popleft(), pure=False))
                     running += 1
                 if done.has_ready():
                     running -= 1
@@ -190,72 +195,72 @@ def _on_cluster(asked: Sequence[Asked], scheduler: str | None, workers: int, wai
                     next(looks)
                     looked = monotonic()
         except (KilledWorker, CancelledError) as error:
-            if isinstance(error, CancelledError) and scheduler is not None and not _alive(scheduler):
-                raise _lost(f"{scheduler}: the scheduler does not answer any more") from error
-            raise _died(error) from error
+            if isinstance(error, CancelledError) and scheduler is not None and not _scheduler_answers(scheduler):
+                raise _lost_cluster_error(f"{scheduler}: the scheduler no longer answers") from error
+            raise _dead_worker_error(error) from error
         except ImportError as error:
             place = f"a worker without rollbench, which joined later ({error})"
             raise ArgumentError("scheduler", place, "workers with rollbench", INSTALL) from error
 
 
-def _looks(client: Any, place: str, wait: float) -> Iterator[None]:
-    """Check the state of a cluster once per item requested from the generator.
+def _check_cluster(client: Any, place: str, wait: float) -> Iterator[None]:
+    """Check once per iteration that a cluster has workers and its scheduler answers.
 
-    Raises InputError if no job can run: no worker joins in ``wait`` seconds, at first or after the last was lost, or
-    the scheduler does not answer any more.
+    InputError if no worker joins within ``wait`` seconds, at the beginning or after the last one was lost, or if the
+    scheduler no longer answers.
     """
     alone, silent, had_workers = 0.0, 0.0, False
     while True:
         try:
             workers = len(client.sync(client.scheduler.identity, callback_timeout=PATIENCE)["workers"])
             silent = 0.0
-        except TimeoutError as error:  # busy, it may be
+        except TimeoutError as error:  # the scheduler may be busy
             silent += PATIENCE
             if silent > SILENCE:
-                raise _lost(f"{place}: the scheduler has not answered for {SILENCE:g} s") from error
-        except Exception as error:  # whatever a connection that is gone raises
-            raise _lost(f"{place}: the scheduler does not answer any more ({type(error).__name__})") from error
+                raise _lost_cluster_error(f"{place}: the scheduler has not answered for {SILENCE:g} s") from error
+        except Exception as error:  # any error of a closed connection
+            raise _lost_cluster_error(f"{place}: the scheduler no longer answers ({type(error).__name__})") from error
         else:
             had_workers = had_workers or workers > 0
             if workers == 0 and alone == 0.0:
                 for_one = f"waiting {wait:g} s for {'another' if had_workers else 'a worker'}"
-                sys.stderr.write(f"rollbench: {place}: {'the last worker is lost; ' * had_workers}{for_one}\n")
+                sys.stderr.write(f"rollbench: {place}: {'the last worker was lost; ' * had_workers}{for_one}\n")
             alone = 0.0 if workers else alone + LOOK
             if alone > wait:
                 if had_workers:
-                    raise _lost(f"{place}: the last worker is lost, and none came in {wait:g} s")
-                start = f"start some with: dask worker {place}; where they take longer to come: `wait_workers=600`"
-                raise _no_cluster(place, f"no workers in {wait:g} s", start)
+                    raise _lost_cluster_error(f"{place}: the last worker was lost, and no other joined within {wait:g} s")
+                start = f"start workers with: dask worker {place}; if they need more time, use `wait_workers=600`"
+                raise _no_cluster(place, f"no workers within {wait:g} s", start)
         yield
 
 
 def _no_cluster(place: str, reason: str, advice: str) -> InputError:
-    """Return the error for a scheduler that cannot be used."""
+    """Return an ArgumentError for a scheduler that cannot be used."""
     return ArgumentError("scheduler", f"{place}: {reason}", "a scheduler with workers", advice)
 
 
-def _lost(reason: str) -> InputError:
-    """Return the error for a cluster that was lost while jobs ran."""
+def _lost_cluster_error(reason: str) -> InputError:
+    """Return an ArgumentError for a cluster whose scheduler or workers were lost while jobs ran."""
     return ArgumentError("scheduler", reason, "a scheduler with workers", AGAIN)
 
 
-def _died(error: BaseException) -> InputError:
-    """Return the error for a worker that died."""
-    allowed, advice = "as many as there is memory for", "use fewer workers, those whose memory runs out are killed"
+def _dead_worker_error(error: BaseException) -> InputError:
+    """Return an ArgumentError for a worker process that died."""
+    allowed, advice = "as many as the memory allows", "use fewer workers; a worker that runs out of memory is killed"
     return ArgumentError("workers", f"a worker that died ({type(error).__name__})", allowed, advice)
 
 
 def use_tls(ca: str | None, cert: str | None, key: str | None) -> None:
-    """Set the certificates for a scheduler at tls://HOST:PORT.
+    """Set the TLS certificates with which this program connects to a scheduler at tls://HOST:PORT.
 
     Parameters
     ----------
     ca
-        Certificate of the authority; None: no certificates.
+        File with the certificate of the authority; None: no certificates.
     cert
-        Certificate of this client.
+        File with the certificate of this client.
     key
-        Key of this client.
+        File with the key of this client.
 
     Raises
     ------
@@ -278,7 +283,7 @@ def use_tls(ca: str | None, cert: str | None, key: str | None) -> None:
         import distributed  # noqa: F401 - its defaults would overwrite these
     except ImportError:
         advice = "pip install 'rollbench[cluster]'"
-        raise ArgumentError("tls_ca", "dask is not installed", "dask and distributed", advice) from None
+        raise ArgumentError("tls_ca", "certificates without dask", "only with dask installed", advice) from None
     tls = "distributed.comm.tls"
     dask.config.set({f"{tls}.ca-file": ca, f"{tls}.client.cert": cert, f"{tls}.client.key": key})
     dask.config.set({"distributed.comm.require-encryption": True})
@@ -291,7 +296,7 @@ def _cluster(scheduler: str | None, workers: int) -> Iterator[Any]:
         from distributed import Client, LocalCluster
     except ImportError:
         raise ArgumentError(
-            "backend", "dask without its packages", "dask and distributed installed", "pip install 'rollbench[cluster]'"
+            "backend", "dask", "only with dask and distributed installed", "pip install 'rollbench[cluster]'"
         ) from None
     place = "a cluster on this machine" if scheduler is None else scheduler
     with ExitStack() as stack:
@@ -310,7 +315,7 @@ def _cluster(scheduler: str | None, workers: int) -> Iterator[Any]:
         try:
             versions = set(
                 client.run(_version).values()
-            )  # of the workers that are there; `_call` asks those that join later
+            )  # versions of the present workers; `_run_job` checks those that join later
         except Exception as error:
             raise _no_cluster(place, f"workers without rollbench ({error})", INSTALL) from error
         if versions - {__version__}:
@@ -320,22 +325,25 @@ def _cluster(scheduler: str | None, workers: int) -> Iterator[Any]:
 
 
 def _other_version(value: str, version: str) -> InputError:
-    """Return the error for workers with another version of this program."""
+    """Return an ArgumentError for workers with another version of this program."""
     advice = f"install version {version} where the workers run"
     return ArgumentError("scheduler", value, f"workers of rollbench {version}", advice)
 
 
-def _alive(scheduler: str) -> bool:
-    """Return whether a scheduler answers."""
+def _scheduler_answers(scheduler: str) -> bool:
+    """Return whether the scheduler at an address accepts a connection."""
     try:
         asyncio.run(asyncio.wait_for(_greet(scheduler), PATIENCE))
-    except Exception:  # whatever a connection that is gone raises
+    except Exception:  # any error of a closed connection
         return False
     return True
 
 
 async def _greet(scheduler: str) -> None:
-    """Connect to the scheduler, and raise if it does not answer; a failed Client would delay the process's end."""
+    """Connect to the scheduler at an address, and raise if it does not answer.
+
+    A Dask client that fails to connect would delay the end of the process.
+    """
     from distributed.core import connect
     from distributed.security import Security
 
@@ -344,5 +352,5 @@ async def _greet(scheduler: str) -> None:
 
 
 def _version() -> str:
-    """Return this program's version; run on the workers of a cluster."""
+    """Return the version of this program; called on the workers of a cluster."""
     return __version__

@@ -1,7 +1,7 @@
-"""Store of runs of the 3D reference: record of a run, its content key, and its file with a checksum.
+"""Storage of runs of the 3D reference: record of a run, its content key, and its file with a checksum.
 
-A file that was damaged or edited is not used. Times in one table, figure or ratio are of one measuring run; a run records
-the version, sources and machine of its times.
+A file that was damaged or edited is not used. A run records the version, sources and machine with which its times were
+measured, so that a table or ratio compares only times that were measured under the same conditions.
 """
 
 from __future__ import annotations
@@ -31,12 +31,12 @@ from rollbench.meshes.condensed import geometry_digest
 from rollbench.meshes.parts import GateLimits, Operation, Scene
 from rollbench.meshes.solid import solid_dimensions
 
-#: Largest size of a run's file [bytes], and deepest nesting of brackets; the largest shipped one has a tenth, and 4.
+#: Largest size of a run's file [bytes], and deepest nesting of its brackets (largest shipped file: a tenth of it, and 4).
 LARGEST, DEEPEST = 8_000_000, 8
 
 
 def sealed(data: Mapping[str, Any]) -> str:
-    """Return the text of a run's file: its data as JSON with a checksum, each row of numbers on its line."""
+    """Return the text of a run's file: its data as JSON with a checksum, each row of numbers on a line of its own."""
     whole = {**data, "checksum": checksum(data)}
     return json.dumps(whole, separators=(",", ":")).replace("],[", "],\n[") + "\n"
 
@@ -47,47 +47,47 @@ def unsealed(path: Path) -> dict[str, Any]:
     Parameters
     ----------
     path
-        The file.
+        Path of the file.
 
     Returns
     -------
     dict
-        The data.
+        Data of the run.
 
     Raises
     ------
     ValueError
-        If it is too large, too deeply nested, not a run, or does not match its checksum.
+        If the file is too large, too deeply nested, not a run, or does not match its checksum.
     OSError
-        If it cannot be read.
+        If the file cannot be read.
     """
     data = _parsed(path)
     if data.pop("checksum", None) != checksum(data):
-        raise ValueError("the checksum does not fit")
+        raise ValueError("the checksum does not match the data")
     return data
 
 
 def checksum(data: Mapping[str, Any]) -> str:
-    """Return the digest of JSON data, independent of the order of keys and the layout of the text."""
+    """Return a hash of JSON data that does not depend on the order of keys or the layout of the text."""
     return hashlib.sha256(json.dumps(data, sort_keys=True, separators=(",", ":")).encode()).hexdigest()[:32]
 
 
 def _parsed(path: Path) -> dict[str, Any]:
-    """Return the JSON object in a run's file; ValueError if it is too large, too deeply nested or no object."""
+    """Return the JSON object in a run's file; ValueError if the file is too large, too deeply nested or no object."""
     if not path.is_file():
-        raise ValueError("no regular file")
+        raise ValueError("the path is not a regular file")
     with open(path, "rb") as file:
         content = file.read(LARGEST + 1)
     if len(content) > LARGEST:
-        raise ValueError(f"more than {LARGEST} bytes")
+        raise ValueError(f"the file has more than {LARGEST} bytes")
     text, depth = content.decode("utf-8"), 0
     for mark in (c for c in text if c in "[]{}"):
         depth += 1 if mark in "[{" else -1
         if depth > DEEPEST:
-            raise ValueError(f"brackets nested more than {DEEPEST} deep")
+            raise ValueError(f"the brackets of the file are nested more than {DEEPEST} deep")
     data = json.loads(text)
     if not isinstance(data, dict):
-        raise ValueError("no table of a run")
+        raise ValueError("the file does not contain the table of a run")
     return data
 
 
@@ -97,11 +97,14 @@ SOLVERS = ("hifi", "lowfi", "meshes")
 
 @dataclass(frozen=True)
 class Measured:
-    """Conditions of a time measurement; empty in runs before 0.15."""
+    """Conditions under which run times were measured: program version, sources and machine.
+
+    Sources and machine are empty in runs of versions before 0.15.
+    """
 
     #: Version of this program.
     version: str
-    #: Digest of the solvers' sources.
+    #: Hash of the solvers' source files.
     sources: str = ""
     #: Description of the machine.
     machine: str = ""
@@ -113,37 +116,38 @@ class Measured:
 
 @cache
 def measuring_conditions() -> Measured:
-    """Return the conditions (version, sources, machine) of times measured by this process."""
+    """Return the conditions (version, sources, machine) of times that this process measures."""
     return Measured(__version__, sources_hash(SOLVERS)[:16], machine())
 
 
 def one_run(times: Iterable[Measured]) -> Measured | None:
-    """Return the measuring conditions that all times share; None without times, ValueError if they differ."""
+    """Return the common measuring conditions of several times; None without times, ValueError if they differ."""
     found = set(times)
     if len(found) > 1:
-        raise ValueError(f"times of several measuring runs: {', '.join(sorted(map(str, found)))}")
+        raise ValueError(f"the times stem from several measuring runs: {', '.join(sorted(map(str, found)))}")
     return next(iter(found), None)
 
 
 def most_of(times: Iterable[Measured]) -> Measured | None:
-    """Return the most frequent measuring conditions of the times, which a table can show; None without times."""
+    """Return the most frequent measuring conditions of several times, to be shown in a table; None without times."""
     common = Counter(times).most_common(1)
     return common[0][0] if common else None
 
 
-#: Version of the mechanics; bump it when they or an assumption of meshes.solid change: older runs are then not used.
+#: Version of the mechanics in content keys. Raise it if the mechanics or an assumption of meshes.solid changes; older runs
+#: are then no longer used.
 SCHEMA = 8
 
-#: As `SCHEMA`, for the condensed bodies, and for runs of several sets on one shaft.
+#: Further versions in content keys: of condensed bodies, and of runs with several nuts or bearing rows on one shaft.
 BODIES, SETS = 4, 1
 
-#: As `SCHEMA`, for runs with a load or support inside the 3D stretch of the screw: how a section takes it.
+#: Further version in the keys of runs with a load or support inside the 3D part of the screw: how a section carries it.
 SECTIONS = "mean of a slice"
 
-#: As `SCHEMA`, for runs with a hollow shaft beyond its 3D stretch: how it shears.
+#: Further version in the keys of runs whose shaft is hollow beyond its 3D part: its shear compliance.
 HOLLOW = "shear of a hollow section"
 
-#: Programs whose results runs depend on.
+#: Programs on whose results runs depend.
 PROGRAMS = ("gmsh", "scikit-fem")
 
 #: Pattern of a content key.
@@ -152,7 +156,7 @@ KEY = 16 * "[0-9a-f]"
 #: Fields of a run that are arrays.
 ARRAYS = ("load", "angle", "frozen", "centreline")
 
-#: Values put in place of the scene's fields that have no effect on static loads, for content keys.
+#: For content keys: values that replace the scene's fields without effect on static loads.
 UNSAID: dict[str, Any] = {
     "name": "",
     "title": "",
@@ -168,25 +172,28 @@ UNSAID: dict[str, Any] = {
 
 @dataclass(frozen=True)
 class Run:
-    """Stored result of one scene on one mesh level; with several sets on a shaft, balls are listed set after set."""
+    """Stored result of the 3D reference for one scene on one mesh level.
+
+    If the scene has several nuts or bearing rows on one shaft, the balls of the first are listed first, and so on.
+    """
 
     #: Name of the scene.
     scene: str
     #: Mesh level.
     level: int
-    #: Modelling variant; empty: base.
+    #: Name of the modelling variant; empty: none.
     variant: str
-    #: Status: converged, or why not.
+    #: "converged", or the reason why the run did not converge.
     status: str
     #: Contact loads, (n, 4) [N].
     load: Array
     #: Contact angles, (n, 4) [deg].
     angle: Array
-    #: Contact loads with directions fixed in the nominal state, (n, 4) [N].
+    #: Contact loads if the contact directions are fixed in the nominal state, (n, 4) [N].
     frozen: Array
-    #: Axis of the screw, (stations, 4): z, ux, uy, uz [m].
+    #: Displacement of the screw's axis, rows of z, ux, uy, uz [m].
     centreline: Array
-    #: Contact loads without single ingredients of the model, by ingredient.
+    #: Contact loads without one ingredient of the model, by its name.
     without: dict[str, Array]
     #: Run times of the solutions in ``without`` [s].
     without_seconds: dict[str, float]
@@ -194,19 +201,19 @@ class Run:
     sides: tuple[int, ...]
     #: Number of unknowns of the equivalent single mesh.
     unknowns: int
-    #: Seconds of the set-up by stage.
+    #: Time of each stage of the set-up [s].
     stages: dict[str, float]
-    #: Seconds of the load case.
+    #: Time to solve the load case [s].
     solve_seconds: float
     #: Peak memory of set-up and load cases so far [MB]; None: not measured.
     peak_MB: float | None
-    #: Largest unbalanced force of a ball, over the largest load.
+    #: Largest unbalanced force on a ball, divided by the largest load.
     balance: float
-    #: Largest unbalanced force of a ball along its groove, over the largest load.
+    #: Largest unbalanced force on a ball along its groove, divided by the largest load.
     along_groove: float
-    #: Unbalanced force of shaft and housings where they are free, over the largest load.
+    #: Unbalanced force on shaft and housings in their free directions, divided by the largest load.
     screw_balance: float
-    #: Bounds on truncation errors, such as of neglected modes.
+    #: Bounds on truncation errors, for example of neglected modes.
     quality: dict[str, float]
     #: Mesh settings.
     settings: dict[str, Any]
@@ -216,11 +223,11 @@ class Run:
     versions: dict[str, str]
     #: Date of the run.
     date: str
-    #: Largest further change of a load in a run that did not fully converge [N], else 0.
+    #: Remaining change of a contact load in a run that did not fully converge [N], else 0.
     moving: float = 0.0
-    #: Digest of the solvers' sources when it was measured (empty before 0.15).
+    #: Hash of the solvers' source files when the run was measured (empty before 0.15).
     sources: str = ""
-    #: Machine on which it was measured (empty before 0.15).
+    #: Machine on which the run was measured (empty before 0.15).
     machine: str = ""
 
     @property
@@ -230,7 +237,7 @@ class Run:
 
     @property
     def answers(self) -> bool:
-        """Whether the run has usable loads: it converged, or its remaining change is known."""
+        """Whether the contact loads can be used: the run converged, or the remaining change of its loads is known."""
         return self.status == "converged" or self.moving > 0.0
 
     @property
@@ -240,7 +247,7 @@ class Run:
 
 
 def versions() -> dict[str, str]:
-    """Return the installed versions of `PROGRAMS`; an empty text for a program that is not installed."""
+    """Return the installed versions of gmsh and scikit-fem; an empty text for a program that is not installed."""
     return {name: _version(name) for name in PROGRAMS}
 
 
@@ -260,16 +267,16 @@ def key_of(
     sides: Sequence[int],
     programs: Mapping[str, str] | None = None,
 ) -> str:
-    """Return the content key of a run, a digest of everything that affects its numbers.
+    """Return the content key of a run of the 3D reference: a hash of everything that affects its numbers.
 
-    These are geometry, errors, loads and supports of the scene (without `UNSAID`), its solid dimensions, variant, mesh
-    settings and meshed flanks (both set by all scenes that were meshed together), ``SCHEMA``, and the versions of mesh
-    generator and finite elements.
+    These are the scene's geometry, errors, loads and supports (without the fields in `UNSAID`), its solid dimensions, the
+    variant, the mesh settings and meshed flanks (which depend on all scenes that were meshed together), `SCHEMA`, and the
+    versions of the mesh generator and the finite-element library.
 
     Parameters
     ----------
     scene
-        Scene with one set or several.
+        Scene with one nut or bearing row, or with several on one shaft.
     variant
         Modelling variant.
     settings
@@ -277,12 +284,12 @@ def key_of(
     sides
         Flanks that were meshed.
     programs
-        Versions; those installed unless given.
+        Versions of the programs; None: those installed.
 
     Returns
     -------
     str
-        The key.
+        The key, 16 hexadecimal digits.
     """
     if isinstance(scene, Assembly):
         each = zip(scene.sets, settings["sets"], strict=True)
@@ -294,7 +301,7 @@ def key_of(
 def bodies_key(
     scene: Scene, settings: Mapping[str, Any], sides: Sequence[int], programs: Mapping[str, str] | None = None
 ) -> str:
-    """Return the content key of condensed bodies: digest of parts, mesh settings, flanks, versions and ``BODIES``."""
+    """Return the content key of condensed bodies: a hash of parts, mesh settings, flanks, program versions and `BODIES`."""
     return digest(SCHEMA, BODIES, geometry_digest(scene), *_meshed(scene, settings, sides, programs))[:16]
 
 
@@ -312,17 +319,17 @@ def _meshed(
 
 
 def path_in(store: Path, scene: Solvable, run: Run) -> Path:
-    """Return the path of a scene's run in a store.
+    """Return the path of the file of a scene's run in the folder ``store``.
 
-    The key uses the program versions of the run, which may differ from those installed; the file has the scene's name
-    at the time of the run.
+    The file's name has the name of the scene at the time of the run, and the key of the program versions of the run, which
+    may differ from the installed versions.
     """
     key = key_of(scene, run.variant, run.settings, run.sides, run.versions)
     return store / f"{_stem(run.scene, run.level, run.variant)}{key}.json"
 
 
 def bodies_path(store: Path, scene: Scene, run: Run) -> Path:
-    """Return the path of a run's condensed bodies in a store."""
+    """Return the path of the file with a run's condensed screw and nut in the folder ``store``."""
     key = bodies_key(scene, run.settings, run.sides, run.versions)
     return store / f"bodies-{geometry_digest(scene)}-level{run.level}-{key}.npz"
 
@@ -333,9 +340,12 @@ def _stem(name: str, level: int, variant: str) -> str:
 
 
 def save(store: Path, scene: Solvable, run: Run) -> Path:
-    """Write a run to a store, completely or not at all, and return its path; ValueError for a run without loads."""
+    """Write a run to the folder ``store``, completely or not at all, and return its path.
+
+    ValueError for a run that did not converge.
+    """
     if not run.answers:
-        raise ValueError(f"a run that did not converge is no reference: {run.status}")
+        raise ValueError(f"a run that did not converge cannot be a reference: {run.status}")
     path = path_in(store, scene, run)
     data = asdict(run) | {name: _rows(getattr(run, name)) for name in ARRAYS}
     data["without"] = {name: _rows(array) for name, array in run.without.items()}
@@ -349,21 +359,21 @@ def _rows(array: Array) -> list[list[float | None]]:
 
 
 def shipped_store() -> Path:
-    """Return the folder of the shipped runs."""
+    """Return the folder of the 3D reference runs that are part of the package."""
     return files.place("references")
 
 
 def load_run(scene: Solvable, level: int, variant: str = "", stores: Sequence[Path] | None = None) -> Run | None:
-    """Return a stored run whose mesh suits the scene.
+    """Return the stored run of the 3D reference for a scene; None if no folder has one.
 
-    Its key identifies it, whatever the scene's name was at the time of the run. Of several runs, computed with
-    other scenes, those by the installed versions of gmsh and scikit-fem come first, then the finest cells, then the largest
-    patches.
+    The run is identified by its content key, even if the scene had another name at the time of the run. If several runs
+    fit, because the scene was meshed together with different other scenes, those by the installed versions of gmsh and
+    scikit-fem are preferred, then the finest contact cells, then the largest contact patches. Damaged files are ignored.
 
     Parameters
     ----------
     scene
-        Scene with one set or several.
+        Scene with one nut or bearing row, or with several on one shaft.
     level
         Mesh level.
     variant
@@ -374,7 +384,7 @@ def load_run(scene: Solvable, level: int, variant: str = "", stores: Sequence[Pa
     Returns
     -------
     Run or None
-        The run; None if there is none (a damaged file, or one with another key, does not count).
+        The run.
     """
     installed = versions()
     for store in (shipped_store(),) if stores is None else stores:
@@ -384,12 +394,15 @@ def load_run(scene: Solvable, level: int, variant: str = "", stores: Sequence[Pa
             if run is not None and meshes_suit(scene, level, variant, run.settings, run.sides):
                 runs.append(run)
         if runs:
-            return min(runs, key=partial(_order, installed))
+            return min(runs, key=partial(_sort_key, installed))
     return None
 
 
 def files_of(store: Path, scene: Solvable, level: int, variant: str = "") -> list[Path]:
-    """Return the run files of a level and variant whose key fits the scene; files with the scene's name first."""
+    """Return the files in the folder ``store`` whose key is that of the scene on a mesh level and variant.
+
+    Files with the scene's name come first.
+    """
     own, pattern = (_stem(name, level, variant) for name in (scene.name, "*"))
     paths = sorted(store.glob(f"{pattern}{KEY}.json"), key=lambda path: (not path.name.startswith(own), path.name))
     meshes = {mesh.text: mesh for path in paths if (mesh := _mesh_of(path)) is not None and mesh.balls == scene.ball_count}
@@ -398,7 +411,7 @@ def files_of(store: Path, scene: Solvable, level: int, variant: str = "") -> lis
 
 
 class _Mesh(NamedTuple):
-    """Parts of a run's content key other than the scene: mesh settings, flanks, program versions."""
+    """Mesh of a stored run, as part of its content key: mesh settings, meshed flanks, program versions."""
 
     #: Number of balls of the run.
     balls: int
@@ -412,7 +425,7 @@ class _Mesh(NamedTuple):
     text: str
 
     def key(self, scene: Solvable, variant: str) -> str | None:
-        """Return the content key of a run of the scene on this mesh; None if the mesh does not fit the scene."""
+        """Return the content key of a run of ``scene`` on this mesh; None if the mesh is of another kind of scene."""
         try:
             return key_of(scene, variant, self.settings, self.sides, self.programs)
         except (ValueError, KeyError, TypeError):
@@ -420,7 +433,7 @@ class _Mesh(NamedTuple):
 
 
 def _mesh_of(path: Path) -> _Mesh | None:
-    """Return the mesh data in a run's file; None if the file cannot be read."""
+    """Return mesh settings, flanks and versions from a run's file; None if the file cannot be read."""
     try:
         return _known_mesh(path, path.stat().st_mtime_ns)
     except OSError:
@@ -429,7 +442,10 @@ def _mesh_of(path: Path) -> _Mesh | None:
 
 @lru_cache(maxsize=100_000)
 def _known_mesh(path: Path, _changed: int) -> _Mesh | None:
-    """Return the mesh data in a run's file, cached until the file changes; None if it is damaged."""
+    """Return mesh settings, flanks and versions from a run's file; None if it is damaged.
+
+    Cached by the file's time of change ``_changed`` [ns].
+    """
     try:
         run = unsealed(path)
         settings, sides, programs = plain(run["settings"]), tuple(run["sides"]), dict(run["versions"])
@@ -439,15 +455,18 @@ def _known_mesh(path: Path, _changed: int) -> _Mesh | None:
         return None
 
 
-def _order(installed: Mapping[str, str], run: Run) -> tuple[float, ...]:
-    """Return the sort key of a run: installed versions first, then fine contact cells, then large patches."""
+def _sort_key(installed: Mapping[str, str], run: Run) -> tuple[float, ...]:
+    """Return the key by which runs are sorted: installed versions first, then fine contact cells, then large patches."""
     other = any(run.versions.get(name) != version for name, version in installed.items())
     each = run.settings.get("sets", (run.settings,))
     return (other, *(x for mesh in each for x in mesh["semi"]), *(-x for mesh in each for x in mesh["reach"]))
 
 
 def read_run(path: Path, scene: Solvable, level: int, variant: str) -> Run | None:
-    """Read the run in a file; None if the file is damaged, not named by its key or of another level or variant."""
+    """Read a run of a scene from a file.
+
+    None if the file is damaged, is of another mesh level or variant, or its name does not contain the content key.
+    """
     try:
         data = unsealed(path)
         arrays: dict[str, Any] = {k: _array(data.pop(k)) for k in ARRAYS}

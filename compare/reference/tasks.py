@@ -1,6 +1,6 @@
-"""Tasks of the 3D reference: scenes that share set-ups, flanks that may touch, and mesh settings of a level.
+"""Tasks of the 3D reference: load cases that share meshes, flanks that must be meshed, and mesh settings of a level.
 
-A scene with one set has one set-up; equal sets on one shaft share a set-up.
+The meshed and condensed parts of a nut or bearing row are a set-up. Equal rows on one shaft share a set-up.
 """
 
 from __future__ import annotations
@@ -23,46 +23,47 @@ from rollbench.meshes.parts import Scene
 if TYPE_CHECKING:
     from rollbench.hifi.meshing.settings import ExpectedContacts, Settings
 
-#: Scenes that the 3D reference solves: one set, or several on one shaft.
+#: Scenes that the 3D reference solves: one nut or bearing row, or several on one shaft.
 Solvable = Scene | Assembly
-#: Settings in which a stored mesh may differ, with cells at least as fine, patches at least as large and all flanks.
+#: Settings in which a stored mesh may differ from the required one if its cells are fine enough, its patches large enough,
+#: and all required flanks are meshed.
 _SIZED = ("semi", "reach", "sides")
 
 
 @dataclass(frozen=True)
 class SetUp:
-    """Description of a set-up that equal sets share: bodies, meshed flanks, mesh settings."""
+    """Bodies, meshed flanks and mesh settings of a nut or bearing row, or of several equal rows on one shaft."""
 
-    #: Bodies of the set as a scene; with several sets, stations are relative to the set.
+    #: Nut or row as a scene; if the shaft has several, axial positions are relative to the row.
     bodies: Scene
     #: Flanks that are meshed.
     sides: tuple[int, ...]
     #: Mesh settings.
     settings: Settings
-    #: Numbers of its sets in the assembly.
+    #: Numbers of the equal rows in the assembly.
     sets: tuple[int, ...] = (0,)
 
 
 def stations(*cases: Solvable) -> tuple[float, ...]:
-    """Return the stations of supports and loads of load cases [m], where the 3D shaft has degrees of freedom."""
+    """Return the axial positions [m] of supports and loads of all load cases, at which the 3D shaft has nodes."""
     return tuple(sorted({x.at for case in cases for given in (case.supports, case.loads) for x in given}))
 
 
 def balls_of(described: Solvable) -> list[slice]:
-    """Return, for each set of balls, the slice of its balls in arrays of all balls."""
+    """Return the slice of each set of balls in arrays with the balls of all sets on the shaft."""
     sets = [described] if isinstance(described, Scene) else [s.parts for s in described.sets if isinstance(s.parts, Scene)]
     ends = np.cumsum([0, *(scene.ball_count for scene in sets)])
     return [slice(int(a), int(b)) for a, b in pairwise(ends)]
 
 
 def refused(described: Solvable, error: ValueError) -> Refusal:
-    """Return the Refusal for a scene that the 3D reference cannot solve, with the reason in ``error``."""
-    advice = "change what it names, or solve it with a low-order model"
+    """Return a Refusal for a scene that the 3D reference cannot solve, with the reason in ``error``."""
+    advice = "change the named dimension or key, or use a low-order model"
     return Refusal(described.name, "3D reference", str(error), advice)
 
 
 def _bodies(case: Solvable) -> list[Scene]:
-    """Return the meshed bodies of each set; Refusal for a set without a 3D body."""
+    """Return the bodies to be meshed of each nut or bearing row; Refusal for a row without a 3D model."""
     if isinstance(case, Scene):
         return [case]
     from rollbench.hifi.several_sets import meshed_bodies
@@ -74,9 +75,10 @@ def _bodies(case: Solvable) -> list[Scene]:
 
 
 def _expected(case: Solvable, bodies: Sequence[Scene]) -> tuple[ExpectedContacts, ...]:
-    """Return the expected contacts (loads, angles) of each set; Refusal if they cannot be estimated.
+    """Return the expected contact loads and angles of each set of balls, from which mesh sizes are chosen.
 
-    For a set without load, a tenth of the mean contact load of the other sets is assumed.
+    For a set without load, a tenth of the mean contact load of the other sets is assumed. Refusal if the loads cannot be
+    estimated.
     """
     from rollbench.hifi.meshing.settings import contacts_under_assumed_load, expected_by_set, expected_contacts
 
@@ -95,25 +97,25 @@ def _expected(case: Solvable, bodies: Sequence[Scene]) -> tuple[ExpectedContacts
 
 
 def _pressed(expected: Sequence[ExpectedContacts]) -> tuple[int, ...]:
-    """Return the numbers of the flanks that may touch, and of the flanks opposite them across the ball."""
+    """Return the numbers of all flanks that may carry load, and of the flanks on the opposite side of the ball."""
     return tuple(sorted({side for e in expected for touching in e.sides() for side in (touching, 3 - touching)}))
 
 
 def needed_sides(scene: Scene) -> tuple[int, ...]:
-    """Return the numbers of a scene's flanks that may touch (`hifi.meshing.settings`), and of the opposite flanks.
+    """Return the numbers of a scene's flanks that must be meshed: those that may carry load, and the opposite ones.
 
-    Refusal if no equilibrium is found.
+    Refusal if the low-order estimate of the contact loads finds no equilibrium.
     """
     return _pressed(_expected(scene, ()))
 
 
 def set_ups(cases: Sequence[Solvable], level: int, variant: str = "") -> tuple[SetUp, ...]:
-    """Return the set-ups that load cases of the same parts share on a mesh level.
+    """Return what must be meshed on a mesh level for load cases of the same parts: bodies, flanks and mesh settings.
 
     Parameters
     ----------
     cases
-        Load cases.
+        Load cases of the same parts.
     level
         Mesh level.
     variant
@@ -122,17 +124,17 @@ def set_ups(cases: Sequence[Solvable], level: int, variant: str = "") -> tuple[S
     Returns
     -------
     tuple of SetUp
-        The set-ups.
+        One for each nut or bearing row that differs from the others.
 
     Raises
     ------
     InputError
-        If the level is unknown; as Refusal if a set has no 3D body, or no contacts can be expected.
+        If the level is unknown; its subclass Refusal if a row has no 3D model, or its contact loads cannot be estimated.
     """
     from rollbench.hifi.meshing.settings import Settings, round_up_lengths
 
     if level not in (SOURCE_LEVEL, *LEVELS):
-        raise ArgumentError("levels", str(level), f"1 to {len(LEVELS)}", "choose fewer levels")
+        raise ArgumentError("levels", str(level), f"1 to {len(LEVELS)}", "choose a level in this range")
     bodies = _bodies(cases[0])
     expected = [*zip(*(_expected(case, bodies) for case in cases), strict=True)]
     shared: dict[tuple[Scene, tuple[int, ...]], list[int]] = {}
@@ -152,21 +154,24 @@ def set_ups(cases: Sequence[Solvable], level: int, variant: str = "") -> tuple[S
 
 
 def settings_of(scenes: Sequence[Scene], level: int, variant: str = "") -> Settings:
-    """Return the mesh settings for scenes of one geometry on a level, with a variant; raises errors as `set_ups`."""
+    """Return the mesh settings for scenes of one geometry on a mesh level; errors as in `set_ups`."""
     return set_ups(scenes, level, variant)[0].settings
 
 
-def recorded(ups: Sequence[SetUp]) -> dict[str, Any]:
-    """Return the mesh settings to store for a run of several sets: cells across a contact, and settings by set."""
+def settings_to_store(ups: Sequence[SetUp]) -> dict[str, Any]:
+    """Return the mesh settings to store with a run: cells per semi-axis of a contact, and the settings of each row."""
     by_set = {k: asdict(up.settings) | {"sides": up.sides} for up in ups for k in up.sets}
     return {"b_over_h": ups[0].settings.b_over_h, "sets": tuple(by_set[k] for k in sorted(by_set))}
 
 
 def meshes_suit(scene: Solvable, level: int, variant: str, settings: Mapping[str, Any], sides: Sequence[int]) -> bool:
-    """Return whether a run's meshes suit a scene: fine enough cells, large enough patches, all touching flanks."""
+    """Return whether the meshes of a stored run suit a scene.
+
+    They do if cells are fine enough, patches large enough, and all flanks that may carry load are meshed.
+    """
     changed = VARIANTS[variant].change(scene) if variant and isinstance(scene, Scene) else scene
     try:
-        wanted = recorded(set_ups([changed], level, variant))["sets"]
+        wanted = settings_to_store(set_ups([changed], level, variant))["sets"]
     except InputError:
         return False
     meshed = settings.get("sets", ({**settings, "sides": sides},))
@@ -174,14 +179,14 @@ def meshes_suit(scene: Solvable, level: int, variant: str, settings: Mapping[str
 
 
 def _serves(meshed: Mapping[str, Any], wanted: Mapping[str, Any]) -> bool:
-    """Return whether the mesh of a stored run can be used where another mesh is wanted."""
+    """Return whether the settings of a stored mesh are as fine and as large as the ``wanted`` ones, and equal otherwise."""
     from rollbench.hifi.meshing.settings import Settings
 
-    def others(mesh: Mapping[str, Any]) -> str:
+    def settings_that_must_agree(mesh: Mapping[str, Any]) -> str:
         return canonical(Fields(Settings, {name: mesh[name] for name in wanted.keys() & mesh.keys() - _SIZED}))
 
     return (
-        others(meshed) == others(wanted)
+        settings_that_must_agree(meshed) == settings_that_must_agree(wanted)
         and {"semi", "reach"} <= meshed.keys()
         and all(x <= y for x, y in zip(meshed["semi"], wanted["semi"], strict=True))
         and all(x >= y for x, y in zip(meshed["reach"], wanted["reach"], strict=True))
@@ -190,7 +195,10 @@ def _serves(meshed: Mapping[str, Any], wanted: Mapping[str, Any]) -> bool:
 
 
 def relevant_to_statics(assembly: Assembly, unsaid: Mapping[str, Any]) -> Assembly:
-    """Return the assembly with all fields reset that do not affect static loads; ``unsaid``: values for sets."""
+    """Return a copy of the assembly in which all fields without effect on static loads are reset.
+
+    ``unsaid``: values of these fields for the nuts and rows.
+    """
     bare = [
         replace(s, name="", parts=replace(s.parts, **unsaid)) if isinstance(s.parts, Scene) else s for s in assembly.sets
     ]
@@ -199,7 +207,7 @@ def relevant_to_statics(assembly: Assembly, unsaid: Mapping[str, Any]) -> Assemb
 
 
 def geometry_of(scene: Solvable) -> tuple[Any, ...]:
-    """Return the parts of a scene that must be equal for scenes to share a set-up."""
+    """Return the fields of a scene that must be equal in scenes that share meshes."""
     if isinstance(scene, Assembly):
         each = (
             (s.parts if not isinstance(s.parts, Scene) else geometry_of(s.parts), s.position, s.carrier) for s in scene.sets
@@ -209,7 +217,7 @@ def geometry_of(scene: Solvable) -> tuple[Any, ...]:
 
 
 def groups(scenes: Sequence[Solvable]) -> list[list[Solvable]]:
-    """Return the scenes in groups of equal geometry, in order of first occurrence."""
+    """Return the scenes in groups of equal geometry, which can share meshes, in the order of first occurrence."""
     alike: dict[object, list[Solvable]] = {}
     for scene in scenes:
         alike.setdefault(geometry_of(scene), []).append(scene)
@@ -217,7 +225,7 @@ def groups(scenes: Sequence[Solvable]) -> list[list[Solvable]]:
 
 
 def plain(settings: Mapping[str, Any]) -> dict[str, Any]:
-    """Return settings with JSON lists turned back into tuples."""
+    """Return mesh settings read from JSON, with lists replaced by tuples."""
 
     def as_tuples(value: Any) -> Any:
         if isinstance(value, list | tuple):
@@ -229,15 +237,15 @@ def plain(settings: Mapping[str, Any]) -> dict[str, Any]:
 
 @dataclass(frozen=True)
 class Task:
-    """Load cases that share set-ups, on one mesh level."""
+    """Load cases of one geometry that the 3D reference solves on one mesh level with the same meshes."""
 
-    #: Scenes of one geometry, with one set or several.
+    #: Scenes of one geometry.
     scenes: tuple[Solvable, ...]
     #: Mesh level.
     level: int
-    #: Modelling variant; empty: base.
+    #: Modelling variant; empty: none.
     variant: str = ""
-    #: Whether scenes are also solved without each model ingredient in turn.
+    #: Whether scenes are also solved without each ingredient of the model in turn.
     ablate: bool = False
     #: Folder of the mesh cache; None: no cache.
     cache: Path | None = None
@@ -248,7 +256,7 @@ class Task:
 
     @property
     def single(self) -> tuple[Scene, ...]:
-        """Scenes of the task that have one set."""
+        """Scenes of the task with a single nut or bearing row."""
         return tuple(scene for scene in self.scenes if isinstance(scene, Scene))
 
     @property

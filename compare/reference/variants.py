@@ -17,22 +17,22 @@ from rollbench.meshes.parts import Scene
 from rollbench.meshes.solid import Dimensions, groove_depths, solid_dimensions
 
 Change = Callable[[Scene], Scene]
-#: "modelling": an idealisation, or a dimension that the source does not print; "numerical": a choice of method or
-#: mesh; "scene": another boundary condition, which the scene has to state.
+#: Kind of a choice. "modelling": an idealisation, or a dimension that Lin's thesis does not print; "numerical": a choice of
+#: method or mesh; "scene": another boundary condition, which the scene must state.
 Kind = Literal["modelling", "numerical", "scene"]
-#: Bound on the axial-torsional coupling of a grooved shaft (twist by an axial force over the geometric mean of both
-#: flexibilities, `hifi.shaft.section.Homogenised.coupling`) that the beams beyond the 3D stretch drop;
-#: tests/unit/hifi/test_helical_section.py.
+#: Bound on the axial-torsional coupling of a grooved shaft: its twist by an axial force over the geometric mean of both
+#: compliances (`hifi.shaft.section.Homogenised.coupling`, tests/unit/hifi/test_helical_section.py). The beams beyond the 3D
+#: part of the shaft neglect this coupling.
 COUPLING = 0.02
 
 
 @dataclass(frozen=True)
 class Variant:
-    """Variant of the 3D reference, by one changed choice."""
+    """Variant of the 3D reference with one changed modelling or numerical choice."""
 
-    #: Description.
+    #: Description of the change.
     label: str
-    #: Choice that it varies; variants of one choice count once.
+    #: Choice that is changed; of several variants of one choice, the largest effect counts.
     choice: str
     #: Kind of the choice.
     kind: Kind
@@ -49,69 +49,75 @@ class Variant:
 
 @dataclass(frozen=True)
 class NotVaried:
-    """Choice of the 3D reference that no variant covers."""
+    """Modelling choice of the 3D reference whose effect is not computed by any variant."""
 
-    #: The choice.
+    #: Name of the choice.
     choice: str
-    #: Why it is not varied.
+    #: Reason why it is not varied.
     reason: str
 
 
-def same(scene: Scene) -> Scene:
-    """Return the scene unchanged: the change of variants that only differ in the mesh."""
+def unchanged_scene(scene: Scene) -> Scene:
+    """Return the scene unchanged, for variants that differ only in the mesh."""
     return scene
 
 
 def solid(**changes: Any) -> Change:
-    """Return a function that changes fields of a scene's ``solid``, which only the 3D model reads."""
+    """Return a function that copies a scene with changed fields of ``scene.solid``, which only the 3D model uses."""
     return lambda scene: replace(scene, solid=replace(scene.solid, **changes))
 
 
 def scaled(name: str, take: Callable[[Dimensions], float], factor: float, shift: float = 0.0) -> Change:
-    """Return a function that changes a scene's solid dimension by a factor and a shift [m]."""
+    """Return a function that copies a scene with one dimension of the 3D model changed.
+
+    ``name``: field of ``scene.solid``; ``take``: function that returns the present dimension [m], which is multiplied by
+    ``factor`` and increased by ``shift`` [m].
+    """
     return lambda scene: solid(**{name: take(solid_dimensions(scene)) * factor + shift})(scene)
 
 
-def longer(leads: float) -> Change:
-    """Return a function that lengthens a scene's 3D stretch of shaft by a number of leads on each side."""
+def lengthen_3d_shaft(leads: float) -> Change:
+    """Return a function that copies a scene with the 3D part of its shaft lengthened on each side by a number of leads."""
     return lambda scene: scaled("shaft", lambda d: d.shaft, 1.0, leads * abs(scene.track.lead))(scene)
 
 
-def held_ring(half: Literal["inner", "outer"]) -> Change:
-    """Return a function that fixes the nut at the inner or outer half of its fixed face (or of its flange's seat).
+def fix_half_of_face(half: Literal["inner", "outer"]) -> Change:
+    """Return a function that copies a scene with the nut fixed only at the inner or outer half of its fixed face.
 
-    The function raises ValueError if the nut is fixed elsewhere.
+    For a flanged nut it is the half of the flange's seat. The function raises ValueError if the nut is not fixed at one
+    face.
     """
 
-    def change(scene: Scene) -> Scene:
+    def fix_half(scene: Scene) -> Scene:
         face, flange = solid_dimensions(scene).nut_held, scene.nut.flange
         if flange is not None and face.startswith("flange"):
             low, high = flange.seat
             seat = (low, 0.5 * (low + high)) if half == "inner" else (0.5 * (low + high), high)
             return replace(scene, nut=replace(scene.nut, flange=replace(flange, seat=seat)))
         if face not in ("left face", "right face"):
-            raise ValueError(f"the nut is held at its {face}, not at one face")
+            raise ValueError(f"the nut is fixed at its {face}, not at one face")
         return solid(nut_held=f"{face}, {half} half")(scene)
 
-    return change
+    return fix_half
 
 
 def plain_shaft(scene: Scene) -> Scene:
-    """Return the scene with a plain shaft of the lands' diameter beyond the 3D stretch."""
+    """Return a copy of the scene whose shaft is plain beyond its 3D part, with the diameter of the lands."""
     return solid(shaft_diameter=scene.screw.outer_diameter)(scene)
 
 
 def ends_in_plain_shaft(scene: Scene) -> Scene:
-    """Return the scene with a groove that ends at half of the 3D stretch; beyond, the shaft is plain."""
+    """Return a copy of the scene whose groove ends at half the length of the shaft's 3D part, before a plain shaft."""
     return plain_shaft(scaled("shaft", lambda d: d.shaft, 0.5)(scene))
 
 
-def twisted(scene: Scene) -> Scene:
-    """Return the scene with its supports turned by the twist that the dropped axial-torsional coupling would cause.
+def with_twisted_supports(scene: Scene) -> Scene:
+    """Return a copy of the scene whose supports are rotated by the twist that the axial-torsional coupling would cause.
 
-    The shaft would turn by |c| F L / sqrt(EA GJ) up to the nut, with the sum of axial loads F and the sections of a plain
-    shaft of the pitch radius less that of the groove (its core: more than the grooved shaft twists), or of the groove's
-    bottom if that leaves no wall.
+    The 3D reference neglects this coupling beyond the 3D part of the shaft. Between a support and the nut at the distance
+    L, the shaft would twist by |c| F L / sqrt(EA GJ) under the sum F of the axial loads. EA and GJ are those of a plain
+    shaft with the pitch radius less the groove radius, which twists more than the grooved shaft, or with the radius of the
+    groove's bottom if that core is thinner than the bore.
     """
     e = scene.screw.material
     core = scene.track.pitch_radius - scene.screw.groove_radius
@@ -122,10 +128,10 @@ def twisted(scene: Scene) -> Scene:
     force = sum(abs(load.force[2]) for load in scene.loads)
     rate = COUPLING * force / float(np.sqrt(e.youngs_modulus * area * e.shear_modulus * polar))
 
-    def turned(freedom: tuple[str, float], at: float) -> tuple[str, float]:
+    def rotated_freedom(freedom: tuple[str, float], at: float) -> tuple[str, float]:
         return (freedom[0], freedom[1] + rate * abs(at - scene.nut.position)) if freedom[0] == "rz" else freedom
 
-    supports = tuple(replace(s, fixed=tuple(turned(f, s.at) for f in s.fixed)) for s in scene.supports)
+    supports = tuple(replace(s, fixed=tuple(rotated_freedom(f, s.at) for f in s.fixed)) for s in scene.supports)
     return replace(scene, supports=supports)
 
 
@@ -136,9 +142,9 @@ BEYOND, TWIST = "where the screw's groove ends", "axial-torsional coupling of th
 SIDES, MODES, FIXING = "set-up shared with other scenes", "modes per patch", "where the nut is held"
 
 
-def finer(label: str, choice: str, *refined: str) -> Variant:
-    """Return the variant that refines one choice of the mesh, by its settings ``refined``, on the finest level."""
-    return Variant(label, choice, "numerical", same, refined)
+def mesh_refinement_variant(label: str, choice: str, *refined: str) -> Variant:
+    """Return the variant of the finest mesh level with finer values of the mesh settings ``refined``."""
+    return Variant(label, choice, "numerical", unchanged_scene, refined)
 
 
 _shaft, _land = partial(scaled, "shaft", lambda d: d.shaft), partial(scaled, "nut_inner_diameter", lambda d: 2.0 * d.land)
@@ -148,28 +154,30 @@ _filled = "nut's groove filled from two ball diameters beyond its outermost ball
 _alone = "the scene alone: sockets on flanks that touch, contact grid by its own load"
 
 VARIANTS: dict[str, Variant] = {
-    "base": Variant(_alone, SIDES, "numerical", same),
+    "base": Variant(_alone, SIDES, "numerical", unchanged_scene),
     "junction": Variant("3D shaft 20 mm longer on each side", LENGTH, "modelling", _shaft(1.0, 20e-3)),
     "junction-short": Variant("3D shaft of half the length", LENGTH, "modelling", _shaft(0.5)),
-    "junction-phase": Variant("3D shaft half a lead longer on each side", PHASE, "modelling", longer(0.5)),
+    "junction-phase": Variant("3D shaft half a lead longer on each side", PHASE, "modelling", lengthen_3d_shaft(0.5)),
     "land": Variant("nut lands 0.6 mm narrower in diameter", LANDS, "modelling", _land(1.0, -0.6e-3)),
     "land-wide": Variant("nut lands 0.6 mm wider in diameter", LANDS, "modelling", _land(1.0, 0.6e-3)),
     "hole": Variant("hole along the screw of half the diameter", HOLE, "modelling", _hole),
-    "held-outer": Variant(_width.format("outer"), WIDTH, "modelling", held_ring("outer")),
-    "held-inner": Variant(_width.format("inner"), WIDTH, "modelling", held_ring("inner")),
+    "held-outer": Variant(_width.format("outer"), WIDTH, "modelling", fix_half_of_face("outer")),
+    "held-inner": Variant(_width.format("inner"), WIDTH, "modelling", fix_half_of_face("inner")),
     "nut-filled": Variant(_filled, FILLED, "modelling", solid(nut_groove="loaded")),
     "shaft-plain": Variant("shaft beyond the 3D stretch plain, of the lands' diameter", BEYOND, "scene", plain_shaft),
     "runout": Variant("groove of the screw ends at half the 3D stretch", BEYOND, "scene", ends_in_plain_shaft),
-    "finer-contact": finer("cells of the contact, 4.2 for 3.2 per semi-axis", "contact's cells", "b_over_h"),
-    "finer-patch": finer("growth of a patch's cells, 1.5 for 1.62", "patch's cells", "growth"),
-    "finer-own": finer(
+    "finer-contact": mesh_refinement_variant(
+        "cells of the contact, 4.2 for 3.2 per semi-axis", "contact's cells", "b_over_h"
+    ),
+    "finer-patch": mesh_refinement_variant("growth of a patch's cells, 1.5 for 1.62", "patch's cells", "growth"),
+    "finer-own": mesh_refinement_variant(
         "sockets and cells of the submodels of one contact", "submodels", "own_cuts", "own_sizes", "own_ball_sizes"
     ),
-    "finer-bodies": finer("cells of screw and nut", "coarse bodies", "fine", "coarse"),
-    "finer-sockets": finer("sockets of the bodies cut 4 x 3 x 4 for 3 x 2 x 3", "coarse sockets", "cuts"),
-    "modes": finer("28 modes per patch for 14", MODES, "modes"),
-    "finer-ball": finer("cells and modes of the ball", "ball", "ball_fine", "ball_coarse", "ball_modes"),
-    "finer-cell": finer("cells of the shaft's cut ends", "cut ends of the shaft", "cell"),
+    "finer-bodies": mesh_refinement_variant("cells of screw and nut", "coarse bodies", "fine", "coarse"),
+    "finer-sockets": mesh_refinement_variant("sockets of the bodies cut 4 x 3 x 4 for 3 x 2 x 3", "coarse sockets", "cuts"),
+    "modes": mesh_refinement_variant("28 modes per patch for 14", MODES, "modes"),
+    "finer-ball": mesh_refinement_variant("cells and modes of the ball", "ball", "ball_fine", "ball_coarse", "ball_modes"),
+    "finer-cell": mesh_refinement_variant("cells of the shaft's cut ends", "cut ends of the shaft", "cell"),
     "nut-right": Variant("nut held at its right face", FIXING, "scene", solid(nut_held="right face")),
     "nut-outer": Variant("nut held by its outer surface", FIXING, "scene", solid(nut_held="outer surface")),
 }

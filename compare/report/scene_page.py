@@ -17,7 +17,7 @@ from rollbench.compare.gate.user import references_from_file
 from rollbench.compare.measure import LoadError, load_error
 from rollbench.compare.models.answers import Answers, tangent_stiffness_at
 from rollbench.compare.models.comparison import from_result
-from rollbench.compare.models.load_cases import SolvedAxis, solve_any, solve_axis, solve_one, together
+from rollbench.compare.models.load_cases import SolvedAxis, cycle_results, solve_any, solve_axis, solve_one
 from rollbench.compare.models.model_form import FILE, ModelForm
 from rollbench.compare.models.registry import DEFAULT, Options, default_model, run_model
 from rollbench.compare.models.study import Study
@@ -106,7 +106,7 @@ def _page_of_cases(name: str, cycle: DutyCycle, stores: Sequence[Path], file: Pa
     """Return the page of the load case with the highest pressure, headed by the results of all cases together."""
     solved = [solve_any(case.scene, default_model(case.scene), Options()) for case in cycle.cases]
     names = [case.name for case in cycle.cases]
-    whole = together(cycle, solved)
+    whole = cycle_results(cycle, solved)
     if whole.pressure is None:
         raise Refusal(name, "cases", "no case carries load, or converges", "see: rollbench solve")
     worst = whole.pressure.case

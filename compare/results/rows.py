@@ -11,7 +11,7 @@ from typing import Any
 
 from rollbench.compare.measure import error_percent
 from rollbench.compare.models.drive import AxisDrive
-from rollbench.compare.models.load_cases import Solved, SolvedAxis, Together
+from rollbench.compare.models.load_cases import CycleResults, Solved, SolvedAxis
 from rollbench.compare.models.loading import COMPONENTS, NOTHING, LiftOff, LoadPath, Preload
 from rollbench.compare.models.model_form import ModelForm
 from rollbench.compare.quantities import heading_of, range_text, shown
@@ -41,7 +41,7 @@ from rollbench.meshes.quantity import Stated, stated_in
 #: Tables of a summary in the order of the rows, and the record that defines their quantities. Of two records for a
 #: table, the record whose first key the table contains is used.
 GROUPS: tuple[tuple[str, type], ...] = (
-    ("", Together),
+    ("", CycleResults),
     ("loads", LoadSums),
     ("loads", RollerSums),
     ("axial", Axial),
@@ -319,7 +319,7 @@ def friction_rows(data: Mapping[str, Any]) -> list[Row]:
     return summary_rows({"friction": torque, "band": band, "drive": data.get("drive")})
 
 
-def together_rows(whole: Together) -> list[Row]:
+def together_rows(whole: CycleResults) -> list[Row]:
     """Return the table rows with extremes and lives over all load cases of a duty cycle.
 
     Parameters

@@ -9,7 +9,7 @@ import numpy as np
 
 from rollbench.compare.measure import error_percent
 from rollbench.compare.models.answers import LoadAnswers, RollerAnswers, clearance_of_deep_groove
-from rollbench.compare.models.load_cases import Lives, Solved, SolvedAxis, Together
+from rollbench.compare.models.load_cases import CycleResults, Lives, Solved, SolvedAxis
 from rollbench.compare.models.model_form import ModelForm
 from rollbench.compare.models.registry import random_errors
 from rollbench.compare.quantities import as_json, number
@@ -501,7 +501,7 @@ def roller_rows(result: AxisResult) -> list[dict[str, Any]]:
 
 
 def cases_json(
-    cycle: DutyCycle, solved: Sequence[Solved | SolvedAxis], whole: Together, tangents: Sequence[Tangent | None] = ()
+    cycle: DutyCycle, solved: Sequence[Solved | SolvedAxis], whole: CycleResults, tangents: Sequence[Tangent | None] = ()
 ) -> dict[str, Any]:
     """Return the JSON of a solved duty cycle: each load case in order, and extremes and lives over all.
 
@@ -534,7 +534,7 @@ def json_head(cycle: DutyCycle, case: LoadCase) -> dict[str, Any]:
     return {"scene": cycle.name, **(as_json(case) or {})}
 
 
-def together_json(whole: Together) -> dict[str, Any]:
+def together_json(whole: CycleResults) -> dict[str, Any]:
     """Return the JSON of extremes over the load cases and of lives over the cycle, or why there is no life."""
     several = len(whole.lives) != 1
     data = (as_json(whole, *([] if several else ["life_set", "axis_life"])) or {}) | _lives_json(whole.least, whole.speed)

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from rollbench.compare.models.answers import LoadAnswers, RollerAnswers, SetAnswers
-from rollbench.compare.models.load_cases import Solved, SolvedAxis, Together
+from rollbench.compare.models.load_cases import CycleResults, Solved, SolvedAxis
 from rollbench.compare.models.programs import title_of
 from rollbench.compare.results.base import JSON, Record, Row, as_html, deprecated, with_schema
 from rollbench.compare.results.rows import answer_rows, expected_words, set_rows, together_rows
@@ -269,7 +269,7 @@ class Result(Record, Balls):
     """Stiffness at the station ``stiffness_at``, for each record of `solved`; None without such a station."""
     cycle: DutyCycle | None = None
     """Duty cycle of the scene; None without load cases."""
-    together: Together | None = None
+    together: CycleResults | None = None
     """Sums over the load cases; None without load cases."""
 
     @property
@@ -469,7 +469,7 @@ def make_result(
     tangents: Sequence[Tangent | None],
     at_nut: Sequence[Tangent | None],
     cycle: DutyCycle | None = None,
-    together: Together | None = None,
+    together: CycleResults | None = None,
 ) -> Result:
     """Make the result of a solved scene, or of the load cases of a duty cycle.
 

@@ -1,4 +1,4 @@
-"""Shipped scenes of all kinds by name, each read once."""
+"""Access to scenes by name or path; the scenes that are part of the package are read only once."""
 
 from __future__ import annotations
 
@@ -29,19 +29,22 @@ def scene_names() -> tuple[str, ...]:
 
 @cache
 def top_level_keys(name: str) -> dict[str, Any]:
-    """Return the keys above the first table of a shipped scene: title, kind, role; InputError for an unknown name."""
+    """Return the keys before the first table of a shipped scene's file, such as title, kind and role.
+
+    InputError for an unknown name.
+    """
     return tomllib.loads(scene_text(name).partition("\n[")[0])
 
 
 def kind_of_shipped(name: str) -> str:
-    """Return the kind of a shipped scene, as ``scene_file.kind_of``."""
+    """Return the kind of a shipped scene, such as "ball screw" or "bearing"."""
     ring = re.search(r'(?m)^lead = "0 mm"', scene_text(name))
     return str(top_level_keys(name).get("kind", "bearing" if ring else "ball screw"))
 
 
 @cache
 def single_set_names() -> tuple[str, ...]:
-    """Return the names of the shipped ball screws and bearings with one set, sorted."""
+    """Return the names of the shipped scenes with a single nut or bearing row, sorted."""
     return tuple(n for n in scene_names() if top_level_keys(n).get("kind") not in (AXIS, *KINDS))
 
 
@@ -52,7 +55,7 @@ def names_with_role(role: str) -> tuple[str, ...]:
 
 
 def scene_text(name: str) -> str:
-    """Return the text of a scene of any case by name; InputError for an unknown name."""
+    """Return the text of a shipped scene's file by name; InputError for an unknown name."""
     path = find_case_file("scenes", name)
     if path is None:
         raise _unknown_name_error(name)
@@ -61,26 +64,27 @@ def scene_text(name: str) -> str:
 
 @cache
 def shipped(name: str) -> Described:
-    """Return the shipped scene of a name, of any kind; InputError for an unknown name."""
+    """Return the shipped scene ``name``, of any kind; InputError for an unknown name."""
     from rollbench.compare.scenes import scene_file
 
     return scene_file.parse_scene(scene_text(name), f"{name}.toml")
 
 
 def case(name: str, of: type[Of]) -> Of:
-    """Return the shipped scene of a name, whose record must be ``of``; InputError for another."""
+    """Return the shipped scene ``name``; InputError if it is not of the kind (record class) ``of``."""
     described = shipped(name)
     if not isinstance(described, of):
         from rollbench.compare.scenes import scene_file
 
-        raise InputError(name, "kind", f'"{scene_file.kind_of(described)}"', f'"{of.kind}"', "name a scene of that kind")
+        raise InputError(name, "kind", f'"{scene_file.kind_of(described)}"', f'"{of.kind}"', "choose a scene of this kind")
     return described
 
 
 def any_scene(name_or_path: str) -> Described:
-    """Return a shipped scene by name, or the scene of a file, of any kind.
+    """Return a scene of any kind: a shipped one by name, or one read from a file.
 
-    A name that is not shipped is a path if it ends in ``.toml``, has a path separator, or names an existing file or folder.
+    A text that is not the name of a shipped scene is a path if it ends in ``.toml``, contains a path separator, or names an
+    existing file or folder.
 
     Parameters
     ----------
@@ -95,7 +99,7 @@ def any_scene(name_or_path: str) -> Described:
     Raises
     ------
     InputError
-        If there is no such scene; as SceneError for a faulty file.
+        If there is no such scene; its subclass SceneError if the file is faulty.
     """
     if name_or_path in scene_names():
         return shipped(name_or_path)
@@ -107,9 +111,9 @@ def any_scene(name_or_path: str) -> Described:
 
 
 def scene(name_or_path: str) -> Scene:
-    """Return a ball screw or bearing with one set, shipped or from a file, as ``any_scene`` finds it.
+    """Return a scene with a single nut or bearing row, by the name of a shipped scene or the path of a file.
 
-    InputError as there, and for a scene of another kind.
+    InputError if there is no such scene, the file is faulty, or the scene is of another kind.
     """
     from rollbench.compare.scenes import scene_file
 
@@ -117,7 +121,7 @@ def scene(name_or_path: str) -> Scene:
 
 
 def looks_like_path(text: str) -> bool:
-    """Return whether a text is meant as a path, not as the name of a shipped scene."""
+    """Return whether a text denotes a path rather than the name of a shipped scene."""
     if text.endswith(".toml") or "/" in text or "\\" in text:
         return True
     try:
@@ -127,6 +131,7 @@ def looks_like_path(text: str) -> bool:
 
 
 def _unknown_name_error(name: str) -> InputError:
+    """Return an InputError for an unknown scene name, with similar names as advice."""
     names = scene_names()
     near = did_you_mean(similar_names(name, [*names, *(path.name for path in Path().glob("*.toml"))]))
     advice = near or "list the shipped scenes with: rollbench list"

@@ -1,4 +1,4 @@
-"""Descriptions in scene files: names of the kinds, and load cases with their shares of the revolutions."""
+"""Kinds of scenes, and duty cycles: load cases of the same parts with their shares of the revolutions."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ if TYPE_CHECKING:
     from rollbench.compare.scenes.friction_kinds.common import KindScene
 
 
-#: Records that a scene file may describe.
+#: Records of the kinds of scenes that a file may describe.
 Described: TypeAlias = "Scene | KindScene | Assembly | DutyCycle"
 
 
 @record
 class LoadCase:
-    """One load case."""
+    """One load case of a duty cycle: the parts under its loads, with its share of the revolutions."""
 
     #: Name of the load case.
     name: str = quantity("case", "name of the load case")
@@ -30,23 +30,23 @@ class LoadCase:
     speed: float | None
     #: Parts under the loads, supports and oversize of the load case.
     scene: Scene | Assembly
-    #: Time in one cycle [s], if shares follow from times.
+    #: Time in one cycle [s]; None if the shares are given.
     time: float | None = None
 
 
 @dataclass(frozen=True)
 class DutyCycle:
-    """A scene with several load cases, in the order of the file."""
+    """Scene with several load cases of the same parts, in the order of the file."""
 
-    #: The scene without load cases.
+    #: Scene without its load cases.
     parts: Scene | Assembly
-    #: The load cases.
+    #: Load cases.
     cases: tuple[LoadCase, ...]
     #: Mean speed of the turning part [rad/s]; None if neither load cases nor scene give one.
     speed: float | None
 
     def to_toml(self) -> str:
-        """Return the text of a scene file that is read as this cycle."""
+        """Return the duty cycle as the text of a scene file."""
         from rollbench.meshes.scene_text import axis_tables, case_table, scene_tables, to_toml
 
         parts = self.parts
@@ -74,20 +74,20 @@ class DutyCycle:
 
     @property
     def sets(self) -> dict[str, Scene | RollerRow]:
-        """Parts of each set by name; of the only one under an empty name."""
+        """Geometry of each nut or bearing row by its name; an empty name if the scene has only one."""
         if isinstance(self.parts, Scene):
             return {"": self.parts}
         return {s.name: s.parts for s in self.parts.sets}
 
     @property
     def shares(self) -> tuple[float, ...]:
-        """Shares of the revolutions, in order; their sum is 1."""
+        """Share of the revolutions of each load case; their sum is 1."""
         return tuple(case.share for case in self.cases)
 
 
 @dataclass(frozen=True)
 class CaseOfCycle:
-    """A load case with its cycle."""
+    """Load case together with the duty cycle to which it belongs."""
 
     #: The duty cycle.
     cycle: DutyCycle
@@ -96,21 +96,21 @@ class CaseOfCycle:
 
     @property
     def keys(self) -> dict[str, Any]:
-        """Keys of the load case in every JSON row."""
+        """Keys that identify the load case in every JSON row: scene, case, share."""
         return {"scene": self.cycle.name, "case": self.case.name, "share": self.case.share}
 
 
 def cases_by_name(described: Iterable[object]) -> dict[str, CaseOfCycle]:
-    """Return the load cases of all duty cycles in a list, by the names of their scenes."""
+    """Return the load cases of all duty cycles among ``described``, by the name of the load case's scene."""
     cycles = [cycle for cycle in described if isinstance(cycle, DutyCycle)]
     return {case.scene.name: CaseOfCycle(cycle, case) for cycle in cycles for case in cycle.cases}
 
 
-#: Kinds of scenes with one set, which every command solves.
+#: Kinds of scenes with a single nut or bearing row, which every command solves.
 WHOLE = ("ball screw", "bearing")
 
-#: Kind of scenes with several rolling sets on one shaft.
+#: Kind of scenes with several nuts or bearing rows on one shaft.
 AXIS = "axis"
 
-#: Kinds of scenes that only friction is computed for.
+#: Kinds of scenes for which only friction is computed.
 KINDS = ("bearing ball", "bearing pair", "linear pair", "linear chain", "screw pair", "screw run")

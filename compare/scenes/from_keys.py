@@ -207,7 +207,7 @@ def oversize_for_preload(scene: parts.Scene, force: float) -> float:
     Parameters
     ----------
     scene
-        Scene with one set.
+        Scene with one nut or bearing row.
     force
         Axial force on each pair of flanks without load [N].
     """

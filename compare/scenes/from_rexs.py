@@ -1,8 +1,9 @@
-"""A scene of several bearings on a shaft from a REXS file: tables of a scene file, and what was assumed or left out.
+"""Conversion of a REXS file to a scene of a shaft with several bearings, with a list of assumptions and omissions.
 
-REXS has u along the shaft and v, w across it: z, x and y of a scene, so that an angle around u counts from x. Rows of a
-bearing become sets, outer rings in a casing stand. What REXS lacks and a scene needs is asked for, attribute by attribute
-with the key that gives it (``--set``).
+In REXS, u is the axis of the shaft and v, w are perpendicular to it; they are z, x and y of a scene, so that an angle
+around u is measured from x. Each row of a bearing becomes a set of the scene; outer rings in a casing are fixed. If the
+file lacks an attribute that a scene needs, the error names the attribute and the key with which the user can give its value
+(``--set``).
 """
 
 from __future__ import annotations
@@ -17,33 +18,32 @@ from rollbench.compare.errors import ArgumentError, SceneError
 from rollbench.compare.scenes.rexs_model import UNITS, RexsComponent, RexsModel, Value, read_model
 
 BEARINGS = ("rolling_bearing_with_detailed_geometry", "rolling_bearing_with_catalog_geometry")
-#: Thrust that a row carries, by the direction of an axial force on the inner ring that it takes.
+#: Thrust of a row in a scene, for each value of the REXS attribute for the axial force on the inner ring that it carries.
 THRUST = {"positive": "+z", "negative": "-z", "both_directions": "both"}
-#: Direction of a bearing whose outer ring slides in its seat.
+#: Value of this attribute for a bearing whose outer ring slides in its seat.
 FLOATS = "no_direction"
 BALLS = ("radial_grooved_ball_bearing", "angular_contact_ball_bearing", "four_point_contact_ball_bearing")
 BALLS_OF_THRUST = tuple(f"axial_{name}_ball_bearing" for name in ("grooved", "angular_contact", "four_point_contact"))
-#: Freedoms that the seat of such a ring holds.
+#: Degrees of freedom that the seat of a sliding outer ring fixes.
 SEAT = ("ux", "uy", "rx", "ry", "rz")
 ROLLERS = ("radial_tapered_roller_bearing", "axial_tapered_roller_bearing")
-#: Clearances of a deep-groove bearing, that at work first.
+#: Attributes for the clearance of a deep-groove bearing, the operating clearance first.
 CLEARANCES = ("operating_radial_bearing_clearance", "mounted_radial_bearing_clearance", "radial_bearing_clearance")
 #: Tilting stiffness [N mm/rad] from which a concept bearing counts as rigid.
 RIGID = 1e20
-#: Units of REXS as a scene file has them.
+#: Spelling of REXS units in a scene file.
 SCENE_UNITS = {"mum": "um", "N / mm^2": "MPa", "1 / min": "rpm", "mm^2 / s": "mm2/s"}
 
 Table = dict[str, Any]
-#: Materials of the shaft, and of all parts that give none.
+#: Material of the shaft, and default material of all parts without one.
 Steels = tuple[RexsComponent | None, RexsComponent | None]
 
 
 @dataclass
 class RexsReader:
-    """A REXS file while it is read.
+    """REXS file during its conversion, with the user's values and the faults, assumptions and omissions so far.
 
-    ``given`` has the user's values by their keys, ``missing`` the faults found, ``assumed`` the assumptions made, and
-    ``notes`` what is left out.
+    ``given``: the user's values by their keys; ``missing``: faults; ``assumed``: assumptions; ``notes``: omitted parts.
     """
 
     path: Path
@@ -54,9 +54,10 @@ class RexsReader:
     notes: list[str] = field(default_factory=list)
 
     def need(self, component: RexsComponent, attribute: str, key: str, names: Iterable[str] = ()) -> str | None:
-        """Return a number with its unit as text: the user's value of the key, else that of the first attribute present.
+        """Return a quantity as text with a unit: the user's value of ``key``, else that of the component's attribute.
 
-        If there is no value, the attribute is recorded as missing and None is returned.
+        ``names``: other attributes that may give the quantity. Without any value, the attribute is recorded as missing, and
+        None is returned.
         """
         if key in self.given:
             return self.given.pop(key)
@@ -67,44 +68,45 @@ class RexsReader:
         return None
 
     def lack(self, component: RexsComponent, attribute: str, key: str, unit: str = "") -> None:
-        """Record a missing attribute, and the key by which the user can give it."""
+        """Record a fault for a missing attribute of a component, with the key by which the user can give its value."""
         unit = unit or UNITS[attribute]
         where = f"component {component.id} ({component.type} {component.name}), attribute {attribute}"
-        example = "a number or a word" if unit == "none" else f"a value with a unit, REXS has {unit}"
-        self.missing.append(SceneError(str(self.path), where, "nothing", example, f'add it, or give --set "{key}=VALUE"'))
+        example = "a number or a word" if unit == "none" else f"a value with a unit (in REXS: {unit})"
+        advice = f'add it, or write --set "{key}=VALUE"'
+        self.missing.append(SceneError(str(self.path), where, "nothing", example, advice))
 
 
 def quantity_text(attribute: str, value: float) -> str:
-    """Return the number of a REXS attribute with its unit, as text for a scene file."""
+    """Return the value of a REXS attribute with its unit, as text for a scene file."""
     unit = UNITS[attribute]
     return f"{value!r} {SCENE_UNITS.get(unit, unit)}"
 
 
 def tables_of(path: Path, shaft: str, given: dict[str, str]) -> tuple[Table, list[str]]:
-    """Return the tables of a scene file for one shaft of a REXS file.
+    """Return the tables of a scene file for one shaft of a REXS file and its bearings.
 
     Parameters
     ----------
     path
-        The REXS file.
+        Path of the REXS file.
     shaft
-        Name or id of the shaft; empty if the file has only one with bearings.
+        Name or id of the shaft; empty if the file has only one shaft with bearings.
     given
-        Values that the user gives, as text by their keys; ``NAME.KEY`` for the set NAME.
+        The user's values for missing attributes, as text by their keys; ``NAME.KEY`` for the bearing row NAME.
 
     Returns
     -------
     tuple[Table, list[str]]
-        The tables, and sentences on what was left out.
+        The tables, and sentences on parts that were omitted.
 
     Raises
     ------
     SceneError
-        For missing attributes; it holds one fault for each.
+        If attributes are missing; it contains one fault for each.
     ArgumentError
-        For a shaft or keys that do not exist, and for given values that cannot be read.
+        If the shaft or a key does not exist, or a user's value cannot be read.
     InputError
-        For a file that `read_model` refuses.
+        If the file cannot be read or is no REXS file.
     """
     model = read_model(path)
     reader = RexsReader(path, model, dict(given))
@@ -114,11 +116,13 @@ def tables_of(path: Path, shaft: str, given: dict[str, str]) -> tuple[Table, lis
             model.components[k].attributes |= attributes
     try:
         table = _scene_tables(reader, chosen)
-    except (ValueError, OverflowError) as error:  # of a text that was given, or a count that is none
-        raise ArgumentError("set", str(error), "numbers with their units", "see the values given", str(path)) from None
+    except (ValueError, OverflowError) as error:  # a user's value that is not a quantity, or a count that is not a number
+        advice = "correct the values of --set"
+        raise ArgumentError("set", str(error), "numbers with their units", advice, str(path)) from None
     if reader.given:
-        keys = "title, material.KEY or SET.KEY that REXS or this file lacks"
-        raise ArgumentError("set", ", ".join(reader.given), keys, "see the keys that the file asks for", str(path))
+        keys = "title, material.KEY or SET.KEY of an attribute that REXS or this file lacks"
+        advice = "remove these keys, or use those that the messages on missing attributes name"
+        raise ArgumentError("set", ", ".join(reader.given), keys, advice, str(path))
     if reader.missing:
         first, *others = reader.missing
         raise SceneError(first.file, first.key, first.value, first.allowed, first.advice, len(others), tuple(others))
@@ -126,24 +130,27 @@ def tables_of(path: Path, shaft: str, given: dict[str, str]) -> tuple[Table, lis
 
 
 def _chosen_shaft(reader: RexsReader, name: str) -> RexsComponent:
-    """Return the shaft with this name or id, or the only one with bearings; raise ArgumentError if not exactly one fits."""
+    """Return the shaft whose name or id is ``name``, or the only shaft with bearings if ``name`` is empty.
+
+    ArgumentError if not exactly one shaft fits.
+    """
     model = reader.model
     with_bearings = {r.roles["inner_part"] for r in model.relations if _is_bearing(model, r.roles)}
     shafts = {k: c for k, c in model.components.items() if c.type == "shaft" and k in with_bearings}
     found = [c for c in shafts.values() if not name or name in (str(c.id), c.name)]
     if len(found) != 1:
         known = ", ".join(f"{c.id} ({c.name})" for c in shafts.values()) or "none: no shaft is the inner part of a bearing"
-        raise ArgumentError("shaft", name or "nothing", known, "name one by its id", str(reader.path))
+        raise ArgumentError("shaft", name or "nothing", known, "choose a shaft by its id", str(reader.path))
     return found[0]
 
 
 def _is_bearing(model: RexsModel, roles: dict[str, int]) -> bool:
-    """Return whether a relation joins a rolling bearing to its inner and outer part."""
+    """Return whether a REXS relation connects a rolling bearing with its inner and outer part."""
     return {"assembly", "inner_part", "outer_part"} <= set(roles) and model.components[roles["assembly"]].type in BEARINGS
 
 
 def _scene_tables(reader: RexsReader, shaft: RexsComponent) -> Table:
-    """Return all tables of the scene."""
+    """Return all tables of a scene file for a shaft with its bearings, supports, loads and load cases."""
     model = reader.model
     sections = model.parts(shaft.id, "shaft_section")
     steel = model.material(shaft.id)
@@ -185,7 +192,7 @@ def _scene_tables(reader: RexsReader, shaft: RexsComponent) -> Table:
 
 
 def _plain_section(reader: RexsReader, x: RexsComponent) -> Table:
-    """Return the table of a plain section of the shaft; a cone becomes a cylinder of its mean diameters."""
+    """Return the table of a plain section of the shaft; a conical section becomes a cylinder of its mean diameters."""
     needed = ("u_coordinate_on_shaft", "length", "outer_diameter_begin")
     for name in needed:
         if x.number(name) is None:
@@ -201,13 +208,14 @@ def _plain_section(reader: RexsReader, x: RexsComponent) -> Table:
 
 
 def _tables_of_bearing(reader: RexsReader, bearing: RexsComponent, steels: Steels, names: set[str]) -> list[Table]:
-    """Return the tables of the sets of a bearing, one for each row, with names that are not in ``names``."""
+    """Return the tables of a bearing, one for each row, with names that are not yet in ``names``."""
     model, name = reader.model, bearing.name or f"bearing {bearing.id}"
     kind, rows = bearing.word("bearing_type"), model.parts(bearing.id, "rolling_bearing_row") or [bearing]
     if kind not in (*BALLS, *BALLS_OF_THRUST, *ROLLERS):
         where = f"component {bearing.id} ({bearing.type} {bearing.name}), attribute bearing_type"
         allowed = ", ".join((*BALLS, *BALLS_OF_THRUST, *ROLLERS))
-        reader.missing.append(SceneError(str(reader.path), where, kind or "nothing", allowed, "no model has another type"))
+        advice = "change the type, or remove the bearing; models cover only these types"
+        reader.missing.append(SceneError(str(reader.path), where, kind or "nothing", allowed, advice))
         return []
     middle = reader.need(bearing, "u_coordinate_on_shaft_inner_side", f"{name}.position")
     apart = bearing.number("distance_between_bearing_rows") or 0.0
@@ -225,7 +233,7 @@ def _tables_of_bearing(reader: RexsReader, bearing: RexsComponent, steels: Steel
 
 
 def _shift_position(place: str, by: float) -> str:
-    """Return a position in mm, as text, moved by a distance [mm]."""
+    """Return a position along the shaft, a text in mm, shifted by a distance [mm]."""
     value, _, unit = place.partition(" ")
     return f"{float(value) + by!r} {unit}"
 
@@ -233,7 +241,7 @@ def _shift_position(place: str, by: float) -> str:
 def _table_of_row(
     reader: RexsReader, bearing: RexsComponent, row: RexsComponent, steels: Steels, name: str, place: str
 ) -> Table:
-    """Return the table of the set for one row of a bearing."""
+    """Return the table ``[[sets]]`` for one row of a bearing, at the position ``place`` along the shaft."""
     model, kind = reader.model, bearing.word("bearing_type")
     elements = model.parts(row.id, "rolling_element")
     element = elements[0] if elements else row
@@ -245,7 +253,7 @@ def _table_of_row(
     one_way = kind in ROLLERS or "angular_contact" in kind
     if takes not in THRUST.values() or (one_way and takes == "both"):
         where = f"component {row.id} ({row.type}), attribute axial_force_absorption_of_row"
-        advice = f'add it, or give --set "{name}.thrust=+z" (-z, both)'
+        advice = f'add it, or write --set "{name}.thrust=+z" (or -z, or both)'
         allowed = "positive or negative" if one_way else ", ".join(THRUST)
         reader.missing.append(SceneError(str(reader.path), where, takes or "nothing", allowed, advice))
     if not count:
@@ -301,7 +309,7 @@ def _ball_tables(
     place: str,
     count: int,
 ) -> Table:
-    """Return the tables of track, screw, nut and balls for a row of balls."""
+    """Return the tables of ball path, inner ring, outer ring and balls for a row of balls."""
     model, element = reader.model, elements[0] if elements else row
     rings = {x.word("bearing_ring_type"): x for x in model.parts(bearing.id, "bearing_ring")}
     inner, outer = rings.get("inner_ring", bearing), rings.get("outer_ring", bearing)
@@ -350,12 +358,12 @@ def _ball_tables(
 
 
 def _without_sign(text: str | None) -> str | None:
-    """Return a contact angle without its sign; the thrust of the row states the direction."""
+    """Return a contact angle, as text, without its sign, because the thrust of the row states the direction."""
     return None if text is None else text.removeprefix("-")
 
 
 def _material_table(reader: RexsReader, of: RexsComponent, key: str) -> Table:
-    """Return the table of a material from the two elastic constants of a component; missing ones are asked for."""
+    """Return the table of a material from the elastic constants of a component; a missing one is recorded as a fault."""
     ratio = reader.need(of, "poisson_ratio", f"{key}.poissons_ratio")
     modulus = reader.need(of, "elastic_modulus", f"{key}.youngs_modulus")
     return {"youngs_modulus": modulus, "poissons_ratio": None if ratio is None else float(ratio.split()[0])}
@@ -387,7 +395,7 @@ def _components_beside(model: RexsModel, shaft: RexsComponent, type: str) -> lis
 
 
 def _support_table(reader: RexsReader, x: RexsComponent) -> Table:
-    """Return the table of a rigid support for a concept bearing; empty if it holds nothing."""
+    """Return the table of a rigid support for a concept bearing; empty if the bearing carries no force or moment."""
     fix = ["ux", "uy"] if x.attributes.get("radial_force_absorption") else []
     fix += ["uz"] if x.word("axial_force_absorption") == "both_directions" else []
     fix += ["rx", "ry"] if (x.number("bending_stiffness") or 0.0) >= RIGID else []
@@ -397,7 +405,10 @@ def _support_table(reader: RexsReader, x: RexsComponent) -> Table:
 
 
 def _load_table(x: RexsComponent, case: dict[str, Value]) -> Table:
-    """Return the table of a load on the shaft; the drive takes the torque about the axis."""
+    """Return the table of a load on the shaft, with values of the load case ``case`` instead of its own.
+
+    The support at the end of the shaft carries the torque about the axis.
+    """
     known = RexsComponent(x.id, x.type, x.name, x.attributes | case)
     force = [known.number(f"force_{axis}_direction") or 0.0 for axis in "vwu"]
     moment = [known.number(f"torque_around_{axis}_axis") or 0.0 for axis in "vwu"]
@@ -406,7 +417,10 @@ def _load_table(x: RexsComponent, case: dict[str, Value]) -> Table:
 
 
 def _case_tables(model: RexsModel, shaft: RexsComponent, loads: list[RexsComponent]) -> list[Table]:
-    """Return the tables of the load cases: loads and shares of time, or times and speeds if the file has both for all."""
+    """Return the tables of the load cases, each with its loads and its share of the operating time.
+
+    If the file has speeds for all load cases, times and speeds are given instead of shares.
+    """
     unit = next((k for k, c in model.components.items() if c.type == "gear_unit"), 0)
     of_unit = [RexsComponent(0, "", "", case.get(unit, {})) for case in model.cases]
     of_shaft = [RexsComponent(0, "", "", shaft.attributes | case.get(shaft.id, {})) for case in model.cases]
@@ -423,13 +437,13 @@ def _case_tables(model: RexsModel, shaft: RexsComponent, loads: list[RexsCompone
 
 
 def _viscosity(model: RexsModel, shaft: RexsComponent) -> float | None:
-    """Return the operating viscosity [mm2/s] that a bearing of the shaft states; None if none does."""
+    """Return the operating viscosity [mm2/s] of the first bearing on the shaft that states one; None if none does."""
     found = (bearing.number("operating_viscosity") for bearing in _bearings_on_shaft(model, shaft))
     return next((x for x in found if x is not None), None)
 
 
 def _note_unmapped_parts(reader: RexsReader, shaft: RexsComponent) -> None:
-    """Note the parts on the shaft that no scene has."""
+    """Record notes on parts on the shaft, such as gears, that are omitted because a scene cannot describe them."""
     model = reader.model
     for r in model.relations:
         if r.roles.get("assembly") == shaft.id and (x := model.components[r.roles.get("part", shaft.id)]).type not in (
@@ -443,4 +457,4 @@ def _note_unmapped_parts(reader: RexsReader, shaft: RexsComponent) -> None:
             if outer.type != "gear_casing":
                 bearing = model.components[r.roles["assembly"]]
                 held = "its other side" if outer.id == shaft.id else f"its outer part, a {outer.type},"
-                reader.notes.append(f"bearing {bearing.id} ({bearing.name}): {held} is not mapped, or taken as held")
+                reader.notes.append(f"bearing {bearing.id} ({bearing.name}): {held} is not mapped, or taken as fixed")

@@ -1,4 +1,4 @@
-"""Keys that several kinds of scenes share: quantities with ranges, tables of material, grooves, path and motion."""
+"""Keys that several kinds of scene files share: quantities with ranges, tables of material, grooves, path and motion."""
 
 from __future__ import annotations
 
@@ -27,7 +27,8 @@ from rollbench.meshes.ranges import (
 )
 from rollbench.meshes.units import UnitError, parse_quantity
 
-# --- what a catalogue gives in place of what the physics takes is rewritten before the keys are read
+# --- names of materials and diameters, as catalogues give them, are replaced by moduli and radii before the keys are
+# checked
 
 #: Materials by name: Young's modulus and Poisson's ratio, rounded values within the ranges of makers' data sheets
 #: (steels of bearings and of hardened shafts: 205 to 212 GPa; silicon nitride balls: 300 to 315 GPa; zirconia balls: 205
@@ -53,9 +54,9 @@ OTHER_NAME = "any other name with youngs_modulus and poissons_ratio"
 
 
 def fill_in_material(table: Any) -> Any:
-    """Return a raw table of a material with missing values filled in by its name.
+    """Return the unchecked table of a material with missing elastic constants filled in from its name.
 
-    An unknown name with both values is dropped: it is a remark for readers of the file.
+    An unknown name is dropped if the table gives both constants; the name is then only a remark for readers of the file.
     """
     if not isinstance(table, dict) or not isinstance(name := table.get("name"), str):
         return table
@@ -67,10 +68,10 @@ def fill_in_material(table: Any) -> Any:
 
 
 def fill_in_radius(table: Any, radius: str, diameter: str) -> Any:
-    """Return a raw table with a radius from the diameter, if only that is given.
+    """Return an unchecked table in which the key ``radius`` is filled in from the key ``diameter``, if only that is given.
 
-    Halving a binary number is exact: the radius is the one that its text would give. A diameter that cannot be read is
-    refused under its name.
+    Halving a floating-point number is exact, so the result is the same as with the radius in the file. A diameter that
+    cannot be read is reported later under its own key.
     """
     if not isinstance(table, dict) or diameter not in table or radius in table:
         return table
@@ -82,7 +83,7 @@ def fill_in_radius(table: Any, radius: str, diameter: str) -> Any:
 
 
 def needs_one_of(radius: str, diameter: str) -> ConfigDict:
-    """Return the configuration of a table that needs a radius or a diameter, for its JSON Schema."""
+    """Return the configuration of a table whose JSON Schema requires one of two keys, a radius or a diameter."""
 
     def change(schema: dict[str, Any]) -> None:
         schema["required"] = [name for name in schema["required"] if name != radius]
@@ -102,19 +103,22 @@ Freedoms = Annotated[list[Literal["ux", "uy", "uz", "rx", "ry", "rz"]], Field(ma
 
 
 def key(description: str, default: Any = ..., example: Any = None) -> Any:
-    """Return a key of the file; ``default`` is written as in a scene, without it the key is required."""
+    """Return the definition of a key of a scene file, with its description and example.
+
+    ``default``: value as it would be written in a scene file; without it the key is required.
+    """
     examples = None if example is None else [example]
     return Field(default=default, description=description, examples=examples)
 
 
 class Table(BaseModel):
-    """A table of a scene file: no other keys, no silent conversions."""
+    """Table of a scene file, in which unknown keys and values of another type are errors."""
 
     model_config = ConfigDict(extra="forbid", strict=True, frozen=True, validate_default=True, defer_build=True)
 
 
 class MaterialKeys(Table):
-    """Isotropic elastic material. A part that gives only one of the two takes the other from [material]."""
+    """Isotropic elastic material. If a part gives only one of the two constants, the other is that of [material]."""
 
     name: StandardName | None = key(MATERIAL_NAMES, None, "bearing steel")
     unusual: bool = key("the modulus is meant as it stands, although no solid of a machine has it", False, True)
@@ -123,17 +127,18 @@ class MaterialKeys(Table):
 
     @model_validator(mode="before")
     @classmethod
-    def _by_name(cls, value: Any) -> Any:
+    def _fill_in_constants(cls, value: Any) -> Any:
+        """Return the unchecked table with elastic constants filled in from the material's name."""
         return fill_in_material(value)
 
     @field_validator("youngs_modulus")
     @classmethod
-    def _of_a_solid(cls, value: float | None, info: ValidationInfo) -> float | None:
-        """Refuse a modulus of no solid, usually due to a wrong unit, unless the table says that it is meant."""
+    def _check_modulus(cls, value: float | None, info: ValidationInfo) -> float | None:
+        """Raise an error for a modulus that no solid has, usually due to a wrong unit, unless ``unusual`` is true."""
         if value is None or SOLIDS[0] <= value <= SOLIDS[1] or info.data.get("unusual"):
             return value
         allowed = f"{1e-9 * SOLIDS[0]:g} GPa to {1e-9 * SOLIDS[1]:g} GPa"
-        advice = 'steel has "210 GPa"; if it is meant, write unusual = true with it'
+        advice = 'correct the unit (steel has "210 GPa"), or write unusual = true if the value is intended'
         raise PydanticCustomError("quantity", "{advice}", {"allowed": allowed, "advice": advice})
 
 
@@ -141,7 +146,7 @@ MATERIAL = {"youngs_modulus": "210 GPa", "poissons_ratio": 0.28}
 
 
 class HeadKeys(Table):
-    """First keys of a scene of every kind."""
+    """Keys at the beginning of every scene file: title, source of the data, assumptions."""
 
     title: Sentence = key("one line saying what the scene is", example="Screw under 5 kN")
     source: Annotated[str, Field(max_length=2000)] = key("where the numbers come from", "", "Lin 2019, 2.4.1.1")
@@ -149,7 +154,7 @@ class HeadKeys(Table):
 
 
 class PathKeys(Table):
-    """Nominal path of the ball centres of a screw or a ring."""
+    """Nominal path of the ball centres of a screw or a bearing ring."""
 
     pitch_radius: Size = key("radius of the helix of the ball centres", example="16.5 mm")
     lead: Lead = key('advance of the helix per turn; "0 mm" is a ball bearing')
@@ -157,13 +162,13 @@ class PathKeys(Table):
 
 
 class HelixKeys(PathKeys):
-    """Nominal path of the ball centres, of either hand."""
+    """Nominal path of the ball centres, a right-handed or left-handed helix."""
 
     hand: Literal["right", "left"] = key("hand of the helix", "right", "right")
 
 
 class GrooveKeys(Table):
-    """Section of a groove: its radius, or that over the ball's diameter."""
+    """Cross-section of a groove, by its radius or by its conformity (groove radius over ball diameter)."""
 
     groove_radius: Radius | None = key("radius of curvature of the groove (or conformity)", None, "3.254 mm")
     conformity: Conformity | None = key("groove radius over ball diameter (or groove_radius)", None)
@@ -176,19 +181,19 @@ class BallSizeKeys(Table):
 
 
 class OversizeKeys(Table):
-    """Error that all ball radii share."""
+    """Deviation that all ball radii share."""
 
     oversize: Deviation = key("added to every ball's radius (preload if positive)", "0 um", "7 um")
 
 
 class CoulombKeys(Table):
-    """Coulomb friction of the balls on the grooves."""
+    """Coulomb friction between balls and grooves."""
 
     coefficient: Coefficient = key("coefficient of friction of ball on groove; zero is allowed")
 
 
 class SpeedKeys(Table):
-    """Motion of a ring."""
+    """Rotation of a ring."""
 
     speed: Turning = key("angular speed of the part that turns, about +z; negative: the other way")
 
@@ -197,14 +202,14 @@ class SpeedKeys(Table):
 def tidy_schema(keys: type[BaseModel]) -> dict[str, Any]:
     """Return the JSON Schema (draft 2020-12) of one kind of scene, with description, unit, range and example of every key.
 
-    Cached: do not change it.
+    The returned object is cached and must not be changed.
     """
     schema: dict[str, Any] = without_null(keys.model_json_schema())
     return schema
 
 
 def without_null(node: Any) -> Any:
-    """Drop ``null`` (TOML has none), pydantic's titles, and defaults that are whole tables."""
+    """Return a JSON Schema without ``null`` (TOML has none), without pydantic's titles, and without defaults of tables."""
     if isinstance(node, list):
         return [without_null(v) for v in node]
     if not isinstance(node, dict):
@@ -227,7 +232,7 @@ def without_null(node: Any) -> Any:
 
 
 def _with_unit(default: Any, node: dict[str, Any]) -> Any:
-    """Return a default as in a file; a record has it in SI."""
+    """Return a default value, stored in SI units, as text with a unit, as it would be written in a file."""
     if isinstance(default, list):
         return [_with_unit(x, node.get("items", {})) for x in default]
     if isinstance(default, float) and "x-unit" in node:

@@ -1,8 +1,7 @@
-"""REXS 1.7 (rexs.info), the free XML of drive-train parts: components, relations and load cases as records.
+"""Reading and writing of REXS 1.7 (rexs.info), an open XML format for drive trains: components, relations, load cases.
 
 Names of components, attributes, roles and units are those of FVA's schema of version 1.7 (``rexs_schema_1.7.xml`` and
-``rexs-file.xsd`` in github.com/fva-net/rexs-api-java). `UNITS` has the attributes that this program reads or
-writes; all else of a file is left alone.
+``rexs-file.xsd`` in github.com/fva-net/rexs-api-java). This program reads and writes only the attributes in `UNITS`.
 """
 
 from __future__ import annotations
@@ -17,10 +16,10 @@ from rollbench.compare.scenes.scene_file import read_text
 
 VERSION = "1.7"
 
-#: Value of an attribute: a word, a number, a truth, or numbers in a row.
+#: Value of an attribute: a word, a number, true or false, or a list of numbers.
 Value: TypeAlias = "str | float | bool | tuple[float, ...]"
 
-#: Unit of each attribute, as the schema has it; "none" of words, counts and factors.
+#: Unit of each attribute as in the REXS schema; "none" for words, counts and factors.
 UNITS = {
     name: unit
     for unit, names in {
@@ -57,7 +56,7 @@ UNITS = {
     }.items()
     for name in names.split()
 }
-#: The tangent stiffness of a bearing: attribute of a row and column of the freedoms, its unit, and that in SI.
+#: Tangent stiffness of a bearing: for each row and column of the matrix, the attribute, its unit, and this unit in SI.
 STIFFNESS = {
     (i, j): (f"operating_point_stiffness_{row}_{column}", *unit)
     for i, row in enumerate(("f_v", "f_w", "f_u", "m_v", "m_w"))
@@ -69,7 +68,7 @@ UNITS |= {name: unit for name, unit, _ in STIFFNESS.values()}
 
 @dataclass
 class RexsComponent:
-    """A machine element: type and attributes, in the units of REXS."""
+    """Component of a REXS model, such as a shaft, bearing or load: type, name, and attributes in the units of REXS."""
 
     id: int
     type: str
@@ -85,14 +84,17 @@ class RexsComponent:
             return None
 
     def word(self, attribute: str) -> str:
-        """Return the value of an attribute as a word; empty if it is missing or not a word."""
+        """Return the value of an attribute as text; empty if it is missing or not a text."""
         value = self.attributes.get(attribute, "")
         return value if isinstance(value, str) else ""
 
 
 @dataclass(frozen=True)
 class RexsRelation:
-    """Components that belong together: type, role of each by its id, order of a part among others."""
+    """Relation between components of a REXS model, such as a bearing with its inner and outer part.
+
+    ``roles``: id of the component in each role; ``order``: position of a part among the other parts of the same whole.
+    """
 
     type: str
     roles: dict[str, int]
@@ -101,23 +103,23 @@ class RexsRelation:
 
 @dataclass
 class RexsModel:
-    """A REXS model: components by their ids, relations, and for each load case the attributes of components by id."""
+    """Content of a REXS file: components by id, relations, and for each load case the attributes of components by id."""
 
     components: dict[int, RexsComponent] = field(default_factory=dict)
     relations: list[RexsRelation] = field(default_factory=list)
     cases: list[dict[int, dict[str, Value]]] = field(default_factory=list)
 
     def add(self, type: str, name: str = "", **attributes: Value | None) -> int:
-        """Add a component.
+        """Add a component to the REXS model.
 
         Parameters
         ----------
         type
-            Type in REXS.
+            REXS type of the component.
         name
-            Name.
+            Name of the component.
         **attributes
-            Values of attributes in the units of `UNITS`; None is left out.
+            Values of attributes in the units of `UNITS`; those that are None are omitted.
 
         Returns
         -------
@@ -129,27 +131,27 @@ class RexsModel:
         return k
 
     def relate(self, type: str, order: int | None = None, **roles: int) -> None:
-        """Add a relation between components.
+        """Add a relation between components to the REXS model.
 
         Parameters
         ----------
         type
-            Type in REXS.
+            REXS type of the relation.
         order
-            Place of the part among others, from 1; None: no order.
+            Position of the part among the other parts of the same whole, from 1; None: no order.
         **roles
-            Ids of the components by their roles.
+            Id of the component in each role.
         """
         self.relations.append(RexsRelation(type, roles, order))
 
     def parts(self, whole: int, type: str) -> list[RexsComponent]:
-        """Return the components of a type that are part of the component ``whole``, in their order."""
+        """Return the components of a type that are parts of the component with the id ``whole``, in their order."""
         found = [r for r in self.relations if r.roles.get("assembly") == whole and "part" in r.roles]
         found.sort(key=lambda r: r.order or 0)
         return [x for r in found if (x := self.components[r.roles["part"]]).type == type]
 
     def material(self, *ids: int) -> RexsComponent | None:
-        """Return the material of the first of the components ``ids`` that refers to one; None if none does."""
+        """Return the material of the first component among ``ids`` that has one; None if none has."""
         for k in ids:
             for r in self.relations:
                 if r.type == "reference" and r.roles.get("origin") == k and "referenced" in r.roles:
@@ -160,34 +162,35 @@ class RexsModel:
 
 
 def read_model(path: Path) -> RexsModel:
-    """Return the model in a REXS file.
+    """Read a REXS file.
 
     Parameters
     ----------
     path
-        The file.
+        Path of the file.
 
     Returns
     -------
-    Model
-        Components, relations and load cases; of attributes those of `UNITS`.
+    RexsModel
+        Components, relations and load cases, with the attributes in `UNITS`.
 
     Raises
     ------
     InputError
-        For a file that is not REXS 1.x, an unknown id, an unexpected unit, and a number that cannot be read.
+        If the file is not REXS 1.x, or contains an unknown id, an unexpected unit, or a number that cannot be read.
     """
     text = read_text(path).lstrip("\ufeff")
     if "<!DOCTYPE" in text:
-        raise InputError(str(path), "DOCTYPE", "a document type", "an XML file without one", "take it out")
+        raise InputError(str(path), "DOCTYPE", "a document type", "an XML file without one", "remove it")
     try:
         root = ET.fromstring(text)
     except ET.ParseError as error:
-        raise InputError(str(path), "file", str(error), "an XML file of REXS", "export it again") from None
+        raise InputError(str(path), "file", str(error), "an XML file of REXS", "export the file again") from None
     version = root.get("version", "")
     if root.tag != "model" or version.partition(".")[0] != "1":
         found = f"<{root.tag} version={version!r}>"
-        raise InputError(str(path), "model", found, f"<model> of REXS 1.0 to {VERSION}", "export it as such")
+        advice = "export the file in one of these versions"
+        raise InputError(str(path), "model", found, f"<model> of REXS 1.0 to {VERSION}", advice)
     model = RexsModel()
     for one in root.iterfind("components/component"):
         k = _component_id(one, path)
@@ -201,11 +204,13 @@ def read_model(path: Path) -> RexsModel:
         model.cases.append({_component_id(one, path): _known_attributes(one, path) for one in case.iterfind("component")})
     for k in {*(k for r in model.relations for k in r.roles.values()), *(k for case in model.cases for k in case)}:
         if k not in model.components:
-            raise InputError(str(path), "id", str(k), "that of a component", "a relation or load case refers to it")
+            advice = "export the file again; a relation or load case refers to a component that is missing"
+            raise InputError(str(path), "id", str(k), "the id of a component", advice)
     return model
 
 
 def _component_id(element: ET.Element, path: Path) -> int:
+    """Return the id of an XML element as a number; InputError if it is not a whole number."""
     text = element.get("id", "")
     if not text.isdigit():
         raise InputError(str(path), element.tag, f"id={text!r}", "a whole number", "export the file again")
@@ -213,7 +218,7 @@ def _component_id(element: ET.Element, path: Path) -> int:
 
 
 def _known_attributes(component: ET.Element, path: Path) -> dict[str, Value]:
-    """Return the attributes of `UNITS` that have a value; raise InputError for a wrong unit or an invalid number."""
+    """Return the values of a component's attributes in `UNITS`; InputError for a wrong unit or an invalid number."""
     found = {}
     for one in component.iterfind("attribute"):
         name, unit = one.get("id", ""), one.get("unit", "")
@@ -221,12 +226,13 @@ def _known_attributes(component: ET.Element, path: Path) -> dict[str, Value]:
             continue
         where = f"component {component.get('id')}, attribute {name}"
         if unit not in ("", UNITS[name]) and not (unit == "°" and UNITS[name] == "deg"):
-            raise InputError(str(path), where, f"unit {unit!r}", repr(UNITS[name]), "REXS has one unit for each attribute")
+            advice = "convert the value; REXS defines one unit for each attribute"
+            raise InputError(str(path), where, f"unit {unit!r}", f"unit {UNITS[name]!r}", advice)
         cells, text = one.findall("array/c"), (one.text or "").strip()
         try:
             value = tuple(float(c.text or "") for c in cells) if cells else _attribute_value(text, UNITS[name])
         except ValueError:
-            advice = "numbers have a point, and no unit behind them"
+            advice = "write a number with a decimal point and without unit"
             raise InputError(str(path), where, text or "no number", f"a number in {UNITS[name]}", advice) from None
         if value not in ((), ""):
             found[name] = value
@@ -234,18 +240,19 @@ def _known_attributes(component: ET.Element, path: Path) -> dict[str, Value]:
 
 
 def _attribute_value(text: str, unit: str) -> Value:
+    """Return the value of an attribute from its text: true or false, a number, or a word if the unit is "none"."""
     if text in ("true", "false"):
         return text == "true"
     return float(text) if text and unit != "none" else text
 
 
 def text_of(model: RexsModel, version: str, date: str) -> str:
-    """Return the text of a REXS file with a model.
+    """Return a REXS model as the text of an XML file.
 
     Parameters
     ----------
     model
-        The model.
+        Components, relations and load cases.
     version
         Version of this program.
     date
@@ -254,7 +261,7 @@ def text_of(model: RexsModel, version: str, date: str) -> str:
     Returns
     -------
     str
-        XML.
+        XML text.
     """
     head = {"version": VERSION, "applicationId": "rollbench", "applicationVersion": version, "date": date}
     root = ET.Element("model", head | {"applicationLanguage": "en"})
@@ -277,6 +284,7 @@ def text_of(model: RexsModel, version: str, date: str) -> str:
 
 
 def _write_component(parent: ET.Element, component: RexsComponent, attributes: dict[str, Value]) -> None:
+    """Append a component with some of its attributes to an XML element."""
     head = {"id": str(component.id), "type": component.type, "name": component.name}
     one = ET.SubElement(parent, "component", {k: v for k, v in head.items() if v})
     for name, value in attributes.items():
@@ -290,7 +298,7 @@ def _write_component(parent: ET.Element, component: RexsComponent, attributes: d
 
 
 def _value_text(value: str | float | bool) -> str:
-    """Return a value as text; a number has 15 digits, enough to read back the numbers of a scene file."""
+    """Return the value of an attribute as text; numbers have 15 digits, enough to recover those of a scene file."""
     if isinstance(value, bool):
         return str(value).lower()
     return f"{value:.15g}" if isinstance(value, float) else str(value)

@@ -1,4 +1,4 @@
-"""Reading scene files: one TOML file is one load case, or several of the same parts; faults are one-line errors."""
+"""Reading of scene files: a TOML file describes one scene, with one load case or several; faults are one-line errors."""
 
 from __future__ import annotations
 
@@ -20,28 +20,28 @@ from rollbench.meshes.kept import kept
 from rollbench.meshes.parts import Scene
 from rollbench.meshes.units import COMMA, has_comma
 
-#: Largest number of parts of a dotted key: time and memory of the reader grow with its square.
+#: Largest number of parts of a dotted key, because time and memory of the TOML reader grow with its square.
 MAX_PARTS = 32
 _PART = r"""(?:[\w-]++|"[^"\n]*+"|'[^'\n]*+')"""
 _DOTTED = re.compile(rf"""(?<![\w\-."'])(?:{_PART}[ \t]*+\.[ \t]*+){{{MAX_PARTS}}}""")
-#: Largest scene file [bytes] and longest line [characters]: 100 000 listed azimuths on one line have 2 MB.
+#: Largest size of a scene file [bytes], and longest line [characters] (100 000 azimuths on one line have 2 MB).
 MAX_BYTES, MAX_LINE = 4_000_000, 2_500_000
 
 
 def read_scene_file(path: str | Path) -> Scene:
-    """Return the ball screw or bearing in a file, named by the file's stem; SceneError for faults."""
+    """Read a ball screw or bearing from a scene file, whose name without suffix it gets; SceneError for faults."""
     return scene_of_text(read_text(path), str(path))
 
 
 def scene_of_text(text: str, origin: str) -> Scene:
-    """Return the ball screw or bearing in a text.
+    """Return the ball screw or bearing that the text of a scene file describes.
 
     Parameters
     ----------
     text
         Text of a scene file.
     origin
-        File for errors.
+        Name of the file, for error messages.
 
     Returns
     -------
@@ -51,18 +51,21 @@ def scene_of_text(text: str, origin: str) -> Scene:
     Raises
     ------
     SceneError
-        For faults, and for a scene of another kind.
+        If the text has faults, or describes a scene of another kind.
     """
     return single_set_or_raise(parse_scene(text, origin), origin)
 
 
 def scene_or_assembly(scene: Described, origin: str) -> Scene | Assembly:
-    """Return the scene if it has one set or several sets on one shaft; SceneError as `single_set_or_raise`."""
+    """Return the scene if it is a ball screw, a bearing, or a shaft with several of them; SceneError for other kinds."""
     return scene if isinstance(scene, Assembly) else single_set_or_raise(scene, origin)
 
 
 def each_case(scene: Described, origin: str) -> list[Scene] | list[Assembly]:
-    """Return the scenes to be solved: one, or that of every load case in order; SceneError as `single_set_or_raise`."""
+    """Return the scenes to be solved: the scene of each load case in order, or the scene itself if it has no load cases.
+
+    SceneError for kinds of scenes of which only friction is computed.
+    """
     if isinstance(scene, DutyCycle):
         return [case.scene for case in scene.cases]  # type: ignore[return-value]
     single = scene_or_assembly(scene, origin)
@@ -70,36 +73,36 @@ def each_case(scene: Described, origin: str) -> list[Scene] | list[Assembly]:
 
 
 def single_set_or_raise(scene: Described, origin: str) -> Scene:
-    """Return the scene if it is one ball screw or bearing; SceneError that names its kind otherwise."""
+    """Return the scene if it is a ball screw or bearing with a single nut or row; SceneError for other kinds."""
     if isinstance(scene, Scene):
         return scene
     if isinstance(scene, DutyCycle):
-        advice = "leave the cases out here; solve, compare, check, friction, sweep and report take them"
+        advice = "delete the cases, or use solve, compare, check, friction, sweep or report, which accept them"
         raise SceneError(origin, "cases", count_of(len(scene.cases), "case"), "a scene without [[cases]]", advice)
     if isinstance(scene, Assembly):
-        advice = "this command takes one nut or ring with its balls: take solve, view, compare, check, friction or sweep"
-        raise SceneError(origin, "sets", count_of(len(scene.sets), "set"), "one set that stands", advice)
-    advice = f"only friction solves this kind: rollbench friction {shlex.quote(origin)}"
+        advice = "describe one nut or ring with its balls, or use solve, view, compare, check, friction or sweep"
+        raise SceneError(origin, "sets", count_of(len(scene.sets), "set"), "one set whose outer part is fixed", advice)
+    advice = f"use the command that solves this kind: rollbench friction {shlex.quote(origin)}"
     raise SceneError(origin, "kind", f'"{scene.kind}"', ", ".join(f'"{kind}"' for kind in WHOLE), advice)
 
 
 @dataclass(frozen=True)
 class ParsedScene:
-    """Cached record of the text of a scene file."""
+    """Scene that was read from the text of a scene file, as stored in the cache."""
 
-    #: The record.
+    #: The scene.
     described: Described
 
 
 def parse_scene(text: str, origin: str) -> Described:
-    """Return the scene of any kind in a text.
+    """Return the scene, of any kind, that the text of a scene file describes.
 
     Parameters
     ----------
     text
         Text of a scene file.
     origin
-        File for errors.
+        Name of the file, for error messages.
 
     Returns
     -------
@@ -109,20 +112,21 @@ def parse_scene(text: str, origin: str) -> Described:
     Raises
     ------
     SceneError
-        For faults.
+        If the text has faults.
     """
     return _parsed(text, origin).described
 
 
 @kept(ParsedScene)
 def _parsed(text: str, origin: str) -> ParsedScene:
-    from rollbench.compare.scenes.scene_tables import read_tables  # schema and checks: not for a text that is known
+    """Return the scene that a text describes; cached on disk."""
+    from rollbench.compare.scenes.scene_tables import read_tables  # heavy import, not needed for a cached text
 
     return ParsedScene(read_tables(read_toml(text, origin), origin))
 
 
 def kind_of(scene: Described) -> str:
-    """Return the kind of a scene, as its file may name it."""
+    """Return the kind of a scene as in its file, such as "ball screw", "bearing" or "axis"."""
     scene = scene.parts if isinstance(scene, DutyCycle) else scene
     if not isinstance(scene, Scene):
         return scene.kind
@@ -130,7 +134,7 @@ def kind_of(scene: Described) -> str:
 
 
 def read_text(path: str | Path) -> str:
-    """Return the text of a file; SceneError if it cannot be read or is not text."""
+    """Return the text of a scene file; SceneError if the file cannot be read, is not text, or is too large."""
     allowed = "a readable TOML file"
     try:
         if Path(path).is_dir():
@@ -147,28 +151,30 @@ def read_text(path: str | Path) -> str:
     if len(data) > MAX_BYTES:
         value = f"more than {MAX_BYTES // 1_000_000} MB"
         allowed = f"up to {MAX_BYTES // 1_000_000} MB"
-        raise SceneError(str(path), "file", value, allowed, "is this a scene file?")
+        raise SceneError(str(path), "file", value, allowed, "check whether this is a scene file")
     try:
         text = text_of(data)
     except NotTextError as error:
         raise SceneError(str(path), "file", error.value, ENCODING, error.advice) from None
     longest = max(map(len, text.splitlines()), default=0)
     if longest > MAX_LINE:
-        raise SceneError(str(path), "file", f"a line of {longest} characters", f"up to {MAX_LINE}", "is this a scene file?")
+        allowed = f"lines of up to {MAX_LINE} characters"
+        advice = "check whether this is a scene file"
+        raise SceneError(str(path), "file", f"a line of {longest} characters", allowed, advice)
     return text
 
 
 def scene_hash(text: str) -> str:
-    """Return the first 16 hexadecimal digits of the SHA-256 of a scene's text, without its role."""
+    """Return a hash of a scene's text without its role: the first 16 hexadecimal digits of its SHA-256."""
     described = re.sub(r"(?m)^role = .*\n", "", text)
     return hashlib.sha256(described.encode("utf-8", "surrogatepass")).hexdigest()[:16]
 
 
 def read_toml(text: str, origin: str) -> dict[str, Any]:
-    """Return tables and keys of a TOML text; SceneError, for the file ``origin``, if it is not valid."""
+    """Return the tables and keys of a TOML text; SceneError if it is not valid (``origin``: name of the file)."""
     if long := _DOTTED.search(text):
         row = text.count("\n", 0, long.start()) + 1
-        advice = "keys of scenes have up to four: rollbench schema lists them"
+        advice = "use the keys that rollbench schema lists, which have up to four parts"
         raise SceneError(origin, f"line {row}", f"{long[0][:40]}...", f"a key of up to {MAX_PARTS} parts", advice)
     try:
         return tomllib.loads(text)
@@ -180,7 +186,7 @@ def read_toml(text: str, origin: str) -> dict[str, Any]:
         reason = str(error)[: match.start()] if match else str(error)
     numbered = re.match(r"line (\d+)", place)
     line = text.splitlines()[int(numbered[1]) - 1].strip() if numbered else "text that is not TOML"
-    advice = f'{reason[:1].lower()}{reason[1:]}; texts need double quotes, e.g. length = "800 mm"'
+    advice = f'correct the line ({reason[:1].lower()}{reason[1:]}); put texts in double quotes, e.g. length = "800 mm"'
     if has_comma(line.partition("=")[2]):
         advice = COMMA
     raise SceneError(origin, place, line or "an empty line", "TOML: [table] and key = value lines", advice)

@@ -52,10 +52,10 @@ def read_tables(raw: dict[str, Any], origin: str) -> Described:
 
         return read_axis(_axis_keys(raw, origin), raw, origin, Path(origin).stem)
     nut = raw.get("nut")
-    bodies = isinstance(nut, dict) and "length" in nut  # a whole scene with a key misspelt
+    bodies = isinstance(nut, dict) and "length" in nut  # a ball screw or bearing with a misspelt key
     if kind is None and FOREIGN & raw.keys() and not bodies:
         name = sorted(FOREIGN & raw.keys())[0]
-        advice = f'[{name}] belongs to a kind that only rollbench friction solves: write e.g. kind = "{KINDS[0]}"'
+        advice = f'write e.g. kind = "{KINDS[0]}"; the table [{name}] exists only in kinds that rollbench friction solves'
         raise SceneError(origin, "kind", "nothing", ", ".join(map(toml_text, KINDS)), advice)
     if kind is None or kind in WHOLE:
         return single_set_scene(raw, origin)
@@ -77,12 +77,14 @@ def keys_of(raw: dict[str, Any], origin: str) -> SceneKeys | AxisKeys:
 
 
 def _axis_keys(raw: dict[str, Any], origin: str) -> AxisKeys:
+    """Return the validated keys of a shaft with several nuts or bearings; SceneError for faulty keys."""
     from rollbench.compare.scenes.schema import AxisKeys
 
     return validate_or_raise(raw, AxisKeys, origin)
 
 
 def _is_axis(raw: dict[str, Any]) -> bool:
+    """Return whether the tables of a file describe a shaft with several nuts or bearings."""
     return "sets" in raw or raw.get("kind") == AXIS
 
 

@@ -1,6 +1,7 @@
-"""Keys of scenes: of a whole screw or bearing, and of several rolling sets on one shaft (``[[sets]]``).
+"""Keys of scene files, with descriptions, units, ranges and defaults.
 
-Names, descriptions, units, ranges and defaults. Values come out in SI.
+A scene file describes one screw or bearing, or several nuts and bearing rows on one shaft (``[[sets]]``). Values are
+converted to SI units.
 """
 
 from __future__ import annotations
@@ -28,14 +29,14 @@ CaseTime = Annotated[float, Rate("time", "0 s", "1000000000 s", "2 s")]
 
 
 class ClearanceKeys(keys.Table):
-    """Internal clearance of a bearing as in data sheets: total travel of one ring relative to the other."""
+    """Internal clearance of a bearing, as in data sheets: total free travel of one ring relative to the other."""
 
     radial: ranges.Clearance | None = key("radial clearance", None, "13 um")
     axial: ranges.Clearance | None = key("or axial clearance", None, "96 um")
 
 
 class TrackKeys(keys.HelixKeys):
-    """Nominal path of the ball centres."""
+    """Nominal path of the ball centres: a helix, or a circle for a bearing."""
 
     model_config = needs_one_of("pitch_radius", "pitch_diameter")
 
@@ -58,7 +59,8 @@ class TrackKeys(keys.HelixKeys):
 
     @model_validator(mode="before")
     @classmethod
-    def _by_diameter(cls, value: Any) -> Any:
+    def _fill_in_radius(cls, value: Any) -> Any:
+        """Return the unchecked table with the radius filled in from the diameter."""
         return fill_in_radius(value, "pitch_radius", "pitch_diameter")
 
 
@@ -83,7 +85,7 @@ class FlangeKeys(keys.Table):
 
 
 class HeldKeys(keys.Table):
-    """Where the nut is fixed."""
+    """Surface at which the nut is fixed."""
 
     at: NutHeld | None = key(
         "surface; the flange's face towards the rest of the nut where there is a flange, else the left face, or the outer "
@@ -105,7 +107,7 @@ class HeldKeys(keys.Table):
 
 
 class NutKeys(keys.GrooveKeys):
-    """Nut, or outer ring of a bearing; held fixed."""
+    """Nut, or outer ring of a bearing; it is fixed."""
 
     position: ranges.Station = key("station of the nut's centre along the screw", example="400 mm")
     length: ranges.Size = key("length", example="54 mm")
@@ -120,7 +122,7 @@ Arc = Annotated[list[ranges.Azimuth], Field(min_length=2, max_length=2)]
 
 
 class BallKeys(keys.BallSizeKeys):
-    """Balls: count or filling with turns, count with arcs, or the azimuths one by one."""
+    """Balls: their size, and their positions by count or filling with turns, by count with arcs, or by single azimuths."""
 
     model_config = needs_one_of("radius", "diameter")
 
@@ -144,7 +146,8 @@ class BallKeys(keys.BallSizeKeys):
 
     @model_validator(mode="before")
     @classmethod
-    def _by_diameter(cls, value: Any) -> Any:
+    def _fill_in_radius(cls, value: Any) -> Any:
+        """Return the unchecked table with the radius filled in from the diameter."""
         return fill_in_radius(value, "radius", "diameter")
 
 
@@ -181,12 +184,12 @@ class DisplaceKeys(keys.Table):
 
     @property
     def given(self) -> dict[str, float]:
-        """Displacements [m] and rotations [rad] by freedom, those that are given."""
+        """Prescribed displacements [m] and rotations [rad], by the name of the degree of freedom."""
         return self.model_dump(exclude_none=True)
 
 
 class SupportKeys(keys.Table):
-    """Support of the screw at one station."""
+    """Support of the screw at one axial position."""
 
     at: ranges.Station = key("station along the screw", example="0 mm")
     fix: keys.Freedoms = key("freedoms held at zero", [], ["ux", "uy", "uz"])
@@ -194,7 +197,7 @@ class SupportKeys(keys.Table):
 
     @property
     def held(self) -> tuple[str, ...]:
-        """Freedoms that the support restrains, the rigid ones first."""
+        """Degrees of freedom that the support prescribes: first those fixed at zero, then those displaced."""
         return (*self.fix, *self.displace.given)
 
 
@@ -202,12 +205,12 @@ Supports = Annotated[list[SupportKeys], Field(max_length=1000)]
 
 Loads = Annotated[list[parts.Load], Field(max_length=1000)]
 
-#: Example of loads, and of a case.
+#: Examples of loads and of load cases.
 LOADED, CASE = [{"at": "0 mm", "force": ["0 N", "0 N", "5 kN"]}], [{"name": "cutting", "share": 1.0}]
 
 
 class FrictionKeys(keys.Table):
-    """Coulomb friction of the balls on the grooves, for: rollbench friction. Static loads do not depend on it."""
+    """Coulomb friction between balls and grooves, for the command rollbench friction. It does not change static loads."""
 
     coefficient: ranges.Coefficient | None = key(
         "coefficient of friction of ball on groove; zero is allowed; needed unless screw and nut are given", None, 0.1
@@ -256,7 +259,7 @@ class PreloadKeys(keys.Table):
 
 
 class CaseSupportKeys(keys.Table):
-    """Displacements of one of the scene's supports in a case."""
+    """Prescribed displacements of one of the scene's supports in one load case."""
 
     at: ranges.Station = key("station of the support in the scene", example="0 mm")
     displace: DisplaceKeys = key("values of freedoms that the support holds", example={"ux": "300 um"})
@@ -277,7 +280,7 @@ class CaseKeys(keys.Table):
 
 
 class SceneKeys(keys.HeadKeys):
-    """One whole ball screw or bearing in one load case or several. Lengths, forces and angles are texts with a unit."""
+    """One ball screw or bearing, in one load case or several. Lengths, forces and angles are texts with a unit."""
 
     kind: Literal["ball screw", "bearing"] | None = key("what is described; by the lead if left out", None, "ball screw")
     role: Literal["", "referenced", "unseen, changed parts", "unseen, catalogue size"] = key(
@@ -321,7 +324,7 @@ Entry = Annotated[float, Field(allow_inf_nan=False)]
 
 
 class ShaftKeys(ScrewKeys):
-    """Screw shaft; groove and diameters of the thread, where a set does not say its own."""
+    """Screw shaft, with the groove and diameters of the thread for all sets that do not state their own."""
 
     plain: Annotated[list[Segment], Field(max_length=1000)] = key(
         "plain stretches of the shaft", [], [{"start": "0 mm", "end": "60 mm", "diameter": "25 mm"}]
@@ -329,7 +332,7 @@ class ShaftKeys(ScrewKeys):
 
 
 class InnerKeys(keys.GrooveKeys):
-    """Inner ring of a set whose groove is not the shaft's."""
+    """Inner ring of a set, or its groove on the shaft, if it differs from that of the shaft."""
 
     outer_diameter: ranges.Size | None = key("diameter of its shoulders, where it is not the shaft's", None, "40 mm")
     material: keys.MaterialKeys | None = key("its material, where it is not the shaft's", None, keys.MATERIAL)
@@ -368,7 +371,7 @@ class RollerKeys(keys.Table):
 
 
 class SetKeys(keys.Table):
-    """One rolling set: a nut with its balls, a ball bearing (lead of zero), or a row of tapered rollers."""
+    """One set of rolling elements: a nut with its balls, a ball bearing (lead of zero), or a row of tapered rollers."""
 
     name: Name = key("name of the set in results", example="nut 1")
     kind: Literal["ball nut", "bearing", "tapered roller bearing"] | None = key(
@@ -417,7 +420,7 @@ class SetKeys(keys.Table):
 
 
 class SpringKeys(keys.Table):
-    """Springs along and about the axes; freedoms left out have none."""
+    """Stiffnesses of springs along and about the axes; zero if left out."""
 
     ux: ranges.Spring = key("along x", "0 N/m", "200 N/um")
     uy: ranges.Spring = key("along y", "0 N/m", "200 N/um")
@@ -431,14 +434,14 @@ Matrix = Annotated[list[Annotated[list[Entry], Field(min_length=6, max_length=6)
 
 
 class StiffKeys(keys.Table):
-    """A stiffness in six freedoms."""
+    """Stiffness in six degrees of freedom, by springs or by a matrix."""
 
     springs: SpringKeys | None = key("springs that do not feel one another", None, {"ux": "200 N/um"})
     matrix: Matrix | None = key("or a symmetric matrix of six rows, in N, m and rad", None)
 
 
 class HousingKeys(StiffKeys):
-    """Rigid body that carries outer rings or nuts. What is neither fixed nor displaced moves against its springs."""
+    """Rigid housing of outer rings or nuts. In directions that are not fixed or displaced, it moves against its springs."""
 
     name: Name = key("its name", example="carriage")
     at: ranges.Station = key("station where its motion, springs and loads are taken", example="400 mm")
@@ -449,28 +452,28 @@ class HousingKeys(StiffKeys):
 
 
 class JointKeys(StiffKeys):
-    """Springs between two housings, such as a spacer or a bolted joint."""
+    """Elastic connection of two housings, such as a spacer or a bolted joint."""
 
     between: Annotated[list[Name], Field(min_length=2, max_length=2)] = key("names of the two housings", example=["a", "b"])
     at: ranges.Station = key("station where they act", example="400 mm")
 
 
 class AskedKeys(keys.Table):
-    """Position for which the stiffness of the whole is reported; default: where the loads act."""
+    """Position for which the stiffness of the whole assembly is reported; if left out, where the loads act."""
 
     at: ranges.Station | None = key("a station of the shaft", None, "400 mm")
     housing: Name | None = key("or a housing", None, "carriage")
 
 
 class HeatKeys(keys.Table):
-    """Uniform warming of the shaft against all else."""
+    """Uniform temperature rise of the shaft relative to all other parts."""
 
     warming: Warming = key("warming", example="10 K")
     expansion: Expansion = key("thermal expansion per K", example=11.5e-6)
 
 
 class AxisIngredientKeys(keys.Table):
-    """Which parts of the low-order model are used."""
+    """Options of the low-order model."""
 
     hertz: Literal["nominal", "error-free", "actual", "as printed"] = key(
         "contact constants: own radii at the nominal angle, error-free parts, actual geometry, or as in Table B.1",
@@ -488,7 +491,7 @@ class AxisIngredientKeys(keys.Table):
 
 
 class CaseHousingKeys(keys.Table):
-    """Loads on one of the scene's housings in a case."""
+    """Loads on one of the scene's housings in one load case."""
 
     name: Name = key("name of the housing in the scene", example="carriage")
     force: ranges.Forces = key("force on it along x, y, z", ["0 N", "0 N", "0 N"], ["0 N", "0 N", "5 kN"])
@@ -504,7 +507,7 @@ class AxisCaseKeys(CaseKeys):
 
 
 class AxisKeys(keys.HeadKeys):
-    """One shaft with several rolling sets, nuts, bearings, housings, in one load case or several."""
+    """One shaft with several nuts and bearings, with or without housings, in one load case or several."""
 
     kind: Literal["axis"] = key("what is described", "axis", "axis")
     material: keys.MaterialKeys = key("material of every part that gives none", keys.MaterialKeys(), keys.MATERIAL)

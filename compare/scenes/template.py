@@ -1,7 +1,7 @@
-"""Scenes to begin with: commented ones of every kind, and ones of a nominal size, such as 40x10.
+"""Templates of scene files: commented scenes of every kind, and ball screws of a nominal size such as 40x10.
 
-A commented scene has the values of a shipped scene, and every other key as a comment; a scene of a nominal size has usual
-values, by rules that it states.
+A commented scene has the values of a shipped scene and lists every other key in a comment. A ball screw of a nominal size
+has typical dimensions, computed by rules that are stated in its comments.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from rollbench.compare.scenes.keys import tidy_schema
 from rollbench.compare.scenes.schema import SceneKeys
 from rollbench.meshes.units import toml_text
 
-#: Shipped scenes whose values the templates take; the template of a ball screw is written by hand.
+#: Shipped scenes from which the templates take their values. The template of a ball screw is a separate file.
 EXAMPLES = {
     "bearing": "bearing-9",
     "bearing ball": "lin-rotary-1",
@@ -33,7 +33,7 @@ EXAMPLES = {
     "screw run": "lin-screw-run",
 }
 
-#: Shipped shafts with several rolling sets that are templates as they stand.
+#: Shipped shafts with several nuts and bearings that serve as templates unchanged.
 AXES = {"axis": "axis-fixed-fixed", "double nut": "double-nut"}
 
 #: Shafts with bearings, whose templates are separate files.
@@ -49,14 +49,14 @@ Node = Mapping[str, Any]
 
 
 def text_of(kind: str = "ball screw", size: str = "") -> str:
-    """Return the text of a commented scene of a kind, or of a nominal size such as 40x10.
+    """Return the text of a new scene file: a commented template of a kind, or a ball screw of a nominal size.
 
     Parameters
     ----------
     kind
         Kind of the scene.
     size
-        Nominal diameter and lead [mm]; empty: the template of the kind.
+        Nominal diameter and lead [mm], such as 40x10; empty: the template of the kind.
 
     Returns
     -------
@@ -66,7 +66,8 @@ def text_of(kind: str = "ball screw", size: str = "") -> str:
     Raises
     ------
     InputError
-        For an unknown kind, a size of another kind than ball screw and double nut, and a size out of range.
+        If the kind is unknown, the size is out of range, or a size is given for a kind other than ball screw and double
+        nut.
     """
     kind = (kind or "ball-screw").replace("-", " ")
     sized = {"ball screw": ball_screw_text, "double nut": double_nut_text}
@@ -74,14 +75,14 @@ def text_of(kind: str = "ball screw", size: str = "") -> str:
         return template(kind)
     if kind not in sized:
         allowed = "without --kind, or with --kind double-nut"
-        raise ArgumentError("like", size, allowed, "a nominal size is that of a ball screw")
+        raise ArgumentError("like", size, allowed, "leave --kind out; only ball screws have a nominal size")
     return sized[kind](size)
 
 
 def template(kind: str = "ball screw") -> str:
-    """Return the text of a commented scene of a kind, which solves as it is; words of the kind may be joined by hyphens.
+    """Return the text of a commented scene of a kind, which can be solved unchanged.
 
-    InputError for an unknown kind.
+    ``kind``: name with spaces or hyphens between its words; InputError if it is unknown.
     """
     name = kind.replace("-", " ")
     if name in AXES:
@@ -90,7 +91,7 @@ def template(kind: str = "ball screw") -> str:
         return "\n".join(f'title = "My {name}"' if x.startswith("title = ") else x for x in kept) + "\n"
     if name not in (*WHOLE, *BEARINGS, *KINDS):
         allowed = ", ".join(k.replace(" ", "-") for k in (*WHOLE, *AXES, *BEARINGS, *KINDS))
-        raise ArgumentError("kind", kind, allowed, "a whole screw is a ball-screw")
+        raise ArgumentError("kind", kind, allowed, "choose one of these; a complete screw is a ball-screw")
     if name == "ball screw" or name in BEARINGS:
         file = "template.toml" if name == "ball screw" else f"template-{name.replace(' ', '-')}.toml"
         return files.text(file)
@@ -103,9 +104,10 @@ def template(kind: str = "ball screw") -> str:
 
 
 def _schema_of_kind(kind: str) -> dict[str, Any]:
+    """Return the JSON Schema of scene files of a kind."""
     if kind in WHOLE:
         schema = tidy_schema(SceneKeys)
-        if kind == "bearing":  # the balls of a ring go round its one turn, and it has no flange
+        if kind == "bearing":  # a bearing has no ball return and no flange
             schema = deepcopy(schema)
             schema["properties"].pop("circulation")
             schema["$defs"]["NutKeys"]["properties"].pop("flange")
@@ -116,7 +118,7 @@ def _schema_of_kind(kind: str) -> dict[str, Any]:
 
 
 def _table_lines(node: Node, defs: Node, values: Node, path: str) -> Iterator[str]:
-    """Yield the keys of a table, those with a plain value first; then the tables in it."""
+    """Yield the lines of a table of a template: first its keys with plain values, then the tables inside it."""
     inner = {}
     for name, entry in node["properties"].items():
         content = values.get(name)
@@ -140,7 +142,7 @@ def _table_lines(node: Node, defs: Node, values: Node, path: str) -> Iterator[st
 
 
 def _key_line(name: str, entry: Node, value: Any) -> Iterator[str]:
-    """Yield a key with its value, or as a comment with its default or an example."""
+    """Yield the line of a key of a template: with its value, or as a comment with its default or an example."""
     text = _description(entry)
     if "x-allowed" in entry:
         text += f" ({entry['x-allowed']})"
@@ -154,51 +156,58 @@ def _key_line(name: str, entry: Node, value: Any) -> Iterator[str]:
 
 
 def _description(entry: Node) -> str:
+    """Return the description of a key from its entry in the JSON Schema."""
     return str(entry["description"])
 
 
 def _referenced_table(entry: Node, defs: Node) -> Node:
-    """Return the table that an entry of the schema refers to."""
+    """Return the definition of the table to which an entry of the JSON Schema refers."""
     table: Node = defs[entry["$ref"].rsplit("/", 1)[1]]
     return table
 
 
-#: Ball diameters that are kept in stock [mm].
+#: Standard ball diameters [mm].
 STOCK = (0.8, 1.0, 1.2, 1.588, 2.0, 2.381, 2.778, 3.175, 3.5, 3.969, 4.763, 5.556, 6.35, 7.144, 7.938, 9.525, 12.7)
 
-#: Range of nominal sizes of the rules [mm].
+#: Range of nominal diameters and leads for which the rules hold [mm].
 DIAMETERS, LEADS = (6.0, 160.0), (1.0, 100.0)
 
-#: Ball diameter over lead and over nominal diameter at most; pitch circle beyond the land, in ball diameters; wall of the
-#: nut under its grooves, in ball diameters; part of the turns filled with balls.
+#: Largest ball diameter over lead and over nominal diameter; distance of the pitch circle from the land, in ball diameters;
+#: wall of the nut under its grooves, in ball diameters; share of the turns that is filled with balls.
 PER_LEAD, PER_DIAMETER, BEYOND, WALL, FILLING = 0.635, 0.2, 0.11, 1.2, 0.9
 
-#: Outer diameter and thickness of a flange over the nut's outer diameter: those of catalogues are 1.4 to 1.7, 0.18 to 0.35.
+#: Outer diameter and thickness of a flange over the nut's outer diameter (in catalogues 1.4 to 1.7, and 0.18 to 0.35).
 RIM, THICK = 1.5, 0.2
 
-#: Load of a ball over its diameter squared [N/mm2], about 13 % of a usual dynamic rating, and preload between rigid bodies
-#: in per cent of the dynamic rating: catalogues have 3 to 8 %.
+#: Load per ball over the squared ball diameter [N/mm2], about 13 % of a usual dynamic load rating; preload in per cent of
+#: the dynamic load rating (3 to 8 % in catalogues).
 LOAD, PRELOAD = 3.7, 5.0
 
-#: Load of rapid travel over that of cutting, in the commented cases.
+#: Load in rapid travel over the load in cutting, in the load cases of the comments.
 RAPID = 0.3
 
-#: Standard deviation of the ball radii [um]: the diameters of a lot of grade 10 lie within 0.5 um (ISO 3290-1), taken as
-#: six standard deviations.
+#: Standard deviation of the ball radii [um]. The diameters of a lot of grade 10 differ by at most 0.5 um (ISO 3290-1),
+#: which is taken as six standard deviations.
 SIGMA = 0.04
 
-#: Share of a nut's length between the nuts of a double nut.
+#: Length of the spacer in a double nut, over the length of a nut.
 SPACER = 0.1
 
 
 def ball_screw_text(size: str) -> str:
-    """Return the text of a ball screw of a nominal size ``DIAMETERxLEAD`` in mm; InputError for a size out of range."""
+    """Return the text of a scene file of a ball screw of a nominal size ``DIAMETERxLEAD`` in mm.
+
+    InputError for a size out of range.
+    """
     values = catalogue_values(size)
     return _without_unused_gap(_filled_text("screw", values), values)
 
 
 def double_nut_text(size: str) -> str:
-    """Return the text of a double nut of a nominal size, as `ball_screw_text`, with a spacer between the nuts."""
+    """Return the text of a scene file of a screw with a double nut of a nominal size ``DIAMETERxLEAD`` in mm.
+
+    InputError for a size out of range.
+    """
     values = catalogue_values(size)
     apart = values["nut"] + max(1.0, round(SPACER * values["nut"]))
     places = [values["middle"] - 0.5 * apart, values["middle"] + 0.5 * apart]
@@ -210,17 +219,23 @@ def double_nut_text(size: str) -> str:
 
 
 def _filled_text(name: str, values: Mapping[str, Any], **words: object) -> str:
-    """Return a filled text of the folder ``like_texts``; its title and assumptions name nothing that a user edits later."""
+    """Return a text of the folder ``like_texts`` with values filled in.
+
+    Its title and assumptions do not repeat values that a user may change later.
+    """
     return files.text(f"scenes/like_texts/{name}.txt").format(**values, **words)
 
 
 def _without_unused_gap(text: str, values: dict[str, Any]) -> str:
-    """Return the text without gaps if there is one circuit."""
+    """Return the text of a scene without the key ``circuit_gap`` if the nut has a single circuit of balls."""
     return text if values["circuits"] > 1 else re.sub(r"(?m)^circuit_gap = .*\n", "", text)
 
 
 def catalogue_values(size: str) -> dict[str, Any]:
-    """Return the values of a nominal size by their names in the texts, lengths in mm; InputError as `ball_screw_text`."""
+    """Return typical dimensions of a ball screw of a nominal size, by their names in the texts, lengths in mm.
+
+    InputError for a size out of range.
+    """
     outer, lead = _nominal_size(size)
     ball = max(b for b in STOCK if b <= max(STOCK[0], 1.01 * min(PER_LEAD * lead, PER_DIAMETER * outer)))
     pitch = round(outer + 2.0 * BEYOND * ball, 2)
@@ -264,13 +279,13 @@ def catalogue_values(size: str) -> dict[str, Any]:
 
 
 def _nominal_size(size: str) -> tuple[float, float]:
-    """Return nominal diameter and lead [mm]."""
+    """Return nominal diameter and lead [mm] from a text such as ``40x10``; InputError if it is not a size in the range."""
     allowed = f"DIAMETERxLEAD in mm, {DIAMETERS[0]:g} to {DIAMETERS[1]:g} x {LEADS[0]:g} to {LEADS[1]:g}, e.g. 40x10"
     match = re.fullmatch(r"\s*([0-9]{1,3}(?:\.[0-9]+)?)\s*[xX×]\s*([0-9]{1,3}(?:\.[0-9]+)?)\s*", size)
     if match is None:
         raise ArgumentError("like", f'"{size}"', allowed, "write diameter and lead with an x between them")
     outer, lead = float(match[1]), float(match[2])
     if not (DIAMETERS[0] <= outer <= DIAMETERS[1] and LEADS[0] <= lead <= min(LEADS[1], 2.0 * outer)):
-        advice = "a lead is at most about twice the diameter; write another size by hand: rollbench new FILE"
+        advice = "choose a lead of at most twice the diameter, or write the scene by hand: rollbench new FILE"
         raise ArgumentError("like", f'"{size}"', allowed, advice)
     return outer, lead

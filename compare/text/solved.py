@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from rollbench.compare.models.load_cases import Solved, SolvedAxis, Together
+from rollbench.compare.models.load_cases import CycleResults, Solved, SolvedAxis
 from rollbench.compare.models.programs import title_of
 from rollbench.compare.models.registry import random_errors
 from rollbench.compare.quantities import as_json, count_of, quantities, shown
@@ -291,7 +291,7 @@ COLUMNS = (
 def cases_table(
     cycle: DutyCycle,
     solved: Sequence[Solved | SolvedAxis],
-    whole: Together,
+    whole: CycleResults,
     tangents: Sequence[Tangent | None] = (),
     *,
     balls: bool = False,

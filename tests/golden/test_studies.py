@@ -124,7 +124,7 @@ def varied():
             except ValueError:
                 continue
             out += [changed, vars(tasks.settings_of([scene], variant.level, key))]
-        out += [variants.twisted(scene), with_balls(scene, 9), with_groove(scene, 0.54)]
+        out += [variants.with_twisted_supports(scene), with_balls(scene, 9), with_groove(scene, 0.54)]
     return out
 
 
@@ -133,7 +133,7 @@ def shafts():
     found = [
         tasks.set_ups([catalogue.shipped(name)], level) for name in ("double-nut", "axis-fixed-fixed") for level in (1, 3)
     ]
-    return [tasks.recorded(ups) for every in found for ups in (every, *([one] for one in every))]
+    return [tasks.settings_to_store(ups) for every in found for ups in (every, *([one] for one in every))]
 
 
 def verdicts():

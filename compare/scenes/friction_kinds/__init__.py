@@ -1,1 +1,1 @@
-"""Keys and records of the kinds of scenes that only friction is computed for."""
+"""Keys and records of the kinds of scenes for which only friction is computed."""

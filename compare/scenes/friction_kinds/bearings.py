@@ -1,6 +1,7 @@
-"""Kinds of scenes of bearings: "bearing ball", "bearing pair" (Lin 3.2, 4.3.1), "linear pair", "linear chain" (Lin 3.3).
+"""Kinds of scenes for friction in bearings (Lin 3.2, 3.3 and 4.3.1).
 
-One ball of a bearing; a four-point and a double-row bearing; balls of a linear bearing that may touch.
+"bearing ball" is one ball of a rotary bearing, "bearing pair" a four-point and a double-row bearing under the same force.
+"linear pair" and "linear chain" are two or more balls of a linear bearing, which may touch each other.
 """
 
 from __future__ import annotations
@@ -37,14 +38,14 @@ MapStep = Annotated[float, Quantity("number", 0, 1, 0.08, above=True)]
 
 
 class RingLoadKeys(Table):
-    """Motion or load of the inner ring."""
+    """Axial force and radial displacement of the inner ring."""
 
     axial_force: Axial = key("force along the axis")
     radial_displacement: Move = key("displacement towards the ball", "0 um", "5 um")
 
 
 class LawKeys(CoulombKeys):
-    """Friction of the contacts, and the law it follows."""
+    """Coefficient of friction of the contacts, and the friction law."""
 
     law: Law = key("Coulomb's, Coulomb's regularised, or the sigmoid of Lin 3.20", "coulomb", "coulomb")
     creep: Creep | None = key('speed that regularises, for law = "regularised"', None)
@@ -53,7 +54,7 @@ class LawKeys(CoulombKeys):
 
 
 class BearingBallKeys(common.SectionKeys):
-    """One ball of a rotary bearing; the inner ring turns, the outer one is held."""
+    """One ball of a rotary bearing; the inner ring turns, the outer ring is fixed."""
 
     kind: Literal["bearing ball"] = key("what the scene describes", example="bearing ball")
     track: PathKeys = key("path of the ball centres, of zero lead")
@@ -65,9 +66,10 @@ class BearingBallKeys(common.SectionKeys):
 
 @dataclass(frozen=True)
 class BearingBallScene(KindScene):
-    """One ball: bearing, axial force [N], radial displacement [m], law with its parameters.
+    """Scene of one ball in a rotary bearing under an axial force [N] and a radial displacement [m] of the inner ring.
 
-    creep [m/s] for "regularised"; sharpness k_S and map_step in c/a (None: exact integrals) for "sigmoid".
+    Parameters of the friction law ``law`` are the speed ``creep`` [m/s] of "regularised", and k_S (``sharpness``) and the
+    step in c/a (``map_step``; None: exact integrals) of "sigmoid".
     """
 
     kind: ClassVar[str] = "bearing ball"
@@ -81,7 +83,7 @@ class BearingBallScene(KindScene):
 
 
 def bearing_ball_faults(keys: BearingBallKeys) -> Iterator[Fault]:
-    """Yield faults of contradictory keys, and of bodies that the model does not cover."""
+    """Yield faults of a scene of one bearing ball: contradictory keys, and geometry that the model does not cover."""
     wrong = [*common.material_faults(keys.material), *common.groove_and_path_faults(keys, ring=True)]
     yield from wrong
     if wrong:
@@ -92,21 +94,22 @@ def bearing_ball_faults(keys: BearingBallKeys) -> Iterator[Fault]:
 
 
 def _law_faults(f: LawKeys, speed: float) -> Iterator[Fault]:
+    """Yield faults of a friction law: parameters of another law, missing parameters, or a sigmoid without rotation."""
     for name, law in (("creep", "regularised"), ("sharpness", "sigmoid"), ("map_step", "sigmoid")):
         if getattr(f, name) is not None and f.law != law:
             yield Fault((f"friction.{name}",), f'only with law = "{law}"', f'remove it, or set law = "{law}"')
     if f.law == "regularised" and f.creep is None:
-        advice = 'add creep = "0.1 mm/s", the speed that regularises'
+        advice = 'add creep = "0.1 mm/s", the speed below which friction is regularised'
         yield Fault(("friction.creep",), "above 0 m/s", advice, "nothing")
     if f.law == "sigmoid" and f.sharpness is None:
         yield Fault(("friction.sharpness",), "above 0", "add sharpness = 100, the k_S of the sigmoid", "nothing")
     if f.law == "sigmoid" and speed == 0.0:
-        advice = "the sigmoid's spin is relative to the ring's speed: let it turn, or take another law"
+        advice = "let the ring turn, or choose another law; the sigmoid refers to the ring's speed"
         yield Fault(("motion.speed",), "not zero for the sigmoid", advice)
 
 
 def bearing_ball_record(keys: BearingBallKeys, name: str) -> BearingBallScene:
-    """Return the scene of validated keys."""
+    """Return the scene of one bearing ball from its validated keys."""
     f = keys.friction
     bearing = Bearing(
         keys.balls.radius,
@@ -133,20 +136,20 @@ def bearing_ball_record(keys: BearingBallKeys, name: str) -> BearingBallScene:
     )
 
 
-# --- the kind "bearing pair": a four-point bearing against a double-row one, over the angle of the load (Lin 4.3.1)
+# --- the kind "bearing pair": comparison of a four-point and a double-row bearing over the angle of the load (Lin 4.3.1)
 
 
 LoadAngle = Annotated[float, Quantity("angle", "0 deg", "90 deg", "18 deg")]
 
 
 class RowBallKeys(BallSizeKeys):
-    """Balls of one row, evenly spread."""
+    """Balls of one row, evenly spaced."""
 
     count: Annotated[int, Field(ge=1, le=1000)] = key("balls in a row", example=9)
 
 
 class RingKeys(Table):
-    """A rotary bearing; the inner ring turns, the outer one is held."""
+    """Rotary bearing whose inner ring turns and whose outer ring is fixed."""
 
     track: PathKeys = key("path of the ball centres, of zero lead")
     screw: GrooveKeys = key("groove of the inner ring", example={"groove_radius": "6.75 mm"})
@@ -156,14 +159,14 @@ class RingKeys(Table):
 
 
 class RowKeys(Table):
-    """Two rows of balls."""
+    """Distance and arrangement of the two rows of balls of a double-row bearing."""
 
     distance: Size = key("axial distance of the rows", example="12 mm")
     arrangement: Literal["back to back", "face to face"] = key("of the rows", "back to back", "back to back")
 
 
 class DoubleRowKeys(RingKeys):
-    """A double-row angular-contact bearing."""
+    """Double-row angular-contact bearing."""
 
     rows: RowKeys = key("the rows")
 
@@ -179,7 +182,7 @@ class BearingLoadKeys(Table):
 
 
 class BearingPairKeys(KindKeys):
-    """A four-point bearing and a double-row one under the same force."""
+    """Four-point bearing and double-row bearing under the same force."""
 
     kind: Literal["bearing pair"] = key("what the scene describes", example="bearing pair")
     four_point: RingKeys = key("the four-point bearing")
@@ -192,7 +195,7 @@ class BearingPairKeys(KindKeys):
 
 @dataclass(frozen=True)
 class BearingPairScene(KindScene):
-    """Two bearings under the same force at angles (n,) [rad] from the axis."""
+    """Scene of a four-point and a double-row bearing under the same force, at angles (n,) [rad] from the axis."""
 
     kind: ClassVar[str] = "bearing pair"
     four_point: BearingCase
@@ -201,7 +204,7 @@ class BearingPairScene(KindScene):
 
 
 def bearing_pair_faults(keys: BearingPairKeys) -> Iterator[Fault]:
-    """Yield faults of contradictory keys, and of bodies that the model does not cover."""
+    """Yield faults of a scene of two bearings: contradictory keys, and geometry that the model does not cover."""
     wrong = list(common.material_faults(keys.material))
     yield from wrong
     if wrong:
@@ -212,17 +215,18 @@ def bearing_pair_faults(keys: BearingPairKeys) -> Iterator[Fault]:
         if not wrong:
             most = int(pi / asin(b.balls.radius / b.track.pitch_radius))
             if b.balls.count > most:
-                advice = "the balls would overlap: fewer or smaller balls"
+                advice = "choose fewer or smaller balls, which do not overlap"
                 yield Fault((f"{table}.balls.count",), f"1 to {most}", advice)
             yield from common.hertz_faults(_bearing_case(keys, b).groove, f"{table}.")
     if np.any(np.diff(keys.load.angles) <= 0.0):
-        advice = "each state starts the next: sort the angles and give each once"
+        advice = "sort the angles and give each once; each solution starts from that of the angle before"
         yield Fault(("load.angles",), "angles in ascending order", advice)
     if keys.motion.speed == 0.0:
-        yield Fault(("motion.speed",), "not zero", "a friction torque needs a ring that turns")
+        yield Fault(("motion.speed",), "not zero", "let the inner ring turn; friction torque is computed for a moving ring")
 
 
 def _bearing_case(keys: BearingPairKeys, b: RingKeys) -> BearingCase:
+    """Return one of the two bearings, with its load and friction, from its validated keys."""
     groove = ScrewGroove(
         b.balls.radius,
         common.groove_radius(b.screw, b.balls),
@@ -244,7 +248,7 @@ def _bearing_case(keys: BearingPairKeys, b: RingKeys) -> BearingCase:
 
 
 def bearing_pair_record(keys: BearingPairKeys, name: str) -> BearingPairScene:
-    """Return the scene of validated keys."""
+    """Return the scene of a four-point and a double-row bearing from its validated keys."""
     four, double = (_bearing_case(keys, b) for b in (keys.four_point, keys.double_row))
     return BearingPairScene(*head_fields(keys, name), four, double, np.array(keys.load.angles))
 
@@ -255,7 +259,7 @@ SideRatio = Annotated[float, Quantity("number", -10, 10, -0.6)]
 
 
 class StraightKeys(Table):
-    """Straight path of the ball centres."""
+    """Straight path of the ball centres of a linear bearing."""
 
     contact_angle: ContactAngle = key("nominal angle of the contact normals against the pressing direction")
 
@@ -270,26 +274,26 @@ class ChainLoadKeys(Table):
 
 
 class PairLoadKeys(ChainLoadKeys):
-    """Force of the carriage on each ball; the side force acts on the second ball in the opposite sense."""
+    """Force of the carriage on each ball; the side force on the second ball is opposite to that on the first."""
 
     side_force_ratio: SideRatio = key("side force on the first ball over vertical_force")
 
 
 class CarriageKeys(Table):
-    """Motion of the carriage."""
+    """Speed of the carriage of a linear bearing."""
 
     carriage: Speed = key("speed along the track")
 
 
 class LinearAngleKeys(Table):
-    """Contact angles of the pair: bottom left less, bottom right more by the deviation."""
+    """Deviation of the contact angles at the bottom groove: smaller by it on the left, larger on the right."""
 
     deviation: common.Theta = key("deviation theta of the bottom groove's contact angles")
     mated: bool = key("top groove made to match (Lin 3.3.4.2)", False, False)
 
 
 class ChainBallKeys(Table):
-    """One ball of a chain, in order along the track."""
+    """One ball of a chain of balls along the track."""
 
     side_force_ratio: SideRatio = key("side force over vertical_force", 0.0)
     angle_deviations: Annotated[list[common.Theta], Field(min_length=4, max_length=4)] = key(
@@ -301,7 +305,7 @@ class ChainBallKeys(Table):
 
 
 class LinearKeys(KindKeys):
-    """Balls of a linear bearing, the same gothic groove at bottom and top."""
+    """Balls of a linear bearing between equal gothic grooves at bottom and top."""
 
     track: StraightKeys = key("path of the ball centres")
     grooves: GrooveKeys = key("section of both grooves", example={"conformity": 0.56})
@@ -319,7 +323,7 @@ class LinearPairKeys(LinearKeys):
 
 
 class LinearChainKeys(LinearKeys):
-    """A chain of balls in a linear bearing."""
+    """Chain of balls in a linear bearing."""
 
     kind: Literal["linear chain"] = key("what the scene describes", example="linear chain")
     load: ChainLoadKeys = key("force of the carriage")
@@ -328,9 +332,10 @@ class LinearChainKeys(LinearKeys):
 
 @dataclass(frozen=True)
 class LinearScene(KindScene):
-    """N balls: contact angles (N, 4) [rad] before loading, vertical force [N], side force ratios (N,).
+    """Scene of N balls in a linear bearing.
 
-    gap (N-1,) [m] between neighbours.
+    ``angles``: contact angles (N, 4) [rad] before loading; ``vertical``: force on each ball [N]; ``side``: side force on
+    each ball over the vertical force (N,); ``gap``: gaps between neighbours (N-1,) [m].
     """
 
     bearing: LinearBearing
@@ -343,7 +348,7 @@ class LinearScene(KindScene):
 
 @dataclass(frozen=True)
 class LinearPairScene(LinearScene):
-    """Two balls whose bottom contact angles deviate by ``deviation`` [rad]."""
+    """Scene of two balls in a linear bearing whose bottom contact angles deviate by ``deviation`` [rad]."""
 
     kind: ClassVar[str] = "linear pair"
     deviation: float
@@ -351,43 +356,47 @@ class LinearPairScene(LinearScene):
 
 @dataclass(frozen=True)
 class LinearChainScene(LinearScene):
-    """A chain of balls."""
+    """Scene of a chain of balls in a linear bearing."""
 
     kind: ClassVar[str] = "linear chain"
 
 
-# --- what a scene may not describe
+# --- faults of keys
 
 
 def linear_bearing_faults(keys: LinearPairKeys | LinearChainKeys) -> Iterator[Fault]:
-    """Yield faults of contradictory keys, and of bodies that the model does not cover."""
+    """Yield faults of a linear bearing: contradictory keys, and geometry that the model does not cover."""
     wrong = [*common.material_faults(keys.material), *common.groove_faults(keys.grooves, keys.balls, "grooves")]
     yield from wrong or _linear_faults(keys)
 
 
 def _linear_faults(keys: LinearPairKeys | LinearChainKeys) -> Iterator[Fault]:
+    """Yield faults of gaps, contact angles and side forces of the balls of a linear bearing."""
     angles, side, gap = _ball_angles_and_gaps(keys)
     chain = isinstance(keys, LinearChainKeys)
     if gap[-1] != 0.0:
         where = f"chain[{len(gap) - 1}].gap"
-        yield Fault((where,), "none for the last ball", "the last ball has no next one: remove its gap")
+        yield Fault((where,), "no gap for the last ball", "remove the gap, because no ball follows")
     for i, row in enumerate(angles):
         if row.min() <= 0.0 or row.max() >= 0.5 * pi:
             where = f"chain[{i}].angle_deviations" if chain else "angles.deviation"
-            advice = f"the nominal contact angle is {degrees(keys.track.contact_angle):.6g} deg"
+            advice = f"choose smaller deviations; the nominal contact angle is {degrees(keys.track.contact_angle):.6g} deg"
             yield Fault((where,), "contact angles above 0 deg, below 90 deg", advice)
             return
         low, high = side_force_range(row, keys.track.contact_angle, keys.load.distribution)
         if not low <= side[i] <= high:
             where = f"chain[{i}].side_force_ratio" if chain else "load.side_force_ratio"
             least, most = (low, high) if chain or i == 0 else (-high, -low)
-            advice = 'a contact would have to pull: take less, or distribution = "elastic"'
+            advice = 'reduce the ratio, at which a contact would have to pull, or write distribution = "elastic"'
             yield Fault((where,), f"{least:.4g} to {most:.4g} at these contact angles", advice)
             return
 
 
 def side_force_range(angles: Array, nominal: float, distribution: Loads) -> tuple[float, float]:
-    """Return the smallest and largest side force ratio of a ball at contact angles (4,) for which no contact pulls."""
+    """Return the smallest and largest ratio of side force to vertical force for which no contact of a ball pulls.
+
+    ``angles``: contact angles (4,) [rad]; ``nominal``: nominal contact angle [rad].
+    """
     if distribution == "elastic":
         return -np.inf, np.inf
     if distribution == "diagonal":
@@ -400,7 +409,7 @@ def side_force_range(angles: Array, nominal: float, distribution: Loads) -> tupl
 
 
 def _ball_angles_and_gaps(keys: LinearPairKeys | LinearChainKeys) -> tuple[Array, Array, Array]:
-    """Return contact angles (N, 4) [rad], side force ratios (N,) and gaps after each ball (N,) [m]."""
+    """Return contact angles (N, 4) [rad], side force ratios (N,) and gaps to the next ball (N,) [m] of a linear bearing."""
     if isinstance(keys, LinearPairKeys):
         two = np.full(2, keys.angles.deviation)
         turned, rho = angle_deviations(two, mated=keys.angles.mated), keys.load.side_force_ratio
@@ -411,7 +420,7 @@ def _ball_angles_and_gaps(keys: LinearPairKeys | LinearChainKeys) -> tuple[Array
 
 
 def linear_bearing_record(keys: LinearPairKeys | LinearChainKeys, name: str) -> LinearScene:
-    """Return the scene of validated keys."""
+    """Return the scene of balls in a linear bearing from its validated keys."""
     f, radius = keys.friction, keys.balls.radius
     bearing = LinearBearing(
         radius,

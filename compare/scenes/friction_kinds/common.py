@@ -1,4 +1,4 @@
-"""Shared parts of the kinds of scenes that only friction is computed for: keys, records, checks."""
+"""Keys, records and checks that all kinds of scenes share for which only friction is computed."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ from rollbench.meshes.scene_text import to_toml
 
 
 class KindKeys(HeadKeys):
-    """Keys of every kind."""
+    """Keys of every scene for which only friction is computed."""
 
     kind: str = key("what the scene describes")
     material: MaterialKeys = key("material of all parts", example=MATERIAL)
@@ -37,7 +37,10 @@ class KindKeys(HeadKeys):
 
 @dataclass(frozen=True)
 class KindScene:
-    """Fields of the scene of every kind. ``assumed``: statements about what the source leaves open."""
+    """Scene for which only friction is computed; base class of all such kinds.
+
+    ``source``: publication of the data; ``assumed``: assumptions where the publication gives no value.
+    """
 
     kind: ClassVar[str]
     name: str
@@ -46,7 +49,7 @@ class KindScene:
     assumed: tuple[str, ...]
 
     def to_toml(self) -> str:
-        """Return the text of a scene file that is read as this scene."""
+        """Return the scene as the text of a scene file."""
         from rollbench.compare.scenes.friction_kinds.table import scene_tables
 
         return to_toml(scene_tables(self))
@@ -56,13 +59,13 @@ Head = tuple[str, str, str, tuple[str, ...]]
 
 
 def head_fields(keys: KindKeys, name: str) -> Head:
-    """Return the first fields of a record: name, title, source, assumptions."""
+    """Return the first fields of a scene's record: name, title, source, assumptions."""
     return name, escaped(keys.title), escaped(keys.source), tuple(map(escaped, keys.assumed))
 
 
 @dataclass(frozen=True)
 class SceneKind:
-    """A kind of scene: its keys, keys that are not allowed, and the function that makes its record."""
+    """Kind of scene for friction: class of its keys, check of these keys, and function that returns its record."""
 
     keys: type[KindKeys]
     faults: Callable[[Any], Iterator[Fault]]
@@ -79,13 +82,13 @@ Theta = Annotated[float, Quantity("angle", "-15 deg", "15 deg", "2 deg")]
 
 
 class SharedErrorKeys(Table):
-    """Geometric errors that a module of a few balls knows."""
+    """Geometric errors that scenes of a few balls can have."""
 
     balls: OversizeKeys = key("errors of the ball radii", OversizeKeys(), {"oversize": "1.7 um"})
 
 
 class HertzKeys(Table):
-    """Which Hertz constants are used."""
+    """Choice of the Hertz constants."""
 
     hertz: Literal["nominal", "as printed"] = key(
         "contact constants: exact at the nominal angle, or with the faults of Table B.1", "nominal", "nominal"
@@ -93,18 +96,18 @@ class HertzKeys(Table):
 
     @property
     def mode(self) -> Mode:
-        """Name of the Hertz constants in the modules of friction."""
+        """Name of this choice in the friction solvers: "right" or "as printed"."""
         return "right" if self.hertz == "nominal" else "as printed"
 
 
 class RubbingKeys(CoulombKeys):
-    """Coulomb friction of grooves and balls."""
+    """Coulomb friction between balls and grooves, and between neighbouring balls."""
 
     balls: Coefficient | None = key("coefficient from ball to ball, where it is not that of the grooves", None)
 
 
 class SectionKeys(KindKeys):
-    """A ring or a screw: one groove section on both parts, one size of balls."""
+    """Bearing ring or screw with the same groove cross-section on both parts, and balls of one size."""
 
     screw: GrooveKeys = key("groove of the screw, or of the inner ring", example={"conformity": 0.54})
     nut: GrooveKeys = key("groove of the nut, or of the outer ring; the same section", example={"conformity": 0.54})
@@ -113,7 +116,7 @@ class SectionKeys(KindKeys):
 
 
 def material_faults(material: MaterialKeys) -> Iterator[Fault]:
-    """Yield a fault of a material without modulus or Poisson's ratio."""
+    """Yield a fault for a material without Young's modulus or without Poisson's ratio."""
     for name, text in (("youngs_modulus", '"210 GPa"'), ("poissons_ratio", "0.28")):
         if getattr(material, name) is None:
             yield Fault((f"material.{name}",), "a value", f"write {name} = {text} under [material]", "nothing")
@@ -125,21 +128,24 @@ def elastic_constants(material: MaterialKeys) -> tuple[float, float]:
 
 
 def groove_radius(groove: GrooveKeys, balls: BallSizeKeys) -> float:
-    """Return the groove radius [m], as given or from the conformity."""
+    """Return the groove radius [m], either given or computed from the conformity."""
     return groove.groove_radius or 2.0 * (groove.conformity or 0.0) * balls.radius
 
 
 def groove_faults(groove: GrooveKeys, balls: BallSizeKeys, table: str) -> Iterator[Fault]:
-    """Yield a fault of a groove that is given twice, not at all, or narrower than its ball."""
+    """Yield a fault for a groove that is given twice, not at all, or with a radius not above that of the ball.
+
+    ``table``: name of the groove's table.
+    """
     wrong = list(groove_choice_faults(groove, table))
     yield from wrong
     if not wrong and groove_radius(groove, balls) <= balls.radius:
-        advice = "a groove is wider than its ball"
+        advice = "choose a groove radius above the ball's radius"
         yield Fault((f"{table}.groove_radius", f"{table}.conformity"), f"above {mm(balls.radius)}", advice)
 
 
 class OneRingKeys(Protocol):
-    """Tables of one ring or screw."""
+    """Keys of a bearing ring or screw that `groove_and_path_faults` checks."""
 
     screw: GrooveKeys
     nut: GrooveKeys
@@ -151,20 +157,20 @@ class OneRingKeys(Protocol):
 
     @property
     def balls(self) -> BallSizeKeys:
-        """The balls."""
+        """Size of the balls."""
 
 
 def groove_and_path_faults(body: OneRingKeys, p: str = "", *, ring: bool) -> Iterator[Fault]:
-    """Yield faults of grooves and path.
+    """Yield faults of the grooves, the ball path and the oversize of a bearing ring or screw.
 
     Parameters
     ----------
     body
-        Tables of a ring or screw.
+        Tables of the ring or screw.
     p
-        Prefix of its tables (``four_point.``).
+        Prefix of the names of its tables, such as ``four_point.``.
     ring
-        Whether the lead must be zero instead of positive.
+        Whether it is a bearing ring, whose lead must be zero; else the lead must be positive.
     """
     track, radius = body.track, groove_radius(body.screw, body.balls)
     for name, groove in (("screw", body.screw), ("nut", body.nut)):
@@ -173,27 +179,30 @@ def groove_and_path_faults(body: OneRingKeys, p: str = "", *, ring: bool) -> Ite
         if wrong:
             return
     if abs(groove_radius(body.nut, body.balls) / radius - 1.0) > 1e-12:
-        advice = "this kind has one groove section: for unlike grooves describe the whole screw or bearing"
+        advice = "give both grooves the same radius, or describe the whole screw or bearing for different grooves"
         yield Fault((f"{p}nut.groove_radius", f"{p}nut.conformity"), f"the screw's, {mm(radius)}", advice)
     if ring and track.lead != 0.0:
-        yield Fault((f"{p}track.lead",), '"0 mm"', "this kind describes rings, without a lead")
+        yield Fault((f"{p}track.lead",), '"0 mm"', "write 0 mm; this kind describes bearing rings, which have no lead")
     if not ring and track.lead == 0.0:
-        yield Fault((f"{p}track.lead",), "above 0 mm", "this kind describes a ball screw: give its lead")
+        yield Fault((f"{p}track.lead",), "above 0 mm", "give the lead; this kind describes a ball screw")
     if track.pitch_radius <= radius:
-        advice = "the balls run on a circle larger than the groove's section"
+        advice = "correct the radius; the pitch circle is larger than the groove radius"
         yield Fault((f"{p}track.pitch_radius",), f"above {mm(radius)}", advice)
     yield from displacement_faults(radius - body.balls.radius, body.errors.balls.oversize, f"{p}errors.balls.oversize")
 
 
 def displacement_faults(reach: float, size: float, where: str) -> Iterator[Fault]:
-    """Yield a fault of a play or displacement [m] that moves the ball's centre out of its groove's section."""
+    """Yield a fault for an oversize or displacement ``size`` [m] that is too large for the groove.
+
+    ``reach``: groove radius less ball radius [m]; ``where``: name of the key.
+    """
     if abs(size) >= reach:
-        advice = "the ball's centre would leave its groove's section: the models hold for small displacements"
+        advice = "choose a smaller value; the models hold for small displacements of the ball's centre"
         yield Fault((where,), f"between -{mm(reach)} and {mm(reach)}, groove radius less ball radius", advice)
 
 
 def hertz_faults(groove: ScrewGroove, prefix: str = "") -> Iterator[Fault]:
-    """Yield a fault of grooves without the Hertz constants asked for; ``prefix``: of their tables."""
+    """Yield a fault for grooves whose Hertz constants do not exist (``prefix``: that of the names of their tables)."""
     try:
         with np.errstate(invalid="ignore"):
             if np.all(np.isfinite(groove.constants.C)):
@@ -201,8 +210,8 @@ def hertz_faults(groove: ScrewGroove, prefix: str = "") -> Iterator[Fault]:
     except ValueError:
         pass
     if groove.hertz == "as printed":
-        advice = "the source's constants do not exist there, mostly because the helix is too steep"
+        advice = "choose nominal constants; the printed formulas have no solution here, usually as the helix is too steep"
         yield Fault(("ingredients.hertz",), '"nominal" for these grooves', advice)
         return
     keys = (f"{prefix}screw.groove_radius", f"{prefix}screw.conformity")
-    yield Fault(keys, "a groove that does not conform to its ball", "take a wider groove")
+    yield Fault(keys, "a groove radius clearly above the ball's radius", "choose a larger groove radius")

@@ -1,4 +1,4 @@
-"""Kinds of scenes "screw pair" and "screw run": two balls of a ball screw, and a whole one in time (Lin 3.4)."""
+"""Kinds of scenes "screw pair" and "screw run": two balls of a ball screw, and a whole screw in time (Lin 3.4)."""
 
 from __future__ import annotations
 
@@ -27,28 +27,28 @@ Pattern = Annotated[list[Share], Field(min_length=4, max_length=4)]
 Part = Annotated[float, Quantity("number", 0, 1, 0.5)]
 Cycles = Annotated[float, Quantity("number", 0, 1000, 2)]
 Direction = Literal["axial", "radial"]
-#: Largest number of balls times steps of a run: all results are kept.
+#: Largest number of balls times number of time steps, because the results of all steps are stored.
 MOST = 5_000_000
-#: Names of the screw's free translations.
+#: Name in the friction solvers of the direction in which the screw can move.
 FREE_TRANSLATION: dict[Direction, str] = {"axial": "z", "radial": "r"}
 _PATTERN = "how much of the deviation the contact angles at SL, SR, NL, NR (screw or nut, left or right) take"
 
 
 class ScrewLoadKeys(Table):
-    """Motion or load of the screw; the nut is fixed."""
+    """Force on the screw and its direction; the nut is fixed."""
 
     force: common.AxialLoad = key("force on the screw")
     direction: Direction = key("along the axis, or radially at every ball; the screw moves that way only", "axial", "axial")
 
 
 class ScrewFrictionKeys(common.RubbingKeys):
-    """Coulomb friction of grooves and balls, and which bodies it displaces."""
+    """Coulomb friction of grooves and balls, and the bodies that friction displaces."""
 
     coupling: Coupling = key("what friction moves: nothing, the balls, or balls and screw", "none", "ball")
 
 
 class ScrewAngleKeys(Table):
-    """Contact angles of two balls."""
+    """Deviations of the contact angles of two balls."""
 
     deviations: Annotated[list[common.Theta], Field(min_length=2, max_length=2)] = key(
         "deviation theta at the ball behind and at the one ahead", example=["0 deg", "2 deg"]
@@ -57,7 +57,7 @@ class ScrewAngleKeys(Table):
 
 
 class RunAngleKeys(Table):
-    """Contact angles along the screw: theta = amplitude sin(cycles azimuth + phase)."""
+    """Deviation theta of the contact angles along the screw: theta = amplitude sin(cycles azimuth + phase)."""
 
     amplitude: common.Theta = key("amplitude of the deviation theta")
     cycles_per_turn: Cycles = key("periods of theta in a turn of the screw", 2, 2)
@@ -67,14 +67,14 @@ class RunAngleKeys(Table):
 
 
 class RunBallKeys(BallSizeKeys):
-    """Balls of a closed track."""
+    """Balls of a closed track with a return tube."""
 
     count: Annotated[int, Field(ge=2, le=1000)] = key("number of balls", example=37)
     turns: Turns = key("loaded turns of the nut")
 
 
 class ClosedTrackKeys(Table):
-    """Return path of the balls."""
+    """Length of the return tube of the balls, and position of the first ball."""
 
     return_tube: common.Gap = key("length of the return tube, whose balls bear no load", "0 mm", "5.6 mm")
     first_ball: Part = key("place of the first ball at the start, as part of the distance between balls", 0.5, 0.5)
@@ -82,7 +82,7 @@ class ClosedTrackKeys(Table):
 
 @dataclass(frozen=True)
 class RunTimeKeys(Time):
-    """A run in time. Give angle or duration."""
+    """Run in time, over an angle of rotation or a duration."""
 
     rounds: Annotated[int, Whole(1, 100)] = usual(
         1, "rounds of loads and friction at an instant; one: loads with the friction of the instant before", 1
@@ -90,7 +90,7 @@ class RunTimeKeys(Time):
 
 
 class ScrewBallKeys(common.SectionKeys):
-    """Balls of a ball screw; only the difference of the speeds of nut and screw matters."""
+    """Balls of a ball screw, of which only the relative speed of nut and screw matters."""
 
     track: HelixKeys = key("path of the ball centres")
     load: ScrewLoadKeys = key("force on the screw")
@@ -99,7 +99,7 @@ class ScrewBallKeys(common.SectionKeys):
 
 
 class ScrewPairKeys(ScrewBallKeys):
-    """Two balls of a ball screw in touch."""
+    """Two neighbouring balls of a ball screw that touch each other."""
 
     kind: Literal["screw pair"] = key("what the scene describes", example="screw pair")
     balls: BallSizeKeys = key("the two balls")
@@ -107,7 +107,7 @@ class ScrewPairKeys(ScrewBallKeys):
 
 
 class ScrewRunKeys(ScrewBallKeys):
-    """A whole ball screw in time."""
+    """Whole ball screw that turns for some time."""
 
     kind: Literal["screw run"] = key("what the scene describes", example="screw run")
     balls: RunBallKeys = key("balls of the closed track")
@@ -118,7 +118,7 @@ class ScrewRunKeys(ScrewBallKeys):
 
 @dataclass(frozen=True)
 class ScrewPairScene(KindScene):
-    """Two balls of a ball screw."""
+    """Scene of two neighbouring balls of a ball screw that touch each other."""
 
     kind: ClassVar[str] = "screw pair"
     pair: Pair
@@ -126,18 +126,18 @@ class ScrewPairScene(KindScene):
 
 @dataclass(frozen=True)
 class ScrewRunScene(KindScene):
-    """A whole ball screw in time."""
+    """Scene of a whole ball screw that turns for some time."""
 
     kind: ClassVar[str] = "screw run"
     run: Run
     time: Time
 
 
-# --- what a scene may not describe
+# --- faults of keys
 
 
 def ball_screw_faults(keys: ScrewPairKeys | ScrewRunKeys) -> Iterator[Fault]:
-    """Yield faults of contradictory keys, and of bodies that the models do not cover."""
+    """Yield faults of balls of a ball screw: contradictory keys, and geometry that the models do not cover."""
     wrong = list(common.material_faults(keys.material))
     wrong = wrong or list(common.groove_and_path_faults(keys, ring=False))
     wrong = wrong or list(_angle_and_load_faults(keys))
@@ -147,38 +147,40 @@ def ball_screw_faults(keys: ScrewPairKeys | ScrewRunKeys) -> Iterator[Fault]:
 
 
 def _angle_and_load_faults(keys: ScrewPairKeys | ScrewRunKeys) -> Iterator[Fault]:
+    """Yield faults of contact angles, ball size, Hertz constants and load of the balls of a screw."""
     pair = isinstance(keys, ScrewPairKeys)
     where = "angles.deviations" if pair else "angles.amplitude"
     largest = max(map(abs, keys.angles.deviations)) if isinstance(keys, ScrewPairKeys) else abs(keys.angles.amplitude)
     nominal = keys.track.contact_angle
     room = min(nominal, 0.5 * pi - nominal)
     if largest * max(map(abs, keys.angles.pattern)) >= room:
-        advice = f"the nominal contact angle is {degrees(nominal):.6g} deg; take a smaller deviation"
+        advice = f"choose a smaller deviation; the nominal contact angle is {degrees(nominal):.6g} deg"
         yield Fault((where,), "contact angles above 0 deg, below 90 deg", advice)
     try:
         _ = _screw_groove(keys).pair
     except ValueError:
-        advice = "two balls cannot touch within a quarter of a turn: take smaller balls"
+        advice = "choose smaller balls, of which two touch within a quarter of a turn"
         yield Fault(("balls.radius",), f"small against the pitch radius, {mm(keys.track.pitch_radius)}", advice)
     yield from common.hertz_faults(_screw_groove(keys))
     if keys.load.force == 0.0 and keys.errors.balls.oversize <= 0.0:
-        advice = "nothing presses the balls: give a force, or an oversize above 0 um"
+        advice = "give a force, or an oversize above 0 um; without them the balls carry no load"
         yield Fault(("load.force",), "not zero for balls without oversize", advice)
 
 
 def _run_faults(keys: ScrewRunKeys) -> Iterator[Fault]:
+    """Yield faults of speed, number of balls and time steps of a whole screw in time."""
     if keys.motion.speed == 0.0:
-        advice = "a torque needs nut and screw to turn against each other"
-        yield Fault(("motion.speed",), "any angular speed but zero", advice)
+        advice = "let nut and screw turn relative to each other; friction torque is computed for a moving screw"
+        yield Fault(("motion.speed",), "any angular speed except zero", advice)
     groove, count = _screw_groove(keys), keys.balls.count
     ring = 2.0 * pi * keys.balls.turns + keys.circulation.return_tube / groove.radius
     most = int(np.ceil(ring / groove.pair.spacing)) - 1
     if count > most:
-        advice = "the balls need some free length on the track: fewer balls, more turns or a return tube"
-        yield Fault(("balls.count",), f"2 to {most} on this track" if most > 1 else "a longer track", advice)
+        advice = "choose fewer balls, more turns or a longer return tube; the balls need some free length on the track"
+        yield Fault(("balls.count",), f"2 to {most} on this track" if most > 1 else "none on so short a track", advice)
     yield from time_faults(keys.time)
     if keys.time.steps is not None and count * keys.time.steps > MOST:
-        advice = "results of all steps are kept: take fewer steps, or fewer balls"
+        advice = "choose fewer steps or fewer balls; the results of all steps are stored"
         yield Fault(("time.steps",), f"1 to {MOST // count} with {count} balls", advice)
 
 
@@ -186,6 +188,7 @@ def _run_faults(keys: ScrewRunKeys) -> Iterator[Fault]:
 
 
 def _screw_groove(keys: ScrewPairKeys | ScrewRunKeys) -> ScrewGroove:
+    """Return groove, balls, speeds and friction of a ball screw from its validated keys."""
     track, f, motion = keys.track, keys.friction, keys.motion
     nut, screw = (motion.speed, 0.0) if motion.turns == "nut" else (0.0, motion.speed)
     return ScrewGroove(
@@ -204,7 +207,7 @@ def _screw_groove(keys: ScrewPairKeys | ScrewRunKeys) -> ScrewGroove:
 
 
 def screw_pair_record(keys: ScrewPairKeys, name: str) -> ScrewPairScene:
-    """Return the scene of validated keys."""
+    """Return the scene of two balls of a ball screw from its validated keys."""
     first, second = keys.angles.deviations
     pattern = tuple(keys.angles.pattern)
     pair = Pair(
@@ -220,7 +223,7 @@ def screw_pair_record(keys: ScrewPairKeys, name: str) -> ScrewPairScene:
 
 
 def screw_run_record(keys: ScrewRunKeys, name: str) -> ScrewRunScene:
-    """Return the scene of validated keys."""
+    """Return the scene of a whole ball screw in time from its validated keys."""
     groove, a = _screw_groove(keys), keys.angles
     time = Time(**{f.name: getattr(keys.time, f.name) for f in fields(Time)})
     run = Run(

@@ -1,4 +1,4 @@
-"""Table of the kinds of scenes that only friction is computed for, and writing them as scene files."""
+"""Table of the kinds of scenes for which only friction is computed, and conversion of their records to scene files."""
 
 from __future__ import annotations
 
@@ -60,11 +60,12 @@ TABLE = {
 
 
 def kind_named(name: str) -> SceneKind:
-    """Return the kind of a name, one of `names.KINDS`."""
+    """Return the keys, checks and record of the kind ``name``, one of `duty_cycle.KINDS`."""
     return TABLE[name]
 
 
 def _kind_tag(value: Any) -> str:
+    """Return the name of the kind by which the JSON Schema distinguishes scenes; "whole" for ball screws and bearings."""
     kind = value.get("kind") if isinstance(value, dict) else getattr(value, "kind", None)
     if kind == AXIS or (isinstance(value, dict) and "sets" in value):
         return AXIS
@@ -72,14 +73,11 @@ def _kind_tag(value: Any) -> str:
 
 
 def json_schema() -> dict[str, Any]:
-    """Return the JSON Schema (draft 2020-12) of a scene file of any kind.
-
-    It has description, unit, range and example of every key.
-    """
+    """Return the JSON Schema (draft 2020-12) of scene files of all kinds, with description, unit and range of every key."""
     by_tag = {"whole": SceneKeys} | {name: kind_named(name).keys for name in KINDS} | {AXIS: AxisKeys}
     every: Any = Annotated[Union[tuple(Annotated[of, Tag(name)] for name, of in by_tag.items())], Discriminator(_kind_tag)]  # noqa: UP007
     schema: dict[str, Any] = without_null(TypeAdapter[Any](every).json_schema())
-    name = schema["$defs"]["MaterialKeys"]["properties"]["name"]  # beside both values `with_material` takes any
+    name = schema["$defs"]["MaterialKeys"]["properties"]["name"]  # any name is allowed if both constants are given
     name["anyOf"] = [{"enum": name.pop("enum")}, {"type": "string"}]
     draft = "https://json-schema.org/draft/2020-12/schema"
     return {"$schema": draft, "$id": "urn:rollbench:scene", "title": "rollbench scene"} | schema
@@ -89,7 +87,7 @@ Table = dict[str, Any]
 
 
 def scene_tables(scene: KindScene) -> Table:
-    """Return keys and tables of a scene of any of these kinds."""
+    """Return the keys and tables of a scene file from the record of a scene for friction."""
     head = given_keys(title=scene.title, source=scene.source, assumed=[*scene.assumed]) | {"kind": scene.kind}
     match scene:
         case BearingBallScene():
@@ -107,11 +105,12 @@ def scene_tables(scene: KindScene) -> Table:
 
 
 def _material_table(young: float, poisson: float) -> Table:
+    """Return the table of a material from Young's modulus [Pa] and Poisson's ratio."""
     return {"youngs_modulus": text_of(Modulus, young), "poissons_ratio": poisson}
 
 
 def _body_tables(groove: ScrewGroove, oversize: float) -> Table:
-    """Return the tables of path, grooves, balls and their errors."""
+    """Return the tables of ball path, grooves, balls and their oversize [m]."""
     section = groove_table(groove.groove_radius, groove.ball_radius)
     hand = {"hand": "left"} if groove.lead < 0.0 else {}
     path = {"pitch_radius": text_of(Radius, groove.pitch_radius), "lead": text_of(Lead, abs(groove.lead)), **hand}
@@ -125,10 +124,12 @@ def _body_tables(groove: ScrewGroove, oversize: float) -> Table:
 
 
 def _hertz_table(groove: ScrewGroove) -> Table:
+    """Return the table that chooses the printed Hertz constants; empty for the nominal constants."""
     return {"ingredients": {"hertz": "as printed"}} if groove.hertz == "as printed" else {}
 
 
 def _ball_tables(scene: BearingBallScene) -> Table:
+    """Return the tables of a scene of one bearing ball."""
     b = scene.bearing
     creep = text_of(Creep, scene.creep) if scene.creep else None
     law = given_keys(law=scene.law, creep=creep, sharpness=scene.sharpness or None, map_step=scene.map_step)
@@ -143,6 +144,7 @@ def _ball_tables(scene: BearingBallScene) -> Table:
 
 
 def _bearing_pair_tables(scene: BearingPairScene) -> Table:
+    """Return the tables of a scene of a four-point and a double-row bearing."""
     four, double = scene.four_point, scene.double_row
     groove = four.groove
     first, second = double.rows
@@ -161,11 +163,13 @@ def _bearing_pair_tables(scene: BearingPairScene) -> Table:
 
 
 def _ring_tables(case: BearingCase) -> Table:
+    """Return the tables of ball path, grooves and balls of one bearing."""
     bodies = _body_tables(case.groove, 0.0 - case.clearance)
     return bodies | {"balls": bodies["balls"] | {"count": case.count}}
 
 
 def _linear_tables(scene: LinearScene) -> Table:
+    """Return the tables of a scene of balls in a linear bearing."""
     b = scene.bearing
     load = {"vertical_force": text_of(Force, scene.vertical), "distribution": scene.distribution}
     table = {
@@ -192,7 +196,10 @@ def _linear_tables(scene: LinearScene) -> Table:
 
 
 def _screw_tables(groove: ScrewGroove, of: Any, angles: Table) -> Table:
-    """Return the tables that a pair and a run of balls share."""
+    """Return the tables that scenes of two balls of a screw and of a whole screw in time share.
+
+    ``of``: record of the pair or run, with oversize, force, free direction and coupling.
+    """
     by_nut = groove.nut_speed != 0.0
     speed = {"speed": text_of(Turning, groove.nut_speed if by_nut else groove.screw_speed)}
     direction = next(name for name, letter in FREE_TRANSLATION.items() if letter == of.free)
@@ -208,6 +215,7 @@ def _screw_tables(groove: ScrewGroove, of: Any, angles: Table) -> Table:
 
 
 def _screw_run_tables(scene: ScrewRunScene) -> Table:
+    """Return the tables of a scene of a whole ball screw in time."""
     run = scene.run
     angles: Table = {"amplitude": text_of(Theta, run.amplitude), "cycles_per_turn": run.cycles}
     angles |= {"phase": text_of(Azimuth, run.phase), "pattern": [*run.pattern], "follows": run.follows}

@@ -200,4 +200,4 @@ def test_view_writes_a_file_and_shows_it(tmp_path, command, monkeypatch) -> None
     other.write_text("mine", encoding="utf-8")
     assert "notes.html" in command.refused("view", SCENE, "--out", other)
     assert other.read_text(encoding="utf-8") == "mine"
-    assert "only friction solves" in command.refused("view", "lin-pair-a", "--out", out)
+    assert "rollbench friction" in command.refused("view", "lin-pair-a", "--out", out)

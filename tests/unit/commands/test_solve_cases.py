@@ -75,7 +75,7 @@ def test_a_case_without_equilibrium_ends_alone(tmp_path, command) -> None:
     code, found = command.json("solve", written(tmp_path, text), "--model", "lin", "--json")
     assert (code, [one["status"] == "converged" for one in found["cases"]]) == (1, [True, False])
     words = [found["summary"][key] for key in ("life", "life_words")]
-    assert words == [None, "none, because case open has no loads"]
+    assert words == [None, "the contact loads of case open are not known"]
     assert "open" in found["status"]
 
 

@@ -64,10 +64,10 @@ def test_a_patch_is_as_long_as_a_contact_that_its_lead_sets_askew():
     lead = float(np.hypot(across * np.cos(m.beta) * np.sin(m.alpha), along))
     larger, words = with_larger_patches(setup, [run], 2)
     assert along < zone(setup.settings, setup)[1] < lead
-    assert "askew" in words
+    assert "skew contacts" in words
     assert lead < larger.reach[1] < 1.5 * lead
     assert larger.reach[1] < zone(larger, setup)[1]
-    assert "askew" not in with_larger_patches(setup, [run], 5)[1], "that many steps would do"
+    assert "skew contacts" not in with_larger_patches(setup, [run], 5)[1], "that many steps would do"
 
 
 @pytest.mark.parametrize("angle", [40.0, 45.0])

@@ -118,7 +118,7 @@ def test_solve_says_not_covered_where_a_scene_is_outside(change, name: str) -> N
     if name:
         assert any(text.startswith(name) for text in beyond)
         assert form.percent is None
-        assert any("beyond what was compared" in w or "unlike every compared" in w for w in form.words)
+        assert any("outside the range of the compared scenes" in w or "unlike every compared" in w for w in form.words)
         cells = [r for r in range_table(changed).rows if r["where"] == "OUTSIDE"]
         assert len(cells) == len(beyond)
     else:

@@ -37,8 +37,8 @@ WHOLE = LoadUncertainty(0.3, False, KNOWN["lin-case3"], 0.4, "angle, where there
 def test_parts_add_by_squares_and_the_largest_are_named() -> None:
     assert WHOLE.percent == pytest.approx(np.sqrt(0.3**2 + 2.5**2 + 0.4**2 + 1.2**2))
     assert WHOLE.text == (
-        "uncertain by 2.82 % in all: discretisation 0.30 %; modelling choices 2.50 %, most held face; inputs 0.40 %, most "
-        "angle; large displacements 1.20 %"
+        "uncertain by 2.82 % in total: discretisation 0.30 %; modelling choices 2.50 %, mainly held face; inputs 0.40 %, "
+        "mainly angle; large displacements 1.20 %"
     )
     assert "0.12 to 0.19 % larger" in WHOLE.beside
     less = replace(WHOLE, choices=None, inputs=None, by_experience=True, shared=False)

@@ -86,7 +86,7 @@ def test_it_is_compared_and_judged_as_ours_are(example, command):
     assert mine.errors == pytest.approx(ours.errors, abs=1e-9)
     assert (mine.ball, mine.side, mine.seconds > 0.0) == (ours.ball, ours.side, True)
     assert found.expected_error.loads is None
-    assert "a model of yours has not been compared with the 3D reference" in found.expected_error.words
+    assert "your model has not been compared with the 3D reference" in found.expected_error.words
     code, out, _ = command("compare", "lin-case1", "--model", example, "mei", "--json")
     answers = json.loads(out)["scenes"][0]["answers"]
     assert (code, answers[example]["loads"]["max_N"]) == (0, pytest.approx(answers["mei"]["loads"]["max_N"], abs=1e-9))
@@ -145,10 +145,10 @@ def test_pressure_that_it_gives_is_shown_and_judged(installed, command):
 LOADS = "import numpy as np\ndef model(scene):\n    loads = np.zeros((scene.ball_count, 4))\n"
 #: Faulty models: module, and what the error names.
 FAULTY = {
-    "shape": (LOADS + "    return loads[:, :2]", "mine gives loads of shape (32, 2); allowed: shape (32, 4)"),
+    "shape": (LOADS + "    return loads[:, :2]", "loads of shape (32, 2) from mine; allowed: an array of shape (32, 4)"),
     "nan": (LOADS + "    loads[3, 1] = np.nan\n    return loads", "loads of nan on ball 4, SR"),
     "negative": (LOADS + "    loads[0, 2] = -5.0\n    return loads", "loads of -5 on ball 1, NL"),
-    "words": (LOADS + "    return 'ten'", "loads that are no numbers"),
+    "words": (LOADS + "    return 'ten'", "loads from mine that are not numbers"),
     "displacement": (
         LOADS + "    from rollbench import ModelAnswer\n    return ModelAnswer(loads, displacement=np.zeros(3))",
         "displacement of shape (3,)",
@@ -156,7 +156,7 @@ FAULTY = {
     "exception": ("def model(scene):\n    raise RuntimeError('no\\nlicence')", "mine fails with RuntimeError: no licence"),
     "import": ("import absent_solver", "No module named 'absent_solver'"),
     "attribute": ("", "AttributeError"),
-    "number": ("model = 3", "int in place of a function"),
+    "number": ("model = 3", "an object of type int instead of a function"),
 }
 
 
@@ -189,7 +189,7 @@ def test_a_name_of_ours_stays_ours(installed, command):
 def test_a_name_of_two_packages_is_refused(installed):
     installed(ZEROS, "first_module:model")
     installed(ZEROS, "second_module:model")
-    with pytest.raises(InputError, match="has that name too"):
+    with pytest.raises(InputError, match="also has this name"):
         rollbench.solve("lin-case1", "mine")
 
 
@@ -197,7 +197,7 @@ def test_several_sets_on_one_shaft_are_refused_in_one_line(installed, command):
     installed(LOADS + "    return loads")
     for words in (("solve", "double-nut"), ("check", "double-nut", "--no-compute")):
         code, out, err = command(*words, "--model", "mine")
-        assert (code, out, err.count("\n"), "mine describes one set" in err) == (2, "", 1, True), err
+        assert (code, out, err.count("\n"), "mine does not solve several" in err) == (2, "", 1, True), err
     code, _, err = command("sweep", "double-nut", "--vary", "errors.seed=1:2", "--model", "mine")
     assert code == 2
     assert "mine" in err

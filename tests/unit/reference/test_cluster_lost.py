@@ -89,13 +89,13 @@ def lose(address, process, begun, words):
 def test_a_last_worker_that_is_lost_ends_the_jobs_after_a_stated_wait(worker, monkeypatch, capfd, tmp_path):
     monkeypatch.setattr(parallel, "LONELY", 0.4)
     monkeypatch.setattr(parallel, "LOOK", 0.1)
-    lose(*worker, tmp_path / "begun", r"the last worker is lost, and none came in 0\.4 s")
+    lose(*worker, tmp_path / "begun", r"the last worker was lost, and no other joined within 0\.4 s")
     assert "waiting 0.4 s for another" in capfd.readouterr().err
 
 
 def test_a_scheduler_that_is_lost_is_named(cluster, monkeypatch, tmp_path):
     monkeypatch.setattr(parallel, "PATIENCE", 2.0)
-    lose(*cluster, tmp_path / "begun", "the scheduler does not answer any more")
+    lose(*cluster, tmp_path / "begun", "the scheduler no longer answers")
 
 
 @pytest.fixture

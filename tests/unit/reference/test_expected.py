@@ -61,7 +61,7 @@ def test_a_machine_that_is_too_small_is_refused_before_anything_runs(tmp_path, m
     enough = expected_cost(TASK).memory_GB
     monkeypatch.setattr(module, "available_GB", lambda: 1.5 * enough)
     assert need_memory([TASK, TASK], 1) == pytest.approx(enough)
-    with pytest.raises(errors.InputError, match="`workers=1`, "):
+    with pytest.raises(errors.InputError, match="`workers=1`"):
         need_memory([TASK, TASK], 2)
     monkeypatch.setattr(module, "available_GB", lambda: None)
     assert need_memory([TASK, TASK], 2) == pytest.approx(2.0 * enough)
@@ -86,7 +86,7 @@ def test_an_interrupt_says_what_is_kept(tmp_path, monkeypatch: pytest.MonkeyPatc
     monkeypatch.setattr(jobs, "output_closed", lambda: False)
     with pytest.raises(KeyboardInterrupt):
         jobs.ensure([TASK], tmp_path, jobs.Engine(cache=tmp_path / "cache"), said.append)
-    assert said[-1].startswith(f"WARNING: interrupted: 0 of 1 set-ups are kept in {tmp_path}, finished stages")
+    assert said[-1].startswith(f"WARNING: interrupted: 0 of 1 set-ups are stored in {tmp_path}, and finished stages")
     monkeypatch.setattr(jobs, "output_closed", lambda: True)
     with pytest.raises(BrokenPipeError):
         jobs.ensure([TASK], tmp_path, jobs.Engine(), said.append)

@@ -11,7 +11,7 @@ from tests.reference_records import run_of
 from rollbench.compare.models.modelling import combine_effects, effect, modelling_percent, varied
 from rollbench.compare.models.registry import DEFAULT, Options, run_model
 from rollbench.compare.reference.store import save
-from rollbench.compare.reference.variants import COUPLING, HOLE, LANDS, LENGTH, held_ring, twisted
+from rollbench.compare.reference.variants import COUPLING, HOLE, LANDS, LENGTH, fix_half_of_face, with_twisted_supports
 from rollbench.compare.scenes import catalogue
 from rollbench.hifi.condensation import nut_transform
 from rollbench.meshes import parts, solid
@@ -46,13 +46,13 @@ def test_a_ring_is_held_by_the_nodes_in_it() -> None:
     assert held("left face, inner half") == [0, *range(8)]
     assert held("right face, outer half") == [50, *range(7, 15)]
     with pytest.raises(ValueError, match="outer surface"):
-        held_ring("outer")(replace(CASE1, solid=parts.Solid(nut_held="outer surface")))
+        fix_half_of_face("outer")(replace(CASE1, solid=parts.Solid(nut_held="outer surface")))
 
 
 def test_the_dropped_twist_turns_supports_and_moves_no_load() -> None:
     """Axial force and torque of the beams are statically determinate, so the stretch turns as a whole."""
     scene = replace(CASE1, supports=(*CASE1.supports, parts.Support(0.8, (("ux", 0.0), ("uy", 0.0)))))
-    turned = twisted(scene)
+    turned = with_twisted_supports(scene)
     before, after = (dict(s.supports[0].fixed) for s in (scene, turned))
     assert {k for k in before if before[k] != after[k]} == {"rz"}
     core = 16.5e-3 - 3.254e-3
@@ -60,7 +60,7 @@ def test_the_dropped_twist_turns_supports_and_moves_no_load() -> None:
     assert after["rz"] == pytest.approx(COUPLING * 5000.0 * 0.4 * flexibility, rel=1e-9)
     assert turned.supports[1] == scene.supports[1]
     options = Options(discretisation=False, engine="interpreted")
-    a, b = (run_model(s, DEFAULT, options).load for s in (CASE1, twisted(CASE1)))
+    a, b = (run_model(s, DEFAULT, options).load for s in (CASE1, with_twisted_supports(CASE1)))
     assert 0.0 < np.abs(a - b).max() < 2e-5 * a.max()
 
 

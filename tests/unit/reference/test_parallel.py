@@ -234,7 +234,7 @@ def test_a_scheduler_without_workers_is_refused_after_the_wait_that_is_asked_for
     begin = time.perf_counter()
     with (
         empty_cluster() as cluster,
-        pytest.raises(InputError, match=r"no workers in 1 s; .*dask worker tcp://.*wait_workers"),
+        pytest.raises(InputError, match=r"no workers within 1 s; .*dask worker tcp://.*wait_workers"),
     ):
         run(JOBS, "dask", cluster.scheduler_address, wait=1.0)
     assert 1.0 < time.perf_counter() - begin < 10.0

@@ -88,9 +88,9 @@ def test_models_and_commands_of_one_set_refuse_several_with_the_reason(monkeypat
     assert AXIS_MODELS == ("refined", "lin", "lin-source-partition", "lin-cell", "lin-nut")
     monkeypatch.setitem(MODELS, "new", Model("new", "a new one", "new", "new", MODELS["mei"].run))
     for name, words in (
-        ("mei", "mei describes one set: its bars"),
+        ("mei", "mei does not solve several nuts or bearing rows: its bars"),
         ("none", "choose one of these"),
-        ("new", "new describes one set: it solves one set"),
+        ("new", "new does not solve several nuts or bearing rows: it solves one"),
     ):
         with pytest.raises(InputError, match=words):
             run_model(catalogue.shipped("double-nut"), name)
@@ -156,7 +156,7 @@ def test_commands_work_or_say_why_not(command, small, tmp_path):
     for tokens, why in (
         (("solve", small, "--members", "3"), "no random error"),
         (("solve", small, "--all"), "every set is built as its scene asks"),
-        (("solve", small, "--member", "1"), "no set has random errors"),
+        (("solve", small, "--member", "1"), "the scene has no random errors"),
         (("sweep", small, *vary[:-3], "mei", "--out", tmp_path / "t"), "refined, lin, lin-source-partition, lin-cell"),
         (("solve", small, "--stiffness-at", "9 m"), "0 mm to"),
     ):

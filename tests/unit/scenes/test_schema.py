@@ -24,7 +24,7 @@ EITHER_OR |= {"diameter", "filling", "circuit_gap", "arcs", "angle", "clearance"
 
 
 def test_template_loads_as_case_1_and_that_of_an_unknown_kind_is_refused():
-    with pytest.raises(InputError, match=r"screw-run.*a whole screw is a ball-screw"):
+    with pytest.raises(InputError, match=r"screw-run.*a complete screw is a ball-screw"):
         template("screw")
     scene, case = scene_file.scene_of_text(template(), "x/my.toml"), catalogue.scene("lin-case1")
     assert scene.name == "my"
