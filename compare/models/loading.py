@@ -120,7 +120,8 @@ def scaled(scene: Scene | Assembly, factor: float) -> Scene | Assembly:
         return replace(scene, loads=loads if factor else ())
     from rollbench.lowfi.statics.axis.system import reported_location  # heavy import
 
-    return replace(scene, loads=loads, housings=tuple(map(multiplied_load, scene.housings)), stiffness_at=reported_location(scene))
+    housings = tuple(map(multiplied_load, scene.housings))
+    return replace(scene, loads=loads, housings=housings, stiffness_at=reported_location(scene))
 
 
 def solve_scaled(scene: Scene, factor: float, model: str, options: Options) -> StaticResult:
