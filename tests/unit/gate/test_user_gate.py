@@ -216,7 +216,7 @@ def test_balls_are_matched_by_azimuth_and_station(command, tmp_path) -> None:
     assert "32 balls are numbered otherwise in the file, and were matched by azimuth and z" in found.detail
     named = judged(tmp_path, changed(rows, "ball", "b".__add__))
     assert named.error_percent == right.error_percent, "with places, a number may be any name"
-    with pytest.raises(InputError, match="the place of a ball; the nearest"):
+    with pytest.raises(InputError, match="the position of a ball; the nearest"):
         judged(tmp_path, changed(rows, "z_mm", lambda z: float(z) + 5.0))
     with pytest.raises(InputError, match="line 2: z_mm: got x"):
         judged(tmp_path, [rows[0] | {"z_mm": "x"}, *rows[1:]])

@@ -44,6 +44,6 @@ def test_flanges_with_larger_errors_are_expected_to_have_them_and_change_no_othe
 def test_a_flange_that_does_not_hold_its_nut_is_of_no_compared_kind() -> None:
     face = replace(ON_FLANGE, solid=replace(SCENE.solid, nut_held="left face"))
     found = estimate(face, RESULT, PLAIN)
-    assert (found.percent, "does not hold it" in found.words[-1]) == (None, True)
+    assert (found.percent, "is not fixed at it" in found.words[-1]) == (None, True)
     plain = estimate(replace(SCENE, solid=face.solid), RESULT, PLAIN)
     assert plain.percent == pytest.approx(estimate(SCENE, RESULT, PLAIN).percent)

@@ -29,5 +29,5 @@ def test_each_line_is_said_just_beyond_it():
     assert dent[0] == "safety"
     assert "static safety of 1, below 1" in dent[1]
     assert heavy[0] == "preload"
-    assert f"preload of {above:.4g} N, beyond the dynamic load rating of {C:.4g} N" in heavy[1]
+    assert f"preload of {above:.4g} N, above the dynamic load rating of {C:.4g} N" in heavy[1]
     assert [kind for kind, _ in said(0.5, 2.0 * C)] == ["safety", "preload"]

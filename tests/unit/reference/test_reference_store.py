@@ -73,7 +73,7 @@ def test_key_follows_the_content_not_the_name(monkeypatch: pytest.MonkeyPatch) -
 
 def test_only_converged_runs_are_stored(tmp_path) -> None:
     failed = replace(run_of("lin-case1", 1, np.ones((32, 4))), status="not held: because")
-    with pytest.raises(ValueError, match="no reference: not held: because"):
+    with pytest.raises(ValueError, match="cannot be a reference: not held: because"):
         save(tmp_path, CASE1, failed)
     jobs.keep(tmp_path, Task((CASE1,), 1), [failed], None)
     assert list(tmp_path.iterdir()) == []
