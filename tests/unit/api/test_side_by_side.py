@@ -93,7 +93,7 @@ def test_a_scene_without_equilibrium_has_its_reason_and_no_numbers() -> None:
 
 
 def test_one_scene_is_not_side_by_side() -> None:
-    with pytest.raises(InputError, match="two scenes or more"):
+    with pytest.raises(InputError, match="at least two scenes"):
         rollbench.side_by_side(["lin-case1"])
 
 
