@@ -220,7 +220,7 @@ class Comparison(Record):
         return (*(f"WARNING: {words}" for words in self.warnings), *self.verdict.splitlines())
 
     def __repr__(self) -> str:
-        """Return the scene's name, then a line for each model, or for each load case, nut or bearing if there are several."""
+        """Return the scene's name, then a line for each model (for several load cases, nuts or bearings: for each of them)."""
         if self.cases or self.sets:
             return "\n".join([self.scene, *self.verdict.splitlines()])
         return "\n".join([f"{self.scene}: {self.verdict}", *map(repr, self.models.values())])
@@ -559,7 +559,7 @@ def own_references(
     """
     if len(scenes) != 1 and len(cases) != len(scenes):
         advice = "compare the scenes one by one, each with its own file"
-        raise ArgumentError("reference", f"{path} for {len(scenes)} scenes", "one file for one scene", advice)
+        raise ArgumentError("reference", f"{path} for {len(scenes)} scenes", "a file for one scene", advice)
     warned: dict[str, None] = {}
     references = [references_from_file(path, scene, warned.setdefault, case=cases.get(scene.name)) for scene in scenes]
     warnings += warned

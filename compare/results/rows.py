@@ -24,7 +24,7 @@ from rollbench.compare.results.scene_json import (
     answers_json,
     set_json,
     together_json,
-    whole_json,
+    axis_summary_json,
 )
 from rollbench.lowfi.bearings.rib import RibContact
 from rollbench.lowfi.bearings.roller_torque import RollerTorque
@@ -107,7 +107,7 @@ def answer_rows(one: Solved | SolvedAxis, *, details: bool = False) -> list[Row]
     supports = _support_rows(one.answers.path)
     if isinstance(one, Solved):
         return [*summary_rows(answers_json(one), one.expected, details=details), *supports]
-    data = whole_json(one)
+    data = axis_summary_json(one)
     whole = {key: data.pop(key) for key in OF_ALL if key in data}
     names = [one.answers.sets[i].name for i in one.answers.by_pressure[:1]]
     worst = summary_rows(data, details=details) if names else []

@@ -235,8 +235,8 @@ class Result(Record, Balls):
     shaft and housings."""
     displacement: Array | None = None
     """Displacement of the screw's cross-section at the nut's centre from its unloaded position, (6,) [m, rad], in the
-    degrees of freedom ux, uy, uz, rx, ry, rz. With several nuts or bearings on one shaft: displacement of the axial position
-    or housing that ``stiffness_at`` names, or else of the one on which the first load of the scene acts."""
+    degrees of freedom ux, uy, uz, rx, ry, rz. With several nuts or bearings on one shaft: displacement of the axial
+    position or housing that ``stiffness_at`` names, or else of the one on which the first load of the scene acts."""
     rigidity: float | None = None
     """Axial force divided by axial displacement [N/m]; None without axial force."""
     stiffness: Array | None = None

@@ -15,7 +15,7 @@ from rollbench.compare.quantities import as_json, count_of, quantities, shown
 from rollbench.compare.results.base import as_text
 from rollbench.compare.results.load_curve import LoadCurve
 from rollbench.compare.results.rows import answer_rows, expected_words, set_rows, together_rows
-from rollbench.compare.results.scene_json import cases_json, discretisation_percent, roller_rows, set_balls, sides_json
+from rollbench.compare.results.scene_json import cases_json, discretisation_percent, roller_rows, ball_rows_of_axis, sides_json
 from rollbench.compare.results.side_by_side import NUMBERS, Alternative, SideBySide
 from rollbench.compare.scenes.duty_cycle import DutyCycle
 from rollbench.compare.text.printing import Column, aligned_table, listed_table, plain_table, ruled_table, text_width
@@ -239,7 +239,7 @@ def _set_tables(one: SolvedAxis, *, balls: bool, stiffness: bool) -> list[Any]:
 def _element_tables(result: AxisResult) -> list[RenderableType]:
     """Return the tables of all balls with their loaded flanks, and of all rollers."""
     out: list[RenderableType] = []
-    rows = set_balls(result)
+    rows = ball_rows_of_axis(result)
     loaded = [s for s in SIDES if any((r["load_N"][s] or 0.0) > 0.0 for r in rows)]
     if loaded:
         columns: list[Column] = [("set", "set", "s"), ("index", "ball", "s"), ("azimuth_deg", "azimuth deg", ".2f")]

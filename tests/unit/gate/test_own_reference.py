@@ -88,7 +88,7 @@ REFUSED = [
     (("check", SCENE, "--levels", "2"), "the file is the reference"),
     (("check", "double-nut"), "no rows of set 1"),
     (("check",), "name the scenes"),
-    (("compare", SCENE, "lin-case1"), "one scene, not 2"),
+    (("compare", SCENE, "lin-case1"), "for 2 scenes"),
     (("compare", SCENE, "--levels", "1"), "--levels"),
     (("compare", SCENE, "--fresh"), "--fresh"),
     (("compare", SCENE, "--model", "condensed"), "condensed bodies"),
