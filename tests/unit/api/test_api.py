@@ -181,7 +181,7 @@ def test_paths_of_earlier_versions_still_work_with_a_warning(solved: rollbench.R
         np.testing.assert_array_equal(solved.load, solved.loads)
     with pytest.warns(DeprecationWarning, match=r"rollbench\.Result now"):
         assert rollbench.Solution is rollbench.Result
-    with pytest.warns(DeprecationWarning, match="to_dict"), pytest.raises(KeyError, match="keys here: sides, loads"):
+    with pytest.warns(DeprecationWarning, match="to_dict"), pytest.raises(KeyError, match="available keys: sides, loads"):
         solved["summary.load"]
 
 
