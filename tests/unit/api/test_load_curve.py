@@ -98,4 +98,4 @@ def test_the_command_prints_the_record(command) -> None:
     data = command.answer(*words)
     assert data == rollbench.load_curve("bearing-9", "-3000N:3000N:3", "lin").to_dict()
     assert [p["load_N"] for p in data["points"]] == [-3000.0, 0.0, 3000.0]
-    assert "stiffness outside the lash" in command.said(*words)
+    assert "stiffness from the ends of the lash" in command.said(*words)

@@ -106,8 +106,8 @@ def test_terminal_shows_torques_losses_and_what_is_left_out():
     others = ("left out: lubric", "assumed: ", "solver contact loads with a residual of ")
     assert [words for words in (*torques, *others) if words in brief] == [*torques]
     assert [words for words in (*torques, *others) if words not in full] == []
-    count = f"{len(found.data['assumed'])} assumptions, {len(found.data['left_out'])} things left out"
-    assert f"--verbose: {count}" in brief
+    count = f"{len(found.data['assumed'])} assumptions, {len(found.data['left_out'])} neglected effects"
+    assert f"--verbose also shows: {count}" in brief
     assert "--verbose" not in full
     assert "which a motor must give the nut at 157.08 rad/s, which moves against the load" in full
     locked = mine(("coefficient = 0.06", "coefficient = 0.5"), ("nut = 0.07", "nut = 0.5"), ("-3 kN", "-0.1 kN"))
