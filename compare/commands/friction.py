@@ -102,7 +102,7 @@ def as_table(answer: FrictionAnswer, *, balls: bool = False, details: bool = Fal
     from rollbench.compare.text.solved import closing_lines
 
     data = answer.data
-    drawn = "" if data.get("member") is None else f", member {data['member']} of its random errors"
+    drawn = "" if data.get("member") is None else f", specimen {data['member']} of its random errors"
     parts: list[Any] = [f"{data['scene']}{drawn}, {data['kind']}: {data['status']}", data["title"]]
     parts += [*filter(None, [answer.warning])]
     if rows := friction_rows(data):

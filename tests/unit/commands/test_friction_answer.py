@@ -150,7 +150,7 @@ def test_member_draws_the_specimen_of_loads_and_friction():
     first, second = (a.data["torque"]["friction_torque_Nmm"] for a in found)
     assert abs(first - second) > 1e-6 * first
     assert [a.data["member"] for a in found] == [0, 1]
-    assert ", member 1 of its random errors, " in str(as_table(found[1])[0])
+    assert ", specimen 1 of its random errors, " in str(as_table(found[1])[0])
     assert answer(mine()).data["member"] is None
     with pytest.raises(InputError, match="no random errors"):
         answer(mine(), member=1)

@@ -87,7 +87,7 @@ REFUSED = [
     (("check", SCENE, "lin-case1"), "one scene, not 2"),
     (("check", SCENE, "--levels", "2"), "the file is the reference"),
     (("check", "double-nut"), "no rows of set 1"),
-    (("check",), "name the scenes"),
+    (("check",), "state the scenes"),
     (("compare", SCENE, "lin-case1"), "for 2 scenes"),
     (("compare", SCENE, "--levels", "1"), "--levels"),
     (("compare", SCENE, "--fresh"), "--fresh"),
