@@ -239,8 +239,8 @@ def load_curve(scene: Described | str | Path, loads: str, model: str = "", *, me
         Range of loads. ``"LOW:HIGH"`` with a unit, such as ``"-3000N:3000N"``: axial forces that replace the scene's loads
         and act at the nut's centre (for several nuts or bearings on one shaft: where the scene's loads act). Without a
         unit, such as ``"0:1.5"``: factors by which all loads of the scene are multiplied. There may follow, each after a
-        colon, the number of points (2 to 1001, 21 if left out), the direction of the force (``x``, ``45deg``), and the axial
-        position or the housing on which the force acts (``300mm``): ``"-3kN:3kN:41:x"``.
+        colon, the number of points (2 to 1001, 21 if left out), the direction of the force (``x``, ``45deg``), and the
+        axial position or the housing on which the force acts (``300mm``): ``"-3kN:3kN:41:x"``.
     model
         Name of the model, as for `solve`.
     member

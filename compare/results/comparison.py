@@ -220,7 +220,7 @@ class Comparison(Record):
         return (*(f"WARNING: {words}" for words in self.warnings), *self.verdict.splitlines())
 
     def __repr__(self) -> str:
-        """Return the scene's name, then a line for each model (for several load cases, nuts or bearings: for each of them)."""
+        """Return the scene's name, then a line for each model (with several load cases, nuts or bearings: for each)."""
         if self.cases or self.sets:
             return "\n".join([self.scene, *self.verdict.splitlines()])
         return "\n".join([f"{self.scene}: {self.verdict}", *map(repr, self.models.values())])

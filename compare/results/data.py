@@ -362,7 +362,7 @@ class MeshQuantity:
     values: tuple[float, ...]
     """Value on every level, coarsest first [unit]."""
     order: float | None
-    """Observed order of convergence [1]; None if the values do not converge monotonically, as contact loads often do not."""
+    """Observed order of convergence [1]; None if the values do not converge monotonically (contact loads often do not)."""
     extrapolated: float | None
     """Value extrapolated to zero cell size [unit]; None if no order of convergence was observed."""
     uncertainty: float | None

@@ -162,7 +162,7 @@ class Verdict(Record):
 
     @property
     def answer(self) -> str:
-        """Verdict in one line: worst judgement, scenes, models, largest error of a contact load, count of each judgement."""
+        """Verdict in one line: worst judgement, scenes, models, largest error of a contact load, and counts."""
         counts = ", ".join(f"{n} {word}" for word in CODES if (n := sum(v.word == word for v in self.judged)))
         of = [
             ", ".join(dict.fromkeys(texts)) for texts in ([v.subject for v in self.judged], [v.judged for v in self.judged])
