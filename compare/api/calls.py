@@ -12,7 +12,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
-from rollbench.compare.errors import ArgumentError, named
+from rollbench.compare.errors import ArgumentError, name_file_in_refusals
 from rollbench.compare.results.data import (
     Ensemble,
     Friction,
@@ -209,7 +209,7 @@ def solve_described(
 
     solved, tangents, at_nut = [], [], []
     for scene in each_case(described, origin or described.name):
-        with named(scene.name, origin or scene.name):
+        with name_file_in_refusals(scene.name, origin or scene.name):
             chosen, tangent = model or default_model(scene), None
             if isinstance(scene, Assembly) and stiffness_at is not None:
                 scene = replace(scene, stiffness_at=stiffness_at)
@@ -299,7 +299,7 @@ def load_curve_of(described: Described, loads: str, model: str, options: Options
 
     course = read_course(loads)
     scene: Scene | Assembly = each_case(described, origin or described.name)[0]
-    with named(scene.name, origin or scene.name):
+    with name_file_in_refusals(scene.name, origin or scene.name):
         return load_curve(scene, course, model, options)
 
 

@@ -164,8 +164,8 @@ def _answer_line(data: dict[str, Any]) -> str:
     life = "no life over the duty cycle"
     if off is not None:
         life = (
-            f"life over the duty cycle {lives[data['model']]:.4g} million revolutions, {lives['3D reference']:.4g} from the "
-            f"loads of the reference ({off:+.2f} %)"
+            f"life over the duty cycle {lives[data['model']]:.4g} million revolutions, {lives['3D reference']:.4g} from "
+            f"the loads of the reference ({off:+.2f} %)"
         )
     error = data["largest_error_percent"]
     case = data["largest_error_case"]

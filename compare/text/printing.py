@@ -12,7 +12,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
-from rollbench.compare.errors import escaped
+from rollbench.compare.errors import escape_unprintable
 from rollbench.compare.running import clear_progress_line
 
 if TYPE_CHECKING:
@@ -86,7 +86,7 @@ def _print_parts(parts: Iterable[Any], *, folded: bool) -> None:
             _show_table(part, terminal)
             continue
         text = wrap_lines(part, text_width()) if folded else part
-        text = "\n".join(map(escaped, text.split("\n")))  # file names may contain control characters
+        text = "\n".join(map(escape_unprintable, text.split("\n")))  # file names may contain control characters
         with guard_standard_output():
             print(wrap_lines(text, text_width()) if terminal else text)
 
