@@ -57,7 +57,8 @@ Head = tuple[str, str, str, tuple[str, ...]]
 
 def head_fields(keys: KindKeys, name: str) -> Head:
     """Return the first fields of a record: name, title, source, assumptions."""
-    return name, *map(escape_unprintable, (keys.title, keys.source)), tuple(map(escape_unprintable, keys.assumed))
+    assumed = tuple(map(escape_unprintable, keys.assumed))
+    return name, escape_unprintable(keys.title), escape_unprintable(keys.source), assumed
 
 
 @dataclass(frozen=True)
