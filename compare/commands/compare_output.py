@@ -1,4 +1,4 @@
-"""Text, tables and files of ``rollbench compare`` for one scene."""
+"""Tables and files in which ``rollbench compare`` shows the results of one scene."""
 
 from __future__ import annotations
 
@@ -23,20 +23,22 @@ if TYPE_CHECKING:
 
     from rollbench.compare.studies.rolling.rows import RollingRow
 
+#: Headings of the table of models.
 COLUMNS = ("model", "max err %", "at", "RMS %", "gate %", "max N", "mean N", "MPa", "uz um", "s")
 
 
 def start_lines(whole: Compared) -> list[str]:
-    """Return a line on the origin of displacements where it is not the nominal position."""
+    """Return a line that states from which position displacements are measured; no line if it is the nominal position."""
     if not whole.start:
         return []
     return [
-        f"displacements: from the place without loads, by {whole.spoken.title} {1e6 * whole.start:.3g} um from the nominal "
-        "one, which the reference's are counted from too"
+        f"displacements of models and reference are measured from the position without loads, which is "
+        f"{1e6 * whole.start:.3g} um from the nominal position by the model {whole.spoken.title}"
     ]
 
 
 def _error_cells(b: Beside) -> list[str]:
+    """Return the cells of the table of models for one model or the reference, in the order of `COLUMNS`."""
     e, loads = b.error, b.answer.load[b.answer.load > 0.0]
     at = "" if e is None else f"{e.ball} {e.side}".strip()
     errors = () if e is None else (f"{e.max_percent:.2f}", at, f"{e.rms_percent:.2f}", f"{b.by_gate:.2f}")
@@ -52,12 +54,15 @@ def _error_cells(b: Beside) -> list[str]:
 
 
 def models_table(models: Sequence[Beside], itself: Beside) -> RenderableType:
-    """Return the table of models, the reference first; narrower than 80 columns."""
+    """Return the table of models and coarser meshes with their errors, the reference ``itself`` in the first row."""
     return plain_table(COLUMNS, map(_error_cells, (itself, *models)), COLUMNS[:1])
 
 
 def older_times(models: Sequence[Beside], itself: Beside) -> list[str]:
-    """Return lines with the times of stored runs, which the table leaves out, and the programs they were measured with."""
+    """Return lines with the computing times of stored runs, and with which version and computer they were measured.
+
+    The table of models has only times that were measured now.
+    """
     by_stamp: dict[str, list[str]] = {}
     for b in (itself, *models):
         if b.answer.seconds and b.answer.measured:
@@ -66,7 +71,7 @@ def older_times(models: Sequence[Beside], itself: Beside) -> list[str]:
 
 
 def contact_rows(scene: Scene, models: Sequence[Beside], reference: Reference) -> list[dict[str, Any]]:
-    """Return one row per contact: loads [N] of the reference with uncertainty, and of the models."""
+    """Return a row for each loaded contact, with the load of the reference, its uncertainty, and the loads of models [N]."""
     rows = []
     loaded = (reference.load > 0.0) | np.any([b.answer.load > 0.0 for b in models], axis=0)
     for i, s in zip(*np.nonzero(loaded), strict=True):
@@ -78,7 +83,7 @@ def contact_rows(scene: Scene, models: Sequence[Beside], reference: Reference) -
 
 
 def load_figure(name: str, models: Sequence[Beside], reference: Reference) -> Figure:
-    """Return the figure of loads over the balls, one panel for each loaded flank of the screw."""
+    """Return the figure of contact loads over the ball number, with a panel for each loaded groove flank of the screw."""
     panels = []
     for s in (0, 1):
         if not (reference.load[:, s] > 0.0).any():
@@ -90,7 +95,7 @@ def load_figure(name: str, models: Sequence[Beside], reference: Reference) -> Fi
 
 
 def write_files(scene: Scene, models: Sequence[Beside], reference: Reference, store: Path) -> str:
-    """Write the contacts as CSV and the figure as SVG into the store; return a line that names them."""
+    """Write the loads of all contacts (CSV) and their figure (SVG) to the folder ``store``; return a line that names both."""
     rows = contact_rows(scene, models, reference)
     stem = store / f"{scene.name}-compare"
     write_csv(Path(f"{stem}.csv"), rows)
@@ -98,7 +103,7 @@ def write_files(scene: Scene, models: Sequence[Beside], reference: Reference, st
     return f"wrote {stem}.csv (every contact) and {figure}"
 
 
-#: Columns of the table after the quantity: attribute of a row, heading, format.
+#: Columns of the table of rolling contact after the quantity: attribute of a row, heading, number format.
 ROLLING_COLUMNS = (
     ("low", "low-order", ".5g"),
     ("reference", "3D", ".5g"),
@@ -114,7 +119,7 @@ ROLLING_COLUMNS = (
 
 
 def rolling_table(name: str, rows: Sequence[RollingRow]) -> Any:
-    """Return the table of a scene of rolling balls: low-order model, 3D, what is printed."""
+    """Return the table that compares the low-order model of rolling contact with the 3D model and with printed values."""
     from rollbench.compare.studies.rolling.rows import UNSTATED
     from rollbench.compare.studies.rolling.study import without_infinity
 
@@ -126,6 +131,6 @@ def rolling_table(name: str, rows: Sequence[RollingRow]) -> Any:
         for r, x in zip(rows, known, strict=True)
     )
     table = ruled_table(title, ["quantity", *(heading for _, heading, _ in ROLLING_COLUMNS)], cells, ["quantity"])
-    table.caption = f"low-order: {1e3 * rows[0].low_seconds:.2f} ms now; 3D on the finest grid: {rows[0].seconds:.2f} s, "
-    table.caption += f"measured with {rows[0].measured_with}"
+    table.caption = f"time of the low-order model: {1e3 * rows[0].low_seconds:.2f} ms, measured now; of the 3D model on the "
+    table.caption += f"finest grid: {rows[0].seconds:.2f} s, measured with {rows[0].measured_with}"
     return table
