@@ -71,7 +71,7 @@ def older_times(models: Sequence[Beside], itself: Beside) -> list[str]:
 
 
 def contact_rows(scene: Scene, models: Sequence[Beside], reference: Reference) -> list[dict[str, Any]]:
-    """Return a row for each loaded contact, with the load of the reference, its uncertainty, and the loads of models [N]."""
+    """Return a row for each loaded contact: load of the reference, its uncertainty, and loads of the models [N]."""
     rows = []
     loaded = (reference.load > 0.0) | np.any([b.answer.load > 0.0 for b in models], axis=0)
     for i, s in zip(*np.nonzero(loaded), strict=True):
@@ -95,7 +95,7 @@ def load_figure(name: str, models: Sequence[Beside], reference: Reference) -> Fi
 
 
 def write_files(scene: Scene, models: Sequence[Beside], reference: Reference, store: Path) -> str:
-    """Write the loads of all contacts (CSV) and their figure (SVG) to the folder ``store``; return a line that names both."""
+    """Write the loads of all contacts (CSV) and their figure (SVG) to a folder; return a line that names both files."""
     rows = contact_rows(scene, models, reference)
     stem = store / f"{scene.name}-compare"
     write_csv(Path(f"{stem}.csv"), rows)
@@ -131,6 +131,6 @@ def rolling_table(name: str, rows: Sequence[RollingRow]) -> Any:
         for r, x in zip(rows, known, strict=True)
     )
     table = ruled_table(title, ["quantity", *(heading for _, heading, _ in ROLLING_COLUMNS)], cells, ["quantity"])
-    table.caption = f"time of the low-order model: {1e3 * rows[0].low_seconds:.2f} ms, measured now; of the 3D model on the "
-    table.caption += f"finest grid: {rows[0].seconds:.2f} s, measured with {rows[0].measured_with}"
+    table.caption = f"time of the low-order model: {1e3 * rows[0].low_seconds:.2f} ms, measured now; of the 3D model on "
+    table.caption += f"the finest grid: {rows[0].seconds:.2f} s, measured with {rows[0].measured_with}"
     return table

@@ -1,4 +1,4 @@
-"""Data of the 3D view of a solved scene: nuts and bearings with contact loads, geometric errors, and errors of the loads."""
+"""Data of the 3D view of a solved scene: contacts of nuts and bearings, geometric errors, and errors of the loads."""
 
 from __future__ import annotations
 
@@ -66,7 +66,7 @@ def make_view(
 
 
 def _view_case(name: str, one: Solved | SolvedAxis, stores: Sequence[Path] | None, given: Reference | None) -> CaseView:
-    """Return the data of one load case, called ``name``, for the 3D view; the other arguments are those of `make_view`."""
+    """Return the data of the load case ``name`` for the 3D view; see `make_view` for the other arguments."""
     if isinstance(one, Solved):
         known = given or reference(one.scene, stores)
         expected = None if one.expected is None or one.expected.percent is None else 0.01 * one.expected.percent
@@ -125,9 +125,9 @@ def _view_balls(
 def closer_than_perfect(scene: Scene, member: int = 0) -> Array:
     """Return by how much geometric errors bring each ball closer to its groove flanks, (n, 4) [m].
 
-    The distance is measured along the nominal contact normal n: delta = (r_B - r_B0) - ((c - c_0) n + rho - r_G0), with ball
-    radius r_B, groove centre c, and groove radius rho at the nominal contact angle; nominal values have a 0. The formula is
-    of first order in the errors.
+    The distance is measured along the nominal contact normal n: delta = (r_B - r_B0) - ((c - c_0) n + rho - r_G0), with
+    ball radius r_B, groove centre c, and groove radius rho at the nominal contact angle; nominal values have a 0. The
+    formula is of first order in the errors.
     """
     drawn, beta = specimen(scene, ball_layout(scene), member), scene.track.contact_angle
     normal = np.array(SIDE_SIGNS) * np.array([np.cos(beta), np.sin(beta)])
