@@ -754,8 +754,8 @@ def table(
     model
         Name of the model, as for `solve`.
     stiffness_at
-        Axial position on the shaft [m] at which the stiffness is computed, or the name of one of several nuts and bearings
-        on the shaft. None: the nut's centre.
+        Axial position on the shaft [m] at which the stiffness is computed. With several nuts or bearings on the shaft, also
+        the name of one, whose own stiffness is then computed. None: the nut's centre.
 
     Returns
     -------
