@@ -82,8 +82,8 @@ def run_friction(
 ) -> Answer:
     """Compute the friction in a scene of any kind, and return what is printed; InputError if the scene cannot be used.
 
-    ``balls``, ``details``: see `friction_table`. ``time_limit``: in s. The exit code is 1 if the computation did not converge
-    or reached the time limit, and, with ``strict``, if there is a warning.
+    ``balls``, ``details``: see `friction_table`. ``time_limit``: in s. The exit code is 1 if the computation did not
+    converge or reached the time limit, and, with ``strict``, if there is a warning.
     """
     from rollbench.compare.results.base import with_schema
     from rollbench.compare.running import checked, watched

@@ -46,8 +46,8 @@ class OfProgram:
     model_command: Annotated[
         Word,
         Parameter(
-            help='Use an external program as the model, by this command: "prog {scene.json} {loads.csv}". The program reads '
-            "the scene in the format of export SCENE --format json, and writes the loads in the format of solve "
+            help='Use an external program as the model, by this command: "prog {scene.json} {loads.csv}". The program '
+            "reads the scene in the format of export SCENE --format json, and writes the loads in the format of solve "
             "--loads-csv. Exit code 1 if it fails."
         ),
     ] = ""

@@ -93,9 +93,7 @@ class FrictionBand:
         form="g3",
         note="coefficients {least} to {most}",
     )
-    drag_torque: Sequence[float | None] | None = quantity(
-        "drag_torque_Nmm", "drag torque at both coefficients", parts="[]"
-    )
+    drag_torque: Sequence[float | None] | None = quantity("drag_torque_Nmm", "drag torque at both coefficients", parts="[]")
     preload: float | None = quantity("preload_N", "preload force F in the formula of screw makers")
     makers: float | None = quantity(
         "makers_formula_Nmm", "drag torque by the formula of screw makers, 0.05/sqrt(tan beta) F l/(2 pi)"

@@ -22,9 +22,9 @@ from rollbench.compare.results.scene_json import (
     LoadSums,
     RollerSums,
     answers_json,
+    axis_summary_json,
     set_json,
     together_json,
-    axis_summary_json,
 )
 from rollbench.lowfi.bearings.rib import RibContact
 from rollbench.lowfi.bearings.roller_torque import RollerTorque

@@ -80,9 +80,7 @@ class Alternative:
         "life L10 of all nuts and bearings of an axis as one system, or of a single nut or bearing",
         error="that of the lives",
     )
-    hours: float | None = quantity(
-        "L10_hours", "life L10 in hours, if the scene states a speed", error="as in revolutions"
-    )
+    hours: float | None = quantity("L10_hours", "life L10 in hours, if the scene states a speed", error="as in revolutions")
     shortest: str | None = quantity("shortest_set", "nut or bearing of an axis with the shortest life")
     warnings: tuple[Warned, ...] = quantity("warnings")
 

@@ -97,8 +97,8 @@ def _view_balls(
 ) -> SetView:
     """Return the data of one ball nut or ball bearing for the 3D view.
 
-    ``found``: its solution. ``solved``: whether there is an equilibrium. ``known``: its 3D reference. ``expected``: error to
-    expect of the contact loads [N].
+    ``found``: its solution. ``solved``: whether there is an equilibrium. ``known``: its 3D reference. ``expected``: error
+    to expect of the contact loads [N].
     """
     closer = closer_than_perfect(parts, found.member)
     if not solved:

@@ -48,7 +48,7 @@ def _summary_lines(found: Table) -> Iterator[str]:
 
 
 def failure_words(found: Table) -> Iterator[str]:
-    """Yield lines that state for which parameter values there are no results, and why; one for each of the first reasons."""
+    """Yield a line for each of the first reasons for missing results, with the parameter values concerned."""
     reasons = list(found.failures.items())
     for reason, places in reasons[:REASONS]:
         others = f" and {count_of(len(places) - 1, 'further row')}" if places[1:] else ""

@@ -100,7 +100,8 @@ def test_shipped_case_and_a_bearing_answer(command):
 def test_terminal_shows_torques_losses_and_what_is_left_out():
     found = answer(mine())
     brief, full = (
-        " ".join("\n".join(part for part in friction_table(found, details=d) if isinstance(part, str)).split()) for d in (0, 1)
+        " ".join("\n".join(part for part in friction_table(found, details=d) if isinstance(part, str)).split())
+        for d in (0, 1)
     )
     torques = ("friction torque", "drag torque", "efficiency against the load", "power lost")
     others = ("left out: lubric", "assumed: ", "solver contact loads with a residual of ")
