@@ -295,9 +295,9 @@ def load_curve_of(described: Described, loads: str, model: str, options: Options
     rollbench.InputError
         If the text of ``loads`` is no valid range, or if the model does not cover the scene.
     """
-    from rollbench.compare.results.load_curve import load_curve, read_course
+    from rollbench.compare.results.load_curve import load_curve, read_load_range
 
-    course = read_course(loads)
+    course = read_load_range(loads)
     scene: Scene | Assembly = each_case(described, origin or described.name)[0]
     with name_file_in_refusals(scene.name, origin or scene.name):
         return load_curve(scene, course, model, options)

@@ -13,7 +13,7 @@ from rollbench.compare.commands.terminal import (
     Flag,
     Json,
     Names,
-    OfProgram,
+    ProgramOptions,
     Verbose,
     Word,
     app,
@@ -197,7 +197,7 @@ def check(
     only: Names = None,
     verbose: Verbose = False,
     as_json: Json = False,
-    program: OfProgram | None = None,
+    program: ProgramOptions | None = None,
 ) -> int:
     """Judge the loads of a model against the 3D reference of scenes: pass, fail or undecided.
 

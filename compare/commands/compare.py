@@ -7,7 +7,17 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from rollbench.compare.commands.terminal import Flag, Json, Names, OfProgram, Verbose, Where, app, engine_of, model_name_of
+from rollbench.compare.commands.terminal import (
+    ComputeOptions,
+    Flag,
+    Json,
+    Names,
+    ProgramOptions,
+    Verbose,
+    app,
+    engine_of,
+    model_name_of,
+)
 from rollbench.compare.errors import ArgumentError
 from rollbench.compare.running import need_packages, on_terminal
 from rollbench.compare.text.printing import Answer, aligned_table, print_answer, text_width
@@ -16,7 +26,7 @@ if TYPE_CHECKING:
     from rollbench.compare.models.comparison import Referenced
     from rollbench.compare.reference.estimate import Reference
     from rollbench.compare.reference.jobs import Engine
-    from rollbench.compare.results.compared import Beside
+    from rollbench.compare.results.compared import ComparedLoads
     from rollbench.compare.results.comparison import ByCase
     from rollbench.compare.scenes.duty_cycle import DutyCycle
     from rollbench.compare.scenes.friction_kinds.common import KindScene
@@ -143,7 +153,7 @@ def run_compare(
     return Answer(data, parts(), exit_code(one.found for sets in found.references for one in sets))
 
 
-def contact_loads_table(scene: Scene, models: Sequence[Beside], reference: Reference) -> Any:
+def contact_loads_table(scene: Scene, models: Sequence[ComparedLoads], reference: Reference) -> Any:
     """Return a table, for the terminal, of the contact loads of models and reference at every contact of a scene."""
     from rollbench.compare.commands.compare_output import contact_rows
 
@@ -186,8 +196,8 @@ def compare(
     reference: Path | None = None,
     bodies: str = "half-space",
     as_json: Json = False,
-    program: OfProgram | None = None,
-    where: Where | None = None,
+    program: ProgramOptions | None = None,
+    where: ComputeOptions | None = None,
 ) -> int:
     """Compare low-order models with the 3D reference of scenes; the reference is computed if none is stored.
 

@@ -11,7 +11,7 @@ import numpy as np
 from rollbench.compare.files import write_csv, write_figure
 from rollbench.compare.models.registry import is_model
 from rollbench.compare.reference.estimate import Reference
-from rollbench.compare.results.compared import OURS, Beside, Compared
+from rollbench.compare.results.compared import OURS, Compared, ComparedLoads
 from rollbench.compare.sections.curves import load_curve, load_panel
 from rollbench.compare.text.printing import cell, plain_table, ruled_table
 from rollbench.meshes.loads import mean_load
@@ -33,11 +33,11 @@ def start_lines(whole: Compared) -> list[str]:
         return []
     return [
         f"displacements of models and reference are measured from the position without loads, which is "
-        f"{1e6 * whole.start:.3g} um from the nominal position by the model {whole.spoken.title}"
+        f"{1e6 * whole.start:.3g} um from the nominal position by the model {whole.judged_model.title}"
     ]
 
 
-def _error_cells(b: Beside) -> list[str]:
+def _error_cells(b: ComparedLoads) -> list[str]:
     """Return the cells of the table of models for one model or the reference, in the order of `COLUMNS`."""
     e, loads = b.error, b.answer.load[b.answer.load > 0.0]
     at = "" if e is None else f"{e.ball} {e.side}".strip()
@@ -53,12 +53,12 @@ def _error_cells(b: Beside) -> list[str]:
     ]
 
 
-def models_table(models: Sequence[Beside], itself: Beside) -> RenderableType:
+def models_table(models: Sequence[ComparedLoads], itself: ComparedLoads) -> RenderableType:
     """Return the table of models and coarser meshes with their errors, the reference ``itself`` in the first row."""
     return plain_table(COLUMNS, map(_error_cells, (itself, *models)), COLUMNS[:1])
 
 
-def older_times(models: Sequence[Beside], itself: Beside) -> list[str]:
+def older_times(models: Sequence[ComparedLoads], itself: ComparedLoads) -> list[str]:
     """Return lines with the computing times of stored runs, and with which version and computer they were measured.
 
     The table of models has only times that were measured now.
@@ -70,7 +70,7 @@ def older_times(models: Sequence[Beside], itself: Beside) -> list[str]:
     return [f"stored times, measured with {stamp}: {', '.join(times)}" for stamp, times in by_stamp.items()]
 
 
-def contact_rows(scene: Scene, models: Sequence[Beside], reference: Reference) -> list[dict[str, Any]]:
+def contact_rows(scene: Scene, models: Sequence[ComparedLoads], reference: Reference) -> list[dict[str, Any]]:
     """Return a row for each loaded contact: load of the reference, its uncertainty, and loads of the models [N]."""
     rows = []
     loaded = (reference.load > 0.0) | np.any([b.answer.load > 0.0 for b in models], axis=0)
@@ -82,7 +82,7 @@ def contact_rows(scene: Scene, models: Sequence[Beside], reference: Reference) -
     return rows
 
 
-def load_figure(name: str, models: Sequence[Beside], reference: Reference) -> Figure:
+def load_figure(name: str, models: Sequence[ComparedLoads], reference: Reference) -> Figure:
     """Return the figure of contact loads over the ball number, with a panel for each loaded groove flank of the screw."""
     panels = []
     for s in (0, 1):
@@ -94,7 +94,7 @@ def load_figure(name: str, models: Sequence[Beside], reference: Reference) -> Fi
     return Figure(name, "Contact loads: prediction and reference", panels)
 
 
-def write_files(scene: Scene, models: Sequence[Beside], reference: Reference, store: Path) -> str:
+def write_files(scene: Scene, models: Sequence[ComparedLoads], reference: Reference, store: Path) -> str:
     """Write the loads of all contacts (CSV) and their figure (SVG) to a folder; return a line that names both files."""
     rows = contact_rows(scene, models, reference)
     stem = store / f"{scene.name}-compare"

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from rollbench.compare.commands.terminal import Flag, Json, Where, app, engine_of
+from rollbench.compare.commands.terminal import ComputeOptions, Flag, Json, app, engine_of
 from rollbench.compare.running import on_terminal
 from rollbench.compare.text.printing import Answer, aligned_table, print_answer
 
@@ -27,7 +27,7 @@ def mesh_study(
     fresh: Flag = False,
     bodies: str = "half-space",
     as_json: Json = False,
-    where: Where | None = None,
+    where: ComputeOptions | None = None,
 ) -> int:
     """Solve the 3D reference on several mesh levels, and print the order of convergence and the uncertainty of its results.
 
@@ -136,7 +136,7 @@ def run_mesh_study(
     return Answer(tables, parts, exit_code(one.found for one in references))
 
 
-def all_rollers(names: Sequence[str], means_nothing: Mapping[str, bool], where: Where | None) -> bool:
+def all_rollers(names: Sequence[str], means_nothing: Mapping[str, bool], where: ComputeOptions | None) -> bool:
     """Return whether all scenes have tapered roller bearings, for which `run_roller_study` is used.
 
     Raises InputError if only some scenes have rollers, or if one of the options ``means_nothing`` was used, which have no

@@ -10,7 +10,7 @@ from typing import Annotated, Any
 
 from cyclopts import Parameter
 
-from rollbench.compare.commands.terminal import Flag, Names, Where, Word, app, engine_of
+from rollbench.compare.commands.terminal import ComputeOptions, Flag, Names, Word, app, engine_of
 from rollbench.compare.errors import ArgumentError
 from rollbench.compare.text.printing import Answer, print_answer
 
@@ -29,7 +29,7 @@ def report(
     store: Path = Path("rollbench-reference"),
     fresh: Flag = False,
     everything: Annotated[Flag, Parameter(name="--all")] = False,
-    where: Where | None = None,
+    where: ComputeOptions | None = None,
     against: Path | None = None,
     reference: Path | None = None,
     open_page: Annotated[Flag, Parameter(name="--open")] = False,

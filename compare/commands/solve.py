@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from cyclopts import Parameter
 
-from rollbench.compare.commands.terminal import Flag, Json, OfProgram, Verbose, Word, app, model_name_of
+from rollbench.compare.commands.terminal import Flag, Json, ProgramOptions, Verbose, Word, app, model_name_of
 from rollbench.compare.errors import ArgumentError, one_line
 from rollbench.compare.running import on_terminal
 from rollbench.compare.text.printing import Answer, print_answer, ruled_table
@@ -244,7 +244,7 @@ def solve(
     time_limit: float | None = None,
     strict: Flag = False,
     verbose: Verbose = False,
-    program: OfProgram | None = None,
+    program: ProgramOptions | None = None,
 ) -> int:
     """Solve one scene, compare several scenes side by side, or solve many specimens of a scene with random errors.
 

@@ -9,7 +9,7 @@ from pathlib import Path
 from statistics import median
 from typing import Any
 
-from rollbench.compare.commands.terminal import Json, Names, OfProgram, app, model_name_of
+from rollbench.compare.commands.terminal import Json, Names, ProgramOptions, app, model_name_of
 from rollbench.compare.errors import ArgumentError
 from rollbench.compare.running import on_terminal
 from rollbench.compare.text.printing import Answer, aligned_table, print_answer
@@ -25,7 +25,7 @@ def survey(
     out: Path = Path(),
     workers: int | None = None,
     as_json: Json = False,
-    program: OfProgram | None = None,
+    program: ProgramOptions | None = None,
 ) -> int:
     """Measure the errors of a model on 240 typical ball screws, for which runs of the 3D reference are stored.
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from cyclopts import Parameter
 
-from rollbench.compare.commands.terminal import Json, OfProgram, Where, Word, app, engine_of, model_name_of
+from rollbench.compare.commands.terminal import ComputeOptions, Json, ProgramOptions, Word, app, engine_of, model_name_of
 from rollbench.compare.running import on_terminal
 from rollbench.compare.text.printing import Answer, cell, print_answer, ruled_table
 
@@ -30,8 +30,8 @@ def sweep(
     outputs: Word = "",
     out: Path = Path("rollbench-sweep"),
     as_json: Json = False,
-    program: OfProgram | None = None,
-    where: Where | None = None,
+    program: ProgramOptions | None = None,
+    where: ComputeOptions | None = None,
 ) -> int:
     """Solve a scene for many sampled values of its parameters, and print statistics and the effect of each parameter.
 

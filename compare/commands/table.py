@@ -7,7 +7,7 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
-from rollbench.compare.commands.terminal import Json, Where, Word, app, engine_of
+from rollbench.compare.commands.terminal import ComputeOptions, Json, Word, app, engine_of
 from rollbench.compare.running import on_terminal
 from rollbench.compare.text.printing import Answer, print_answer
 
@@ -22,7 +22,7 @@ def table(
     stiffness_at: Word = "",
     out: Path | None = None,
     as_json: Json = False,
-    where: Where | None = None,
+    where: ComputeOptions | None = None,
 ) -> int:
     """Print a table of 6 x 6 stiffness, preload, pressure and life over values of a scene's parameters.
 

@@ -40,7 +40,7 @@ Json = Annotated[bool, Parameter(name="--json", negative="", show_default=False,
 
 @Parameter(name="*")
 @dataclass(frozen=True)
-class OfProgram:
+class ProgramOptions:
     """Command-line options by which an external program is used as the model."""
 
     model_command: Annotated[
@@ -56,12 +56,12 @@ class OfProgram:
     ] = None
 
 
-def model_name_of(program: OfProgram | None, model: str = "") -> str:
+def model_name_of(program: ProgramOptions | None, model: str = "") -> str:
     """Return the name of the model, which is either ``model`` or made from the command of an external program.
 
     InputError if both are used, or if a time limit is stated without a command.
     """
-    if program is None or program == OfProgram():
+    if program is None or program == ProgramOptions():
         return model
     if not program.model_command:
         advice = "add `model_command`, or leave the time limit out"
@@ -77,7 +77,7 @@ def model_name_of(program: OfProgram | None, model: str = "") -> str:
 
 @Parameter(name="*")
 @dataclass(frozen=True)
-class Where:
+class ComputeOptions:
     """Command-line options that choose this computer or a cluster for the runs, with certificates for its scheduler."""
 
     backend: Annotated[
@@ -91,7 +91,7 @@ class Where:
     tls_key: Annotated[Path | None, Parameter(help="Key of the client certificate.")] = None
 
 
-def engine_of(where: Where | None, here: int | None = None) -> Engine:
+def engine_of(where: ComputeOptions | None, here: int | None = None) -> Engine:
     """Return the engine that computes runs where the user's options ask for it; InputError for unusable certificates.
 
     ``here``: number of parallel runs on this computer, unless the user states it.
@@ -99,7 +99,7 @@ def engine_of(where: Where | None, here: int | None = None) -> Engine:
     from rollbench.compare.reference.jobs import Engine
     from rollbench.compare.reference.parallel import use_tls
 
-    where = where or Where()
+    where = where or ComputeOptions()
     use_tls(*(None if file is None else str(file) for file in (where.tls_ca, where.tls_cert, where.tls_key)))
     workers = here if where.workers is None and where.scheduler is None else where.workers
     return Engine(where.backend, where.scheduler, workers, cache_folder(), where.wait_workers)

@@ -45,7 +45,7 @@ OURS = "stored 3D reference"
 
 
 @dataclass(frozen=True)
-class Beside:
+class ComparedLoads:
     """Results of one model, of a coarser mesh or of the reference itself in a comparison, with the errors of the loads."""
 
     #: Contact loads and displacements.
@@ -81,7 +81,7 @@ class Beside:
 
 def model_errors(
     scene: Scene, answer: Loads, ref: Reference | None, start: float = 0.0, contacts: int | None = None
-) -> Beside:
+) -> ComparedLoads:
     """Compute the errors of contact loads against a reference, and the pressure, life, displacement and force of the loads.
 
     Parameters
@@ -99,7 +99,7 @@ def model_errors(
 
     Returns
     -------
-    Beside
+    ComparedLoads
         Loads, errors and results.
     """
     angle = np.radians(answer.angle)
@@ -110,7 +110,7 @@ def model_errors(
     found, force = load_answers(scene, answer.load, angle, pressure=answer.pressure), float(pull[0] - pull[1])
     points = [] if ref is None else gate_points(ref.scene, ref, LIMIT, answer.load)
     by_gate = max((abs(p.error_percent) for p in points), default=0.0)
-    return Beside(answer, error, found, moved - start, force, count, by_gate)
+    return ComparedLoads(answer, error, found, moved - start, force, count, by_gate)
 
 
 @dataclass(frozen=True)
@@ -118,9 +118,9 @@ class Compared:
     """Comparison of models, and of coarser meshes, with the reference of one nut or bearing."""
 
     #: Results and errors of models and coarser meshes.
-    models: tuple[Beside, ...]
+    models: tuple[ComparedLoads, ...]
     #: Results of the reference.
-    itself: Beside
+    itself: ComparedLoads
     #: Expected error of the model that `comparison_verdict` judges, estimated from comparisons on other scenes.
     expected: ModelForm | None
     #: Uncertainty of the comparison.
@@ -129,7 +129,7 @@ class Compared:
     start: float = 0.0
 
     @property
-    def spoken(self) -> Beside:
+    def judged_model(self) -> ComparedLoads:
         """Results of the model that `comparison_verdict` judges: the default model if it is compared, else the first."""
         return next((b for b in self.models if b.label == DEFAULT), self.models[0])
 
@@ -177,16 +177,16 @@ def compared(
         answers.append(from_result(of_model.result, of_model.seconds))
         starts[answers[-1].model] = axial_place_without_loads(scene, of_model.bare)
         if of_model.result.converged:
-            expected[model.name] = estimate(of_model.scene, of_model.result, others_than(reference))
+            expected[model.name] = estimate(of_model.scene, of_model.result, points_of_other_scenes(reference))
     others = reference_answers(reference, None if of is not None else load_run(scene, SOURCE_LEVEL, stores=tuple(stores)))
-    answers += [answer for answer in others if not is_itself(answer, reference)]
+    answers += [answer for answer in others if not is_finest_reference_run(answer, reference)]
     answers += [] if ours is None else [from_run(ours.best, OURS)]
     shared = starts.get(DEFAULT, next(iter(starts.values()), 0.0))  # no run of the reference without loads is stored
     count = None if of is None else reference.contacts
     each = tuple(model_errors(scene, answer, reference, starts.get(answer.model, shared), count) for answer in answers)
     itself = model_errors(scene, from_run(reference.best, reference.label), None, shared, count)
     whole = Compared(each, itself, None, total(scene, reference, inputs=of is None), shared)
-    return replace(whole, expected=expected.get(whole.spoken.label))
+    return replace(whole, expected=expected.get(whole.judged_model.label))
 
 
 def solve_and_compare(model: Model, scene: Scene, reference: Reference, stores: Sequence[Path]) -> SetSolution:
@@ -196,13 +196,13 @@ def solve_and_compare(model: Model, scene: Scene, reference: Reference, stores: 
     return SetSolution(result, bare, seconds, scene)
 
 
-def others_than(reference: Reference) -> list[Point]:
+def points_of_other_scenes(reference: Reference) -> list[Point]:
     """Return the points from which expected errors are estimated, without those of the reference's own scene."""
     own = {reference.scene, *(run.scene for run in reference.runs)}
     return [point for point in shipped_points() if point.scene not in own]
 
 
-def loads_and_rigidities(b: Beside) -> dict[str, Any]:
+def loads_and_rigidities(b: ComparedLoads) -> dict[str, Any]:
     """Return as JSON the loads of a model or the reference, and the rigidity, pressure and life that follow from them."""
     stiff = b.force / b.displacement if b.displacement * b.force > 0.0 else None
     axial = as_json(
@@ -217,7 +217,7 @@ def loads_and_rigidities(b: Beside) -> dict[str, Any]:
 
 def answers_json(whole: Compared, reference: Reference) -> dict[str, Any]:
     """Return a comparison as JSON: verdict, mesh levels and uncertainty of the reference, errors, and all results."""
-    error, expected = whole.spoken.error, whole.expected
+    error, expected = whole.judged_model.error, whole.expected
     return {
         "scene": reference.scene,
         "verdict": comparison_verdict(whole, reference),
@@ -225,7 +225,7 @@ def answers_json(whole: Compared, reference: Reference) -> dict[str, Any]:
         "uncertainty_percent": uncertainty_percent(reference),
         "reference_status": reference.unsettled or "converged",
         "uncertainty": as_json(whole.total),
-        "model": whole.spoken.label,
+        "model": whole.judged_model.label,
         "expected_error_percent": None if expected is None else expected.percent,
         **expected_json(expected, "expected_{}_error_percent"),
         "measured_error_percent": None if error is None else error.max_percent,
@@ -233,7 +233,7 @@ def answers_json(whole: Compared, reference: Reference) -> dict[str, Any]:
     }
 
 
-def is_itself(answer: Loads, reference: Reference) -> bool:
+def is_finest_reference_run(answer: Loads, reference: Reference) -> bool:
     """Return whether loads are those of the reference's finest run, with which all others are compared."""
     return answer.model == f"3D level {reference.best.level}"
 
@@ -250,7 +250,7 @@ def levels_text(reference: Reference, total: LoadUncertainty) -> str:
 
 def comparison_verdict(whole: Compared, reference: Reference) -> str:
     """Return one sentence on a comparison: measured and expected error of the judged model, and the uncertainty."""
-    b, worth, e = whole.spoken, whole.expected, whole.spoken.error
+    b, worth, e = whole.judged_model, whole.expected, whole.judged_model.error
     off = expected = ""
     if e is not None:
         where = f" (ball {e.ball} {e.side})" if e.ball else ""
@@ -276,7 +276,7 @@ def answer_rows(whole: Compared) -> tuple[tuple[str, ...], list[tuple[str, ...]]
     tuple[tuple[str, ...], list[tuple[str, ...]]]
         Headings, and the texts of each row, one for each heading.
     """
-    headings = ("quantity", whole.spoken.title, whole.itself.label, "unit", "difference", "expected")
+    headings = ("quantity", whole.judged_model.title, whole.itself.label, "unit", "difference", "expected")
     return headings, [
-        *compared_rows(loads_and_rigidities(whole.spoken), loads_and_rigidities(whole.itself), whole.expected)
+        *compared_rows(loads_and_rigidities(whole.judged_model), loads_and_rigidities(whole.itself), whole.expected)
     ]

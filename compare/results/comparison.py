@@ -22,8 +22,8 @@ from rollbench.compare.reference.store import Run, shipped_store
 from rollbench.compare.reference.tasks import Solvable, Task
 from rollbench.compare.results.base import JSON, Record, with_schema
 from rollbench.compare.results.compared import (
-    Beside,
     Compared,
+    ComparedLoads,
     answer_rows,
     compared,
     comparison_verdict,
@@ -296,7 +296,7 @@ def _single_set_comparison(
     )
 
 
-def _contact_loads_json(b: Beside) -> dict[str, Any]:
+def _contact_loads_json(b: ComparedLoads) -> dict[str, Any]:
     """Return the fields of a `Loads` record, by name, for a model or the reference."""
     life = b.found.life
     return {
@@ -311,7 +311,7 @@ def _contact_loads_json(b: Beside) -> dict[str, Any]:
     }
 
 
-def _model_json(b: Beside, one: Referenced) -> ModelLoads:
+def _model_json(b: ComparedLoads, one: Referenced) -> ModelLoads:
     """Return the contact loads of a model with their errors against the reference."""
     assert b.error is not None, "a model has errors"
     errors = np.asarray(error_percent(b.answer.load, one.found.load, one.found.mean))
@@ -349,7 +349,7 @@ def _set_json(whole: Compared, one: Referenced) -> dict[str, Any]:
 
 
 @dataclass(frozen=True)
-class Comparing:
+class PreparedComparison:
     """Scenes with their references and the models to compare: the input of a comparison that is ready to be computed."""
 
     described: Sequence[Described]
@@ -397,7 +397,7 @@ def start_comparison(
     otherwise: Sequence[int] = ADVISED,
     fresh: bool = False,
     reference: Path | None = None,
-) -> Comparing:
+) -> PreparedComparison:
     """Look up the references of scenes and their load cases, and compute missing runs of the 3D reference.
 
     Parameters
@@ -426,7 +426,7 @@ def start_comparison(
 
     Returns
     -------
-    Comparing
+    PreparedComparison
         Scenes and references; the method `each` of this record computes the comparisons.
 
     Raises
@@ -439,7 +439,7 @@ def start_comparison(
     if reference is not None:
         names = {name: case.case.name for name, case in cases_by_name(described).items()}
         given = own_references(scenes, reference, names, warnings)
-        return Comparing(described, scenes, given, models, stores, (), warnings, own=True)
+        return PreparedComparison(described, scenes, given, models, stores, (), warnings, own=True)
     without = [s for s in scenes if not stored_references(s, stores)] if levels is None and not fresh else scenes
     failed: list[Run] = []
     if without:
@@ -454,7 +454,7 @@ def start_comparison(
 
         tasks = plan(without, [k for k in wanted if k != SOURCE_LEVEL], source=SOURCE_LEVEL in wanted)
         failed = ensure(tasks, store, engine, step, stores, fresh=fresh, stored=first)
-    return Comparing(
+    return PreparedComparison(
         described,
         scenes,
         [stored_references(scene, stores) for scene in scenes],
@@ -640,14 +640,16 @@ def together_json(cycle: DutyCycle, each: ByCase) -> list[dict[str, Any]]:
 def _summary_json(cycle: DutyCycle, name: str, each: ByCase) -> dict[str, Any]:
     """Return the JSON summary of a comparison over all load cases, for the nut or bearing called ``name``."""
     by_case = [(case, each[case.scene.name, name]) for case in cycle.cases]
-    errors = [(whole.spoken.error.max_percent, case.name) for case, whole in by_case if whole.spoken.error is not None]
+    errors = [
+        (whole.judged_model.error.max_percent, case.name) for case, whole in by_case if whole.judged_model.error is not None
+    ]
     error, worst = max(errors, default=(None, None))
     lives = {}
     for label in ("3D reference", *(b.label for b in by_case[0][1].models)):
         of_case = [{b.label: b for b in (whole.itself, *whole.models)}.get(label) for _, whole in by_case]
         rated, _ = cycle_life(cycle, name, [None if b is None else b.answer.load for b in of_case])
         lives[label] = None if rated is None else number(rated.revolutions)
-    predicted, reference = lives[by_case[0][1].spoken.label], lives["3D reference"]
+    predicted, reference = lives[by_case[0][1].judged_model.label], lives["3D reference"]
     off = None if predicted is None or reference is None else float(error_percent(predicted, reference))
-    summary = CycleSummary(by_case[0][1].spoken.label, error, worst, lives, off)
+    summary = CycleSummary(by_case[0][1].judged_model.label, error, worst, lives, off)
     return {"scene": cycle.name, **({"set": name} if name else {}), **(as_json(summary) or {})}

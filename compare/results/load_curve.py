@@ -34,7 +34,7 @@ Vector = tuple[float, float, float]
 
 
 @dataclass(frozen=True)
-class Course:
+class LoadRange:
     """Range of loads over which a load curve is computed: values, direction, and the point on which they act."""
 
     values: tuple[float, ...]
@@ -48,7 +48,7 @@ class Course:
     several nuts or bearings on one shaft the point on which the scene's loads act."""
 
 
-def read_course(text: str) -> Course:
+def read_load_range(text: str) -> LoadRange:
     """Convert the text of a range of loads, such as ``"-3kN:3kN:41:x"``, to a record.
 
     Parameters
@@ -58,7 +58,7 @@ def read_course(text: str) -> Course:
 
     Returns
     -------
-    Course
+    LoadRange
         The range of loads.
 
     Raises
@@ -68,10 +68,10 @@ def read_course(text: str) -> Course:
 
     Examples
     --------
-    >>> course = read_course("-3kN:3kN:3:x")
+    >>> course = read_load_range("-3kN:3kN:3:x")
     >>> course.values, course.direction
     ((-3000.0, 0.0, 3000.0), (1.0, 0.0, 0.0))
-    >>> read_course("0:1.5:2").factors
+    >>> read_load_range("0:1.5:2").factors
     True
     """
     ends, further = text.split(":")[:2], [x.strip() for x in text.split(":")[2:]]
@@ -104,7 +104,7 @@ def read_course(text: str) -> Course:
     if factors and (direction != AXES["z"] or at is not None):
         allowed = "a direction or place only for forces with a unit, since factors keep direction and place of the loads"
         raise ArgumentError("curve", units.toml_text(text), allowed, "leave out direction and place, or write forces")
-    return Course(tuple(np.linspace(low, high, points).tolist()), factors, direction, at)
+    return LoadRange(tuple(np.linspace(low, high, points).tolist()), factors, direction, at)
 
 
 def _axial_position(word: str) -> float:
@@ -221,7 +221,7 @@ class _State:
     largest: float = math.nan
 
 
-def load_curve(scene: Scene | Assembly, course: Course, model: str = "", options: Options | None = None) -> LoadCurve:
+def load_curve(scene: Scene | Assembly, course: LoadRange, model: str = "", options: Options | None = None) -> LoadCurve:
     """Solve a scene over a range of loads, for displacement, stiffness and backlash.
 
     Forces replace the scene's loads. They act at the nut's centre, or for several nuts or bearings on one shaft where the
@@ -320,7 +320,7 @@ def load_curve(scene: Scene | Assembly, course: Course, model: str = "", options
 
 
 def _prepare_loading(
-    scene: Scene | Assembly, course: Course
+    scene: Scene | Assembly, course: LoadRange
 ) -> tuple[Callable[[float], Scene | Assembly], Vector, float | str, float]:
     """Return a function that applies one load of the curve to the scene, and what that load is.
 
@@ -378,7 +378,9 @@ def _largest_load(loads: Any) -> float:
     return float(np.max(loads, initial=0.0))
 
 
-def _lash_of_curve(course: Course, moved: Callable[[float], float], top: float) -> tuple[tuple[float, float] | None, str]:
+def _lash_of_curve(
+    course: LoadRange, moved: Callable[[float], float], top: float
+) -> tuple[tuple[float, float] | None, str]:
     """Return the displacements [m] at both ends of the backlash, and an empty text; None and the reason if not defined.
 
     ``moved``: function that returns the displacement [m] under a load. ``top``: largest absolute load.
