@@ -1,4 +1,4 @@
-"""Scenes, printed numbers, errors, gates and the command line: comparison of models with references."""
+"""Comparison of models with references: scenes, printed numbers, errors, verdicts, reports, and the command line."""
 
 import sys
 from types import ModuleType
@@ -8,10 +8,10 @@ __version__ = "0.15.0"
 
 
 class _Package(ModuleType):
-    """Module type of ``rollbench.compare``, which was a function of the library up to 0.14."""
+    """Module type of the package ``rollbench.compare``, whose name was that of a function up to version 0.14."""
 
     def __call__(self, *_: object, **__: object) -> NoReturn:
-        """Raise TypeError, with the present name of the function."""
+        """Raise TypeError with the new name of the function."""
         raise TypeError("rollbench.compare is a package: the function is rollbench.compare_models")
 
 

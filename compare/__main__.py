@@ -1,4 +1,4 @@
-"""``python -m rollbench.compare`` is ``rollbench``."""
+"""Entry point of ``python -m rollbench.compare``, which is the same as the command ``rollbench``."""
 
 from rollbench.compare.cli import main
 

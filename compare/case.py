@@ -1,7 +1,7 @@
-"""Cases: publications whose results are reproduced, with printed numbers, scenes, computations, report pages.
+"""Cases: publications whose results rollbench reproduces, with their printed numbers, scenes, computations and pages.
 
-The cases of this package are the folders of ``compare/cases``, named in `CASES`. Another package adds a case by an entry
-point of the group ``rollbench.cases`` that names its `Case`; it is imported when printed data are judged.
+The cases of this package are the folders of ``compare/cases``, listed in `CASES`. Another package adds a case by an entry
+point of the group ``rollbench.cases`` that names its `Case` record; it is imported when printed numbers are judged.
 """
 
 from __future__ import annotations
@@ -16,12 +16,13 @@ from typing import Any
 from rollbench.compare.errors import InputError
 from rollbench.compare.files import place
 
+#: Group of entry points by which other packages add cases.
 GROUP = "rollbench.cases"
 
 
 @dataclass(frozen=True)
 class Case:
-    """A publication, or a group of similar publications, with whose printed results computed ones are compared.
+    """A publication, or a group of similar publications, whose printed results are compared with computed results.
 
     The folder of its Python package contains ``printed/NAME-*.toml`` (numbers and claims with their expected verdicts),
     ``scenes/*.toml``, ``computations.toml`` (how each number is computed) and ``misprints.toml``.
@@ -29,12 +30,12 @@ class Case:
 
     #: Name of the case; the names of its printed tables begin with it and a hyphen.
     name: str
-    #: Title of the publication in output; empty if the case has no printed table.
+    #: Title of the publication in output; empty if the case has no table of printed numbers.
     title: str
     #: Import name of the Python package in the case's folder.
     package: str
-    #: Module of ``package`` whose ``make_section(study, step)`` returns the sections of the report page; or a subpackage of
-    #: such modules. Empty: no page.
+    #: Module of ``package`` whose ``make_section(study, step)`` returns the sections of the case's page in the report, or a
+    #: subpackage of such modules; empty if the case has no page.
     page: str = ""
 
     @property
@@ -43,11 +44,11 @@ class Case:
         return Path(str(resources.files(self.package)))
 
     def files(self, folder: str) -> dict[str, Path]:
-        """Return the case's TOML files in its subfolder ``printed`` or ``scenes``, by file name without ending."""
+        """Return the case's TOML files in its subfolder ``printed`` or ``scenes``, by file name without suffix."""
         return {path.stem: path for path in sorted(self.folder.joinpath(folder).rglob("*.toml"))}
 
     def import_object(self, function: str) -> Any:
-        """Import and return a function or other object of the case's package, named by ``module:name``."""
+        """Import and return a function or other object of the case's package; ``function``: its name ``module:name``."""
         module, _, name = function.partition(":")
         return getattr(import_module(f"{self.package}.{module}"), name)
 
@@ -69,7 +70,7 @@ def cases_of_other_packages() -> tuple[Case, ...]:
 
     InputError if an entry point cannot be imported, is no `Case`, or has the name of another case.
     """
-    from importlib.metadata import entry_points  # takes longer to import than all of this
+    from importlib.metadata import entry_points  # slow to import, so only where it is needed
 
     found: dict[str, Case] = {}
     for point in sorted(entry_points(group=GROUP), key=lambda point: point.name):
@@ -89,13 +90,13 @@ def cases_of_other_packages() -> tuple[Case, ...]:
 
 
 def every_case() -> tuple[Case, ...]:
-    """Return all cases: those of this package, then those that other packages add."""
+    """Return all cases, first those of this package, then those that other installed packages add."""
     return (*CASES, *cases_of_other_packages())
 
 
 @cache
 def shipped_files(folder: str) -> dict[str, Path]:
-    """Return all shipped TOML files of scenes or printed tables, by file name without ending, sorted.
+    """Return all TOML files of scenes or printed tables in this package, sorted, by file name without suffix.
 
     ``folder``: "scenes" or "printed".
     """
@@ -106,7 +107,7 @@ def shipped_files(folder: str) -> dict[str, Path]:
 
 
 def find_case_file(folder: str, name: str) -> Path | None:
-    """Return the file of a scene or printed table, of any case, by its name; None if there is none.
+    """Return the file of the scene or printed table called ``name``, from any case; None if no case has it.
 
     ``folder``: "scenes" or "printed".
     """
@@ -115,5 +116,5 @@ def find_case_file(folder: str, name: str) -> Path | None:
 
 
 def files_named(name: str, cases: Iterable[Case] = CASES) -> dict[Case, Path]:
-    """Return the file of a given name, such as ``misprints.toml``, in each case's folder that has it, by case."""
+    """Return by case the file called ``name``, such as ``misprints.toml``, of those cases whose folder has it."""
     return {case: path for case in cases if (path := case.folder / name).is_file()}

@@ -1,4 +1,4 @@
-"""Command line: table of the commands and their modules in ``compare.commands``, errors as text, and exit codes."""
+"""Command line: table of the commands with their modules in ``compare.commands``, error messages, and exit codes."""
 
 from __future__ import annotations
 
@@ -25,9 +25,9 @@ from rollbench.compare.text.printing import OutputLost, guard_standard_output
 from rollbench.meshes import kept
 from rollbench.meshes.processes import one_thread
 
-#: Longest time to wait after an interrupt for threads that clean up [s].
+#: Largest time to wait, after an interrupt, for threads that clean up [s].
 TIDYING = 2.0
-#: Options whose names differ from the arguments of the library; positional arguments have no dashes.
+#: Options by the arguments of the library whose names differ; positional arguments have no dashes.
 OPTIONS = {
     "models": "--model",
     "limits": "--limit",
@@ -39,7 +39,7 @@ OPTIONS = {
 }
 
 
-#: Headings of ``rollbench --help``, with commands and their modules in ``compare.commands``.
+#: Headings of ``rollbench --help``, each with its commands and the modules in ``compare.commands`` that define them.
 COMMANDS = {
     "Start here": {
         "new": "new",
@@ -61,12 +61,12 @@ COMMANDS = {
         "completion": "doctor",
     },
 }
-#: Command that needs all others.
+#: Command for which the modules of all other commands must be imported.
 OF_ALL = "completion"
 
 
 def commands(first: str = "") -> App:
-    """Return the application with the command named ``first``, or with all commands if that is not known."""
+    """Return the command-line application with the command ``first`` only, or with all commands if ``first`` is unknown."""
     modules = {name: module for group in COMMANDS.values() for name, module in group.items()}
     for name in modules if first not in modules or first == OF_ALL else (first,):
         import_module(f"rollbench.compare.commands.{modules[name]}")
@@ -75,7 +75,7 @@ def commands(first: str = "") -> App:
 
 
 def unwrapped(doc: str | None) -> str:
-    r"""Return a docstring with every paragraph on one line, so that help can wrap it at the width of the terminal.
+    r"""Join each paragraph of a docstring to one line, so that the help text can be wrapped to the terminal's width.
 
     Examples
     --------
@@ -87,7 +87,7 @@ def unwrapped(doc: str | None) -> str:
 
 
 def arrange(app: App) -> None:
-    """Group the commands of ``app`` under the headings of `COMMANDS`."""
+    """Group the commands of the application under the headings of `COMMANDS`."""
     for place, (heading, names) in enumerate(COMMANDS.items()):
         group = Group(heading, sort_key=place)
         for number, name in enumerate(names):
@@ -102,7 +102,7 @@ def arrange(app: App) -> None:
 
 
 def option(argument: str) -> str:
-    """Return the command-line option for an argument of a library function.
+    """Return the command-line option that corresponds to an argument of a library function.
 
     Examples
     --------
@@ -117,7 +117,7 @@ def option(argument: str) -> str:
 
 
 def in_options(error: InputError) -> InputError:
-    """Return a copy of an error in which options of the command line replace arguments of the library."""
+    """Return a copy of an error whose texts name command-line options instead of arguments of the library."""
     said = copy(error)
     for part in ("allowed", "advice"):
         setattr(said, part, re.sub("`([a-z_]+(?:=[^`]*)?)`", lambda found: option(found[1]), getattr(error, part)))
@@ -127,34 +127,34 @@ def in_options(error: InputError) -> InputError:
 
 
 def _drop_output() -> None:
-    """Redirect standard output to nowhere, so that the remaining buffer is discarded."""
+    """Redirect standard output to the null device, so that text which is not written yet is discarded."""
     os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
 class Terminated(KeyboardInterrupt):
-    """Exception for the signal TERM, handled like an interrupt from the keyboard."""
+    """Exception raised by the signal TERM, which is handled like an interrupt from the keyboard."""
 
 
-def _terminated(_number: int, _frame: FrameType | None) -> None:
-    """Raise Terminated: handler of the signal TERM."""
+def _raise_terminated(_number: int, _frame: FrameType | None) -> None:
+    """Raise `Terminated`; this is the handler of the signal TERM."""
     raise Terminated
 
 
 @contextmanager
-def _terminable() -> Iterator[None]:
-    """Handle the signal TERM as an interrupt inside the block, in the main thread only."""
+def _term_as_interrupt() -> Iterator[None]:
+    """Handle the signal TERM like an interrupt from the keyboard inside the block; no effect outside the main thread."""
     if threading.current_thread() is not threading.main_thread():
         yield
         return
-    before = signal.signal(signal.SIGTERM, _terminated)
+    before = signal.signal(signal.SIGTERM, _raise_terminated)
     try:
         yield
     finally:
         signal.signal(signal.SIGTERM, signal.SIG_DFL if before is None else before)
 
 
-def _say(lines: Iterable[str]) -> None:
-    """Print lines on standard error; errors of a closed output are ignored, because the exit code counts."""
+def _print_to_stderr(lines: Iterable[str]) -> None:
+    """Print lines on standard error; if it is closed, they are lost, and the exit code still tells of the error."""
     clear_progress_line()
     with suppress(OSError):
         sys.stderr.writelines(f"rollbench: {line}\n" for line in lines)
@@ -162,9 +162,9 @@ def _say(lines: Iterable[str]) -> None:
 
 
 def _let_threads_end() -> None:
-    """Wait for threads that clean up after workers.
+    """Wait up to `TIDYING` seconds for threads that clean up after parallel workers.
 
-    A thread that is cut off between removing a semaphore and reporting it would make joblib's tracker warn of a leak.
+    If a thread ended after it removed a semaphore but before it reported this, joblib would warn of a leak.
     """
     until = time.monotonic() + TIDYING
     for thread in threading.enumerate():
@@ -172,21 +172,22 @@ def _let_threads_end() -> None:
             thread.join(max(until - time.monotonic(), 0.0))
 
 
-@_terminable()
+@_term_as_interrupt()
 def main(tokens: list[str] | None = None) -> None:
-    """Run the command line and exit.
+    """Run a command with the arguments ``tokens`` (None: those of the process), and exit.
 
-    Bad input gives one line on standard error and exit code 2, a user's program that fails 1, an interrupt 130, TERM 143;
-    an output that nobody reads any more ends quietly with 141, one that cannot be written with 74 and one line.
+    Exit codes: 2 for bad input, with one line on standard error; 1 if an external program of the user fails; 130 after an
+    interrupt; 143 after the signal TERM; 141, without a message, if the reader of a pipe has ended; 74, with one line, if
+    standard output cannot be written.
     """
     for name in ("stdout", "stderr"):
-        if getattr(sys, name) is None:  # closed by the caller: nobody reads it
-            setattr(sys, name, open(os.devnull, "w"))  # noqa: SIM115 - for the life of the process
+        if getattr(sys, name) is None:  # the caller closed it
+            setattr(sys, name, open(os.devnull, "w"))  # noqa: SIM115 - open until the process ends
     if tokens is None:
         one_thread()
         kept.switch_on()
-        warnings.filterwarnings("ignore", "A worker stopped while some jobs were given")  # joblib restarts it
-        os.environ.setdefault("NUMBA_OPT", "1")  # compiled in 0.6 of the time of numba's 3, as fast
+        warnings.filterwarnings("ignore", "A worker stopped while some jobs were given")  # joblib restarts the worker
+        os.environ.setdefault("NUMBA_OPT", "1")  # compiles in 0.6 of the time of numba's default 3; kernels are as fast
     try:
         asked = sys.argv[1:] if tokens is None else tokens
         code = commands(asked[0] if asked else "")(
@@ -197,30 +198,30 @@ def main(tokens: list[str] | None = None) -> None:
         if tokens is None and "rollbench.lowfi.jit" in sys.modules:
             sys.modules["rollbench.lowfi.jit"].compile_afterwards()
     except InputError as error:
-        _say(in_options(error).lines())
+        _print_to_stderr(in_options(error).lines())
         sys.exit(error.code)
     except CycloptsError as error:
         text = one_line(" ".join(str(error).split()), 400)
         from rollbench.meshes.units import COMMA, has_comma
 
         given = re.search('convert "(.*)" into (?:int|float)', text)
-        advice = COMMA if given and has_comma(given[1]) else "see rollbench --help"
-        _say((f"command line: {text} Advice: {advice}",))
+        advice = COMMA if given and has_comma(given[1]) else "rollbench --help lists commands and options"
+        _print_to_stderr((f"command line: {text} Advice: {advice}",))
         sys.exit(2)
     except KeyboardInterrupt as stop:
         _let_threads_end()
-        _say(("interrupted; nothing was left half-written",))
+        _print_to_stderr(("interrupted; nothing was left half-written",))
         sys.exit(143 if isinstance(stop, Terminated) else 130)
     except BrokenPipeError:
         _drop_output()
         sys.exit(141)
     except SystemExit as stop:
-        if isinstance(stop.__context__, BrokenPipeError):  # rich ends the process by itself, with 1
+        if isinstance(stop.__context__, BrokenPipeError):  # the package rich exits with 1
             _drop_output()
             sys.exit(141)
         raise
     except OutputLost as error:
         _drop_output()
-        _say((f"standard output: {error}",))
+        _print_to_stderr((f"standard output: {error}",))
         sys.exit(74)
     sys.exit(code if isinstance(code, int) else 0)

@@ -1,23 +1,23 @@
-"""Errors for bad input: one line with file, key, value, allowed range and advice."""
+"""Errors for bad input, whose message is one line with file, key, value, allowed range and advice."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-#: Longest text of a user that a message shows.
+#: Largest number of characters of a user's text that a message shows.
 _LONGEST = 120
-#: Longest text of a message of this program.
+#: Largest number of characters of a text of this program that a message shows.
 _WHOLE = 2000
 
 
-def escaped(text: str) -> str:
-    """Return a text with unprintable characters (controls, line ends, direction marks) replaced by escapes.
+def escape_unprintable(text: str) -> str:
+    """Return a text with unprintable characters (controls, line ends, direction marks) replaced by escape sequences.
 
     Parameters
     ----------
     text
-        Any text.
+        Any text, such as the name of a file.
     """
     if text.isprintable():
         return text
@@ -25,39 +25,39 @@ def escaped(text: str) -> str:
 
 
 def one_line(text: str, longest: int = _LONGEST) -> str:
-    """Return a text as one printable line.
+    """Return a text as one printable line with a limited number of characters.
 
     Parameters
     ----------
     text
         Any text.
     longest
-        Largest number of characters; the rest is cut and replaced by ``...``.
+        Largest number of characters; the rest is replaced by ``...``.
     """
-    plain = escaped(text)
+    plain = escape_unprintable(text)
     return plain if len(plain) <= longest else plain[: longest - 3] + "..."
 
 
 class InputError(Exception):
-    """Error for input that cannot be used; ``str()`` gives one line.
+    """Error for input that cannot be used; ``str()`` returns its message as one line.
 
-    Arguments of functions are in single backticks in ``allowed`` and ``advice``, also as `compute=False`; the command line
-    shows them as options.
+    In ``allowed`` and ``advice``, names of function arguments stand in single backticks, such as `compute=False`. The
+    command line shows them as options instead.
 
     Parameters
     ----------
     file
         File or scene with the fault; may be empty.
     key
-        Dotted path of the key (``balls.radius``, ``supports[0].fix``), or name of the argument.
+        Keys of the faulty value joined by dots (``balls.radius``, ``supports[0].fix``), or name of the argument.
     value
-        Value as it was given.
+        Value as the user wrote it.
     allowed
         Allowed range or choices.
     advice
-        What to do.
+        Advice on how to correct the input.
     more
-        Number of further faults.
+        Number of further faults in the same file.
 
     Examples
     --------
@@ -69,7 +69,7 @@ class InputError(Exception):
     max_error: got 700; allowed: above 0 to 100 per cent; advice: the gate uses 7
     """
 
-    #: Exit code of a command that it ends.
+    #: Exit code of a command that ends with this error.
     code = 2
 
     def __init__(self, file: str, key: str, value: str, allowed: str, advice: str, more: int = 0) -> None:
@@ -83,12 +83,12 @@ class InputError(Exception):
         self.more = more
 
     def lines(self) -> list[str]:
-        """Return a line for every fault.
+        """Return the message of every fault as one line.
 
         Returns
         -------
         list of str
-            The lines.
+            The messages.
         """
         return [str(self)]
 
@@ -108,13 +108,13 @@ class ArgumentError(InputError):
     Parameters
     ----------
     argument
-        Name of the argument; several are joined by commas.
+        Name of the argument, or names of several arguments joined by commas.
     value
-        Value as it was given.
+        Value as the user wrote it.
     allowed
         Allowed range or choices.
     advice
-        What to do.
+        Advice on how to correct the input.
     file
         File that the argument names, if any.
     """
@@ -135,9 +135,9 @@ class Refusal(InputError):
     key
         Key of the scene, or the model.
     reason
-        Why the model does not cover it, which is not cut.
+        Reason why the model does not cover the scene; it is shown in full length.
     advice
-        What to do.
+        Advice on how to change the scene or the model.
     """
 
     def __init__(self, file: str, key: str, reason: str, advice: str) -> None:
@@ -152,21 +152,21 @@ class Refusal(InputError):
 
 
 class ProgramError(Refusal):
-    """Error for a user's program that failed for a scene: program, scene, reason and the last line that it printed."""
+    """Error for an external program of the user that failed, with scene, program, reason and its last line of output."""
 
     code = 1
 
 
 @contextmanager
-def named(name: str, origin: str) -> Iterator[None]:
-    """Replace the scene's name by its file in refusals that are raised inside the block.
+def name_file_in_refusals(name: str, origin: str) -> Iterator[None]:
+    """Replace the scene's name by its file in every `Refusal` that is raised inside the block.
 
     Parameters
     ----------
     name
         Name of the scene.
     origin
-        File or name that is shown in place of the scene's name.
+        File or name that messages show instead of the scene's name.
     """
     try:
         yield
@@ -176,7 +176,7 @@ def named(name: str, origin: str) -> Iterator[None]:
         raise Refusal(origin, error.key, error.value, error.advice) from error
 
 
-#: Largest number of faults of a file that are listed.
+#: Largest number of faults that are listed for a file.
 _MANY = 30
 
 
@@ -200,12 +200,12 @@ class SceneError(InputError):
         self.others = others
 
     def lines(self) -> list[str]:
-        """Return a line for every fault.
+        """Return the message of every fault of the file as one line.
 
         Returns
         -------
         list of str
-            The lines of the first 30 faults, then how many more there are.
+            The messages of the first 30 faults, then a line with the number of further faults.
         """
         each = [self, *self.others][:_MANY]
         lines = [InputError.__str__(InputError(e.file, e.key, e.value, e.allowed, e.advice)) for e in each]

@@ -1,7 +1,8 @@
-"""Compares every printed number and claim with a computed value, once for gate, report and literature tests.
+"""Comparison of the numbers and claims that publications print with the values that rollbench computes for them.
 
-`computations.toml` of a case names the function that computes the numbers of a printed table and the test that asserts
-them. The expected verdict of an entry is stored with the printed value; `Evidence.change` is the difference.
+Commands, report and tests use the same comparison. For each printed table of a publication, `computations.toml` in the
+publication's folder names the function that computes its numbers and the test that asserts them. The expected verdict of an
+entry is stored with the printed value; `Evidence.change` states where the verdict differs from it.
 """
 
 from __future__ import annotations
@@ -26,48 +27,51 @@ from rollbench.compare.printed import KINDS, VERDICTS, Printed, Verdict, load_ta
 
 @dataclass(frozen=True)
 class Evidence:
-    """One printed entry with the values computed for it, and the verdict."""
+    """One number or claim that a publication prints, with the values computed for it and the resulting verdict."""
 
-    #: The printed entry.
+    #: The printed number or claim.
     printed: Printed
-    #: Correct value, in the printed unit.
+    #: Value computed correctly, in the printed unit.
     value: float | None = None
-    #: Value with the faults of the source repeated.
+    #: Value computed with the publication's mistakes repeated.
     as_printed: float | None = None
-    #: Value under an assumption that was inferred from the printed results, and so confirms nothing.
+    #: Value under an assumption that was inferred from the printed results; its agreement with them confirms nothing.
     reading: float | None = None
     #: Value of the 3D reference.
     reference: float | None = None
     #: Whether a claim is true.
     holds: bool | None = None
-    #: Numbers behind a claim, or a remark.
+    #: Numbers that support a claim, or a remark.
     words: str = ""
 
     @property
     def compared(self) -> float | None:
-        """Computed value that is compared with the printed number; as printed, with the source's fault repeated."""
+        """Computed value to compare with the printed number: the correct value, or that with the publication's mistakes.
+
+        Which of the two is compared depends on the class of the printed number.
+        """
         return self.as_printed if self.printed.cls == "as-printed" else self.value
 
     @property
     def error_percent(self) -> float | None:
-        """Error of the compared value against the printed number [%]."""
+        """Error of the computed value against the printed number [%]; None if there is no value or no number."""
         return self._against_printed(self.compared)
 
     @property
     def reading_error_percent(self) -> float | None:
-        """Error of the value under the inferred assumption against the printed number [%]."""
+        """Error against the printed number [%] of the value that was computed under an inferred assumption."""
         return self._against_printed(self.reading)
 
     def _against_printed(self, value: float | None) -> float | None:
-        """Return the error of a value against the printed number [%]; None without either, and for a printed zero."""
+        """Return the error of a value against the printed number [%]; None if one is missing or the number is zero."""
         if value is None or self.printed.value is None:
             return None
         percent = float(error_percent(value, self.printed.value))
-        return percent if np.isfinite(percent) else None  # of a printed zero there is none
+        return percent if np.isfinite(percent) else None  # an error relative to zero is not defined
 
     @property
     def agrees(self) -> bool | None:
-        """Whether the computed value agrees with the printed entry; None if nothing was computed."""
+        """Whether the computed value agrees with the printed number, or whether a claim is true; None if not computed."""
         p = self.printed
         if p.value is None:
             return self.holds
@@ -80,7 +84,7 @@ class Evidence:
 
     @property
     def verdict(self) -> Verdict:
-        """Verdict on the printed entry, by its class and the computed value."""
+        """Verdict on the printed number or claim, such as "reproduced" or "contradicted"."""
         p = self.printed
         if p.cls == "open":
             return "contradicted" if p.contradicted else "not identifiable"
@@ -95,22 +99,22 @@ class Evidence:
 
     @property
     def reason(self) -> str:
-        """Reason for the verdict; empty if it needs none."""
+        """Sentences that explain the verdict; empty if no explanation is needed."""
         why = self.printed.contradicted
         return joined_remarks(why[:1].upper() + why[1:], joined_remarks(self.printed.remark, self.words))
 
     @property
     def change(self) -> str:
-        """Text with expected and actual verdict if they differ; else empty."""
+        """Text that states the expected and the actual verdict if they differ; otherwise empty."""
         expected = self.printed.verdict
         if expected == self.verdict:
             return ""
-        wanted = "no verdict is expected" if expected is None else f"expected {expected}"
-        return f"{self.printed.name}: {wanted}, came out {self.verdict}"
+        wanted = "no expected verdict is stored" if expected is None else f"the expected verdict is {expected}"
+        return f"{self.printed.name}: {wanted}, the actual verdict is {self.verdict}"
 
 
 class Findings:
-    """Collector of the computed values of one printed table; entries without a value stay open.
+    """Collector to which a computation adds its values for the entries of one printed table.
 
     Parameters
     ----------
@@ -126,12 +130,12 @@ class Findings:
     """
 
     def __init__(self, table: str) -> None:
-        """Start with no value for any entry of ``table``; InputError for an unknown table."""
+        """Read the printed entries of ``table``, and start without computed values; InputError for an unknown table."""
         self._entries = {row.key: Evidence(row) for row in load_table(table)}
         self.table = table
 
-    def _file(self, key: str, **fields: float | bool | str | None) -> None:
-        """Set fields of the entry with a key; KeyError for an unknown key."""
+    def _set_fields(self, key: str, **fields: float | bool | str | None) -> None:
+        """Set fields of the `Evidence` record of the entry ``key``; KeyError for an unknown key."""
         if key not in self._entries:
             raise KeyError(f"{self.table}: no printed entry {key!r}")
         self._entries[key] = replace(self._entries[key], **fields)  # type: ignore[arg-type]
@@ -146,84 +150,85 @@ class Findings:
         reading: float | None = None,
         reference: float | None = None,
     ) -> None:
-        """Record the computed value of an entry, in the printed unit.
+        """Record the values computed for a printed number, in the printed unit.
 
         Parameters
         ----------
         key
-            Key of the entry.
+            Key of the printed number in its table.
         value
-            Correct value.
+            Value computed correctly.
         words
-            Remark.
+            Remark on the value.
         as_printed
-            Value with the faults of the source repeated.
+            Value computed with the publication's mistakes repeated.
         reading
-            Value under an assumption inferred from the printed results.
+            Value under an assumption that was inferred from the printed results.
         reference
             Value of the 3D reference.
 
         Raises
         ------
         KeyError
-            If there is no such entry.
+            If the table has no such key.
         """
-        self._file(key, value=value, as_printed=as_printed, reading=reading, reference=reference, words=words)
+        self._set_fields(key, value=value, as_printed=as_printed, reading=reading, reference=reference, words=words)
 
     def numbers(self, values: Mapping[str, float]) -> None:
-        """Record correct values by key. Raises KeyError for an unknown key."""
+        """Record the correctly computed values of several printed numbers, by key; KeyError for an unknown key."""
         for key, value in values.items():
             self.number(key, float(value))
 
     def printed(self, key: str) -> float:
-        """Return the printed number of an entry, for arithmetic; KeyError for a claim or an unknown key."""
+        """Return the printed number ``key``, for use in a computation; KeyError for a claim or an unknown key."""
         return value_of(self.table, key)
 
     def claim(self, key: str, holds: bool, words: str) -> None:
-        """Record whether a claim is true, and the numbers that show it. Raises KeyError for an unknown key."""
-        self._file(key, holds=bool(holds), words=words)
+        """Record whether the printed claim ``key`` is true, and a text with the numbers that show it."""
+        self._set_fields(key, holds=bool(holds), words=words)
 
     def remark(self, key: str, words: str) -> None:
-        """Record a remark on an entry, such as why nothing is compared. Raises KeyError for an unknown key."""
-        self._file(key, words=words)
+        """Record a remark on the printed number or claim ``key``, such as the reason why it is not compared."""
+        self._set_fields(key, words=words)
 
     def evidence(self) -> tuple[Evidence, ...]:
-        """Return all entries in the order of the table."""
+        """Return the records of all printed numbers and claims, in the order of the table."""
         return tuple(self._entries.values())
 
 
 def joined_remarks(*texts: str) -> str:
-    """Return the remarks that are not empty, joined by ". "."""
+    """Return the non-empty remarks joined by ". " to one text."""
     given = [text for text in texts if text]
     return ". ".join([text.rstrip(".") for text in given[:-1]] + given[-1:])
 
 
 def count_of(mask: np.ndarray[tuple[int, ...], np.dtype[np.bool_]]) -> str:
-    """Return "k of n": the number of true values in a mask, and its size."""
+    """Return the text "k of n" with the number k of true values in a mask of n values."""
     return f"{int(mask.sum())} of {mask.size}"
 
 
-#: Scenes, or why there is none; empty where the kind of the entry says so (an input, arithmetic on printed numbers).
+#: Names of the scenes from which a printed number is computed, or the reason why no scene is used. The reason is empty if
+#: the kind of the number implies it (an input of the publication, or arithmetic on printed numbers).
 Behind = tuple[str, ...] | str
 
 
 @dataclass(frozen=True)
 class Computation:
-    """Function that computes the entries of one printed table, with its scenes and tests."""
+    """How the numbers of one printed table are computed: by which function, from which scenes, asserted by which test."""
 
-    #: Case of the table.
+    #: Publication that prints the table.
     case: Case
     #: Name of the table.
     table: str
-    #: Function ``module:name`` that enters the values; empty: nothing is computed.
+    #: Function ``module:name`` that computes the values; empty if nothing is computed.
     computed_by: str
     #: Test file that asserts every entry.
     test: str
-    #: Scenes, or the reason for none, by pattern of the key; the first that matches counts.
+    #: Pairs of a pattern and the scenes (or the reason for none) of the keys that match it; the first match counts.
     behind: tuple[tuple[str, Behind], ...]
 
     def compute(self, study: Study) -> tuple[Evidence, ...]:
-        """Compute the values of every entry of the table; imports the function, InputError if that fails."""
+        """Compute the values of every entry of the table; InputError if the function cannot be imported."""
         if not self.computed_by:
             return tuple(Evidence(row, words=self.origin(row)[1]) for row in load_table(self.table))
         findings = Findings(self.table)
@@ -231,22 +236,23 @@ class Computation:
             function = self.case.import_object(self.computed_by)
         except (ImportError, AttributeError) as error:
             place = f"{self.case.name}: computations.toml"
-            raise InputError(place, self.table, str(error), f"module:function in {self.case.package}", "mend it") from error
+            allowed = f"module:function in {self.case.package}"
+            raise InputError(place, self.table, str(error), allowed, "correct the name of the function") from error
         function(findings, study)
         return findings.evidence()
 
     @property
     def function(self) -> str:
-        """Name ``module:function`` of the computation; ``none`` if nothing is computed."""
+        """Name ``module:function`` of the function that computes the values; ``none`` if nothing is computed."""
         return f"{self.case.package}.{self.computed_by}" if self.computed_by else "none"
 
     @property
     def every_scene(self) -> tuple[str, ...]:
-        """Names of all scenes from which entries of the table are computed, each once."""
+        """Names of all scenes from which numbers of the table are computed, without repetition."""
         return tuple(dict.fromkeys(name for _, names in self.behind if not isinstance(names, str) for name in names))
 
     def origin(self, row: Printed) -> tuple[tuple[str, ...], str]:
-        """Return the scenes from which an entry is computed, and the reason if there are none."""
+        """Return the names of the scenes from which an entry is computed, and the reason if no scene is used."""
         origin = next((behind for pattern, behind in self.behind if fnmatchcase(row.key, pattern)), "")
         if not isinstance(origin, str) and origin:
             return origin, ""
@@ -257,9 +263,9 @@ class Computation:
 
 @cache
 def computations() -> dict[str, Computation]:
-    """Return the computations of all cases by printed table, in the order of cases and files.
+    """Return the computations of all publications, by the name of the printed table.
 
-    InputError for a file that cannot be read, printed tables that it does not name, and tables that are not printed.
+    InputError if a file `computations.toml` cannot be read, misses a printed table, or names a table that does not exist.
     """
     out: dict[str, Computation] = {}
     for case in every_case():
@@ -267,12 +273,12 @@ def computations() -> dict[str, Computation]:
         try:
             described = tomllib.loads(path.read_text("utf-8")) if path.is_file() else {}
         except tomllib.TOMLDecodeError as error:
-            raise InputError(str(path), "file", str(error), "TOML", "mend it") from None
+            raise InputError(str(path), "file", str(error), "a file in TOML format", "correct its syntax") from None
         printed = case.files("printed")
         for table in sorted(described.keys() ^ printed.keys()):
-            value = "no computation" if table in printed else "no printed table"
-            advice = "say how its numbers are computed, or why none is" if table in printed else "remove it"
-            raise InputError(str(path), table, value, ", ".join(printed), advice)
+            value = "no computation for this table" if table in printed else "a table that does not exist"
+            advice = "state the function that computes it, or why nothing is computed" if table in printed else "remove it"
+            raise InputError(str(path), table, value, f"one entry for each of {', '.join(printed)}", advice)
         for table, keys in described.items():
             behind = tuple((pattern, x if isinstance(x, str) else tuple(x)) for pattern, x in keys["behind"].items())
             out[table] = Computation(case, table, keys.get("function", ""), keys.get("test", ""), behind)
@@ -281,24 +287,24 @@ def computations() -> dict[str, Computation]:
 
 @cache
 def computations_by_table() -> dict[str, Computation]:
-    """Return the computations by printed table, without tables for which nothing is computed."""
+    """Return the computations, by the name of the printed table, without tables for which nothing is computed."""
     return {name: one for name, one in computations().items() if one.computed_by}
 
 
 def evidence(study: Study, *names: str) -> list[Evidence]:
-    """Compute the entries of printed tables.
+    """Compute values for the numbers and claims of printed tables, and return both for comparison.
 
     Parameters
     ----------
     study
-        Cache of the values (each table is computed once) and of the scenes used.
+        Store of the computed values (each table is computed once) and of the names of the scenes used.
     *names
-        Tables; all unless given.
+        Names of the tables; if none are given, all tables for which something is computed.
 
     Returns
     -------
     list of Evidence
-        Entries in the order of the tables.
+        Printed numbers and claims with their computed values, in the order of the tables.
 
     Raises
     ------
@@ -308,7 +314,7 @@ def evidence(study: Study, *names: str) -> list[Evidence]:
     found: list[Evidence] = []
     for name in names or computations_by_table():
         if name not in computations():
-            load_table(name)  # which names the tables that there are
+            load_table(name)  # raises an error that lists the known tables
         computation = computations()[name]
         study.uses(computation.every_scene)
         if name not in study.evidence:
@@ -319,7 +325,7 @@ def evidence(study: Study, *names: str) -> list[Evidence]:
 
 @dataclass(frozen=True)
 class EntryOrigin:
-    """Origin of a printed entry: its scenes or why there are none, its computation (``module:function``), its test."""
+    """Origin of the value for a printed entry: its scenes or why there are none, the computing function, the test."""
 
     table: str
     key: str
@@ -332,7 +338,7 @@ class EntryOrigin:
 
 
 def origins_of_entries(table: str = "") -> Iterator[EntryOrigin]:
-    """Yield the origin of every printed entry of one table, or of all; InputError for an unknown table."""
+    """Yield for every printed entry of one table, or of all tables, how it is computed; InputError for an unknown table."""
     for name in [table] if table else tables():
         rows, computation = load_table(name), computations()[name]
         for row in rows:
@@ -341,13 +347,16 @@ def origins_of_entries(table: str = "") -> Iterator[EntryOrigin]:
             yield EntryOrigin(name, row.key, printed, row.cls, *computation.origin(row), computation.function, test)
 
 
-#: Verdicts that are counted apart: they say nothing of a model.
+#: Verdicts that are counted separately, because they do not judge a model.
 APART: tuple[Verdict, ...] = ("input", "identity")
 
 
 @cache
 def misprints() -> list[dict[str, str]]:
-    """Return a row for each misprint or fault of a source: source, place, wrong, right, evidence, command, test."""
+    """Return a row for each misprint or mistake in a publication, with the keys of a table of misprints.
+
+    The keys are source (the publication), place, wrong (text), right (text), evidence, command (which shows it) and test.
+    """
     out = []
     for case, path in files_named("misprints.toml", every_case()).items():
         for row in tomllib.loads(path.read_text(encoding="utf-8"))["row"]:
@@ -358,33 +367,34 @@ def misprints() -> list[dict[str, str]]:
 
 
 def numbers_left_out() -> list[dict[str, Any]]:
-    """Return a row for each group of printed numbers left out of the tables: place, quantity, count, reason."""
+    """Return a row for each group of printed numbers that rollbench does not compare: place, quantity, count, reason."""
     rows: list[dict[str, Any]] = files.shipped_table("cases/left-out.toml")["row"]
     return rows
 
 
 def publication_titles() -> list[str]:
-    """Return the titles of the sources with printed tables."""
+    """Return the titles of the publications whose printed numbers are compared."""
     return [case.title for case in every_case() if case.title]
 
 
 def audit(study: Study, *names: str) -> list[Evidence]:
-    """Return every printed entry of tables (all unless named) with its computed value and verdict.
+    """Return all entries of the printed tables ``names`` with their computed values and verdicts.
 
-    InputError for an unknown table.
+    Without names, all tables are returned, including those for which nothing is computed. InputError for an unknown table.
     """
     return evidence(study, *(names or sorted(computations())))
 
 
 def source(printed: Printed) -> str:
-    """Return the title of the publication that printed an entry."""
+    """Return the title of the publication in which an entry is printed."""
     return computations()[printed.table].case.title
 
 
 def counts(rows: Sequence[Evidence]) -> list[dict[str, Any]]:
-    """Count printed entries by source and verdict: a row for each source, and one for all.
+    """Count printed numbers and claims by publication and verdict.
 
-    Rows have the verdicts, ``judged`` (without inputs and identities) and ``all``.
+    A row for each publication, and a last one for all, has the counts by verdict, ``judged`` (number of entries that judge
+    a model, which are all except inputs and identities) and ``all`` (number of entries).
     """
     out = []
     for title in (*publication_titles(), "all"):
@@ -397,13 +407,14 @@ def counts(rows: Sequence[Evidence]) -> list[dict[str, Any]]:
 
 
 def trust(row: Mapping[str, Any]) -> str:
-    """Return a sentence on how many numbers of a source are reproduced, from its row of ``counts``."""
+    """Return a sentence on how many numbers of a publication are reproduced, from the publication's row of `counts`."""
     n = row["judged"]
     if n == 0:
-        return f"{row['source']}: nothing that a model could be judged by."
+        return f"{row['source']}: no number or claim by which a model can be judged."
     share = {v: f"{row[v]} ({100.0 * row[v] / n:.0f} %)" for v in VERDICTS if v not in APART}
     return (
-        f"{row['source']}: of {n} numbers and claims that a model can be judged by, {share['reproduced']} come out as "
-        f"printed, {share['band']} lie within a band, {share['only as printed']} come out only with a fault repeated, "
-        f"{share['contradicted']} are contradicted and {share['not identifiable']} cannot be identified from the text."
+        f"{row['source']}: of {n} numbers and claims by which a model can be judged, {share['reproduced']} are reproduced "
+        f"as printed, {share['band']} lie within a band, {share['only as printed']} are reproduced only if a mistake of "
+        f"the publication is repeated, {share['contradicted']} are contradicted, and {share['not identifiable']} cannot be "
+        "computed from what the publication states."
     )

@@ -1,6 +1,7 @@
-"""Access to shipped files by their path below the folder ``compare``, reading of text, and safe writing of files.
+"""Access to files shipped with rollbench, reading of users' text files, and writing of files completely or not at all.
 
-A user's file is UTF-8, or UTF-16 if a byte order mark says so. For a name that does not exist, similar names are suggested.
+A user's file is read as UTF-8, or as UTF-16 if it starts with that byte order mark. If a file does not exist, error
+messages suggest similar names.
 """
 
 from __future__ import annotations
@@ -26,41 +27,44 @@ if TYPE_CHECKING:
 
 
 def place(path: str) -> Path:
-    """Return the path of a shipped file or folder."""
+    """Return the path of a file or folder that is shipped with rollbench; ``path`` is relative to the folder `compare`."""
     return Path(str(resources.files("rollbench.compare").joinpath(*path.split("/"))))
 
 
 def text(path: str) -> str:
-    """Return the text of a shipped file."""
+    """Return the text of a file that is shipped with rollbench; ``path`` is relative to the folder `compare`."""
     return place(path).read_text(encoding="utf-8")
 
 
 @cache
 def shipped_table(path: str) -> dict[str, Any]:
-    """Return the contents of a shipped TOML file; the result is cached and must not be changed."""
+    """Return the contents of a shipped TOML file from a cache; callers must not change the returned dictionary."""
     return tomllib.loads(text(path))
 
 
-#: Allowed encodings, in words.
+#: Text that names the allowed encoding in error messages.
 ENCODING = "text in UTF-8"
 
 _MARKS = {codecs.BOM_UTF8: "utf-8-sig", codecs.BOM_UTF16_LE: "utf-16", codecs.BOM_UTF16_BE: "utf-16"}
 
-#: Bytes below the space character that text may have: tab and line ends.
+#: Control characters that a text file may contain: tab and line ends.
 _LAYOUT = b"\t\n\r\f\v"
 
 
 class NotTextError(ValueError):
-    """Error for bytes that cannot be read as text; value: what they are, advice: what to do."""
+    """Error for bytes that cannot be read as text.
+
+    value: description of what the bytes are. advice: advice to the user.
+    """
 
     def __init__(self, value: str, advice: str) -> None:
-        """Store value and advice."""
+        """Store the description of the bytes and the advice."""
         super().__init__(value)
         self.value, self.advice = value, advice
 
 
 def text_of(data: bytes) -> str:
-    """Return the bytes of a file as text; NoText for another encoding or binary data.
+    """Decode the bytes of a file to text; NotTextError for another encoding than UTF-8 or UTF-16, or binary data.
 
     Examples
     --------
@@ -78,25 +82,25 @@ def text_of(data: bytes) -> str:
 
 
 def _not_text_error(data: bytes, at: int) -> NotTextError:
-    """Return the error for bytes that cannot be decoded at a position, with a guess of the cause."""
+    """Return the error to raise for bytes that cannot be decoded at position ``at``, with a guess of the cause."""
     line = data.count(b"\n", 0, at) + 1
     place = f"line {line}, byte 0x{data[at]:02X}"
     if max(data[0::2].count(0), data[1::2].count(0)) > 0.4 * len(data):  # every other byte of Latin letters and digits
-        return NotTextError("text in UTF-16 without a mark that says so", "save it as UTF-8")
+        return NotTextError("text in UTF-16 without a byte order mark", "save the file as UTF-8")
     if any(byte < 32 and byte not in _LAYOUT for byte in data) or sum(byte > 127 for byte in data) > len(data) // 2:
-        return NotTextError("a binary file", f"{place}: name a file of text, in UTF-8")
-    advice = f"{place}, is no UTF-8; Latin-1 and Windows-1252 have such bytes for letters like ä and µ: save it as UTF-8"
-    return NotTextError("text in another encoding than UTF-8", advice)
+        return NotTextError(f"a binary file ({place})", "name a text file in UTF-8")
+    advice = "save the file as UTF-8 (Latin-1 and Windows-1252 have such bytes for letters like ä and µ)"
+    return NotTextError(f"text in another encoding ({place})", advice)
 
 
 def did_you_mean(found: Iterable[str]) -> str:
-    """Return ``did you mean A or B?``, with names quoted for a shell; empty without any."""
+    """Return the question ``did you mean A or B?``, with names quoted for a shell; an empty text without names."""
     words = " or ".join(map(shlex.quote, found))
     return f"did you mean {words}?" if words else ""
 
 
 def similar_names(name: str, names: Iterable[str]) -> list[str]:
-    """Return up to three names that are similar to the given one; endings and capitals do not count.
+    """Return up to three of ``names`` that are similar to ``name``; file suffixes and capital letters are ignored.
 
     Examples
     --------
@@ -115,7 +119,10 @@ def similar_names(name: str, names: Iterable[str]) -> list[str]:
 
 
 def similar_paths(path: Path, others: Iterable[str] = ()) -> str:
-    """Return a `did_you_mean` with names similar to a missing file: from its folder, else from ``others``."""
+    """Return a question that suggests names similar to a missing file, from its folder or else from ``others``.
+
+    The text is empty if no name is similar; see `did_you_mean`.
+    """
     try:
         files = sorted(p.name for p in path.parent.iterdir() if p.suffix == path.suffix)
     except (OSError, ValueError):
@@ -127,7 +134,7 @@ def similar_paths(path: Path, others: Iterable[str] = ()) -> str:
 
 @contextmanager
 def os_errors_as_input_errors(path: Path, allowed: str = "a folder that can be written to") -> Iterator[None]:
-    """Convert an OSError inside the block, on writing the file ``path``, to InputError."""
+    """Raise InputError if the block under this context manager cannot write the file ``path``; ``allowed``: its text."""
     try:
         yield
     except OSError as error:
@@ -135,12 +142,9 @@ def os_errors_as_input_errors(path: Path, allowed: str = "a folder that can be w
 
 
 def write_new(path: Path, text: str) -> None:
-    """Write ``text`` to a file that must not exist yet; nothing half-written is left.
-
-    InputError if the file exists or cannot be written.
-    """
+    """Write a text to a new file, completely or not at all; InputError if the file exists or cannot be written."""
     if path.exists():
-        raise InputError(str(path), "file", "an existing file", "a new name", "choose another name or remove it")
+        raise InputError(str(path), "file", "an existing file", "a new file", "choose another name, or remove the file")
     with os_errors_as_input_errors(path):
         name = temporary_name(path)
         file = open(name, "x", encoding="utf-8")  # noqa: SIM115 - closed below
@@ -154,7 +158,7 @@ def write_new(path: Path, text: str) -> None:
 
 
 def replace_file(path: Path, text: str) -> None:
-    """Write ``text`` to a file, completely or not at all, replacing an earlier one; InputError if it cannot be written."""
+    """Write a text to a file, completely or not at all; an existing file is replaced. InputError if it is not writable."""
     with os_errors_as_input_errors(path):
         make_folder_for_group(path.parent)
         name = temporary_name(path)
@@ -168,7 +172,10 @@ def replace_file(path: Path, text: str) -> None:
 
 
 def write_csv(path: Path, rows: Sequence[Mapping[str, Any]]) -> None:
-    """Write rows (values by column name) as a CSV file, like `replace_file`; no text can be run as a formula."""
+    """Write rows (values by column name) to a CSV file, which is replaced if it exists.
+
+    Texts are changed so that no spreadsheet program can run them as a formula.
+    """
     import csv
 
     from rollbench.reports.cells import escape_formula
@@ -181,13 +188,16 @@ def write_csv(path: Path, rows: Sequence[Mapping[str, Any]]) -> None:
 
 
 def why_no_figure() -> str:
-    """Return why no figure can be drawn on this machine, and advice; empty if figures can be drawn."""
+    """Return a text on why no figure can be drawn (matplotlib is missing), with advice; empty if figures can be drawn."""
     reason = import_fault("matplotlib")
     return f"no figure ({reason}: {pip_command('matplotlib')})" if reason else ""
 
 
 def write_figure(path: Path, figure: Figure) -> str:
-    """Write a figure as SVG; return the name of the file, or why there is none. InputError if it cannot be written."""
+    """Write a figure to an SVG file, and return the file's name, or the reason why no figure can be drawn.
+
+    InputError if the file cannot be written.
+    """
     if reason := why_no_figure():
         return reason
     from rollbench.reports.figures import draw_figure
@@ -197,9 +207,9 @@ def write_figure(path: Path, figure: Figure) -> str:
 
 
 def need_writable(path: Path) -> None:
-    """Raise InputError unless a file can be written at ``path``, before anything is computed for it."""
+    """Raise InputError unless the file ``path`` can be written; called before results for the file are computed."""
     if path.is_dir():
-        raise InputError(str(path), "file", "a folder", "a file name", "add the file's name")
+        raise InputError(str(path), "file", "a folder", "a file", "add the name of a file to the path")
     with os_errors_as_input_errors(path):
         make_folder_for_group(path.parent)
         probe = temporary_name(path)

@@ -1,4 +1,4 @@
-"""Definitions of error: every percentage of the project is computed by this module."""
+"""Definitions of errors in per cent; all parts of the program compute percentages by this module."""
 
 from __future__ import annotations
 
@@ -13,19 +13,19 @@ from rollbench.meshes.parts import SIDES
 
 
 def error_percent(value: ArrayLike, reference: ArrayLike, scale: ArrayLike | None = None) -> Array:
-    """Return the error 100 (value - reference) / abs(scale) in per cent.
+    """Compute the error 100 (value - reference) / abs(scale) in per cent.
 
     Parameters
     ----------
     value, reference
         Numbers of any shapes that broadcast.
     scale
-        What the error is related to; the reference unless given.
+        Number to which the error is related; None: the reference.
 
     Returns
     -------
     Array
-        Error [%]; zero where value and reference are equal (even both zero), nan where the scale is zero and they differ.
+        Error [%]; zero if value and reference are equal (even if both are zero), nan if they differ and the scale is zero.
 
     Examples
     --------
@@ -40,12 +40,12 @@ def error_percent(value: ArrayLike, reference: ArrayLike, scale: ArrayLike | Non
     return np.asarray(np.where(difference == 0.0, 0.0, np.where(base > 0.0, percent, np.nan)))
 
 
-#: A contact whose reference load is below this share of the mean load is judged in per cent of the mean load [1].
+#: Ratio of a contact's reference load to the mean load, below which its error is judged in per cent of the mean load [1].
 SMALL = 0.1
 
 
 def gate_scale(reference: ArrayLike, mean: float) -> Array:
-    """Return, for each contact, the load [N] of which the gate takes its error in per cent.
+    """Return for each contact the load [N] to which `rollbench check` relates the error of the contact load.
 
     Parameters
     ----------
@@ -57,7 +57,7 @@ def gate_scale(reference: ArrayLike, mean: float) -> Array:
     Returns
     -------
     Array
-        Reference load of each contact, or the mean load where that is below ``SMALL`` times the mean.
+        Reference load of each contact, or the mean load if the reference load is below ``SMALL`` times the mean.
 
     Examples
     --------
@@ -70,21 +70,21 @@ def gate_scale(reference: ArrayLike, mean: float) -> Array:
 
 @dataclass(frozen=True)
 class LoadError:
-    """Errors of a load distribution against a reference, in per cent."""
+    """Errors of a distribution of contact loads against that of a reference, in per cent."""
 
-    #: Largest error over all contacts loaded in either [% of the reference's mean load, `meshes.loads.mean_load`].
+    #: Largest error over all contacts that are loaded in one of both [% of the reference's mean contact load].
     max_percent: float
-    #: Root mean square error over the same contacts [% of the same].
+    #: Root mean square error over these contacts [% of the reference's mean contact load].
     rms_percent: float
-    #: Largest error over the contacts loaded in the reference [% of each contact's reference load], as Lin takes it.
+    #: Largest error over the contacts that are loaded in the reference [% of their reference load], as in Lin's thesis.
     own_max_percent: float
-    #: Root mean square error over the same contacts [% of the same].
+    #: Root mean square error over the contacts that are loaded in the reference [% of their reference load].
     own_rms_percent: float
-    #: Ball with the largest error, from 1.
+    #: Number of the ball with the largest error, from 1.
     ball: int
-    #: Flank with the largest error: SL, SR, NL, NR.
+    #: Groove flank with the largest error: SL, SR, NL, NR.
     side: str
-    #: Largest error as the gate takes it (`gate_scale`), over all contacts loaded in either.
+    #: Largest error as `rollbench check` judges it [% of `gate_scale`], over all contacts that are loaded in one of both.
     gate_percent: float
 
 
@@ -98,12 +98,12 @@ def load_error(value: Array, reference: Array, contacts: int = 0) -> LoadError:
     reference
         Contact loads of the reference, (n, 4) [N].
     contacts
-        Number of contacts in the mean load, see `meshes.loads.mean_load`.
+        Number by which the sum of the loads is divided for the mean load, see `meshes.loads.mean_load`.
 
     Returns
     -------
     LoadError
-        The errors; zero if the reference has no load.
+        The errors; all zero if no contact of the reference is loaded.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""Numbers and claims printed in publications, with class and tolerance; no model reads them."""
+"""Records of the numbers and claims that publications print, with tolerances; models never read them."""
 
 from __future__ import annotations
 
@@ -19,32 +19,33 @@ CLASSES: tuple[Class, ...] = ("hard", "as-printed", "band", "open", "input")
 
 Kind = Literal["number", "claim", "arithmetic", "zero", "input"]
 
-#: Kinds of entries in words; an entry's kind shows whether reproducing it tests a model. Printed tables may state `NAMED`.
+#: Kinds of printed entries, with their descriptions; the kind shows whether reproducing an entry tests a model. A printed
+#: table states the kinds `NAMED` only; the others follow from the entry.
 KINDS: dict[Kind, str] = {
     "number": "computed number",
     "claim": "claim in words",
     "arithmetic": "arithmetic on printed numbers",
     "zero": "zero by symmetry",
-    "input": "input, taken over",
+    "input": "input of the publication, used without change",
 }
 
 NAMED: tuple[Kind, ...] = ("arithmetic", "zero")
 
 Verdict = Literal["reproduced", "only as printed", "band", "contradicted", "not identifiable", "input", "identity"]
 
-#: Verdicts on printed entries, and their meanings; those that judge a model first.
+#: Verdicts on printed numbers and claims, and their meanings; those that judge a model first.
 VERDICTS: dict[Verdict, str] = {
-    "reproduced": "the text determines it, and it comes out to the digits printed",
-    "only as printed": "it comes out only when a fault of the publication is repeated",
-    "band": "under-specified or random, and within a range of stated origin",
-    "contradicted": "computation, or the publication itself, says otherwise",
-    "not identifiable": "the text does not determine it: measured, of another program, resting on what is not printed, "
-    "or within a range too wide for a wrong number to fall outside",
-    "input": "given by the publication and taken over",
+    "reproduced": "the publication states all that is needed, and the computed number agrees to the printed digits",
+    "only as printed": "the computed number agrees only if a mistake of the publication is repeated",
+    "band": "not fully specified, or random, and the computed number lies within a range of stated origin",
+    "contradicted": "a computation, or the publication itself, gives something else",
+    "not identifiable": "the publication does not state all that is needed: the number is measured, comes from another "
+    "program, depends on data that are not printed, or its range is so wide that no wrong number would fall outside",
+    "input": "input data of the publication, used without change",
     "identity": "arithmetic on printed numbers, or zero by symmetry: it tests no model",
 }
 
-#: Largest half width of a band over its middle: a wider band contains nearly any computed value, and tests nothing.
+#: Largest ratio of half the width of a band to its middle: a wider band contains nearly any value, and tests nothing.
 WIDEST = 0.25
 
 _TEXTS = (
@@ -56,7 +57,7 @@ _NUMBERS = ("tolerance", "low", "high")
 
 @dataclass(frozen=True)
 class Printed:
-    """One number or claim printed in a publication, with class, tolerance and expected verdict."""
+    """One number or claim that a publication prints, with its tolerance and the verdict that is expected for it."""
 
     #: Name of the printed table.
     table: str
@@ -68,15 +69,15 @@ class Printed:
     value: float | None
     #: Unit as printed.
     unit: str
-    #: Section or table of the publication.
+    #: Section or table of the publication that prints the entry.
     place: str
-    #: Class: "hard" (must be reproduced), "as-printed" (only by repeating a fault of the publication), "band" (must lie
-    #: between ``low`` and ``high``), "open" (shown, never gated) or "input" (given by the publication, or inferred from it;
-    #: nothing reproduces it).
+    #: Class: "hard" (must be reproduced), "as-printed" (reproduced only by repeating a mistake of the publication), "band"
+    #: (must lie between ``low`` and ``high``), "open" (shown, but never a reason to fail a check) or "input" (input data
+    #: that the publication states or that were inferred from it; nothing reproduces them).
     cls: Class
-    #: Absolute tolerance in ``unit``: half a unit of the last printed digit unless stated.
+    #: Absolute tolerance in ``unit``; half a unit of the last printed digit unless the table states another.
     tolerance: float
-    #: Remark.
+    #: Remark on the entry.
     remark: str
     #: Number as printed.
     printed: str = ""
@@ -84,43 +85,43 @@ class Printed:
     low: float | None = None
     #: Upper end of the band.
     high: float | None = None
-    #: Origin of the band's range.
+    #: Sentence that states where the limits of the band come from.
     origin: str = ""
-    #: Statement in words, if there is no number.
+    #: Claim of the publication in words, if the entry is not a number.
     claim: str = ""
-    #: Kind of entry, a key of ``KINDS``.
+    #: Kind of the entry, a key of `KINDS`.
     kind: Kind = "number"
-    #: Expected verdict, one of `VERDICTS`; None if the entry was never judged.
+    #: Expected verdict, a key of `VERDICTS`; None if the entry has not been judged yet.
     verdict: Verdict | None = None
-    #: Result or statement that contradicts an entry of class "open".
+    #: Sentence on the result or statement that contradicts an entry of class "open".
     contradicted: str = ""
 
     @property
     def name(self) -> str:
-        """Name of the printed entry, ``table:key``."""
+        """Name of the printed number or claim, written as ``table:key``."""
         return f"{self.table}:{self.key}"
 
 
 def tables() -> list[str]:
-    """Return the names of all shipped printed tables, such as "lin-3.5", sorted."""
+    """Return the sorted names of all tables of printed numbers, such as "lin-3.5" for table 3.5 of Lin's thesis."""
     return list(shipped_files("printed"))
 
 
 @cache
 def load_table(name: str) -> tuple[Printed, ...]:
-    """Return the entries of a printed table by its name; cached.
+    """Return the printed numbers and claims of the table ``name``, from a cache after the first call.
 
-    InputError for an unknown name or a faulty row.
+    InputError for an unknown table, or if a row of its file is not valid.
     """
     path = find_case_file("printed", name)
     if path is None:
         advice = "list the tables with: rollbench list"
-        raise InputError("printed tables", "name", f'"{name}"', ", ".join(tables()), advice)
+        raise InputError("printed tables", "name of a table", f'"{name}"', ", ".join(tables()), advice)
     return parse_table(path.read_text(encoding="utf-8"), name)
 
 
 def entry(table: str, key: str) -> Printed:
-    """Return a printed entry by names of table and key.
+    """Return the printed number or claim ``key`` of a table.
 
     InputError for an unknown table, KeyError for an unknown key.
     """
@@ -131,7 +132,7 @@ def entry(table: str, key: str) -> Printed:
 
 
 def value_of(table: str, key: str) -> float:
-    """Return the printed number of an entry, in its printed unit.
+    """Return the printed number ``key`` of a table, in its printed unit.
 
     KeyError for a claim or unknown key, InputError for an unknown table.
     """
@@ -142,9 +143,10 @@ def value_of(table: str, key: str) -> float:
 
 
 def parse_table(text: str, name: str) -> tuple[Printed, ...]:
-    """Read the entries of a printed table from its TOML text.
+    """Read the numbers and claims of the printed table ``name`` from the TOML text of its file.
 
-    The text has keys ``title``, ``source``, ``place``, and a ``[[row]]`` for each entry. InputError for a faulty row.
+    The text has the keys ``title``, ``source`` (the publication) and ``place`` (its section or table), and a ``[[row]]``
+    for each number or claim. InputError if a row is not valid.
     """
     try:
         data = tomllib.loads(text)
@@ -152,7 +154,7 @@ def parse_table(text: str, name: str) -> tuple[Printed, ...]:
         raise InputError(f"{name}.toml", "file", str(error), "valid TOML", "correct the table") from None
     unknown = set(data) - {"title", "source", "place", "row"}
     if unknown or not isinstance(data.get("row"), list) or not all(isinstance(r, dict) for r in data["row"]):
-        value = f"the unknown keys {', '.join(sorted(unknown))}" if unknown else "no rows"
+        value = f"the unknown keys {', '.join(sorted(unknown))}" if unknown else "no [[row]]"
         raise InputError(f"{name}.toml", "file", value, "the keys title, source, place and [[row]]", "correct the table")
     rows = tuple(_parse_row(name, data, raw, i) for i, raw in enumerate(data["row"]))
     keys = [row.key for row in rows]
@@ -165,7 +167,7 @@ def parse_table(text: str, name: str) -> tuple[Printed, ...]:
 
 
 def last_digit(printed: str) -> float:
-    """Return half a unit of the last digit of a printed number: its tolerance by rounding.
+    """Return half a unit of the last digit of a printed number, which is its rounding error.
 
     Examples
     --------
@@ -177,13 +179,13 @@ def last_digit(printed: str) -> float:
 
 
 def _parse_row(table: str, data: Mapping[str, Any], raw: Mapping[str, Any], index: int) -> Printed:
-    """Convert a ``[[row]]`` of a printed table to an entry; InputError if a key or value is not valid.
+    """Convert the ``[[row]]`` of a printed table to a record; InputError if a key or value is not valid.
 
-    ``table``: name of the table; ``data``: its whole content; ``index``: number of the row, from 0.
+    ``table``: name of the table. ``data``: content of the whole file. ``raw``: the row. ``index``: its number, from 0.
     """
 
     def refuse(key: str, allowed: str, advice: str, shown: str = "") -> InputError:
-        """Return the error for a key of this row, with the value that was given or ``shown``."""
+        """Return the error to raise for a key of this row; ``shown`` replaces the value of the key in the message."""
         given = raw.get(key)
         value = shown or ("nothing" if given is None else f'"{given}"' if isinstance(given, str) else f"{given}")
         return InputError(f"{table}.toml", f"row[{index}].{key}", value, allowed, advice)
@@ -191,51 +193,55 @@ def _parse_row(table: str, data: Mapping[str, Any], raw: Mapping[str, Any], inde
     _check_value_types(raw, refuse)
     cls, claim, printed = raw.get("class"), raw.get("claim", ""), raw.get("printed", "")
     if cls not in CLASSES:
-        raise refuse("class", ", ".join(CLASSES), "give the class of the number or claim")
+        raise refuse("class", ", ".join(CLASSES), "state the class of the number or claim")
     for key in ("key", "label"):
         if not raw.get(key):
             raise refuse(key, "a text that is not empty", "give every row a key and a label")
     if bool(claim) == bool(printed):
         shown = "both `printed` and `claim`" if claim else "neither `printed` nor `claim`"
-        raise refuse("printed", "either printed (a number) or claim (words)", "give one of the two", shown)
+        raise refuse("printed", "either the key printed (a number) or the key claim (words)", "state one of the two", shown)
     low, high = raw.get("low"), raw.get("high")
     if cls == "band":
         if not raw.get("origin"):
             raise refuse("origin", "a sentence", "state where the range of the band comes from")
         if printed:
             if low is None or high is None or low > high:
-                raise refuse("low", "low and high, low <= high", "give both ends of the band", f"low {low}, high {high}")
+                allowed = "both low and high, with low <= high"
+                raise refuse("low", allowed, "state both limits of the band", f"low {low} and high {high}")
             if 0.5 * (high - low) > WIDEST * abs(0.5 * (high + low)):
-                allowed = f"low and high, half their distance at most {WIDEST:g} of their middle"
+                allowed = f"low and high with half their difference at most {WIDEST:g} times their mean"
                 raise refuse(
                     "low",
                     allowed,
-                    'make the class "open" and give the range in the remark: a wider band tests nothing',
-                    f"low {low}, high {high}",
+                    'change the class to "open" and state the range in the remark, because a wider band tests nothing',
+                    f"low {low} and high {high}",
                 )
     elif "low" in raw or "high" in raw:
         raise refuse(
-            "low" if "low" in raw else "high", 'only in a row of class "band"', 'remove the key, or make the class "band"'
+            "low" if "low" in raw else "high",
+            'only in a row of class "band"',
+            'remove the key, or change the class to "band"',
         )
     if cls == "as-printed" and not raw.get("remark"):
-        raise refuse("remark", "a sentence", "state which fault of the publication the number repeats")
+        advice = "state which mistake of the publication must be repeated to reproduce the number"
+        raise refuse("remark", "a sentence", advice)
     if "verdict" in raw and raw["verdict"] not in VERDICTS:
-        raise refuse("verdict", ", ".join(VERDICTS), "give the verdict that `rollbench check --printed` shows")
+        raise refuse("verdict", ", ".join(VERDICTS), "state the verdict that `rollbench check --printed` shows")
     if "contradicted" in raw and cls != "open":
         raise refuse(
             "contradicted",
             'only in a row of class "open"',
-            "remove the key; other classes are judged by the computed value",
+            "remove the key, because entries of other classes are judged by the computed value",
         )
     try:
         tolerance = raw.get("tolerance", last_digit(printed) if printed else 0.0)
         value = float(printed) if printed else None
     except (ValueError, InvalidOperation):
         raise refuse(
-            "printed", 'a number as text, e.g. "0.978"', "write the number only, and its unit in the key `unit`"
+            "printed", 'a number as text, e.g. "0.978"', 'write only the number here, and its unit in the key "unit"'
         ) from None
     if not math.isfinite(tolerance) or tolerance < 0.0 or (value is not None and not math.isfinite(value)):
-        raise refuse("tolerance", "a finite number, at least 0", "give an absolute tolerance in the unit of the row")
+        raise refuse("tolerance", "a finite number, at least 0", "state an absolute tolerance in the unit of the row")
     source, place = str(data.get("source", "")), str(raw.get("place", data.get("place", "")))
     kind = raw.get("kind", "input" if cls == "input" else "claim" if claim else "number")
     if "kind" in raw and (kind not in NAMED or claim or cls == "input"):
@@ -262,9 +268,9 @@ def _parse_row(table: str, data: Mapping[str, Any], raw: Mapping[str, Any], inde
 
 
 def _check_value_types(raw: Mapping[str, Any], refuse: Any) -> None:
-    """Check that a row has known keys only, with values of the right type.
+    """Check that a row has only known keys, with values of the right type.
 
-    Raises the error that ``refuse`` returns for a key, the allowed values and an advice.
+    If not, raises the error that the function ``refuse`` makes from a key, the allowed values and an advice.
     """
     for key, value in raw.items():
         if key in _TEXTS:

@@ -1,4 +1,4 @@
-"""Provenance of results: commit and sources of this program, and hashes of a report's inputs."""
+"""Provenance of results: git commit and hash of the program's source code, and hashes of a report's inputs."""
 
 from __future__ import annotations
 
@@ -12,21 +12,22 @@ from rollbench.compare import files as data
 from rollbench.compare.case import files_named, shipped_files
 from rollbench.reports.manifest import sha256
 
-#: Packages whose sources affect a page.
+#: Packages whose source code affects the pages of a report.
 PACKAGES = ("compare", "hifi", "lowfi", "meshes", "reports")
-#: Names of files in a store.
+#: Patterns of the names of files in a folder of stored runs.
 STORED = ("*.json", "*.npz", "*.toml")
-#: Name of the sources in a manifest.
+#: Name of the source code in a manifest, which is the list of a report's inputs with their hashes.
 SOURCES = "sources of rollbench"
-#: Beginnings of the other names in a manifest: scenes, printed data, files of a store.
+#: First words of the other names in a manifest: scenes, printed data, stored runs of the 3D reference.
 SCENE, DATA, RUN = "scene ", "printed ", "reference "
 
 
 @cache
 def commit() -> str:
-    """Return the git commit of this program's sources, marked if files were changed since; else why it is not known.
+    """Return the git commit of the program's source code, or the reason why it is not known.
 
-    Cached at the first call: files that a report writes into the repository later do not count as changes.
+    ", changed since" is added if files differ from the commit. The result is that of the first call, so files that a report
+    writes into the repository later do not count as changes.
     """
     root = Path(__file__).resolve().parents[1]
     if not (root / ".git").exists():
@@ -42,13 +43,13 @@ def commit() -> str:
 
 
 def _source_folder(package: str) -> Path:
-    """Return the path of a folder of the repository, such as ``compare/studies/rolling``, in the installed package."""
+    """Return the path in the installed package of a folder with source code, such as ``compare/studies/rolling``."""
     first, *rest = package.split("/")
     return Path(str(resources.files("rollbench").joinpath(first, *rest)))
 
 
 def sources_hash(folders: Sequence[str] = PACKAGES, text: str = "") -> str:
-    """Return the SHA-256 over names and contents of all Python sources in folders of the program, and over a text."""
+    """Return a SHA-256 hash of names and contents of all Python files in the ``folders``, and of a further ``text``."""
     lines = [text] if text else []
     for package in folders:
         root = _source_folder(package)
@@ -58,16 +59,17 @@ def sources_hash(folders: Sequence[str] = PACKAGES, text: str = "") -> str:
 
 
 def printed_files() -> dict[str, Path]:
-    """Return the files of printed data (tables, misprints, numbers left out) by their names in manifests."""
+    """Return the files with printed numbers (tables, misprints, numbers left out), by the names that manifests use."""
     files = {f"{name}.toml": path for name, path in shipped_files("printed").items()}
     files |= {f"misprints/{case.name}.toml": path for case, path in files_named("misprints.toml").items()}
     return files | {"left-out.toml": data.place("cases/left-out.toml")}
 
 
 def inputs(stores: Sequence[Path], scenes: Mapping[str, str]) -> dict[str, str]:
-    """Return the SHA-256 of all inputs of a report by name: sources, scenes, printed data, and files of its stores.
+    """Return the SHA-256 hashes of all inputs of a report, by the names that its manifest uses.
 
-    Of files with the same name in several stores, that of the first store counts.
+    The inputs are the source code, the scenes (texts by name), the printed data, and the stored runs of the 3D reference.
+    If a file exists in several ``stores``, the first one is used.
     """
     hashes = {SOURCES: sources_hash()}
     hashes |= {f"{SCENE}{name}": sha256(text) for name, text in sorted(scenes.items())}

@@ -1,7 +1,7 @@
-"""Converts quantities stated at record fields (`meshes.quantity`) to JSON and text, in the units of their keys.
+"""Conversion of physical quantities from the fields of records to JSON and text, in the units that their keys end with.
 
-The ending of a key gives the unit: ``approach_um`` is 1e6 times the field ``approach`` in m. JSON, terminal, comparison and
-the tables of the library use them.
+For example, the JSON key ``approach_um`` has 1e6 times the value of the field ``approach`` in m. The fields state their
+quantities by `meshes.quantity`.
 """
 
 from __future__ import annotations
@@ -17,15 +17,15 @@ from rollbench.reports.quantity import Quantity
 
 
 class Unit(NamedTuple):
-    """Unit at the end of a key, with the factor from SI."""
+    """Unit with which a JSON key ends, and the factor that converts a value from the SI unit to it."""
 
-    #: Unit as shown in texts.
+    #: Name of the unit in texts.
     text: str
-    #: Factor from SI (1 for percent, hours and revolutions).
+    #: Factor from the SI unit to this unit (1 for percent, hours and revolutions).
     factor: float = 1.0
 
 
-#: Endings of keys with their units; the first that fits is used, so longer endings come first.
+#: Units by the endings of JSON keys. The first ending that matches is used, so longer endings come first.
 UNITS = {
     "N_per_um": Unit("N/um", 1e-6),
     "N_mm": Unit("N/mm", 1e-3),
@@ -51,13 +51,13 @@ UNITS = {
 
 
 def unit_of(key: str) -> tuple[str, Unit | None]:
-    """Return a key without its unit, and the unit at its end (None without unit)."""
+    """Split a JSON key, such as ``approach_um``, into its name and its unit; the unit is None if the key has none."""
     ending = next((ending for ending in UNITS if key.endswith(f"_{ending}")), None)
     return (key, None) if ending is None else (key[: -len(ending) - 1], UNITS[ending])
 
 
 def count_of(number: int, one: str) -> str:
-    """Return a number with a noun in singular or plural.
+    """Return a text with a number and a noun in singular or plural; ``one`` is the noun in singular.
 
     Examples
     --------
@@ -68,7 +68,7 @@ def count_of(number: int, one: str) -> str:
 
 
 def split_unit(key: str) -> tuple[str, str]:
-    """Return description and unit of a key; the unit is empty if the key names none.
+    """Split a JSON key into a description in words and the text of its unit, which is empty if the key has no unit.
 
     Examples
     --------
@@ -81,24 +81,24 @@ def split_unit(key: str) -> tuple[str, str]:
 
 @cache
 def quantities(kind: type) -> dict[str, Quantity]:
-    """Return the quantities that the fields of a record class state, by their JSON keys."""
+    """Return the quantities that the fields of a record class define, by their JSON keys."""
     return {x.key: _quantity_of_field(name, x) for name, x in stated_in(kind) if not callable(getattr(kind, name, None))}
 
 
 def _unit_of_dotted_key(key: str) -> tuple[str, Unit | None]:
-    """Return the last part of a dotted key without unit, and its unit, or else the unit of an outer part."""
+    """Return the name in the last part of a dotted key, and the unit of this part, or else of the part before."""
     *tables, last = map(unit_of, key.split("."))
     return last[0], next((unit for _, unit in (last, *reversed(tables)) if unit is not None), None)
 
 
 def heading_of(x: Stated) -> tuple[str, str]:
-    """Return heading and unit of a quantity in tables."""
+    """Return the heading and the unit under which tables show a quantity; ``x``: what the field states about it."""
     words, unit = _unit_of_dotted_key(x.key)
     return x.heading or words.replace("_", " "), "" if unit is None else unit.text
 
 
 def _quantity_of_field(name: str, x: Stated) -> Quantity:
-    """Return the quantity of a record's field: key, heading, unit, format and the function that takes its value."""
+    """Return the quantity of a record's field ``name``: key, heading, unit, format, and function that gets its value."""
     unit = _unit_of_dotted_key(x.key)[1]
     factor = 1.0 if unit is None else unit.factor
 
@@ -109,7 +109,7 @@ def _quantity_of_field(name: str, x: Stated) -> Quantity:
 
 
 def as_json(holder: Any, *without: str) -> dict[str, Any] | None:
-    """Return a record's quantities as JSON values by key, except the keys in ``without``; None without a record."""
+    """Return the quantities of a record as JSON values by key, without the keys ``without``; None if the record is None."""
     if holder is None:
         return None
     out: dict[str, Any] = {}
@@ -122,7 +122,10 @@ def as_json(holder: Any, *without: str) -> dict[str, Any] | None:
 
 
 def from_json(kind: type, data: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the quantity fields of a record class, in SI, from its JSON; None for a missing value."""
+    """Return the values of a record's quantity fields in SI units, read from its JSON; None if a value is missing.
+
+    ``kind``: class of the record.
+    """
     out: dict[str, Any] = {}
     for field in fields(kind):
         one = next(iter(field.metadata.get("stated", ())), None)
@@ -136,22 +139,23 @@ def from_json(kind: type, data: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def number(value: float) -> float | None:
-    """Return a number for JSON: nan and infinity become None, and zero has no sign."""
+    """Return a number that JSON can represent: nan and infinity become None, and zero loses its sign."""
     value = float(value) + 0.0
     return value if math.isfinite(value) else None
 
 
 def shown(value: float, error: float | None = None, digits: int = 4) -> str:
-    """Return a number as text with some significant digits, and none beyond those of its error.
+    """Format a number with only those significant digits that its error justifies.
 
-    The error counts with two digits up to 3.5, else with one, as the Particle Data Group rounds.
+    The last digit shown is the second digit of the error if the error's digits are at most 35, otherwise the first, as in
+    the rounding rule of the Particle Data Group.
 
     Parameters
     ----------
     value
         The number.
     error
-        Its error, in the same unit; None: not known.
+        Error of the number, in the same unit; None if it is not known.
     digits
         Largest number of significant digits.
 
@@ -172,14 +176,14 @@ def shown(value: float, error: float | None = None, digits: int = 4) -> str:
 
 
 def range_text(ends: Sequence[float] | None, digits: int = 3) -> str:
-    """Return a range as text, or one number if its ends agree to the digits shown.
+    """Format a range of numbers, or a single number if both limits agree in the digits shown.
 
     Parameters
     ----------
     ends
-        Lower and upper end, both in the unit shown; None: not known.
+        Lower and upper limit, both in the unit shown; None if they are not known.
     digits
-        Number of significant digits of each end.
+        Number of significant digits of each limit.
 
     Returns
     -------
@@ -193,9 +197,9 @@ def range_text(ends: Sequence[float] | None, digits: int = 3) -> str:
 
 
 def _in_key_unit(value: Any, factor: float) -> Any:
-    """Return a value for JSON in the unit of its key: numbers times ``factor``, also inside mappings and lists.
+    """Return a value for JSON, with numbers multiplied by ``factor``, also inside mappings and lists.
 
-    A record becomes a dictionary.
+    A record is converted to a dictionary.
     """
     if is_dataclass(value):
         return as_json(value)

@@ -1,4 +1,4 @@
-"""Checks before long computations (gmsh, packages, memory), progress messages, and a time limit."""
+"""Checks before long computations (gmsh, packages, memory), progress messages on the terminal, and a time limit."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ from rollbench.meshes.libraries import (
 
 
 def gmsh_fault() -> str:
-    """Return why gmsh cannot be loaded, with the missing shared libraries; empty if it can be loaded."""
+    """Return the reason why gmsh cannot be loaded, with the missing shared libraries; empty if it can be loaded."""
     reason = import_fault("gmsh")
     if not reason or installed_version("gmsh") is None:
         return reason
@@ -44,16 +44,16 @@ def need_gmsh() -> None:
     """Raise InputError if gmsh cannot be loaded."""
     reason = gmsh_fault()
     if reason:
-        advice = f"{gmsh_remedy()}, or leave the 3D reference out; see rollbench doctor"
-        raise InputError("this machine", "gmsh", reason, "gmsh with its shared libraries", advice)
+        advice = f"{gmsh_remedy()}, or use commands without the 3D reference; rollbench doctor lists what works"
+        raise InputError("this computer", "gmsh", reason, "gmsh with its shared libraries", advice)
 
 
 def need_packages(*packages: str) -> None:
-    """Raise InputError if one of the Python packages cannot be used, for the first of them."""
+    """Raise InputError for the first of the Python packages that cannot be imported."""
     for package in packages:
         if reason := import_fault(package):
-            advice = f"{pip_command(package)}; see rollbench doctor for what works without"
-            raise InputError("this machine", package, reason, "a package that this command needs", advice)
+            advice = f"{pip_command(package)}; rollbench doctor lists what works without it"
+            raise InputError("this computer", package, reason, "an installed package, which this command needs", advice)
 
 
 def need_reference() -> None:
@@ -63,12 +63,12 @@ def need_reference() -> None:
 
 
 def package_versions(packages: Sequence[str]) -> str:
-    """Return the names of packages with their versions as text."""
+    """Return a text with the names of packages and their installed versions, such as "numpy 2.1, gmsh not installed"."""
     return ", ".join(f"{name} {installed_version(name) or 'not installed'}" for name in packages)
 
 
 def machine() -> str:
-    """Return processor and number of cores as text."""
+    """Return a text with the processor and the number of cores of this computer."""
     cpu = platform.processor() or platform.machine()
     with suppress(OSError):
         lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
@@ -77,18 +77,21 @@ def machine() -> str:
 
 
 def cores() -> int:
-    """Return the number of cores that this process may use."""
+    """Return the number of processor cores that this process may use."""
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 def out_of_memory(reason: object) -> InputError:
-    """Return the InputError for a computation that needs more memory than this machine has."""
-    advice = "end other programs, take a coarser level or fewer workers, or a cluster (`backend=dask`)"
-    return InputError("this machine", "memory", str(reason) or "used up", "enough for the run", advice)
+    """Return the InputError to raise for a computation that needs more memory than this computer has."""
+    advice = "end other programs, choose a coarser mesh level or fewer workers, or use a cluster (`backend=dask`)"
+    return InputError("this computer", "memory", str(reason) or "no free memory", "enough memory for the run", advice)
 
 
 def available_GB(proc: Path = Path("/proc/meminfo"), group: Path = Path("/sys/fs/cgroup")) -> float | None:
-    """Return the memory that a process can take without swapping, within its control group [GB]; None if not known."""
+    """Return the memory that this process can still use without swapping [GB]; None if not known.
+
+    ``proc``: file with the free memory of the computer. ``group``: folder of the control group, whose limit counts too.
+    """
     limits = []
     with suppress(OSError, ValueError, StopIteration):
         lines = proc.read_text(encoding="ascii").splitlines()
@@ -99,30 +102,30 @@ def available_GB(proc: Path = Path("/proc/meminfo"), group: Path = Path("/sys/fs
     return min(limits, default=None)
 
 
-#: Seconds after which a message says that a computation is still running, and between two such messages.
+#: Seconds until the first message that a computation is still running, and seconds between two such messages.
 FIRST, AGAIN = 2.0, 1.0
 
-#: Signs of a full bar; what erases the line; when the process began, for the time left.
+#: Characters of a full progress bar; control sequence that erases the line; start of the process, for the time left.
 BAR, ERASE, START = 24, "\r\033[K", monotonic()
 _drawn = False
 
-#: Exit code if the time limit ends a computation: as without equilibrium.
+#: Exit code if the time limit ends a computation, the same as without equilibrium.
 ENDED = 1
 
 
 def checked(limit: float | None) -> float | None:
-    """Return a time limit [s] unchanged; InputError if it is out of range."""
+    """Return a time limit [s] unchanged, or raise InputError if it is out of range."""
     if limit is not None and not 0.0 < limit <= 1e9:
-        raise ArgumentError("time_limit", str(limit), "above 0 to 1e9 seconds", "give seconds, e.g. 60")
+        raise ArgumentError("time_limit", str(limit), "above 0 to 1e9 seconds", "state a time in seconds, such as 60")
     return limit
 
 
 @contextmanager
 def watched(label: str, limit: float | None = None) -> Iterator[None]:
-    """Show on a terminal's standard error how long ``label`` has been running, and end the process at ``limit`` [s].
+    """Show on the terminal how long the computation ``label`` has been running, and end the process after ``limit`` [s].
 
-    The process ends at once, whatever it computes (compiled kernels cannot be interrupted, but leave the interpreter
-    free): only for work that writes no file.
+    The process ends at once, even inside a compiled kernel, which cannot be interrupted otherwise. So the block under this
+    context manager must not write files.
     """
     done = threading.Event()
     watcher = threading.Thread(target=_show_running_time, args=(label, limit, done), daemon=True)
@@ -136,9 +139,10 @@ def watched(label: str, limit: float | None = None) -> Iterator[None]:
 
 @contextmanager
 def progress_bar(label: str) -> Iterator[Callable[[str, float], None]]:
-    """Show a progress bar on a terminal's standard error; yields a function of a text and the share of work done.
+    """Show a progress bar on the terminal while a computation runs.
 
-    Nothing is shown if standard error is no terminal, or in the first seconds.
+    Yields the function that updates the bar, whose arguments are a text and the share of work done (0 to 1). Nothing is
+    shown if standard error is no terminal, or in the first seconds.
     """
     begin = monotonic()
 
@@ -155,8 +159,8 @@ def progress_bar(label: str) -> Iterator[Callable[[str, float], None]]:
 def on_terminal(text: str) -> None:
     """Show a progress message on standard error if that is a terminal.
 
-    A text with ``[3/12]`` or ``34%`` is shown as one line with a bar and the time left, other texts above this line. If
-    standard error is not a terminal, only a text that begins with WARNING is shown.
+    A text that contains ``[3/12]`` or ``34%`` replaces the progress line, with a bar and the time left; other texts are
+    printed above this line. If standard error is not a terminal, only texts that begin with WARNING are printed.
 
     Parameters
     ----------
@@ -177,7 +181,7 @@ def on_terminal(text: str) -> None:
 
 
 def clear_progress_line() -> None:
-    """Erase the line of progress on the terminal, before anything else is printed."""
+    """Erase the progress line on the terminal; called before anything else is printed."""
     global _drawn
     if _drawn and sys.stderr.isatty():
         _write_to_stderr(ERASE)
@@ -185,7 +189,7 @@ def clear_progress_line() -> None:
 
 
 def duration(seconds: float) -> str:
-    """Return a duration as a rounded number with its unit.
+    """Format a duration as a rounded number with its unit.
 
     Parameters
     ----------
@@ -195,7 +199,7 @@ def duration(seconds: float) -> str:
     Returns
     -------
     str
-        Number and unit: s, min or h.
+        Text with number and unit: s, min or h.
 
     Examples
     --------
@@ -208,12 +212,12 @@ def duration(seconds: float) -> str:
 
 
 def _remaining_time_text(spent: float, share: float) -> str:
-    """Return the remaining time as text, from seconds spent and share of work done (0 to 1); empty if not known."""
+    """Return a text with the remaining time, from the time spent [s] and the share of work done; empty if not known."""
     return f", about {duration(spent * (1.0 - share) / share)} left" if 0.0 < share < 1.0 else ""
 
 
 def _draw_progress_line(text: str, share: float | None = None) -> None:
-    """Draw the line of progress on standard error, with a bar if the share of work done is given."""
+    """Draw the progress line on standard error, with a bar if the share of work done (0 to 1) is known."""
     global _drawn
     full = round(BAR * (share or 0.0))
     line = text if share is None else f"[{'#' * full}{'.' * (BAR - full)}] {text}"
@@ -222,7 +226,7 @@ def _draw_progress_line(text: str, share: float | None = None) -> None:
 
 
 def output_closed(outputs: Sequence[int] = (1, 2)) -> bool:
-    """Return whether one of the outputs (file numbers) is a pipe that its reader has closed, as in ``| head``."""
+    """Return whether one of the outputs (file numbers) is a pipe whose reader has ended, as in ``| head``."""
     if not hasattr(select, "poll"):
         return False
     poll = select.poll()
@@ -232,25 +236,25 @@ def output_closed(outputs: Sequence[int] = (1, 2)) -> bool:
 
 
 def _show_running_time(label: str, limit: float | None, done: threading.Event) -> None:
-    """Show the running time on a terminal until ``done`` is set; end the process at the time limit [s]."""
+    """Show the running time on the terminal until ``done`` is set; end the process at the time limit ``limit`` [s]."""
     begin = monotonic()
     while True:
         spent = monotonic() - begin
         if limit is not None and spent >= limit:
             clear_progress_line()
-            _write_to_stderr(f"rollbench: {label}: stopped: the limit of time, {limit:g} s, is reached\n")
+            _write_to_stderr(f"rollbench: {label}: stopped, because the time limit of {limit:g} s is reached\n")
             sys.stdout.flush()
             os._exit(ENDED)
         pause = max(FIRST - spent, AGAIN) if spent < FIRST else AGAIN
         if done.wait(pause if limit is None else min(pause, limit - spent)):
             break
         if monotonic() - begin >= FIRST and sys.stderr.isatty():
-            _draw_progress_line(f"rollbench: {label}: at work for {monotonic() - begin:.0f} s")
+            _draw_progress_line(f"rollbench: {label}: running for {monotonic() - begin:.0f} s")
     clear_progress_line()
 
 
 def _write_to_stderr(text: str) -> None:
-    """Write a text to standard error; errors of a closed output are ignored."""
+    """Write a text to standard error, and ignore the error if that is closed."""
     try:
         sys.stderr.write(text)
         sys.stderr.flush()

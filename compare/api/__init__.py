@@ -1,4 +1,4 @@
-"""The library: what ``import rollbench`` gives. Reads scenes, solves them, compares models with the 3D reference."""
+"""Functions of ``import rollbench``: read and solve scenes, compare models with the 3D reference."""
 
 from rollbench.compare.api.calls import (
     check,

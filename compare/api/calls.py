@@ -1,7 +1,7 @@
-"""Functions of the library: each computes what the command of its name prints, and returns it as a record.
+"""Functions of the Python library: each computes what the command of the same name prints, and returns it as a record.
 
-Linear algebra has one thread while a function runs, and as many as before when it returns. ``OMP_NUM_THREADS``, or the
-variable of one library such as ``OPENBLAS_NUM_THREADS``, takes precedence where it is set.
+Linear algebra runs on one thread while a function runs; the former number of threads is restored when the function returns.
+``OMP_NUM_THREADS``, or the variable of one library such as ``OPENBLAS_NUM_THREADS``, takes precedence where it is set.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
-from rollbench.compare.errors import ArgumentError, named
+from rollbench.compare.errors import ArgumentError, name_file_in_refusals
 from rollbench.compare.results.data import (
     Ensemble,
     Friction,
@@ -41,7 +41,7 @@ if TYPE_CHECKING:
     from rollbench.compare.results.table import Table
     from rollbench.compare.results.verdict import Verdict
 
-#: Logger of the progress of long computations; shown by ``logging.basicConfig(level="INFO")``.
+#: Logger that reports the progress of long computations; ``logging.basicConfig(level="INFO")`` shows its messages.
 LOG = logging.getLogger("rollbench")
 
 
@@ -56,13 +56,14 @@ def read(name: str | Path) -> Described:
     Returns
     -------
     Scene or Assembly or DutyCycle or KindScene
-        Frozen record in SI units: one ball nut or bearing, several sets on one shaft, load cases, or parts that only
-        friction is computed for. ``dataclasses.replace`` makes changed copies.
+        Frozen record in SI units: one ball nut or bearing (`Scene`), several nuts or bearings on one shaft (`Assembly`),
+        a scene with several load cases (`DutyCycle`), or parts for which only friction is computed (`KindScene`).
+        ``dataclasses.replace`` makes changed copies.
 
     Raises
     ------
     rollbench.InputError
-        If there is no such scene or its file has faults; ``lines()`` of the error lists all of them.
+        If no scene has this name, or if its file has faults; ``lines()`` of the error lists all faults.
 
     Examples
     --------
@@ -75,25 +76,26 @@ def read(name: str | Path) -> Described:
 
 
 def new(size: str = "", *, kind: str = "ball screw") -> Described:
-    """Make a scene to begin with, with usual values for its kind and size.
+    """Make a scene to start from, with dimensions that are usual for a part of its kind and size.
 
     Parameters
     ----------
     size
-        Nominal diameter and lead of a ball screw or double nut in mm, such as ``"40x10"``; without it a fixed example of
-        the kind.
+        Nominal diameter and lead of a ball screw or double nut in mm, such as ``"40x10"``. If empty, the scene is a fixed
+        example of its kind.
     kind
-        Kind of the scene, of those of ``rollbench new --kind``: ``"ball screw"``, ``"bearing"``, ``"double-nut"`` ...
+        Kind of the scene: ``"ball screw"``, ``"bearing"``, ``"double-nut"`` or another that ``rollbench new --help`` lists.
 
     Returns
     -------
     Scene or Assembly or KindScene
-        The scene, which solves as it is.
+        The scene, complete: it can be solved without changes.
 
     Raises
     ------
     rollbench.InputError
-        If the size is not of the form ``"40x10"`` or no such screw can be made, or the kind is unknown or takes no size.
+        If the size does not have the form ``"40x10"``, if no screw of this size can be made, or if the kind is unknown or
+        takes no size.
 
     Examples
     --------
@@ -116,30 +118,31 @@ def solve(
     condensed: str | Path | None = None,
     stiffness_at: float | None = None,
 ) -> Result:
-    """Compute the contact loads of a scene with a low-order model, and the results that follow from the loads.
+    """Compute the contact loads of a scene with a low-order model, and the stiffness, life and pressures that follow.
 
     Parameters
     ----------
     scene
         Scene as `read` returns it, its name, or the path of its file.
     model
-        Name of a low-order model (``rollbench list``) or what `model_command` returns; the refined model unless given.
+        Name of a low-order model (``rollbench list`` shows all), or the model that `model_command` returns. If empty, the
+        refined model solves the scene.
     member
-        Number of the specimen, from 0, of a scene with random errors.
+        Number of the specimen, from 0, in a scene whose geometric errors are drawn at random.
     everything
-        Whether all terms of the model are computed, also those that cannot change the loads of this scene.
+        Whether all terms of the model are computed, including those that cannot change the loads of this scene.
     condensed
-        File that ``rollbench condense`` wrote, with the compliance of screw and nut from the 3D mesh; the model is then
-        ``"condensed"`` unless given.
+        File that ``rollbench condense`` wrote, with the compliance of screw and nut from the 3D mesh. If it is given and
+        ``model`` is empty, the model is ``"condensed"``.
     stiffness_at
-        Station on the shaft [m] at which the stiffness is computed; the nut's centre unless given, of several sets what the
-        scene asks for.
+        Axial position on the shaft [m] at which the stiffness is computed. If None, the nut's centre, or for several nuts
+        or bearings on one shaft the position that the scene states.
 
     Returns
     -------
     Result
-        Loads, contact angles, pressures, displacement, stiffness, life and the error to expect, in SI units. A missing
-        equilibrium is no exception: `Result.status` and `Result.reason` say why there is none.
+        Loads, contact angles, pressures, displacement, stiffness, life and the error to expect, in SI units. If no
+        equilibrium exists, no exception is raised: `Result.status` and `Result.reason` say why there is none.
 
     Raises
     ------
@@ -172,27 +175,27 @@ def solve_described(
     *,
     stiffness: bool = False,
 ) -> Result:
-    """Solve a scene record (a scene that is already read); see `solve`.
+    """Solve a scene that has already been read from its file; see `solve`.
 
     Parameters
     ----------
     described
         The scene, with all its load cases.
     model
-        Name of the model; empty: the default of each load case.
+        Name of the model; if empty, each load case is solved by its default model.
     options
         Options of the model.
     stiffness_at
-        Station on the shaft [m] at which the stiffness is computed; None: as for `solve`.
+        Axial position on the shaft [m] at which the stiffness is computed; None: as for `solve`.
     origin
-        File or name that errors give for the scene; its name unless given.
+        File or name by which error messages refer to the scene; if empty, the name of the scene.
     stiffness
-        Whether the stiffness at the nut's centre is computed even where no printed quantity needs it (no axial force).
+        Whether the stiffness at the nut's centre is computed even if no quantity in the output needs it (no axial force).
 
     Returns
     -------
     Result
-        The result, with each load case in ``cases``.
+        The result, with the result of each load case in ``cases``.
 
     Raises
     ------
@@ -206,7 +209,7 @@ def solve_described(
 
     solved, tangents, at_nut = [], [], []
     for scene in each_case(described, origin or described.name):
-        with named(scene.name, origin or scene.name):
+        with name_file_in_refusals(scene.name, origin or scene.name):
             chosen, tangent = model or default_model(scene), None
             if isinstance(scene, Assembly) and stiffness_at is not None:
                 scene = replace(scene, stiffness_at=stiffness_at)
@@ -226,31 +229,32 @@ def solve_described(
 
 @held_to_one_thread()
 def load_curve(scene: Described | str | Path, loads: str, model: str = "", *, member: int = 0) -> LoadCurve:
-    """Solve a scene under a range of forces or load factors: displacement and stiffness over load, and the lash.
+    """Solve a scene under a range of loads: displacement and stiffness as functions of the load, and the backlash.
 
     Parameters
     ----------
     scene
-        Scene, name or file as for `solve`; of load cases the first is taken.
+        Scene, its name or the path of its file, as for `solve`. Of several load cases only the first is solved.
     loads
-        ``"LOW:HIGH"`` with a unit, ``"-3000N:3000N"``: axial forces at the nut's centre (of several sets: where the scene's
-        loads act) instead of the scene's loads. Without a unit, ``"0:1.5"``: factors on all loads of the scene. May be
-        followed by the number of points (2 to 1001, else 21), a direction (``:x``, ``:45deg``) and a station or housing
-        (``:300mm``), such as ``"-3kN:3kN:41:x"``.
+        Range of loads. ``"LOW:HIGH"`` with a unit, such as ``"-3000N:3000N"``: axial forces that replace the scene's loads
+        and act at the nut's centre (for several nuts or bearings on one shaft: where the scene's loads act). Without a
+        unit, such as ``"0:1.5"``: factors by which all loads of the scene are multiplied. There may follow, each after a
+        colon, the number of points (2 to 1001, 21 if left out), the direction of the force (``x``, ``45deg``), and the
+        axial position or the housing on which the force acts (``300mm``): ``"-3kN:3kN:41:x"``.
     model
-        Model, as for `solve`.
+        Name of the model, as for `solve`.
     member
-        Specimen, as for `solve`.
+        Number of the specimen, as for `solve`.
 
     Returns
     -------
     LoadCurve
-        A point for each load; one without equilibrium has no numbers and says why in its ``status``.
+        A point for each load. A point without equilibrium has no numbers; its ``status`` says why.
 
     Raises
     ------
     rollbench.InputError
-        If ``loads`` cannot be read, or scene or model as in `solve`.
+        If the text of ``loads`` is no valid range, or if scene or model cannot be used (see `solve`).
 
     Examples
     --------
@@ -266,20 +270,20 @@ def load_curve(scene: Described | str | Path, loads: str, model: str = "", *, me
 
 
 def load_curve_of(described: Described, loads: str, model: str, options: Options, origin: str = "") -> LoadCurve:
-    """Compute the load curve of a scene that is already read; see `load_curve`.
+    """Compute displacement and stiffness over load for a scene that has already been read; see `load_curve`.
 
     Parameters
     ----------
     described
-        The scene; of load cases the first is taken.
+        The scene; of several load cases only the first is solved.
     loads
         Range of loads, as for `load_curve`.
     model
-        Name of the model; empty: the default.
+        Name of the model; if empty, the default model of the scene.
     options
         Options of the model.
     origin
-        File or name that errors give for the scene; its name unless given.
+        File or name by which error messages refer to the scene; if empty, the name of the scene.
 
     Returns
     -------
@@ -289,13 +293,13 @@ def load_curve_of(described: Described, loads: str, model: str, options: Options
     Raises
     ------
     rollbench.InputError
-        If ``loads`` cannot be read or the model does not cover the scene.
+        If the text of ``loads`` is no valid range, or if the model does not cover the scene.
     """
-    from rollbench.compare.results.load_curve import load_curve, read_course
+    from rollbench.compare.results.load_curve import load_curve, read_load_range
 
-    course = read_course(loads)
+    course = read_load_range(loads)
     scene: Scene | Assembly = each_case(described, origin or described.name)[0]
-    with named(scene.name, origin or scene.name):
+    with name_file_in_refusals(scene.name, origin or scene.name):
         return load_curve(scene, course, model, options)
 
 
@@ -308,24 +312,25 @@ def side_by_side(
     Parameters
     ----------
     scenes
-        At least two scenes, names or files, such as one axis on ball bearings and on tapered rollers. Of load cases the
-        first is taken, except for the life, which is that over all.
+        At least two scenes, names or files, such as the same axis on ball bearings and on tapered roller bearings. Of
+        several load cases the first is compared; the life is that under all load cases.
     model
-        Model of all scenes, as for `solve`.
+        Name of the model that solves all scenes, as for `solve`.
     member
-        Specimen, as for `solve`.
+        Number of the specimen, as for `solve`.
     stiffness_at
-        Station [m] at which the stiffness of scenes with several sets is computed; unless given, where each scene says.
+        Axial position [m] at which the stiffness is computed in scenes with several nuts or bearings on one shaft. If None,
+        the position that each scene states.
 
     Returns
     -------
     SideBySide
-        An `Alternative` for each scene; one without equilibrium has a status and no numbers.
+        An `Alternative` for each scene. A scene without equilibrium has a status and no numbers.
 
     Raises
     ------
     rollbench.InputError
-        If there are fewer than two scenes, or scene or model as in `solve`.
+        If there are fewer than two scenes, or if a scene or the model cannot be used (see `solve`).
 
     Examples
     --------
@@ -344,20 +349,21 @@ def side_by_side(
 def side_by_side_described(
     described: Sequence[Described], origins: Sequence[str], model: str, member: int, stiffness_at: float | None
 ) -> SideBySide:
-    """Compare scenes that are already read; see `side_by_side`.
+    """Compare scenes that have already been read from their files; see `side_by_side`.
 
     Parameters
     ----------
     described
         At least two scenes.
     origins
-        File or name of each, for errors, and as heading where two scenes have the same name.
+        File or name of each scene, for error messages, and as heading if two scenes have the same name.
     model
-        Name of the model; empty: the default of each scene.
+        Name of the model; if empty, each scene is solved by its default model.
     member
         Number of the specimen, from 0.
     stiffness_at
-        Station [m] at which the stiffness of scenes with several sets is computed; None: where each scene asks for it.
+        Axial position [m] at which the stiffness is computed in scenes with several nuts or bearings on one shaft; None:
+        the position that each scene states.
 
     Returns
     -------
@@ -373,7 +379,7 @@ def side_by_side_described(
     from rollbench.compare.results.side_by_side import side_by_side_of
 
     if len(described) < 2:
-        raise ArgumentError("scenes", str(len(described)), "two scenes or more", "`solve` answers one")
+        raise ArgumentError("scenes", f"{len(described)} scene(s)", "at least two scenes", "use `solve` for one scene")
     options, names = Options(member=member), [x.name for x in described]
     pairs = zip(described, origins, strict=True)
     found = [solve_described(x, model, options, stiffness_at, origin, stiffness=True) for x, origin in pairs]
@@ -382,31 +388,33 @@ def side_by_side_described(
 
 @held_to_one_thread()
 def friction(scene: Described | str | Path, *, mu: Sequence[float] = (), model: str = "") -> Friction:
-    """Compute ball motion, power loss, friction torque and efficiency of a scene.
+    """Compute the motion of the rolling bodies, power loss, friction torque and efficiency of a scene.
 
     Parameters
     ----------
     scene
-        Scene of any kind, name or file.
+        Scene of any kind, its name or the path of its file.
     mu
-        Coefficients of friction of both grooves, instead of the scene's. The fields of the result are for the first of
-        several; ``to_dict()["over_friction"]`` has a row for each.
+        Coefficients of friction in both grooves, which replace the scene's. If several are given, the fields of the result
+        belong to the first; ``to_dict()["over_friction"]`` has a row for each.
     model
-        Model of the contact loads, as for `solve`.
+        Name of the model that computes the contact loads, as for `solve`.
 
     Returns
     -------
     Friction
-        Torques [N m], power loss [W] and efficiencies; where loads and friction do not balance, ``converged`` is False.
+        Torques [N m], power loss [W] and efficiencies. ``converged`` is False if no motion was found in which the contact
+        loads and the friction forces balance.
 
     Raises
     ------
     rollbench.InputError
-        If the scene states no coefficient of friction and none is given, or scene or model as in `solve`.
+        If neither the scene nor ``mu`` states a coefficient of friction, or if scene or model cannot be used (see `solve`).
 
     Notes
     -----
-    Without the package numba the computation is slower; with it, the first on a machine compiles kernels for about 20 s.
+    The computation is slower without the package numba. With it, the first call on a computer takes about 20 s more to
+    compile the kernels.
 
     Examples
     --------
@@ -425,30 +433,30 @@ def friction(scene: Described | str | Path, *, mu: Sequence[float] = (), model: 
 def ensemble(
     scene: Described | str | Path, members: int, model: str = "", *, seed: int | None = None, workers: int | None = None
 ) -> Ensemble:
-    """Solve many specimens of a scene with random errors: distributions of load, stiffness and life.
+    """Solve many specimens of a scene with random geometric errors, and return the scatter of load, stiffness and life.
 
     Parameters
     ----------
     scene
         Scene with random errors, its name or file.
     members
-        Number of specimens, at least 2.
+        Number of specimens, at least 2. Each has its own randomly drawn errors.
     model
-        Model, as for `solve`.
+        Name of the model, as for `solve`.
     seed
-        Seed of the random errors instead of the scene's.
+        Seed of the random numbers; None: the seed of the scene.
     workers
-        Number of parallel processes; all cores unless given.
+        Number of parallel processes; None: one for each core.
 
     Returns
     -------
     Ensemble
-        Statistics of each output over the specimens that have an equilibrium, and why the others have none.
+        Statistics of each output over the specimens that have an equilibrium, and the reasons why the others have none.
 
     Raises
     ------
     rollbench.InputError
-        If the scene has no random errors, or scene or model as in `solve`.
+        If the scene has no random errors, or if scene or model cannot be used (see `solve`).
 
     Examples
     --------
@@ -476,16 +484,16 @@ def compare_models(
     Parameters
     ----------
     scene
-        Scene, name or file.
+        Scene, its name or the path of its file.
     models
-        Names of the models; those of the report that cover the scene unless given.
+        Names of the models. If empty, all models of the validation report that cover the scene.
     levels
-        Number of mesh levels, from the coarsest, of which missing runs are computed. Unless given, the most accurate stored
-        run is taken, and all levels are computed where there is none: minutes to hours.
+        Number of mesh levels to use, counted from the coarsest; runs that are not stored yet are computed. If None, the
+        most accurate stored run is used; if no run is stored, all levels are computed, which takes minutes to hours.
     reference
-        CSV file with loads (columns as `check` takes them) to compare with instead of the 3D reference.
+        CSV file with contact loads, in the columns that `check` reads; it replaces the 3D reference.
     store
-        Folder in which runs of the 3D reference are found and kept, besides those shipped.
+        Folder in which runs of the 3D reference are looked up and stored, in addition to the runs shipped with rollbench.
 
     Returns
     -------
@@ -495,7 +503,7 @@ def compare_models(
     Raises
     ------
     rollbench.InputError
-        If scene, model or reference cannot be used; as its subclass ``Refusal`` if no run of the reference converged.
+        If scene, model or reference cannot be used; the subclass ``Refusal`` if no run of the reference converged.
 
     Examples
     --------
@@ -511,7 +519,7 @@ def compare_models(
     from rollbench.meshes.cache import default_root
 
     if reference is not None and levels is not None:
-        raise ArgumentError("reference", str(reference), "without `levels`", "leave one out")
+        raise ArgumentError("reference", str(reference), "a reference file or `levels`, not both", "leave one of them out")
     described = _described(scene)
     found = start_comparison(
         [described],
@@ -542,38 +550,39 @@ def check(
     store: str | Path = "rollbench-reference",
     compute: bool = True,
 ) -> Verdict:
-    """Judge whether contact loads agree with the 3D reference within a limit (the gate).
+    """Judge whether contact loads agree with those of the 3D finite-element reference within a limit.
 
     Parameters
     ----------
     scene
-        Scene, name or file.
+        Scene, its name or the path of its file.
     max_error
-        Largest error that passes [%]; the scene's limit or 7 unless given.
+        Largest permitted error of a contact load [% of the mean load]; None: the limit that the scene states, or 7.
     model
-        Model whose loads are judged, as for `solve`.
+        Name of the model whose loads are judged, as for `solve`.
     loads
-        CSV file with loads of another program, judged instead of a model: columns ball, flank (SL, SR, NL, NR), newton.
+        CSV file with contact loads of another program, which are judged instead of a model's: columns ball, flank (SL, SR,
+        NL, NR), newton.
     values
-        CSV file with values of the whole screw to judge: columns quantity (displacement, rigidity, torque, life), value,
-        unit, where (a load such as 5 kN, or a station).
+        CSV file with values of the whole screw that are judged: columns quantity (displacement, rigidity, torque, life),
+        value, unit, where (a load such as 5 kN, or an axial position).
     limits
-        Limits of further quantities by name [%]; of contact angles [deg].
+        Permitted errors of further quantities, by the quantity's name: in %, for contact angles in degrees.
     reference
-        CSV file with loads, and their uncertainty, to judge by instead of the 3D reference.
+        CSV file with loads and their uncertainty, which replaces the 3D reference.
     strict
-        Whether unknown columns of the files are an error; else a warning.
+        Whether unknown columns of the files are an error (True) or a warning (False).
     levels
-        Number of mesh levels of the reference, from the coarsest; the best stored run unless given.
+        Number of mesh levels of the reference, counted from the coarsest; None: the best stored run.
     store
-        Folder in which runs of the 3D reference are found and kept, besides those shipped.
+        Folder in which runs of the 3D reference are looked up and stored, in addition to the runs shipped with rollbench.
     compute
-        Whether missing runs of the reference are computed; else such a quantity is "not covered".
+        Whether missing runs of the reference are computed. If False, a quantity without a stored run is "not covered".
 
     Returns
     -------
     Verdict
-        A row for each quantity, and the worst judgement of all: pass, undecided, fail and so on.
+        A row for each quantity, and the worst judgement over all quantities, such as pass, undecided or fail.
 
     Raises
     ------
@@ -618,30 +627,31 @@ def mesh_study(
     spread: bool = False,
     store: str | Path = "rollbench-reference",
 ) -> MeshStudy:
-    """Compare the 3D reference on several mesh levels: convergence, and the uncertainty of every contact load.
+    """Solve the 3D reference on several mesh levels, and return its convergence and the uncertainty of every contact load.
 
     Parameters
     ----------
     scene
-        Scene, name or file.
+        Scene, its name or the path of its file.
     levels
-        Finest mesh level; all levels from 1 to it are compared, of which three give an order of convergence. Unless given,
-        levels 1 and 3.
+        Number of the finest mesh level; all levels from 1 (the coarsest) to this one are compared. An order of convergence
+        needs three levels. None: levels 1 and 3.
     spread
-        Whether choices of modelling that the source leaves open are also varied, on the coarsest level.
+        Whether modelling choices that the publication leaves open are also varied, on the coarsest level.
     store
-        Folder in which runs are found and kept, besides those shipped; missing ones are computed (minutes to hours).
+        Folder in which runs of the 3D reference are looked up and stored, in addition to the runs shipped with rollbench.
+        Missing runs are computed, which takes minutes to hours.
 
     Returns
     -------
     MeshStudy
-        Levels, and for each quantity its values, observed order of convergence and uncertainty. Of a scene with tapered
-        rollers those of each kind of roller, by the names of its sets.
+        The levels, and for each quantity its values, observed order of convergence and uncertainty. For a scene with
+        tapered roller bearings, these are listed for each kind of roller under the names of its bearings.
 
     Raises
     ------
     rollbench.InputError
-        If the scene cannot be used; as its subclass ``Refusal`` if no run converged.
+        If the scene cannot be used; the subclass ``Refusal`` if no run converged.
 
     Examples
     --------
@@ -673,36 +683,37 @@ def sweep(
     out: str | Path = "rollbench-sweep",
     outputs: Sequence[str] = (),
 ) -> Sweep:
-    """Solve a scene for sampled values of its keys: statistics, effects and Sobol indices of the outputs.
+    """Solve a scene for sampled values of its parameters, and return statistics and Sobol indices of the outputs.
 
     Parameters
     ----------
     scene
         Name or file of the scene.
     vary
-        Keys with their ranges or values, ``["errors.balls.oversize=0 um:7 um"]``.
+        Keys of the scene file that are varied, each with its range or values: ``["errors.balls.oversize=0 um:7 um"]``.
     samples
-        Number of samples: at most for ``"grid"``, about for ``"sobol"`` (n (keys + 2), n a power of two).
+        Number of samples. For ``"grid"`` it is an upper limit; for ``"sobol"`` it is approximate, because that design needs
+        n (k + 2) samples for k keys, with n a power of two.
     method
-        Design of the samples: Sobol sequence, Latin hypercube, or all combinations.
+        Design of the samples: Sobol sequence, Latin hypercube, or all combinations (``"grid"``).
     model
-        Model, as for `solve`.
+        Name of the model, as for `solve`.
     seed
-        Seed of the samples.
+        Seed of the random numbers from which the samples are drawn.
     out
-        Folder of the samples (``samples.csv``) and the summary; samples that are stored there are not solved again.
+        Folder for the samples (``samples.csv``) and the summary. Samples that are stored there are not solved again.
     outputs
-        Names of the outputs to compute; all unless given.
+        Names of the outputs to compute; if empty, all.
 
     Returns
     -------
     Sweep
-        Statistics of each output over the samples, and Sobol indices where the design allows them.
+        Statistics of each output over the samples, and Sobol indices if the method is ``"sobol"``.
 
     Raises
     ------
     rollbench.InputError
-        If a key, range, output or model cannot be used, or the folder holds another sweep.
+        If a key, range, output or model cannot be used, or if the folder contains another sweep.
 
     Examples
     --------
@@ -728,28 +739,29 @@ def table(
     model: str = "",
     stiffness_at: float | str | None = None,
 ) -> Table:
-    """Solve a scene for given values of its keys: a row for each combination, with stiffness, preload, pressure and life.
+    """Solve a scene for listed values of its parameters, and return a row with stiffness, preload and life for each.
 
     Parameters
     ----------
     scene
         Name or file of the scene.
     over
-        Keys with their values, ``["nut.position=100:900:9 mm", "load=1:10:4 kN"]`` (first, last, number of values).
+        Keys of the scene file with their values, written as first value, last value and number of values:
+        ``["nut.position=100:900:9 mm", "load=1:10:4 kN"]``.
     quantities
-        Which of ``stiffness``, ``displacement``, ``load``, ``preload``, ``pressure``, ``life`` each row has; all but
-        displacement and load unless given.
+        Columns of the table, out of ``stiffness``, ``displacement``, ``load``, ``preload``, ``pressure``, ``life``. If
+        empty, all but displacement and load.
     model
-        Model, as for `solve`.
+        Name of the model, as for `solve`.
     stiffness_at
-        Station on the shaft [m] at which the stiffness is computed, of several sets also the name of one; the nut's centre
-        unless given.
+        Axial position on the shaft [m] at which the stiffness is computed. With several nuts or bearings on the shaft, also
+        the name of one, whose own stiffness is then computed. None: the nut's centre.
 
     Returns
     -------
     Table
-        Rows with the 6 x 6 tangent stiffness [N/m, N/rad, N m/rad], the other quantities and the error to expect of each; a
-        row without equilibrium has a status that says why.
+        Rows with the 6 x 6 tangent stiffness [N/m, N/rad, N m/rad], the other quantities, and the error to expect of each.
+        A row without equilibrium has a status that says why.
 
     Raises
     ------
@@ -774,24 +786,24 @@ def table(
 
 @held_to_one_thread()
 def survey(model: str | Sequence[str], *, count: int = 240, max_error: float = 7.0, workers: int | None = None) -> Survey:
-    """Judge models on random ball screws within the range of catalogues, by stored 3D reference loads.
+    """Compare models with stored loads of the 3D reference on up to 240 randomly drawn ball screws.
 
     Parameters
     ----------
     model
-        Name of a model, what `model_command` returns, or several of these. The models refined and lin are always shown too,
-        from the record of the survey.
+        Name of a model, the model that `model_command` returns, or a list of these. Stored results of the models refined
+        and lin are always added for comparison.
     count
-        Number of drawn screws, counted from the first; at most 240.
+        Number of screws to solve, counted from the first of the 240. Their dimensions are within the range of catalogues.
     max_error
-        Limit of the judgements [%].
+        Largest error that passes [% of the mean contact load].
     workers
-        Number of parallel processes; all cores unless given.
+        Number of parallel processes; None: one for each core.
 
     Returns
     -------
     Survey
-        Errors by model and screw; a screw that a model does not solve has a row with the reason.
+        Errors of each model on each screw. If a model does not solve a screw, the row states the reason.
 
     Raises
     ------
@@ -811,10 +823,10 @@ def survey(model: str | Sequence[str], *, count: int = 240, max_error: float = 7
 
 
 def _described(scene: Described | str | Path) -> Described:
-    """Return a scene as a record; a name or file is read."""
+    """Return the record of a scene; if its name or file is given, read it first."""
     return read(scene) if isinstance(scene, (str, Path)) else scene
 
 
 def _origin(scene: Described | str | Path, described: Described) -> str:
-    """Return the file or name that errors give for a scene."""
+    """Return the file or name by which error messages refer to a scene."""
     return str(scene) if isinstance(scene, (str, Path)) else described.name

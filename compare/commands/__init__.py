@@ -1,1 +1,1 @@
-"""The commands of the command line, one module each: they ask, compute through the packages below, and print."""
+"""Commands of the command line, one module for each: options, calls of the computing packages, and printed output."""

@@ -1,4 +1,4 @@
-"""The command ``rollbench bench``: run times on this machine."""
+"""Command ``rollbench bench``: measures computing times on this computer."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from rollbench.compare.sections.reference_time import TimePoint
     from rollbench.compare.studies.run_times import Job
 
-#: Scene whose models are timed unless others are named.
+#: Scene whose models are timed unless the user names others.
 FIRST = "lin-case1"
 
 
@@ -34,7 +34,7 @@ def bench(
     store: Annotated[Path | None, Parameter(show_default=False)] = None,
     as_json: Json = False,
 ) -> int:
-    """Measure run times on this machine: models with their errors, whole commands, and threads.
+    """Measure computing times on this computer: of models (with their errors), of whole commands, and with threads.
 
     Parameters
     ----------
@@ -42,32 +42,38 @@ def bench(
         Scenes with a 3D reference whose models are timed. Default: lin-case1; with --long all scenes that the report
         compares.
     long
-        Also time every mesh level of the 3D reference, about an hour on idle cores; threads are not timed.
+        Also time every mesh level of the 3D reference, which takes about an hour on idle cores; threads are not timed.
     source
-        Measure only the times that the page of this case shows (such as lin), minutes on idle cores.
+        Measure only the times that the page of this publication shows (such as lin), which takes minutes on idle cores.
     drawn
-        Instead: solve 24 of the drawn screws on levels 1 and 2 of the 3D reference, one and a half hours of processor
-        time; needs --store. An interrupted run goes on.
+        Solve 24 of the randomly drawn screws on mesh levels 1 and 2 of the 3D reference instead, in one and a half hours of
+        processor time; needs --store. An interrupted run resumes.
     store
-        Folder of stored runs in which the times are kept for the report; without --long, --source and --drawn, the times
-        of commands typed in an empty home.
+        Folder of stored runs in which the times are stored for the report. Without --long, --source and --drawn, these are
+        the times of commands in an empty home folder.
     """
     if drawn:
         if names or long or source is not None:
-            raise ArgumentError("drawn", "names, `long` or `source`", "`store` only", "leave them out")
+            allowed = "no names, `long` or `source` with this option"
+            raise ArgumentError("drawn", "this option with names, --long or --source", allowed, "leave them out")
         if store is None:
-            raise ArgumentError("drawn", "no folder for the runs", "together with `store`", "name the folder")
+            advice = "add `store` with a folder for the runs"
+            raise ArgumentError("drawn", "this option without a folder", "only together with `store`", advice)
         return print_answer(run_drawn(store), as_json)
     if source is not None and (names or long):
-        raise ArgumentError("source", source, "without names and --long", "leave them out")
+        raise ArgumentError("source", f"{source} with names or --long", "only without names and `long`", "leave them out")
     if store is not None and names:
-        raise ArgumentError("store", str(store), "without names", "a report shows times of one measuring run")
+        advice = "leave the names out: a report shows times of all scenes from one run"
+        raise ArgumentError("store", f"{store} with names of scenes", "only without names", advice)
     answer = run_bench(names or (), store, long=long) if source is None else run_source(source, store)
     return print_answer(answer, as_json)
 
 
 def run_source(source: str, store: Path | None) -> Answer:
-    """Measure the run times that the page of a case shows. Raises InputError for a case without run times."""
+    """Measure the computing times that the page of a publication shows, and return a table of them.
+
+    ``store``: folder in which they are stored; None: not stored. Raises InputError for a publication without times.
+    """
     from rollbench.compare.case import every_case
     from rollbench.compare.models.study import Study
     from rollbench.compare.reference.store import shipped_store
@@ -75,7 +81,7 @@ def run_source(source: str, store: Path | None) -> Answer:
 
     timed = {case.name: case for case in every_case() if (case.folder / "times.py").is_file()}
     if source not in timed:
-        raise ArgumentError("source", f'"{source}"', ", ".join(timed), "name a case whose page shows run times")
+        raise ArgumentError("source", f'"{source}"', ", ".join(timed), "choose a publication whose page shows times")
     study = Study(None if store is None else (store, shipped_store()))
     kept = timed[source].import_object("times:measured_now")(study, on_terminal)
     if store is not None:
@@ -92,9 +98,9 @@ def run_source(source: str, store: Path | None) -> Answer:
 
 
 def run_drawn(store: Path) -> Answer:
-    """Solve drawn screws on two levels of the 3D reference, and show the errors and times of levels and models.
+    """Solve 24 randomly drawn screws on two mesh levels, and return errors and times of the levels and of the models.
 
-    Raises InputError if a file cannot be written.
+    ``store``: folder of the runs. Raises InputError if a file cannot be written.
     """
     from rollbench.compare.studies import survey
     from rollbench.compare.studies.run_times import Job
@@ -114,7 +120,11 @@ def run_drawn(store: Path) -> Answer:
 
 
 def run_bench(names: Sequence[str], store: Path | None, *, long: bool) -> Answer:
-    """Measure run times; a command that fails carries a note. Raises InputError for a scene without a reference."""
+    """Measure computing times of models, and of commands and threads unless ``long``; return a table of them.
+
+    ``names``: scenes; if empty, the default scenes. ``store``: folder in which the times are stored; None: not stored.
+    ``long``: also time the levels of the 3D reference. Raises InputError for a scene without a 3D reference.
+    """
     from rollbench.compare.sections.reference_time import typed_now
     from rollbench.compare.studies.run_times import TYPED, save_times, time_threads
 
@@ -128,9 +138,9 @@ def run_bench(names: Sequence[str], store: Path | None, *, long: bool) -> Answer
 
 
 def time_models(names: Sequence[str], store: Path | None, *, long: bool) -> Iterator[Job]:
-    """Time the models of scenes in one measuring run and, with ``long``, the levels of the 3D reference.
+    """Measure the computing times of the models of scenes and, if ``long``, of the levels of the 3D reference.
 
-    The times are kept in ``store`` if it is given. Raises InputError for a scene without a reference.
+    ``store``: folder in which the times are stored; None: not stored. Raises InputError for a scene without a 3D reference.
     """
     from rollbench.compare.models.study import Study
     from rollbench.compare.reference.store import shipped_store
@@ -141,18 +151,18 @@ def time_models(names: Sequence[str], store: Path | None, *, long: bool) -> Iter
     known = compared_scenes(study)
     for name in names:
         if name not in known:
-            raise ArgumentError("names", name, ", ".join(known), "name scenes that have a 3D reference")
+            raise ArgumentError("names", name, ", ".join(known), "choose scenes that have a 3D reference")
     wanted = names or (tuple(known) if long else (FIRST,))
     kept = measured_now(study, wanted, on_terminal, levels=long)
     if store is not None:
         save_times(store, kept)
     study.computed[measuring_run, on_terminal] = kept
     for name in wanted:
-        yield from rows_of_scene(name, time_points(name, known[name], study, on_terminal))
+        yield from timed_jobs_of_scene(name, time_points(name, known[name], study, on_terminal))
 
 
-def rows_of_scene(scene: str, points: Sequence[TimePoint]) -> Iterator[Job]:
-    """Yield the measured times of a scene."""
+def timed_jobs_of_scene(scene: str, points: Sequence[TimePoint]) -> Iterator[Job]:
+    """Yield the measured computing times of a scene by models and mesh levels, with their errors."""
     from rollbench.compare.studies.run_times import Job
 
     for p in points:
@@ -163,6 +173,7 @@ def rows_of_scene(scene: str, points: Sequence[TimePoint]) -> Iterator[Job]:
 
 
 def _tables_of_times(jobs: Sequence[Job]) -> Iterator[object]:
+    """Yield the table of all measured computing times for the terminal."""
     forms = {"seconds": ".3g", "error_percent": ".2f", "ratio": ".3g", "unknowns": "d", "peak_MB": ".0f"}
     rows = ([job.job, *(cell(getattr(job, name), form) for name, form in forms.items()), job.note] for job in jobs)
     headings = ("job", "seconds", "error %", "ratio", "unknowns", "peak MB", "what is included")

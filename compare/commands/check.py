@@ -1,4 +1,4 @@
-"""The command ``rollbench check``: the shipped gate, or a user's scenes against their 3D reference."""
+"""Command ``rollbench check``: judges scenes against their 3D reference, or checks all data shipped with rollbench."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from rollbench.compare.commands.terminal import (
     Flag,
     Json,
     Names,
-    OfProgram,
+    ProgramOptions,
     Verbose,
     Word,
     app,
@@ -36,7 +36,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Files:
-    """Files to write the verdicts to, and an earlier file of verdicts to compare with."""
+    """Files to which verdicts are written, and an earlier file of verdicts (the baseline) that they are compared with."""
 
     junit: Path | None = None
     markdown: Path | None = None
@@ -44,13 +44,13 @@ class Files:
     baseline: Path | None = None
 
     def changed(self, outcomes: Sequence[Outcome]) -> list[Change]:
-        """Return what changed since the verdicts of the baseline. Raises InputError."""
+        """Return the verdicts that differ from those in the baseline file; InputError if the file cannot be read."""
         from rollbench.compare.gate.publish import changes_against_file
 
         return [] if self.baseline is None else changes_against_file(self.baseline, outcomes)
 
     def since(self, changed: Sequence[Change]) -> list[str]:
-        """Return the changes as sentences; none without a baseline."""
+        """Return the changes since the baseline as lines of text; no lines if no baseline was stated."""
         if self.baseline is None:
             return []
         return [f"since {self.baseline.name}: {change.line()}" for change in changed] or [
@@ -58,15 +58,15 @@ class Files:
         ]
 
     def write(self, outcomes: Sequence[Outcome], notes: Sequence[str]) -> list[str]:
-        """Write the requested files and return a line for each."""
+        """Write the verdicts to all requested files, and return a line that names each file."""
         from rollbench.compare.gate.publish import publish
 
         written = publish(outcomes, notes, junit_file=self.junit, markdown_file=self.markdown, csv_file=self.csv)
-        return [f"{path} written" for path in written]
+        return [f"wrote {path}" for path in written]
 
 
 def run_check(names: Sequence[str], request: GateRequest, engine: Engine, files: Files) -> Answer:
-    """Judge scenes, one row per quantity or per load case; the exit code is that of the worst verdict."""
+    """Judge scenes against their references, and return the verdicts; the exit code is that of the worst verdict."""
     from rollbench.compare.gate.publish import outcome_of_verdict
     from rollbench.compare.gate.verdict import CODES
     from rollbench.compare.results.base import as_text
@@ -79,27 +79,27 @@ def run_check(names: Sequence[str], request: GateRequest, engine: Engine, files:
     for one, name in zip(described, names, strict=True):
         for scene in each_case(one, name):
             if scene.name in taken:
-                advice = "verdicts differ by the name of file and case: rename one"
-                raise InputError(name, "name", scene.name, "each scene once, with a unique name", advice)
+                advice = "rename one of the scenes or load cases"
+                raise InputError(name, "name", scene.name, "a name that no other scene of the command has", advice)
             taken[scene.name] = name
     found = judge_request(described, names, request, engine, on_terminal)
     verdicts, left = found.judged, found.not_judged
     outcomes = [outcome_of_verdict(v) for v in verdicts]
     changed = files.changed(outcomes)
     above = [f"WARNING: {warning}" for warning in found.warnings]
-    below = [f"not judged, because not given or not held by the reference: {', '.join(left)}"] if left else []
+    below = [f"not judged, because the file or the reference has no value: {', '.join(left)}"] if left else []
     below += files.since(changed)
     written = files.write(outcomes, [*above, *below])
     data: dict[str, Any] = found.to_dict()
     data |= {} if files.baseline is None else {"changed": [change.as_json() for change in changed]}
-    worst = [f"the worst of {x['scene']}: case {x['case']}, {x['verdict']}" for x in data.get("worst_cases", ())]
+    worst = [f"worst load case of {x['scene']}: {x['case']}, {x['verdict']}" for x in data.get("worst_cases", ())]
     table = as_text(found.table(), text_width(), found.headings)
     parts = [found.answer, *above, "", table, "", *worst, *below, *found.advice, *written]
     return Answer(data, parts, CODES[data["verdict"]])
 
 
 def run_gate(study: Study, max_error: float) -> list[GateRow]:
-    """Return all rows of the acceptance check of the shipped data."""
+    """Run all checks of the data shipped with rollbench, and return a row for each; ``max_error`` is in per cent."""
     from rollbench.compare.gate.gate import (
         band_rows,
         closed_form_rows,
@@ -122,7 +122,10 @@ def run_gate(study: Study, max_error: float) -> list[GateRow]:
 
 
 def run_shipped(max_error: float | None, files: Files, *, verbose: bool = False) -> Answer:
-    """Check the shipped data: counts, and the rows that do not pass (or all); exit code 1 where a row fails."""
+    """Check the data shipped with rollbench, and return the result of each check; exit code 1 if one fails.
+
+    ``max_error``: limit in per cent; None: 7. ``verbose``: also list the checks that pass.
+    """
     from rollbench.compare.gate.publish import outcome_of_check
     from rollbench.compare.gate.user import fraction_warnings
     from rollbench.compare.gate.verdict import LIMIT, Limits
@@ -130,7 +133,7 @@ def run_shipped(max_error: float | None, files: Files, *, verbose: bool = False)
     from rollbench.compare.results.base import with_schema
 
     limit = LIMIT if max_error is None else max_error
-    rows = run_gate(Study(members=0), limit)  # no screws are drawn: no claim on random errors is gated
+    rows = run_gate(Study(members=0), limit)  # no random specimens are solved: no check is about random errors
     bad = [row for row in rows if not row.passed]
     outcomes = [outcome_of_check(row) for row in rows]
     changed = files.changed(outcomes)
@@ -144,15 +147,15 @@ def run_shipped(max_error: float | None, files: Files, *, verbose: bool = False)
     others = "".join(f", {n} {word}" for word in ("undecided", "reported") if (n := words.count(word)))
     line = f"{'FAIL' if bad else 'PASS'}: {words.count('ok')} passed, {len(bad)} failed{others}"
     shown = [row for row in rows if verbose or row.verdict != "ok"]
-    more = [] if verbose else ["rows that pass: --verbose, --csv or --json"]
+    more = [] if verbose else ["--verbose, --csv or --json also list the checks that pass"]
     above = [f"WARNING: {warning}" for warning in warnings]
     return Answer(data, [line, *above, *([gate_table(shown)] if shown else []), *more, *written], 1 if bad else 0)
 
 
 def gate_table(rows: Sequence[GateRow]) -> Table:
-    """Return the rows of the gate as a table, failed rows first.
+    """Return the checks of the shipped data as a table, failed checks first.
 
-    Digits are chosen so that no value beyond its limit is printed as if it were within.
+    Enough digits are printed to show that a value is beyond its limit.
     """
     texts = (
         (
@@ -194,41 +197,43 @@ def check(
     only: Names = None,
     verbose: Verbose = False,
     as_json: Json = False,
-    program: OfProgram | None = None,
+    program: ProgramOptions | None = None,
 ) -> int:
-    """Judge a model on scenes by their 3D reference: pass, fail or undecided; without scenes, check all shipped data.
+    """Judge the loads of a model against the 3D reference of scenes: pass, fail or undecided.
 
-    A scene passes where error + u is within the limit, with u the uncertainty of the reference; it fails where error - u
-    is beyond the limit, and is undecided in between. It is not covered where no reference is stored and none may be
-    computed. The error of a contact load is in per cent of its reference load (of the mean load where the reference load
-    is below a tenth of the mean).
+    A scene passes if error + u is within the limit, where u is the uncertainty of the reference. It fails if error - u is
+    beyond the limit, and is undecided otherwise. It is not covered if no reference is stored and none may be computed. The
+    error of a contact load is in per cent of its reference load, or of the mean load if the reference load is below a tenth
+    of the mean.
 
-    Without scenes, the shipped data are checked: printed values, closed forms, equilibrium, 3D references. With
-    --printed, every number and claim that the sources print is judged.
+    Without scenes, the data shipped with rollbench are checked: values printed in publications, closed-form solutions,
+    equilibrium, runs of the 3D reference. With --printed, every number and claim that the reproduced publications print is
+    judged.
 
-    Exit codes: 0 all pass (without scenes: no row fails); 1 one fails; 2 bad input; 3 none fails, but one is undecided; 4
+    Exit codes: 0 all pass (without scenes: no check fails); 1 one fails; 2 bad input; 3 none fails, but one is undecided; 4
     none fails or is undecided, but one is not covered.
 
     Parameters
     ----------
     scenes
-        Names of shipped scenes, or scene files. A scene may set its limits in a table [gate].
+        Names of shipped scenes, or scene files. A scene may state its limits in a table [gate].
     model
         Low-order model to judge. Default: refined.
     loads
-        Judge loads computed by another program: CSV file with the columns ball, flank (SL, SR, NL, NR), newton. With
-        azimuth_deg and z_mm too, balls are matched by position. Columns contact_angle_deg, approach_um, pressure_MPa are
-        judged too. Headings give the unit: load_kN, angle_rad, z_um.
+        Judge the contact loads of another program, from a CSV file with the columns ball, flank (SL, SR, NL, NR), newton.
+        If the file also has azimuth_deg and z_mm, balls are matched by position. The columns contact_angle_deg, approach_um
+        and pressure_MPa are judged too. The headings state the units: load_kN, angle_rad, z_um.
     values
-        Judge values of the whole screw computed by another program: CSV file with the columns quantity (displacement,
+        Judge values of the whole screw from another program, from a CSV file with the columns quantity (displacement,
         rigidity, torque, life), value, unit, where (empty: at the scene's loads; an axial load such as 5 kN; for a
-        displacement also a station such as 400 mm).
+        displacement also an axial position such as 400 mm).
     max_error
-        Limit of the error of loads in per cent; it replaces the scenes' limits. Default: the scene's limit, else 7.
+        Largest permitted error of the contact loads in per cent, which replaces the scenes' limits. Default: the limit that
+        the scene states, or 7.
     limit
-        Limit of another quantity, NAME=NUMBER, in per cent (contact angle: in degrees); may be repeated. Default: contact
-        angle 1 degree; approach two thirds, pressure one third, life three times the limit of the loads; other quantities
-        the limit of the loads. A model is judged on the quantities that are named.
+        Largest permitted error of another quantity, as NAME=NUMBER, in per cent (contact angle: in degrees); may be
+        repeated. Default: contact angle 1 degree; approach two thirds, pressure one third, life three times the limit of
+        the loads; other quantities the limit of the loads. A model is judged on the quantities for which a limit is stated.
     strict
         Treat an unknown column as an error instead of a warning.
     reference
@@ -236,43 +241,43 @@ def check(
         column uncertainty_N, or a line "# uncertainty: 0.5 %" and a line "# provenance: ..." above. Default uncertainty:
         0.
     levels
-        Compute mesh levels 1 to N of the reference where they are not stored. Default: the best stored level, or 2 where
-        fewer are stored. With level 1 only, the uncertainty is estimated from other scenes.
+        Compute mesh levels 1 to N of the reference unless they are stored. Default: the best stored level, or 2 if fewer
+        are stored. With level 1 only, the uncertainty is estimated from other scenes.
     stored
-        Take the reference from the runs stored in this folder or shipped, and compute none.
+        Use only runs of the reference that are stored in this folder or shipped, and compute none.
     no_compute
         Compute no run of the reference.
     store
-        Folder of stored reference runs, used in addition to the shipped runs.
+        Folder of stored runs of the reference, used in addition to the shipped runs.
     junit
-        Also write the verdicts as JUnit XML.
+        Also write the verdicts to this file as JUnit XML.
     markdown
-        Also write them as Markdown for a comment, with a chart of the worst ball and its neighbours, and append it to the
-        job summary of the CI (the file named by GITHUB_STEP_SUMMARY).
+        Also write the verdicts to this file as Markdown for a comment, with a chart of the worst ball and its neighbours,
+        and append them to the job summary of the CI (the file named by GITHUB_STEP_SUMMARY).
     csv
-        Also write them as CSV.
+        Also write the verdicts to this CSV file.
     baseline
-        Report what changed since this file of verdicts, which an earlier --csv or --json wrote.
+        Report which verdicts changed since this file was written by an earlier --csv or --json.
     printed
-        Judge what the sources print: each entry gets a verdict; exit code 1 where a verdict differs from the expected
-        one.
+        Judge the numbers and claims that publications print. Exit code 1 if a verdict differs from the expected one.
     source
-        With --printed: sources to judge, such as lin. Default: all.
+        With --printed: publications to judge, such as lin. Default: all.
     only
         With --printed: tables or entries to judge, such as lin-3.5 or lin-3.5:a_force_numerical. Default: all.
     verbose
-        Without scenes: also print the rows that pass.
+        Without scenes: also list the checks that pass.
     """
     model = model_name_of(program, model)
     if printed:
         given: dict[str, object] = {"scenes": scenes, "model": model, "loads": loads, "values": values}
         given |= {"max_error": max_error, "limits": limit, "strict": strict, "reference": reference, "levels": levels}
         given |= {"stored": stored, "no_compute": no_compute, "junit": junit, "markdown": markdown, "csv": csv}
-        refuse_given(given | {"baseline": baseline}, "without --printed", "leave it out: printed data have separate limits")
+        advice = "leave it out, because printed numbers have limits of their own"
+        refuse_given(given | {"baseline": baseline}, "only without --printed", advice)
         from rollbench.compare.commands.printed import run_printed
 
         return print_answer(run_printed(source or (), only or ()), as_json)
-    refuse_given({"source": source, "only": only}, "with --printed", "add it")
+    refuse_given({"source": source, "only": only}, "only with --printed", "add --printed")
     from rollbench.compare.gate.user import gate_request
     from rollbench.compare.reference.jobs import Engine
 
@@ -294,12 +299,15 @@ def check(
         return print_answer(run_check(scenes, request, Engine(cache=cache_folder()), files), as_json)
     given = {"model": model, "loads": loads, "values": values, "limits": limit}
     given |= {"reference": reference, "strict": strict, "levels": levels, "stored": stored, "no_compute": no_compute}
-    refuse_given(given, "with a scene", "name the scenes that are judged")
+    refuse_given(given, "only together with a scene", "state the scenes to judge")
     return print_answer(run_shipped(max_error, files, verbose=verbose), as_json)
 
 
 def refuse_given(given: Mapping[str, object], allowed: str, advice: str) -> None:
-    """Raise ArgumentError for the first given argument that has no meaning here."""
+    """Raise ArgumentError for the first argument in ``given`` that has a value, because none of them may be used.
+
+    ``allowed`` and ``advice`` are the texts of the error.
+    """
     for name, value in given.items():
         if value:
             text = ", ".join(map(str, value)) if isinstance(value, list) else str(value)

@@ -1,4 +1,4 @@
-"""The command ``rollbench compare``: scenes against their references, load cases together, and scenes of rolling balls."""
+"""Command ``rollbench compare``: compares low-order models with the 3D reference, on contact loads or on rolling balls."""
 
 from __future__ import annotations
 
@@ -7,7 +7,17 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from rollbench.compare.commands.terminal import Flag, Json, Names, OfProgram, Verbose, Where, app, engine_of, model_name_of
+from rollbench.compare.commands.terminal import (
+    ComputeOptions,
+    Flag,
+    Json,
+    Names,
+    ProgramOptions,
+    Verbose,
+    app,
+    engine_of,
+    model_name_of,
+)
 from rollbench.compare.errors import ArgumentError
 from rollbench.compare.running import need_packages, on_terminal
 from rollbench.compare.text.printing import Answer, aligned_table, print_answer, text_width
@@ -16,24 +26,28 @@ if TYPE_CHECKING:
     from rollbench.compare.models.comparison import Referenced
     from rollbench.compare.reference.estimate import Reference
     from rollbench.compare.reference.jobs import Engine
-    from rollbench.compare.results.compared import Beside
+    from rollbench.compare.results.compared import ComparedLoads
     from rollbench.compare.results.comparison import ByCase
     from rollbench.compare.scenes.duty_cycle import DutyCycle
     from rollbench.compare.scenes.friction_kinds.common import KindScene
     from rollbench.meshes.parts import Scene
 
 
-#: Exit code where a reference has loads that did not settle.
+#: Exit code if loads of a reference did not converge with mesh refinement.
 NOT_SETTLED = 5
 
 
 def exit_code(references: Iterable[Reference]) -> int:
-    """Return the exit code: `NOT_SETTLED` if the loads of any reference did not settle, else 0."""
+    """Return exit code `NOT_SETTLED` if loads of a reference did not converge with mesh refinement, otherwise 0."""
     return NOT_SETTLED if any(reference.unsettled for reference in references) else 0
 
 
 def parse_levels(text: str) -> tuple[int, ...]:
-    """Return the levels named by ``--levels``: ``3`` (levels 1 to 3), ``1,3``, ``source,1,2,3``. Raises InputError."""
+    """Return the mesh levels that the option ``--levels`` names; InputError for unknown levels.
+
+    Valid texts are ``3`` (levels 1 to 3), a list such as ``1,3``, and ``source,1,2,3``, where "source" is the mesh of the
+    publication.
+    """
     from rollbench.compare.reference.levels import LEVELS, SOURCE_LEVEL
 
     allowed = f"a number from 1 to {len(LEVELS)}, or some of source, {', '.join(map(str, LEVELS))} with commas"
@@ -42,7 +56,7 @@ def parse_levels(text: str) -> tuple[int, ...]:
     names = {"source": SOURCE_LEVEL} | {str(k): k for k in LEVELS}
     words = [word.strip() for word in text.split(",")]
     if any(word not in names for word in words):
-        raise ArgumentError("levels", f'"{text}"', allowed, "3 computes levels 1, 2 and 3")
+        raise ArgumentError("levels", f'"{text}"', allowed, "write 3 for levels 1, 2 and 3, or a list of levels")
     return tuple(sorted({names[word] for word in words}))
 
 
@@ -58,13 +72,14 @@ def run_compare(
     verbose: bool = False,
     reference: Path | None = None,
 ) -> Answer:
-    """Compare models with the reference of every scene: verdict, answers, table and files; compute missing runs first.
+    """Compare models with the reference of every scene, after missing runs of the reference are computed.
 
-    JSON: verdict and answers of every scene, and rows of every quantity and model, with the reference's coarser runs.
-    balls: also print every contact; verbose: also print the contributions to the uncertainty; reference: a file of the
-    user's that replaces the 3D reference. levels: None for the best stored reference (levels `ADVISED` are computed where
-    there is none), else exactly these; fresh: compute them even where they are stored. Raises Refusal for a scene of
-    which no run converged.
+    The result has verdict, table and files for the terminal, and JSON with the results of all models and coarser meshes.
+
+    ``levels``: mesh levels to use; None: the best stored run, or the levels `ADVISED` if none is stored. ``fresh``: compute
+    these levels even if they are stored. ``balls``: also print every contact. ``verbose``: also print the causes of the
+    uncertainty. ``reference``: file of the user that replaces the 3D reference. Raises Refusal if no run of a scene
+    converged.
     """
     from rollbench.compare.commands.compare_output import models_table as compared_table
     from rollbench.compare.commands.compare_output import older_times, start_lines, write_files
@@ -80,7 +95,8 @@ def run_compare(
     described = [catalogue.any_scene(name) for name in names]
     for name, beside in (("levels", levels is not None), ("fresh", fresh)) if reference is not None else ():
         if beside:
-            raise ArgumentError(name, "given with `reference`", "only one of both", "the file replaces the 3D reference")
+            given, advice = "this option with `reference`", "leave one of them out: the file replaces the 3D reference"
+            raise ArgumentError(name, given, "only without `reference`", advice)
     how: dict[str, Any] = {"store": store, "levels": levels, "fresh": fresh, "reference": reference}
     found = start_comparison(described, names, chosen, engine, on_terminal, **how)
     origins = [(x, name) for one, name in zip(described, names, strict=True) for x in each_case(one, name)]
@@ -103,18 +119,18 @@ def run_compare(
             headings, answers = answer_rows(whole)
             yield from (as_text(answers, text_width(), headings), "", compared_table(whole.models, whole.itself), "")
             if verbose:
-                yield from (whole.total.text, f"gate's rule: {RULE}")
+                yield from (whole.total.text, f"rule of rollbench check: {RULE}")
                 yield from (*start_lines(whole), *older_times(whole.models, whole.itself))
             if balls:
-                yield from (contact_lines(one.scene, whole.models, one.found), "")
+                yield from (contact_loads_table(one.scene, whole.models, one.found), "")
             bodies = finest_bodies(one.scene, one.found, stores) if one.of is None else None
             if bodies is not None:
                 name = next(name for scene, name in origins if scene is one.scene)
                 command = f"rollbench solve {shlex.quote(name)} --condensed {shlex.quote(str(bodies))}"
-                yield f"preload, 6 x 6 stiffness, friction by the 3D bodies: {command}"
+                yield f"preload, 6 x 6 stiffness and friction with the 3D bodies: {command}"
             yield write_files(one.scene, whole.models, one.found, store)
             if not verbose:
-                yield "--verbose: the uncertainty by its causes, the gate's rule, times of stored runs"
+                yield "--verbose also shows: causes of the uncertainty, rule of rollbench check, times of stored runs"
         yield from (line for cycle in duty_cycles(cases) for line in together_lines(cycle, dict(comparisons)))
 
     def data() -> dict[str, Any]:
@@ -137,8 +153,8 @@ def run_compare(
     return Answer(data, parts(), exit_code(one.found for sets in found.references for one in sets))
 
 
-def contact_lines(scene: Scene, models: Sequence[Beside], reference: Reference) -> Any:
-    """Return the table of contact loads of one scene for the terminal."""
+def contact_loads_table(scene: Scene, models: Sequence[ComparedLoads], reference: Reference) -> Any:
+    """Return a table, for the terminal, of the contact loads of models and reference at every contact of a scene."""
     from rollbench.compare.commands.compare_output import contact_rows
 
     listed = [{k.removesuffix("_N"): v for k, v in [*row.items()][1:]} for row in contact_rows(scene, models, reference)]
@@ -146,7 +162,7 @@ def contact_lines(scene: Scene, models: Sequence[Beside], reference: Reference) 
 
 
 def together_lines(cycle: DutyCycle, each: ByCase) -> list[str]:
-    """Return the comparison over a duty cycle as lines for the terminal."""
+    """Return lines for the terminal with the largest error and the life of each nut or bearing over a duty cycle."""
     from rollbench.compare.results.comparison import together_json
 
     return [line for data in together_json(cycle, each) for line in ("", _answer_line(data))]
@@ -158,11 +174,12 @@ def _answer_line(data: dict[str, Any]) -> str:
     life = "no life over the duty cycle"
     if off is not None:
         life = (
-            f"life over the duty cycle {lives[data['model']]:.4g} million revolutions, {lives['3D reference']:.4g} by the "
-            f"reference's loads ({off:+.2f} %)"
+            f"life over the duty cycle {lives[data['model']]:.4g} million revolutions, {lives['3D reference']:.4g} from "
+            f"the loads of the reference ({off:+.2f} %)"
         )
     error = data["largest_error_percent"]
-    worst = "" if error is None else f"{data['model']} is off most in case {data['largest_error_case']}, {error:.2f} %; "
+    case = data["largest_error_case"]
+    worst = "" if error is None else f"largest error of {data['model']} {error:.2f} %, in case {case}; "
     return f"{data['scene']}{', ' + data['set'] if 'set' in data else ''}: {worst}{life}"
 
 
@@ -179,39 +196,40 @@ def compare(
     reference: Path | None = None,
     bodies: str = "half-space",
     as_json: Json = False,
-    program: OfProgram | None = None,
-    where: Where | None = None,
+    program: ProgramOptions | None = None,
+    where: ComputeOptions | None = None,
 ) -> int:
-    """Compare low-order models with the 3D reference of scenes; the reference is computed where none is stored.
+    """Compare low-order models with the 3D reference of scenes; the reference is computed if none is stored.
 
-    Prints a verdict, the answers of model and reference, and a table of models; writes every contact to
-    <scene>-compare.csv and .svg in the store. To compare scenes with one another: rollbench solve A B. For a page to
-    send: rollbench report SCENE. Exit code 5 where loads of the reference did not settle: the remaining change is
-    printed, stored with the run and added to its uncertainty.
+    Prints a verdict, the results of model and reference, and a table of models. Writes the loads of every contact to
+    <scene>-compare.csv and .svg in the folder of stored runs. Scenes are compared with one another by rollbench solve A B;
+    rollbench report SCENE writes a page on one scene. Exit code 5 if loads of the reference did not converge with mesh
+    refinement: the remaining change is printed, stored with the run and added to its uncertainty.
 
     Parameters
     ----------
     scenes
         Names of shipped scenes, or scene files.
     model
-        Low-order models, by name (see: rollbench list); condensed uses the bodies of the reference's finest level.
-        Default: the verdict is on refined, and the table also has the other models that the report compares.
+        Names of low-order models (rollbench list shows all); condensed uses the 3D bodies of the reference's finest level.
+        Default: the verdict is about refined, and the table also has the other models of the validation report.
     levels
-        Mesh levels of the reference: 3 for levels 1 to 3, or a list such as source,1,2. Default: the best stored level;
-        levels 1 and 3 where none is stored.
+        Mesh levels of the reference: 3 for levels 1 to 3, or a list such as source,1,2, where source is the publication's
+        mesh. Default: the best stored level, or levels 1 and 3 if none is stored.
     store
-        Folder of stored reference runs, used in addition to the shipped runs.
+        Folder of stored runs of the reference, used in addition to the shipped runs.
     fresh
-        Compute runs even where they are stored or shipped.
+        Compute runs even if they are stored or shipped.
     balls
-        Also print every contact.
+        Also print the loads of every contact.
     verbose
-        Also print the contributions to the uncertainty, the rule of the verdict, and the times of stored runs.
+        Also print the causes of the uncertainty, the rule by which rollbench check judges, and the times of stored runs.
     reference
-        Compare with this file instead of the 3D reference, which is listed too where it is stored. Format: see rollbench
-        check --reference.
+        Compare with this file instead of the 3D reference, which is listed too if it is stored. The format is that of
+        rollbench check --reference.
     bodies
-        For scenes of friction: half-space, or finite (patches of the static reference, or a ball and grooved bars).
+        Bodies of the 3D model for scenes of friction: half-space, or finite (the meshes of the static reference around
+        each contact, or a ball and grooved bars).
     """
     wanted = None if levels is None else parse_levels(levels)
     command = model_name_of(program)
@@ -229,7 +247,10 @@ def compare(
 def run_rolling_compare(
     scenes: Sequence[KindScene], levels: tuple[int, ...] | None, store: Path, engine: Engine, *, fresh: bool, bodies: str
 ) -> Answer:
-    """Compare low-order models with the 3D model of rolling. levels: all by default."""
+    """Compare the low-order models of friction with the 3D model of rolling contact.
+
+    ``levels``: mesh levels of the 3D model; None for all.
+    """
     from rollbench.compare.commands.compare_output import rolling_table
     from rollbench.compare.studies.rolling.study import rolling_comparison, without_infinity
 
@@ -240,10 +261,11 @@ def run_rolling_compare(
 
 
 def rolling_scenes(names: Sequence[str], bodies: str, means_nothing: Mapping[str, bool]) -> list[KindScene]:
-    """Return the scenes if all are of kinds that only friction solves; none for whole screws and bearings.
+    """Return the scenes if ``rollbench friction`` solves all of them only, or an empty list for whole screws and bearings.
 
-    means_nothing: arguments that do not apply to rolling balls, and whether each was given. Raises InputError for a mix
-    of both, for an unknown name of bodies, for finite bodies with whole screws, and for such an argument.
+    ``means_nothing``: arguments that have no effect on scenes of friction, each with whether it was used. Raises InputError
+    for a mix of both sorts of scene, an unknown value of ``bodies``, finite bodies with whole screws, and for such an
+    argument.
     """
     from rollbench.compare.reference.levels import FINITE, HALF_SPACE
     from rollbench.compare.scenes import catalogue
@@ -252,17 +274,18 @@ def rolling_scenes(names: Sequence[str], bodies: str, means_nothing: Mapping[str
     scenes = [catalogue.any_scene(name) for name in names]
     rolling = [scene for scene in scenes if isinstance(scene, KindScene)]
     if rolling and len(rolling) < len(scenes):
-        allowed = "whole screws and bearings, or scenes of friction"
+        allowed = "either whole screws and bearings, or scenes of friction"
         raise ArgumentError("scenes", " ".join(names), allowed, "compare them in separate runs")
     if bodies not in (HALF_SPACE, FINITE):
-        raise ArgumentError("bodies", bodies, f"{HALF_SPACE} or {FINITE}", "half spaces are the faster ones")
+        advice = f"choose one of them; {HALF_SPACE} is faster"
+        raise ArgumentError("bodies", bodies, f"{HALF_SPACE} or {FINITE}", advice)
     if not rolling:
         if bodies != HALF_SPACE:
-            advice = "the static reference is of finite bodies"
-            raise ArgumentError("bodies", bodies, "scenes of friction", advice)
+            advice = "leave it out: the 3D reference of screws and bearings always has finite bodies"
+            raise ArgumentError("bodies", bodies, "only for scenes of friction", advice)
         return []
     need_packages("scikit-fem")
     for argument in (name for name, given in means_nothing.items() if given):
         advice = "leave it out: it would change nothing"
-        raise ArgumentError(argument, "scenes of friction", "whole screws and bearings", advice)
+        raise ArgumentError(argument, "this option for scenes of friction", "only for whole screws and bearings", advice)
     return rolling

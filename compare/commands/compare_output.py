@@ -1,4 +1,4 @@
-"""Text, tables and files of ``rollbench compare`` for one scene."""
+"""Tables and files in which ``rollbench compare`` shows the results of one scene."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import numpy as np
 from rollbench.compare.files import write_csv, write_figure
 from rollbench.compare.models.registry import is_model
 from rollbench.compare.reference.estimate import Reference
-from rollbench.compare.results.compared import OURS, Beside, Compared
+from rollbench.compare.results.compared import OURS, Compared, ComparedLoads
 from rollbench.compare.sections.curves import load_curve, load_panel
 from rollbench.compare.text.printing import cell, plain_table, ruled_table
 from rollbench.meshes.loads import mean_load
@@ -23,20 +23,22 @@ if TYPE_CHECKING:
 
     from rollbench.compare.studies.rolling.rows import RollingRow
 
+#: Headings of the table of models.
 COLUMNS = ("model", "max err %", "at", "RMS %", "gate %", "max N", "mean N", "MPa", "uz um", "s")
 
 
 def start_lines(whole: Compared) -> list[str]:
-    """Return a line on the origin of displacements where it is not the nominal position."""
+    """Return a line that states from which position displacements are measured; no line if it is the nominal position."""
     if not whole.start:
         return []
     return [
-        f"displacements: from the place without loads, by {whole.spoken.title} {1e6 * whole.start:.3g} um from the nominal "
-        "one, which the reference's are counted from too"
+        f"displacements of models and reference are measured from the position without loads, which is "
+        f"{1e6 * whole.start:.3g} um from the nominal position by the model {whole.judged_model.title}"
     ]
 
 
-def _error_cells(b: Beside) -> list[str]:
+def _error_cells(b: ComparedLoads) -> list[str]:
+    """Return the cells of the table of models for one model or the reference, in the order of `COLUMNS`."""
     e, loads = b.error, b.answer.load[b.answer.load > 0.0]
     at = "" if e is None else f"{e.ball} {e.side}".strip()
     errors = () if e is None else (f"{e.max_percent:.2f}", at, f"{e.rms_percent:.2f}", f"{b.by_gate:.2f}")
@@ -51,13 +53,16 @@ def _error_cells(b: Beside) -> list[str]:
     ]
 
 
-def models_table(models: Sequence[Beside], itself: Beside) -> RenderableType:
-    """Return the table of models, the reference first; narrower than 80 columns."""
+def models_table(models: Sequence[ComparedLoads], itself: ComparedLoads) -> RenderableType:
+    """Return the table of models and coarser meshes with their errors, the reference ``itself`` in the first row."""
     return plain_table(COLUMNS, map(_error_cells, (itself, *models)), COLUMNS[:1])
 
 
-def older_times(models: Sequence[Beside], itself: Beside) -> list[str]:
-    """Return lines with the times of stored runs, which the table leaves out, and the programs they were measured with."""
+def older_times(models: Sequence[ComparedLoads], itself: ComparedLoads) -> list[str]:
+    """Return lines with the computing times of stored runs, and with which version and computer they were measured.
+
+    The table of models has only times that were measured now.
+    """
     by_stamp: dict[str, list[str]] = {}
     for b in (itself, *models):
         if b.answer.seconds and b.answer.measured:
@@ -65,8 +70,8 @@ def older_times(models: Sequence[Beside], itself: Beside) -> list[str]:
     return [f"stored times, measured with {stamp}: {', '.join(times)}" for stamp, times in by_stamp.items()]
 
 
-def contact_rows(scene: Scene, models: Sequence[Beside], reference: Reference) -> list[dict[str, Any]]:
-    """Return one row per contact: loads [N] of the reference with uncertainty, and of the models."""
+def contact_rows(scene: Scene, models: Sequence[ComparedLoads], reference: Reference) -> list[dict[str, Any]]:
+    """Return a row for each loaded contact: load of the reference, its uncertainty, and loads of the models [N]."""
     rows = []
     loaded = (reference.load > 0.0) | np.any([b.answer.load > 0.0 for b in models], axis=0)
     for i, s in zip(*np.nonzero(loaded), strict=True):
@@ -77,8 +82,8 @@ def contact_rows(scene: Scene, models: Sequence[Beside], reference: Reference) -
     return rows
 
 
-def load_figure(name: str, models: Sequence[Beside], reference: Reference) -> Figure:
-    """Return the figure of loads over the balls, one panel for each loaded flank of the screw."""
+def load_figure(name: str, models: Sequence[ComparedLoads], reference: Reference) -> Figure:
+    """Return the figure of contact loads over the ball number, with a panel for each loaded groove flank of the screw."""
     panels = []
     for s in (0, 1):
         if not (reference.load[:, s] > 0.0).any():
@@ -89,8 +94,8 @@ def load_figure(name: str, models: Sequence[Beside], reference: Reference) -> Fi
     return Figure(name, "Contact loads: prediction and reference", panels)
 
 
-def write_files(scene: Scene, models: Sequence[Beside], reference: Reference, store: Path) -> str:
-    """Write the contacts as CSV and the figure as SVG into the store; return a line that names them."""
+def write_files(scene: Scene, models: Sequence[ComparedLoads], reference: Reference, store: Path) -> str:
+    """Write the loads of all contacts (CSV) and their figure (SVG) to a folder; return a line that names both files."""
     rows = contact_rows(scene, models, reference)
     stem = store / f"{scene.name}-compare"
     write_csv(Path(f"{stem}.csv"), rows)
@@ -98,7 +103,7 @@ def write_files(scene: Scene, models: Sequence[Beside], reference: Reference, st
     return f"wrote {stem}.csv (every contact) and {figure}"
 
 
-#: Columns of the table after the quantity: attribute of a row, heading, format.
+#: Columns of the table of rolling contact after the quantity: attribute of a row, heading, number format.
 ROLLING_COLUMNS = (
     ("low", "low-order", ".5g"),
     ("reference", "3D", ".5g"),
@@ -114,7 +119,7 @@ ROLLING_COLUMNS = (
 
 
 def rolling_table(name: str, rows: Sequence[RollingRow]) -> Any:
-    """Return the table of a scene of rolling balls: low-order model, 3D, what is printed."""
+    """Return the table that compares the low-order model of rolling contact with the 3D model and with printed values."""
     from rollbench.compare.studies.rolling.rows import UNSTATED
     from rollbench.compare.studies.rolling.study import without_infinity
 
@@ -126,6 +131,6 @@ def rolling_table(name: str, rows: Sequence[RollingRow]) -> Any:
         for r, x in zip(rows, known, strict=True)
     )
     table = ruled_table(title, ["quantity", *(heading for _, heading, _ in ROLLING_COLUMNS)], cells, ["quantity"])
-    table.caption = f"low-order: {1e3 * rows[0].low_seconds:.2f} ms now; 3D on the finest grid: {rows[0].seconds:.2f} s, "
-    table.caption += f"measured with {rows[0].measured_with}"
+    table.caption = f"time of the low-order model: {1e3 * rows[0].low_seconds:.2f} ms, measured now; of the 3D model on "
+    table.caption += f"the finest grid: {rows[0].seconds:.2f} s, measured with {rows[0].measured_with}"
     return table

@@ -1,4 +1,4 @@
-"""The command ``rollbench crosscheck``: the 3D reference against another program, contact by contact."""
+"""Command ``rollbench crosscheck``: compares the contact loads of the 3D reference with those by CalculiX."""
 
 from __future__ import annotations
 
@@ -21,9 +21,11 @@ if TYPE_CHECKING:
 def run_crosscheck(
     name: str, *, run: bool, fresh: bool, data: Path | None, work: Path, store: Path, engine: Engine
 ) -> Answer:
-    """Compare the contact loads of a scene by the 3D reference with those by CalculiX.
+    """Compare the contact loads of a scene by the 3D reference with those by CalculiX, and return tables and sentences.
 
-    Raises InputError for a scene without results, for results of another scene of that name, and where CalculiX fails.
+    ``run``: solve decks without stored result with CalculiX. ``fresh``: solve all decks again. ``data``: folder of stored
+    results. ``work``: folder of decks. ``store``: folder of runs of the 3D reference. Raises InputError for a scene without
+    results, for results of another scene of that name, and if CalculiX fails.
     """
     from rollbench.compare.studies.crosscheck import nut
     from rollbench.compare.studies.crosscheck.results import (
@@ -46,8 +48,8 @@ def run_crosscheck(
             written.append(
                 f"wrote {nut.save_nut(folder, nut.compare_nut_compliance(scene, work, key=scene_key(scene.name)))}"
             )
-    found = stored(folder, scene)
-    ours = _our_loads(scene, store, engine)
+    found = stored_crosscheck_results(folder, scene)
+    ours = _reference_of_scene(scene, store, engine)
     rows = contact_rows(found, ours)
     agreed = agreement_sentence(scene.name, rows)
     alone = nut.load_nut(folder)
@@ -56,24 +58,26 @@ def run_crosscheck(
     return Answer(answer, [*written, _loads_table(scene, rows), agreed, *sentence])
 
 
-def stored(folder: Path, scene: Scene) -> CrossData:
-    """Return the stored results of a scene.
+def stored_crosscheck_results(folder: Path, scene: Scene) -> CrossData:
+    """Return the stored results of CalculiX for a scene.
 
-    Raises InputError if there are none, or if they belong to another scene of its name.
+    Raises InputError if there are none, or if they belong to another scene of the same name.
     """
     from rollbench.compare.studies.crosscheck.results import load_results
     from rollbench.compare.studies.crosscheck.study import STUDIES, scene_key
 
     found = load_results(folder, scene.name)
     if found is None:
-        raise InputError(scene.name, "crosscheck", "no stored results", ", ".join(STUDIES), "solve it: `run=True`")
+        allowed, advice = ", ".join(STUDIES), "solve the scene with CalculiX by `run=True`"
+        raise InputError(scene.name, "crosscheck", "a scene without stored results", allowed, advice)
     if found.key != scene_key(scene.name):
-        wanted = "results of this scene", "solve it again: `run=True`"
-        raise InputError(scene.name, "crosscheck", "results of another scene", *wanted)
+        wanted = "results of the present scene", "solve the scene again by `run=True`"
+        raise InputError(scene.name, "crosscheck", "results of another scene with this name", *wanted)
     return found
 
 
-def _our_loads(scene: Scene, store: Path, engine: Engine) -> Reference:
+def _reference_of_scene(scene: Scene, store: Path, engine: Engine) -> Reference:
+    """Return the 3D reference of a scene, computed if no run is stored; InputError if no run converged."""
     from rollbench.compare.reference.estimate import reference
     from rollbench.compare.reference.jobs import ensure, plan
     from rollbench.compare.reference.levels import LEVELS
@@ -85,17 +89,18 @@ def _our_loads(scene: Scene, store: Path, engine: Engine) -> Reference:
         ensure(plan([scene], tuple(LEVELS)), store, engine, on_terminal, stores)
         found = reference(scene, stores)
     if found is None:
-        wanted = "a scene whose contact problem has a solution", "see the status of the runs in the store"
+        wanted = "a scene whose contact problem has a solution", f"read the status of the runs in the folder {store}"
         raise InputError(scene.name, "3D reference", "no converged run", *wanted)
     return found
 
 
 def _loads_table(scene: Scene, rows: Sequence[ContactRow]) -> Any:
+    """Return the table that compares the loads of every contact by CalculiX and by the 3D reference."""
     from rollbench.compare.studies.crosscheck.results import COLUMNS
 
     heads = {c.key: "\n".join((*c.label.split(", "), *([c.unit] if c.unit else ()))) for c in COLUMNS}
     texts = ([cell(row.cells().get(c.key), c.format) for c in COLUMNS] for row in rows)
-    title = f"{scene.name}: contact loads, CalculiX extrapolated; every mesh: --json"
+    title = f"{scene.name}: contact loads, those by CalculiX extrapolated to zero cell size (--json lists every mesh)"
     return ruled_table(title, heads.values(), texts, [heads["side"]])
 
 
@@ -110,22 +115,22 @@ def crosscheck(
     store: Path = Path("rollbench-reference"),
     as_json: Json = False,
 ) -> int:
-    """Compare the 3D reference with CalculiX, contact by contact, on the scenes two-balls or lin-case1-cut.
+    """Compare the contact loads of the 3D reference with those by CalculiX, on the scene two-balls or lin-case1-cut.
 
     Parameters
     ----------
     scene
-        Name of a shipped scene that was solved by CalculiX.
+        Name of a shipped scene for which a deck of CalculiX exists.
     run
-        Solve with CalculiX (ccx) the decks that have no stored result, and rewrite the stored results.
+        Solve the decks that have no stored result with CalculiX (program ccx), and store their results.
     fresh
-        With --run: solve all decks again, up to an hour on one core.
+        With --run: solve all decks again, which takes up to an hour on one core.
     data
-        Folder of the stored results. Default: the shipped ones.
+        Folder of the stored results of CalculiX. Default: the shipped results.
     work
-        Folder of the decks and their results; a deck whose result is there is not solved again.
+        Folder of the decks and the output of CalculiX; a deck whose output exists is not solved again.
     store
-        Folder of stored reference runs, used in addition to the shipped runs; a missing run is computed.
+        Folder of stored runs of the 3D reference, used in addition to the shipped runs; a missing run is computed.
     """
     from rollbench.compare.reference.jobs import Engine
 

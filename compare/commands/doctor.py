@@ -1,4 +1,4 @@
-"""The commands ``doctor`` (what this machine has and lacks) and ``completion`` (for the shell)."""
+"""Commands ``doctor`` (checks what the computer has and lacks) and ``completion`` (completes commands in the shell)."""
 
 from __future__ import annotations
 
@@ -20,10 +20,10 @@ from rollbench.compare.text.printing import Answer, guard_standard_output, print
 
 State = Literal["ok", "missing", "optional"]
 
-#: Least version of Python.
+#: Oldest supported version of Python.
 PYTHON = (3, 11)
 
-#: Licences that ask something of who passes the program on with what it imports.
+#: Packages with licences that impose conditions on those who distribute them together with rollbench.
 STRICT = {"gmsh": "GPL-2.0-or-later, with exceptions for linking"}
 
 LICENCES = (
@@ -31,22 +31,22 @@ LICENCES = (
     "together with gmsh must comply with the GPL. Only the 3D reference imports gmsh."
 )
 
-#: Memory [GB] for one run of the reference on level 1 of a screw of 32 balls, and free disc [GB] for its caches.
+#: Memory [GB] for a run of the 3D reference on mesh level 1 for a screw with 32 balls, and disc space [GB] for caches.
 ENOUGH_GB, DISC_GB = 4.0, 2.0
 
-#: Other programs: what they are for, and the Debian package.
+#: Other programs: names of the command, purpose, Debian package.
 PROGRAMS = {
-    "ccx": (("ccx",), "crosscheck --run solves with CalculiX", "calculix-ccx"),
-    "chromium": (("chromium", "chromium-browser", "google-chrome"), "tests open the report in a browser", "chromium"),
+    "ccx": (("ccx",), "solution with CalculiX by rollbench crosscheck --run", "calculix-ccx"),
+    "chromium": (("chromium", "chromium-browser", "google-chrome"), "tests of the report in a browser", "chromium"),
 }
 
 
 @dataclass(frozen=True)
 class Check:
-    """One check of the machine.
+    """Result of one check of the computer, such as whether a package is installed.
 
-    state: "optional" if it is absent and not needed; found: what was found; cost: what its absence costs, and advice: the
-    remedy, both empty where it is present.
+    state: "ok", "missing", or "optional" if it is missing but not needed. found: what was found. cost: effect if it is
+    missing. advice: remedy. Cost and advice are empty if it is present.
     """
 
     name: str
@@ -56,19 +56,22 @@ class Check:
     advice: str = ""
 
     def line(self) -> str:
-        """Return the check as one line."""
+        """Return the result of the check as one line of text."""
         return f"{self.state:8}  " + "; ".join(filter(None, (f"{self.name}: {self.found}", self.cost, self.advice)))
 
 
 def run_doctor(store: Path) -> Answer:
-    """Check the machine; exit code 1 if something is missing that is not optional."""
+    """Check the computer and return the results; exit code 1 if something is missing that is not optional.
+
+    ``store``: folder of stored runs of the 3D reference.
+    """
     checks = [
         *_check_python(),
         *_check_packages(),
         *_check_graphics(),
         *_check_programs(),
         *_check_folders(store),
-        *_check_cache_size(),
+        *_check_memory(),
         *_check_shipped_runs(),
     ]
     lacking = [check for check in checks if check.state == "missing"]
@@ -80,11 +83,15 @@ def run_doctor(store: Path) -> Answer:
 
 
 def _report_finding(name: str, found: str, lack: str, cost: str, advice: str, without: State = "missing") -> Check:
-    """Return the check of a requirement: found, or missing with cost, remedy and state."""
+    """Return the result of a check: "ok" with the text ``found``, or, if ``lack`` is not empty, the state ``without``.
+
+    ``lack``: what is missing. ``cost``: effect if it is missing. ``advice``: remedy.
+    """
     return Check(name, without, lack, cost, advice) if lack else Check(name, "ok", found)
 
 
 def _check_python() -> Iterator[Check]:
+    """Yield the check of the version of Python."""
     present, least = platform.python_version(), ".".join(map(str, PYTHON))
     old = tuple(map(int, platform.python_version_tuple()[:2])) < PYTHON
     lack = present if old else ""
@@ -94,7 +101,7 @@ def _check_python() -> Iterator[Check]:
 
 
 def check_requirements() -> dict[str, str]:
-    """Return the least versions of the packages of rollbench and its extras, by name; empty if it is not installed."""
+    """Return the oldest supported versions of the packages that rollbench needs, by name; empty if it is not installed."""
     from rollbench.meshes.libraries import EXTRA
 
     try:
@@ -106,12 +113,13 @@ def check_requirements() -> dict[str, str]:
 
 
 def _check_packages() -> Iterator[Check]:
+    """Yield a check of each Python package that rollbench and its extras need."""
     from rollbench.meshes.libraries import EXTRA, ONLY_FOR, import_fault, installed_version, pip_command
 
     needed = check_requirements()
     if not needed:
         yield Check(
-            "rollbench", "missing", "not installed", "versions of packages are not known", "pip install . installs it"
+            "rollbench", "missing", "not installed", "versions of packages are not known", "install it by pip install ."
         )
     for name, least in needed.items():
         present, wanted, lack = installed_version(name), f"'{name}>={least}'", ""
@@ -130,7 +138,7 @@ def _check_packages() -> Iterator[Check]:
 
 
 def _version_numbers(version: str) -> tuple[int, ...]:
-    """Return the leading numbers of a version.
+    """Return the numbers at the start of a version text, so that versions can be compared.
 
     Examples
     --------
@@ -141,6 +149,7 @@ def _version_numbers(version: str) -> tuple[int, ...]:
 
 
 def _check_graphics() -> Iterator[Check]:
+    """Yield the checks whether gmsh can be loaded and whether 3D pictures can be drawn without a screen."""
     from rollbench.meshes.libraries import ONLY_FOR, PICTURES, apt_command, installed_version
     from rollbench.reports import offscreen
 
@@ -152,29 +161,35 @@ def _check_graphics() -> Iterator[Check]:
 
 
 def _check_programs() -> Iterator[Check]:
+    """Yield a check of each of the optional other `PROGRAMS`."""
     for name, (commands, purpose, package) in PROGRAMS.items():
         path = next(filter(None, map(shutil.which, commands)), "")
         lack, advice = "" if path else "not found", f"apt-get install {package}"
-        yield _report_finding(name, path, lack, f"needed only so that {purpose}", advice, "optional")
+        yield _report_finding(name, path, lack, f"without it, no {purpose}", advice, "optional")
 
 
 def _check_folders(store: Path) -> Iterator[Check]:
+    """Yield the checks whether kernels, meshes and runs of the 3D reference can be stored."""
     from rollbench.lowfi.jit import code_folder, is_machine_code_cached
     from rollbench.meshes.cache import default_root
 
-    folder, slow = code_folder(), "compiles for some 20 s"
-    kept = f"kept in {folder and folder.parent}" + ("" if is_machine_code_cached() else f"; the first use {slow}")
-    lack = "" if folder else "not kept"
-    yield _report_finding("compiled kernels", kept, lack, f"every process {slow}", "see ROLLBENCH_CACHE")
+    folder, slow = code_folder(), "compiles for about 20 s"
+    kept = f"stored in {folder and folder.parent}" + ("" if is_machine_code_cached() else f"; the first use {slow}")
+    lack = "" if folder else "not stored"
+    advice = "name a folder by the environment variable ROLLBENCH_CACHE"
+    yield _report_finding("compiled kernels", kept, lack, f"every process {slow}", advice)
     root = default_root()
     if root is None:
         yield Check("cache of meshes", "optional", "switched off", "meshes are built every time", "unset ROLLBENCH_CACHE")
     else:
-        yield _check_folder("cache of meshes", root, "meshes are built every time", "name another with ROLLBENCH_CACHE")
-    yield _check_folder("store of references", store, "no run of the 3D reference can be kept", "name another by --store")
+        advice = "name another folder by ROLLBENCH_CACHE"
+        yield _check_folder("cache of meshes", root, "meshes are built every time", advice)
+    advice = "name another folder by --store"
+    yield _check_folder("store of references", store, "no run of the 3D reference can be stored", advice)
 
 
 def _check_folder(name: str, folder: Path, cost: str, advice: str) -> Check:
+    """Return the check whether a folder can be written to and has enough free space; see `_report_finding`."""
     from rollbench.compare.errors import InputError
     from rollbench.compare.files import need_writable
 
@@ -193,19 +208,21 @@ def _check_folder(name: str, folder: Path, cost: str, advice: str) -> Check:
     return _report_finding(name, f"{folder} can be written to, {free:.0f} GB free", lack, cost, advice)
 
 
-def _check_cache_size() -> Iterator[Check]:
+def _check_memory() -> Iterator[Check]:
+    """Yield the number of processor cores, and the check whether enough memory is free for a 3D run."""
     yield Check("cores", "ok", f"{cores()} of {os.cpu_count()} for this process")
     free = available_GB()
     if free is None:
-        yield Check("memory", "optional", "not known on this system", "3D runs start without checking it")
+        yield Check("memory", "optional", "not known on this system", "3D runs start without a check of the memory")
         return
     room = f"{free:.1f} GB free; a 3D run of 64 contacts takes up to {ENOUGH_GB:g} GB"
     lack = f"{free:.1f} GB free" if free < ENOUGH_GB else ""
-    cost = f"less than a 3D run of 64 contacts needs ({ENOUGH_GB:g} GB)"
-    yield _report_finding("memory", room, lack, cost, "close other programs, or take a larger machine")
+    cost = f"a 3D run of 64 contacts needs {ENOUGH_GB:g} GB"
+    yield _report_finding("memory", room, lack, cost, "close other programs, or use a computer with more memory")
 
 
 def _check_shipped_runs() -> Iterator[Check]:
+    """Yield the check whether the runs of the 3D reference that are shipped with rollbench are complete."""
     from rollbench.compare.reference.estimate import reference
     from rollbench.compare.reference.store import PROGRAMS
     from rollbench.compare.scenes import catalogue
@@ -216,40 +233,41 @@ def _check_shipped_runs() -> Iterator[Check]:
         f"{program} {' and '.join(sorted({run.versions[program] for kept in held for run in kept.runs}))}"
         for program in PROGRAMS
     )
-    lack = "" if len(held) == len(names) else f"of {len(held)} of {len(names)} scenes, made by {programs}"
-    found, cost = f"of all {len(names)} scenes, made by {programs}", "the others are recomputed, in hours"
+    lack = "" if len(held) == len(names) else f"for {len(held)} of {len(names)} scenes, computed by {programs}"
+    found, cost = f"for all {len(names)} scenes, computed by {programs}", "the others are recomputed, which takes hours"
     yield _report_finding("shipped references", found, lack, cost, "reinstall rollbench")
 
 
 @app.command
 def doctor(*, store: Path = Path("rollbench-reference"), as_json: Json = False) -> int:
-    """Check this machine: packages, system libraries, rendering, folders, memory, licences; what is missing and its effect.
+    """Check this computer for all that rollbench needs, and list what is missing and which effect this has.
 
-    Exit codes: 0 nothing is missing (optional programs and packages of extras that are not installed do not count), 1
-    something is.
+    The checks are of Python packages, system libraries, rendering, folders, memory and licences. Exit codes: 0 nothing is
+    missing (optional programs and packages do not count), 1 something is missing.
 
     Parameters
     ----------
     store
-        Folder of stored reference runs.
+        Folder of stored runs of the 3D reference.
     """
     return print_answer(run_doctor(store), as_json)
 
 
 @app.command
 def completion(shell: Literal["bash", "zsh", "fish"], *, install: Flag = False) -> None:
-    """Print the script with which a shell completes commands and options, or install it.
+    """Print the script by which a shell completes the commands and options of rollbench, or install this script.
 
     Parameters
     ----------
     shell
         bash, zsh or fish.
     install
-        Write the script to where the shell looks for it in the home folder, and print the path.
+        Write the script to the place in the home folder where the shell looks for it, and print the path.
     """
     text = app.generate_completion(prog_name="rollbench", shell=shell)
     if install:
-        print_answer(Answer(parts=[f"{app.install_completion(shell=shell)} written; open a new shell"]))
+        path = app.install_completion(shell=shell)
+        print_answer(Answer(parts=[f"wrote {path}; the completion works in a new shell"]))
     else:
         with guard_standard_output():
             sys.stdout.write(f"{text}\n")

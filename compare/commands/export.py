@@ -1,4 +1,4 @@
-"""The commands ``export`` and ``condense``: meshes, decks and condensed bodies of the 3D reference as files."""
+"""Commands ``export`` and ``condense``: write meshes, input decks and condensed bodies of the 3D reference to files."""
 
 from __future__ import annotations
 
@@ -39,66 +39,74 @@ def export(
     rexs: Path | None = None,
     model: Word = "",
 ) -> int:
-    """Write meshes and results of the 3D reference, CAD parts, a CalculiX deck, or bearings as REXS, for other programs.
+    """Write meshes, result fields, CAD parts, a CalculiX deck or the bearings of a shaft to files for other programs.
 
-    Meshes and result fields: VTU, MSH, MED or INP, lengths in m. All parts as CAD: STEP, lengths in mm. A small scene as
-    one deck that CalculiX runs: --deck ccx. The bearings of a shaft with their results: --rexs.
+    Meshes and result fields of the 3D reference are written as VTU, MSH, MED or INP, with lengths in m. All parts are
+    written as CAD bodies in STEP, with lengths in mm. A small scene is written as a deck that CalculiX can run by --deck
+    ccx, and the bearings of a shaft with their results as REXS by --rexs.
 
     Parameters
     ----------
     scene
         Name of a shipped scene, or a scene file.
     part
-        screw, nut, ball or whole; screw-with-sockets, nut-with-sockets, ball-with-sockets: the body with a hole at every
-        contact, as the reference condenses it; patch-SL (SR, NL, NR) and ball-patch-SL: the fine meshes that fill these
-        holes; block-source. Not with --deck or --format step.
+        Part to mesh: screw, nut, ball or whole; screw-with-sockets, nut-with-sockets, ball-with-sockets: the body with a
+        hole (socket) at every contact, as the 3D reference condenses it; patch-SL (SR, NL, NR) and ball-patch-SL: the fine
+        meshes that fill these holes; block-source: the mesh of one contact in Lin's thesis. Not with --deck or --format
+        step.
     out
         File to write; an existing file is replaced. Default: <scene>-<part>.vtu, <scene>.step or, with --deck,
         <scene>.inp.
     format
-        vtu, msh, med, inp, step, or json (the input of --model-command). Default: by the file's suffix.
+        vtu, msh, med, inp, step, or json (the input of --model-command). Default: from the suffix of the file name.
     level
-        Mesh level, 1 (coarse) to 3; 0 is the source's mesh.
+        Mesh level, 1 (coarse) to 3; 0 is the mesh of the publication.
     ball
-        Solve the scene and add displacement and stress of this ball and its patches, or of screw or nut with sockets.
+        Number of a ball, from 1. Solves the scene and adds displacement and stress to the mesh of this ball and of its
+        patches, or of the screw or nut with sockets.
     deck
-        Program to write the whole contact problem for: ccx (CalculiX; Abaqus reads the same file).
+        Program for which the whole contact problem is written: ccx (CalculiX; Abaqus reads the same file).
     unit
         Unit of length in the deck: mm (with N and MPa) or m (with N and Pa).
     balls
-        Keep only some neighbouring balls in the deck, and cut the screw to them: 3:5 keeps balls 3, 4 and 5.
+        Neighbouring balls that the deck contains, such as 3:5 for balls 3, 4 and 5; the screw is cut to them. Default: all.
     b_over_h
-        Elements of the deck across the minor semi-axis of a contact of mean load.
+        Number of elements of the deck across the minor semi-axis of a contact with the mean load.
     growth
         Growth of the deck's element size with the distance from the contacts.
     stiffness
         Contact pressure per overclosure in the deck, in N/mm3.
     ross
-        Write a Python module with a BearingElement of ROSS for each row of a table; SCENE is then the JSON file of
-        rollbench table.
+        Write a Python module with a BearingElement of the package ROSS for each row of a table. SCENE is then the JSON
+        file that rollbench table wrote.
     modelica
-        Write the same table for Modelica's CombiTable1Ds (one key) or CombiTable2Ds (two keys).
+        Write the table of --ross for Modelica's CombiTable1Ds (one varied key) or CombiTable2Ds (two varied keys).
     rexs
-        Write a REXS file (1.7): bearings with rows and rolling elements, shaft and loads of an axis, and their results.
+        Write a REXS file (version 1.7): bearings with rows and rolling elements, shaft and loads of an axis, and their
+        results.
     model
-        With --rexs: low-order model of the results. Default: refined.
+        With --rexs: low-order model that computes the results. Default: refined.
     """
     from rollbench.compare.scenes import catalogue, scene_file
 
     if model and rexs is None:
-        raise ArgumentError("model", model, "with `rexs`", "leave it out")
+        raise ArgumentError("model", model, "only with `rexs`", "leave it out")
     if rexs is not None and (ross is not None or modelica is not None):
-        raise ArgumentError("rexs", str(rexs), "without `ross` and `modelica`, which are of a table", "give one of them")
+        allowed = "either `rexs`, for a scene, or `ross` and `modelica`, for a table"
+        raise ArgumentError("rexs", f"{rexs} with a file for a table", allowed, "run the command for each of them")
     if ross is not None or modelica is not None or rexs is not None:
         if part or format or out is not None or level != 1 or ball is not None or deck:
-            raise ArgumentError("ross, modelica, rexs", "given", "none of the options of meshes with it", "leave them out")
+            given = "one of these options with an option for meshes"
+            allowed = "no part, `format`, `out`, `level`, `ball` or `deck`"
+            raise ArgumentError("ross, modelica, rexs", given, allowed, "leave these options out")
         if rexs is not None:
             return print_answer(run_rexs(scene, rexs, model))
         return print_answer(run_table(scene, ross, modelica))
 
     if deck:
         if part or format or level != 1 or ball is not None:
-            raise ArgumentError("deck", deck, "no `part`, `format`, `level` or `ball` with it", "leave them out")
+            given = f"{deck} with an option for meshes"
+            raise ArgumentError("deck", given, "no part, `format`, `level` or `ball` with a deck", "leave them out")
         need_packages("scikit-fem")
         from rollbench.compare.studies.export import write_deck
 
@@ -106,22 +114,25 @@ def export(
             Answer(parts=[write_deck(deck, unit, balls, b_over_h, growth, stiffness, catalogue.scene(scene), out)])
         )
     if (unit, balls, b_over_h, growth, stiffness) != ("mm", "", 1.5, 0.4, 2e8):
-        raise ArgumentError("unit, balls, b_over_h, growth, stiffness", "given", "with --deck", "add --deck ccx")
+        given = "one of these options without --deck"
+        raise ArgumentError("unit, balls, b_over_h, growth, stiffness", given, "only with --deck", "add --deck ccx")
     if format == "json" or (not format and out is not None and out.suffix == ".json"):
         if part or level != 1 or ball is not None:
-            raise ArgumentError("format", "json", "no `part`, `level` or `ball` with it", "leave them out")
+            allowed = "no part, `level` or `ball` with this format"
+            raise ArgumentError("format", "json with an option for meshes", allowed, "leave them out")
         return print_answer(run_json(catalogue.scene(scene), out))
     if format == "step" or (not format and out is not None and out.suffix == ".step"):
         if part or level != 1 or ball is not None:
-            raise ArgumentError("format", "step", "no `part`, `level` or `ball` with it", "leave them out")
+            allowed = "no part, `level` or `ball` with this format, which writes all parts"
+            raise ArgumentError("format", "step with an option for meshes", allowed, "leave them out")
         return print_answer(run_step(scene_file.scene_or_assembly(catalogue.any_scene(scene), scene), out))
     return print_answer(run_export(catalogue.scene(scene), part, format, out, level, cache=cache_folder(), ball=ball))
 
 
 def run_json(scene: Scene, out: Path | None) -> Answer:
-    """Write a scene as the input file of an external model. Raises InputError as `export`.
+    """Write a scene as the JSON file that an external program reads as a model; InputError if it cannot be written.
 
-    out: ``<scene>.json`` by default.
+    ``out``: the file; None: ``<scene>.json``.
     """
     from rollbench.compare.files import replace_file
     from rollbench.compare.models.programs import scene_json
@@ -134,17 +145,19 @@ def run_json(scene: Scene, out: Path | None) -> Answer:
 def run_export(
     scene: Scene, part: str, form: str, out: Path | None, level: int, *, cache: Path | None = None, ball: int | None = None
 ) -> Answer:
-    """Write the mesh of a part, with named groups for its surfaces; lengths in m.
+    """Write the mesh of one part of a scene, with named groups for its surfaces; lengths are in m.
 
-    Groups are flanks, lands, ends, sockets and contact zones. ball: solve the scene and add displacement [m], stress and
-    von Mises stress [Pa] of the parts of that ball (from 1), or of screw or nut as solved, with sockets; None: only the
-    mesh. form: vtu, msh, med or inp; default: by the suffix of ``out``, else vtu. out: the file, replaced if it exists;
-    None: ``<scene>-<part>.<form>``. level: mesh level of the reference (0: the source's mesh). cache: folder of the
-    reference's meshes, None for none.
+    The groups are flanks, lands, ends, sockets and contact zones.
 
-    Raises InputError for an unknown part, format or level, a missing package, a mesh that cannot be built and a file that
-    cannot be written; all but the last two before anything is meshed, as is the field of a screw that the scene supports
-    or loads beyond the low end of its 3D stretch.
+    ``form``: vtu, msh, med or inp; if empty, from the suffix of ``out``, or else vtu. ``out``: the file, replaced if it
+    exists; None: ``<scene>-<part>.<form>``. ``level``: mesh level of the 3D reference (0: the mesh of the publication).
+    ``cache``: folder of stored meshes; None: no cache. ``ball``: number of a ball, from 1; the scene is then solved, and
+    displacement [m], stress and von Mises stress [Pa] are added to the mesh of that ball or its patches, or of the screw or
+    nut with sockets.
+
+    Raises InputError for an unknown part, format or level, a missing package, a mesh that cannot be built, a result field
+    that cannot be computed (a screw supported or loaded beyond the low end of its 3D stretch), and a file that cannot be
+    written.
     """
     need_gmsh()
     need_packages("scikit-fem")
@@ -154,7 +167,7 @@ def run_export(
     if part not in exported_parts(scene):
         raise ArgumentError("part", part, ", ".join(exported_parts(scene)), "choose one of these")
     if form and form not in FORMATS:
-        raise ArgumentError("format", form, ", ".join(FORMATS), "leave it out to go by the file's name")
+        raise ArgumentError("format", form, ", ".join(FORMATS), "choose one of these, or let the file's suffix decide")
     if out is None:
         out = Path(f"{scene.name}-{part}.{form or 'vtu'}")
     elif out.suffix == "":
@@ -164,15 +177,16 @@ def run_export(
         need_package(form)
     except ValueError:
         allowed = ", ".join(f".{name}" for name in FORMATS)
-        raise ArgumentError("out", str(out), f"a name ending in {allowed}", "or give `format`") from None
+        advice = "change the suffix, or add `format`"
+        raise ArgumentError("out", str(out), f"a name that ends in {allowed}", advice) from None
     except ImportError as error:
         raise ArgumentError("format", form, "a format whose packages are installed", str(error)) from None
     if ball is not None and not (1 <= ball <= scene.ball_count and part != BLOCK and form != "inp"):
-        allowed = f"1 to {scene.ball_count}, for parts of the scene, in vtu, msh or med"
-        raise ArgumentError("ball", str(ball), allowed, "leave it out for the mesh only")
+        allowed = f"1 to {scene.ball_count}, for a part of the scene, in the formats vtu, msh and med"
+        raise ArgumentError("ball", str(ball), allowed, "leave it out to write only the mesh")
     lines = []
     if ball is not None and part in BODIES:
-        lines.append(f"fields are those of the {part} that is solved, with a socket at every contact: {part}{SOCKETS}")
+        lines.append(f"wrote {part}{SOCKETS} instead, because the {part} is solved with a socket at every contact")
         part += SOCKETS
     fields: dict[str, Array] = {}
     try:
@@ -185,7 +199,8 @@ def run_export(
         if ball is not None:
             fields = result_fields(scene, part, level, ball - 1, cache)
     except ValueError as error:
-        raise Refusal(scene.name, part, str(error), "see solid.* and the nut's length in the scene") from error
+        advice = "change the keys of [solid] or the nut's length in the scene"
+        raise Refusal(scene.name, part, str(error), advice) from error
     try:
         out.parent.mkdir(parents=True, exist_ok=True)
         write_mesh(out, mesh, fields, region=part, form=form)
@@ -197,14 +212,15 @@ def run_export(
     nodes, cells = mesh.doflocs.shape[1], f"{mesh.nelements} {_LABELS[kind_of(mesh)]}"
     lines.append(f"wrote {out}: {nodes} nodes, {cells}; lengths in m; groups: {', '.join(mesh.boundaries) or 'none'}")
     if is_reduced(mesh, form):
-        lines.append(f".{form} holds no 27-node hexahedra: their face and centre nodes were left out (20 nodes remain)")
+        lines.append(f".{form} files cannot contain 27-node hexahedra: 20-node hexahedra were written")
     return Answer(parts=lines)
 
 
 def run_rexs(typed: str, out: Path, model: str = "") -> Answer:
-    """Solve an axis and write it as REXS.
+    """Solve an axis, and write its shaft, loads, bearings and results to a REXS file.
 
-    Raises InputError for another kind of scene, Refusal for what REXS cannot hold.
+    ``typed``: name or file of the scene. Raises InputError for another kind of scene, Refusal if there is no equilibrium or
+    the REXS format cannot represent the scene.
     """
     from rollbench.compare.files import need_writable, replace_file
     from rollbench.compare.models.load_cases import SolvedAxis, solve_axis
@@ -220,12 +236,12 @@ def run_rexs(typed: str, out: Path, model: str = "") -> Answer:
     need_writable(out)
     for scene in each:
         if not isinstance(scene, Assembly):
-            raise InputError(
-                typed, "kind", getattr(scene, "kind", "one set"), 'kind = "axis"', "write bearings as [[sets]]"
-            )
+            kind = getattr(scene, "kind", "a scene with a single nut or bearing")
+            raise InputError(typed, "kind", kind, 'kind = "axis"', "write the bearings as [[sets]] of an axis")
         solved.append(solve_axis(scene, model or default_model(scene), Options()))
         if not solved[-1].result.converged:
-            raise Refusal(scene.name, "loads", str(solved[-1].result.status), "see rollbench solve")
+            advice = "correct the scene; rollbench solve shows the reason"
+            raise Refusal(scene.name, "loads", str(solved[-1].result.status), advice)
     assert isinstance(described, Assembly | DutyCycle)
     text, notes = rexs_text(described, solved)
     replace_file(out, text)
@@ -235,7 +251,11 @@ def run_rexs(typed: str, out: Path, model: str = "") -> Answer:
 
 
 def run_table(scene: str, ross: Path | None, modelica: Path | None) -> Answer:
-    """Write the table of a JSON file for ROSS and Modelica. Raises InputError for another file and for a grid with gaps."""
+    """Write the stiffness table of a JSON file as files for the programs ROSS and Modelica.
+
+    ``scene``: JSON file that ``rollbench table`` wrote. Raises InputError for another file, and if rows of the table's grid
+    are missing.
+    """
     from rollbench.compare.files import replace_file
     from rollbench.compare.studies.table_files import ROSS_DROPS, modelica_text, read_table, ross_text
     from rollbench.compare.text.table import failure_words
@@ -249,7 +269,7 @@ def run_table(scene: str, ross: Path | None, modelica: Path | None) -> Answer:
         text, left = modelica_text(table)
         replace_file(modelica, text)
         lines += [f"left out: {line}" for line in left[len(table.failures) :]]
-        lines.append(f"wrote {modelica}: drops no term; written by the format's definition, OpenModelica was not run")
+        lines.append(f"wrote {modelica}: all terms, by the definition of the format; not tested with OpenModelica")
     return Answer(parts=lines, folded=True)
 
 
@@ -257,10 +277,10 @@ _LABELS = {"P1": "4-node tetrahedra", "P2": "10-node tetrahedra", "Q1": "8-node 
 
 
 def run_step(described: Solvable, out: Path | None) -> Answer:
-    """Write the parts of a scene as STEP files, lengths in mm (`rollbench.meshes.exchange.step_files`).
+    """Write the parts of a scene as STEP files, with lengths in mm.
 
-    out: the file of the bodies, replaced if it exists; ``<scene>.step`` unless given. Raises InputError where gmsh is
-    missing or a file cannot be written, Refusal for sets of rollers, which have no groove, and for parts without a wall.
+    ``out``: file of the bodies, replaced if it exists; None: ``<scene>.step``. Raises InputError if gmsh is missing or a
+    file cannot be written, Refusal for roller bearings (which have no groove) and for parts without wall thickness.
     """
     need_gmsh()
     need_packages("scikit-fem")
@@ -275,18 +295,20 @@ def run_step(described: Solvable, out: Path | None) -> Answer:
         reason = error.strerror or str(error)
         raise InputError(str(out), "file", reason, "a folder that can be written to", "check the path") from None
     except ValueError as error:
-        raise Refusal(described.name, "step", str(error), "see solid.* and the nut's length in the scene") from error
+        advice = "change the keys of [solid] or the nut's length in the scene"
+        raise Refusal(described.name, "step", str(error), advice) from error
     bodies, *grooves = files
     lines = [f"wrote {bodies}: shaft, nuts and balls{' without their grooves' if grooves else ''}; lengths in mm"]
     for path in grooves:
-        off = f"up to {1e6 * files[path]:.2g} um from the exact ones"
+        off = f"at most {1e6 * files[path]:.2g} um from the exact surfaces"
         lines.append(f"wrote {path}: flanks of the grooves as surfaces, {off}; lengths in mm")
     return Answer({"files": [str(path) for path in files], "largest_distance_um": 1e6 * max(files.values())}, lines)
 
 
 def run_condense(typed: str, out: Path | None, level: int, *, cache: Path | None) -> Answer:
-    """Mesh and condense all four flanks, for all load cases of a scene; write the file completely or not at all.
+    """Mesh screw and nut, reduce them to the compliances of their contacts on all four flanks, and write these to a file.
 
+    ``typed``: name or file of the scene; all its load cases are covered. The file is written completely or not at all.
     Raises InputError for a level out of range, a mesh that cannot be built, and a file that cannot be written.
     """
     from rollbench.compare.files import need_writable, os_errors_as_input_errors
@@ -312,7 +334,7 @@ def run_condense(typed: str, out: Path | None, level: int, *, cache: Path | None
     except MemoryError as error:
         raise out_of_memory(error) from error
     except ValueError as error:
-        raise Refusal(scene.name, "3D bodies", str(error), "change what it names") from error
+        raise Refusal(scene.name, "3D bodies", str(error), "change the keys that the reason names") from error
     with os_errors_as_input_errors(out):
         condensed_bodies(setup, level).save(out)
     command = f"rollbench solve {shlex.quote(typed)} --condensed {shlex.quote(str(out))}"
@@ -321,12 +343,13 @@ def run_condense(typed: str, out: Path | None, level: int, *, cache: Path | None
 
 @app.command
 def condense(scene: str, *, out: Path | None = None, level: int = 1) -> int:
-    """Reduce the 3D bodies of a scene to compliances of their contacts, for: rollbench solve SCENE --condensed FILE.
+    """Reduce the 3D bodies of a scene to the compliances of their contacts, for rollbench solve --condensed.
 
     Parameters
     ----------
     scene
-        Name of a shipped scene, or a scene file. The result serves all loads, supports and errors of the same parts.
+        Name of a shipped scene, or a scene file. The written file is valid for all loads, supports and errors of the same
+        parts.
     out
         File to write; an existing file is replaced. Default: <scene>-condensed.npz.
     level

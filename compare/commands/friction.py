@@ -1,4 +1,4 @@
-"""The command rollbench friction."""
+"""Command ``rollbench friction``: computes ball motion, losses, torque and efficiency of screws and bearings."""
 
 from __future__ import annotations
 
@@ -33,32 +33,36 @@ def friction(
     verbose: Verbose = False,
     as_json: Json = False,
 ) -> int:
-    """Compute the friction of a screw or bearing at its static loads: ball motion, losses, torque, efficiency, drag.
+    """Compute ball motion, power losses, friction torque and efficiency of a screw or bearing under its static loads.
 
-    Also solves the kinds of scenes that only friction solves: balls of a rotary or linear bearing, two balls or a whole
-    ball screw over time, bearings in pairs. For these, only --time-limit, --strict, --verbose and --json apply.
+    This command also solves kinds of scenes that no other command solves: balls of a rotary or linear bearing, two balls or
+    a whole ball screw over time, bearings in pairs. For these, only --time-limit, --strict, --verbose and --json apply.
 
     Parameters
     ----------
     scene
         Name of a shipped scene of any kind, or a scene file.
     model
-        Model of the contact loads (see: rollbench list). Default: refined, or condensed if --condensed is given.
+        Model that computes the contact loads (rollbench list shows all). Default: refined, or condensed if --condensed is
+        given.
     mu
-        Coefficient of friction; it replaces the scene's. Several values: a table over them, with the balls of the first.
+        Coefficient of friction, which replaces that of the scene. For several values, a table over them is printed; the
+        results of the balls belong to the first.
     member
-        Number of the sample, for a scene with random errors.
+        Number of the specimen, from 0, in a scene with random errors.
     condensed
-        File that rollbench condense made of these parts: condensed 3D bodies, for the model "condensed".
+        File that rollbench condense wrote for these parts: the compliance of screw and nut from their 3D meshes, for the
+        model "condensed".
     balls
         Also print motion, loads and losses of every ball.
     time_limit
-        Give up after this many seconds, with exit code 1. Default: no limit.
+        Stop after this many seconds, with exit code 1. Default: no limit.
     strict
-        Exit with 1 if a WARNING line precedes the answers: pressure, preload, static safety or rotations beyond the
-        validity of the models, or a play that the scene does not state.
+        Return exit code 1 if a WARNING is printed: pressure, preload, static safety or rotations are outside the models'
+        range of validity, or the scene has play that it does not state.
     verbose
-        Also print further quantities and explanations, the assumptions, neglected effects, the balance and the solver.
+        Also print further quantities and explanations, the assumptions, neglected effects, the force balance and data of
+        the solver.
     """
     from rollbench.compare.studies.friction.whole import Choices
 
@@ -76,10 +80,10 @@ def run_friction(
     time_limit: float | None = None,
     strict: bool = False,
 ) -> Answer:
-    """Solve a shipped scene or a file of any kind. Raises InputError.
+    """Compute the friction in a scene of any kind, and return what is printed; InputError if the scene cannot be used.
 
-    balls, details: see `as_table`. Exit code 1 where it did not converge, the time limit [s] was reached, or, if
-    ``strict``, a line WARNING precedes the answers.
+    ``balls``, ``details``: see `friction_table`. ``time_limit``: in s. The exit code is 1 if the computation did not
+    converge or reached the time limit, and, with ``strict``, if there is a warning.
     """
     from rollbench.compare.results.base import with_schema
     from rollbench.compare.running import checked, watched
@@ -88,13 +92,14 @@ def run_friction(
     with watched(f"{one_line(name)}, friction", checked(time_limit)):
         found = solve_friction(name, choices, lambda line: on_terminal(f"rollbench: {line}"))
     code = 1 if not found.converged or (strict and found.warning) else 0
-    return Answer(with_schema(answer_json(found)), as_table(found, balls=balls, details=details), code, folded=True)
+    return Answer(with_schema(answer_json(found)), friction_table(found, balls=balls, details=details), code, folded=True)
 
 
-def as_table(answer: FrictionAnswer, *, balls: bool = False, details: bool = False) -> list[RenderableType]:
-    """Return the answer for the terminal: status, warning, the table of answers, further tables, and advice.
+def friction_table(answer: FrictionAnswer, *, balls: bool = False, details: bool = False) -> list[RenderableType]:
+    """Return the texts and tables in which the terminal shows the friction of a scene.
 
-    details: also explanations, balance, solver, assumptions and neglected effects; else a line on how to see them.
+    ``balls``: also the table of all balls. ``details``: also explanations, force balance, solver, assumptions and neglected
+    effects, instead of a line that names the option which shows them.
     """
     from rollbench.compare.results.base import as_text
     from rollbench.compare.results.rows import friction_rows
@@ -102,7 +107,7 @@ def as_table(answer: FrictionAnswer, *, balls: bool = False, details: bool = Fal
     from rollbench.compare.text.solved import closing_lines
 
     data = answer.data
-    drawn = "" if data.get("member") is None else f", member {data['member']} of its random errors"
+    drawn = "" if data.get("member") is None else f", specimen {data['member']} of its random errors"
     parts: list[Any] = [f"{data['scene']}{drawn}, {data['kind']}: {data['status']}", data["title"]]
     parts += [*filter(None, [answer.warning])]
     if rows := friction_rows(data):
@@ -112,6 +117,6 @@ def as_table(answer: FrictionAnswer, *, balls: bool = False, details: bool = Fal
     for title, columns, body in [*answer.tables, *(answer.ball_tables if balls else ())]:
         parts += [listed_table(title, columns, body), ""]
     if answer.ball_tables and not balls:
-        parts.append("motion, loads and losses of every ball: --balls")
-    warnings = [w for w in data.get("warnings", ()) if w.brief != w]  # what stands above is not said again
+        parts.append("--balls also shows motion, loads and losses of every ball")
+    warnings = [w for w in data.get("warnings", ()) if w.brief != w]  # without those that are printed above
     return [*parts, *closing_lines(warnings, (), data.get("assumed", ()), data.get("left_out", ()), details=details)]

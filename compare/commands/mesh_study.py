@@ -1,4 +1,4 @@
-"""The command rollbench mesh-study."""
+"""Command ``rollbench mesh-study``: solves the 3D reference on several mesh levels, and estimates its uncertainty."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from rollbench.compare.commands.terminal import Flag, Json, Where, app, engine_of
+from rollbench.compare.commands.terminal import ComputeOptions, Flag, Json, app, engine_of
 from rollbench.compare.running import on_terminal
 from rollbench.compare.text.printing import Answer, aligned_table, print_answer
 
@@ -27,33 +27,35 @@ def mesh_study(
     fresh: Flag = False,
     bodies: str = "half-space",
     as_json: Json = False,
-    where: Where | None = None,
+    where: ComputeOptions | None = None,
 ) -> int:
-    """Run the 3D reference on several mesh levels: observed convergence orders, uncertainty, spread by modelling choices.
+    """Solve the 3D reference on several mesh levels, and print the order of convergence and the uncertainty of its results.
 
-    For a scene with tapered rollers, one roller of each kind is pressed between its races under the largest load that the
-    scene puts on it, and compared with low-order laws.
+    For a scene with tapered rollers, one roller of each kind is pressed between its races by the largest load that it
+    carries in the scene, and compared with low-order laws.
 
-    Exit code 5 where loads did not settle: the remaining change is printed, stored with the run and added to its error
-    bars.
+    Exit code 5 if loads did not converge with mesh refinement: the remaining change is printed, stored with the run and
+    added to its uncertainty.
 
     Parameters
     ----------
     scenes
         Names of shipped scenes, or scene files; scenes with the same parts share their meshes.
     levels
-        Levels 1 to this one. Default: levels 1 and 3, the latter clearly more accurate (for scenes of friction and of
-        rollers 1 to 3). Each run is stored when it is done, so an interrupted study resumes.
+        Number of the finest mesh level; all levels from 1 to this one are solved. Default: levels 1 and 3, of which 3 is
+        clearly more accurate (for scenes of friction and of rollers: 1 to 3). Each run is stored when it is complete, so an
+        interrupted study resumes.
     store
-        Folder of the results; the table goes there as CSV, the figure as SVG.
+        Folder to which runs, the table (CSV) and the figure (SVG) are written.
     spread
-        Also vary, on the coarsest level, the modelling choices that the source does not print.
+        Also vary, on the coarsest level, the modelling choices that the publication leaves open.
     source_mesh
-        Also run the mesh of the source: first-order tetrahedra of 0.08 mm around every contact.
+        Also solve on the mesh of Lin's thesis: first-order tetrahedra of 0.08 mm around every contact.
     fresh
-        Compute runs even where they are stored.
+        Compute runs even if they are stored.
     bodies
-        For scenes of friction: half-space, or finite (patches of the static reference, or a ball and grooved bars).
+        Bodies of the 3D model for scenes of friction: half-space, or finite (the meshes of the static reference around
+        each contact, or a ball and grooved bars).
     """
     from rollbench.compare.commands.compare import rolling_scenes
 
@@ -69,7 +71,11 @@ def mesh_study(
 def run_rolling_study(
     scenes: Sequence[KindScene], levels: int | None, store: Path, engine: Engine, *, source: bool, fresh: bool, bodies: str
 ) -> Answer:
-    """Compute missing runs of scenes of rolling balls (fresh: all) and return a table of each scene."""
+    """Compute missing runs of the 3D model of rolling contact, and return a table of mesh levels for each scene.
+
+    ``levels``: number of the finest level. ``source``: also use the publication's mesh. ``fresh``: compute stored runs
+    again.
+    """
     from rollbench.compare.studies.rolling.study import rolling_study
 
     rows = rolling_study(scenes, levels, store, engine, source=source, fresh=fresh, bodies=bodies)
@@ -83,9 +89,11 @@ def run_rolling_study(
 def run_mesh_study(
     names: Sequence[str], count: int | None, store: Path, engine: Engine, *, spread: bool, source: bool, fresh: bool = False
 ) -> Answer:
-    """Compute missing runs (fresh: all) and return the table of the study; write it as CSV and SVG into the store.
+    """Compute missing runs of the 3D reference on several mesh levels, and return the tables of the study.
 
-    count: as for `chosen_levels`. Raises InputError for unknown levels, Refusal for a scene of which no run converged.
+    The tables are also written as CSV and SVG to the folder ``store``. ``count``: number of the finest level, see
+    `chosen_levels`. ``spread``: also vary modelling choices. ``source``: also use the publication's mesh. ``fresh``:
+    compute stored runs again. Raises InputError for unknown levels, Refusal if no run of a scene converged.
     """
     from rollbench.compare.commands.compare import exit_code
     from rollbench.compare.files import why_no_figure, write_csv, write_figure
@@ -128,10 +136,11 @@ def run_mesh_study(
     return Answer(tables, parts, exit_code(one.found for one in references))
 
 
-def all_rollers(names: Sequence[str], means_nothing: Mapping[str, bool], where: Where | None) -> bool:
-    """Return whether all scenes have rows of tapered rollers.
+def all_rollers(names: Sequence[str], means_nothing: Mapping[str, bool], where: ComputeOptions | None) -> bool:
+    """Return whether all scenes have tapered roller bearings, for which `run_roller_study` is used.
 
-    Raises InputError where only some have, and for an option that has no meaning for rollers.
+    Raises InputError if only some scenes have rollers, or if one of the options ``means_nothing`` was used, which have no
+    effect on rollers.
     """
     from rollbench.compare.errors import ArgumentError
     from rollbench.compare.scenes import catalogue
@@ -139,21 +148,21 @@ def all_rollers(names: Sequence[str], means_nothing: Mapping[str, bool], where: 
 
     have = [has_rollers(catalogue.any_scene(name)) for name in names]
     if any(have) and not all(have):
-        allowed = "scenes with tapered rollers, or scenes without"
-        raise ArgumentError("scenes", " ".join(names), allowed, "name them apart")
+        allowed = "either scenes with tapered rollers, or scenes without"
+        raise ArgumentError("scenes", " ".join(names), allowed, "study them in separate runs")
     for argument in (
         name for name, given in ({**means_nothing, "backend": where is not None}).items() if given and any(have)
     ):
-        raise ArgumentError(
-            argument, "tapered rollers", "screws and ball bearings", "leave it out: it would change nothing"
-        )
+        given, allowed = "this option for scenes with tapered rollers", "only for screws and ball bearings"
+        raise ArgumentError(argument, given, allowed, "leave it out: it would change nothing")
     return any(have)
 
 
 def run_roller_study(names: Sequence[str], count: int | None, store: Path, *, fresh: bool) -> Answer:
-    """Compute what is missing (fresh: everything again), answer with a table for each kind of roller.
+    """Compute missing runs of single tapered rollers in 3D, and return the tables for each kind of roller.
 
-    count: levels 1 to this one, all three unless given. InputError as `compare.studies.roller.study_rollers`.
+    ``count``: number of the finest mesh level; None: 3. ``fresh``: compute stored runs again. Raises InputError as
+    `compare.studies.roller.study_rollers`.
     """
     from rollbench.compare.files import write_csv
     from rollbench.compare.reference.store import shipped_store

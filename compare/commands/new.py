@@ -1,4 +1,4 @@
-"""The commands ``new`` (a scene file to edit) and ``schema`` (the JSON Schema of scene files)."""
+"""Commands ``new``, which writes a scene file to edit, and ``schema``, which prints the JSON Schema of scene files."""
 
 from __future__ import annotations
 
@@ -23,24 +23,26 @@ def new(
     shaft: Word = "",
     set: Annotated[list[str] | None, Parameter(name="--set")] = None,
 ) -> None:
-    """Write a commented scene file to edit.
+    """Write a scene file with comments, to be edited by the user.
 
     Parameters
     ----------
     file
         File to write; an existing file is never overwritten.
     kind
-        ball-screw (default), bearing; several sets on one shaft: axis, double-nut, angular-contact-bearing,
-        support-bearings; for friction only: bearing-ball, bearing-pair, linear-pair, linear-chain, screw-pair, screw-run.
+        Kind of scene: ball-screw (default) or bearing; for several nuts or bearings on one shaft: axis, double-nut,
+        angular-contact-bearing, support-bearings; for friction only: bearing-ball, bearing-pair, linear-pair, linear-chain,
+        screw-pair, screw-run.
     like
-        Nominal diameter and lead of a ball screw or double nut in mm, such as 40x10; other dimensions are typical of that
+        Nominal diameter and lead of a ball screw or double nut in mm, such as 40x10; other dimensions are typical of this
         size.
     rexs
-        REXS file (1.7) with bearings on a shaft, from which to make the scene.
+        REXS file (version 1.7) with bearings on a shaft, from which the scene is made.
     shaft
         With --rexs: name or id of the shaft, if the file has several.
     set
-        With --rexs: value that the file lacks, KEY=VALUE, such as --set "left.rollers.ring_depth=5 mm"; may be repeated.
+        With --rexs: value that is missing in the file, as KEY=VALUE, such as --set "left.rollers.ring_depth=5 mm"; may be
+        repeated.
     """
     from rollbench.compare import files
     from rollbench.compare.files import write_new
@@ -49,21 +51,24 @@ def new(
 
     if rexs is not None:
         if kind or like:
-            raise ArgumentError("rexs", str(rexs), "no `kind` or `like` with it", "leave them out")
+            allowed = "no `kind` or `like` with `rexs`"
+            raise ArgumentError("rexs", f"{rexs} with another option", allowed, "leave them out")
         print_answer(new_of_rexs(file, rexs, shaft, set or []))
         return
     if shaft or set:
-        raise ArgumentError("shaft, set", "given", "with `rexs`", "name the REXS file")
-    schema_line = f"#:schema {files.place('scene.schema.json').as_uri()}\n"  # editors complete and check keys by it
+        advice = "add `rexs` with the name of the file"
+        raise ArgumentError("shaft, set", "one of these options without a REXS file", "only with `rexs`", advice)
+    schema_line = f"#:schema {files.place('scene.schema.json').as_uri()}\n"  # lets editors complete and check keys
     write_new(file, schema_line + text_of(kind, like))
     command = "solve" if (kind or "ball screw").replace("-", " ") in (*WHOLE, *AXES, *BEARINGS) else "friction"
     print_answer(Answer(parts=[f"wrote {file}; solve it with: rollbench {command} {quote(str(file))}"]))
 
 
 def new_of_rexs(file: Path, rexs: Path, shaft: str, given: list[str]) -> Answer:
-    """Write the scene of a REXS file.
+    """Convert a REXS file to a scene file.
 
-    Raises InputError for missing values, and where the file does not give a valid scene.
+    ``shaft``: name or id of the shaft. ``given``: texts KEY=VALUE with values that the REXS file lacks. Raises InputError
+    if values are missing, or if the scene is not valid.
     """
     from rollbench.compare.files import write_new
     from rollbench.compare.scenes import scene_file
@@ -75,13 +80,14 @@ def new_of_rexs(file: Path, rexs: Path, shaft: str, given: list[str]) -> Answer:
     for text in given:
         key, equals, value = text.partition("=")
         if not equals:
-            raise ArgumentError("set", text, 'KEY=VALUE, such as "left.rollers.ring_depth=5 mm"', "write both")
+            allowed = 'KEY=VALUE, such as "left.rollers.ring_depth=5 mm"'
+            raise ArgumentError("set", text, allowed, "write key and value with = between them")
         pairs[key.strip()] = value.strip()
     tables, notes = tables_of(rexs, shaft, pairs)
     text = to_toml(filled(**tables))
     scene_file.parse_scene(text, str(file))
     write_new(file, text)
-    lines = [f"left out: {note}" for note in notes]
+    lines = [f"not converted: {note}" for note in notes]
     lines.append(f"wrote {file}; solve it with: rollbench solve {quote(str(file))}")
     return Answer(parts=lines, folded=True)
 

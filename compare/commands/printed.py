@@ -1,4 +1,4 @@
-"""The commands ``check --printed`` (also ``audit``), which judges printed entries, and ``list`` of what is shipped."""
+"""Commands ``check --printed`` (also ``audit``), which judges numbers printed in publications, and ``list``."""
 
 from __future__ import annotations
 
@@ -18,10 +18,10 @@ if TYPE_CHECKING:
 
 
 def run_printed(sources: Sequence[str], only: Sequence[str], write: Path | None = None) -> Answer:
-    """Judge printed entries; exit code 1 where a verdict differs from the expected one.
+    """Judge the numbers and claims that publications print; exit code 1 if a verdict differs from the expected one.
 
-    The answer has counts, entries, misprints and excluded groups. sources: names of cases, by default all; only: names of
-    printed tables and entries ("table:key"), by default all of these cases. Raises InputError for an unknown name.
+    ``sources``: names of publications; if empty, all. ``only``: names of printed tables and entries ("table:key"); if
+    empty, all of these publications. ``write``: file for the verdicts. Raises InputError for an unknown name.
     """
     from rollbench.compare.files import replace_file
     from rollbench.compare.models.study import Study
@@ -31,11 +31,14 @@ def run_printed(sources: Sequence[str], only: Sequence[str], write: Path | None 
         verdicts = {row.printed.name: row.verdict for row in rows}
         replace_file(write, json.dumps(verdicts, indent=0) + "\n")
     changed = [row.change for row in rows if row.change]
-    return Answer(as_json(rows, changed), as_table(rows, changed), 1 if changed else 0)
+    return Answer(printed_entries_json(rows, changed), printed_entries_table(rows, changed), 1 if changed else 0)
 
 
 def choose_entries(study: Study, sources: Sequence[str] = (), only: Sequence[str] = ()) -> list[Evidence]:
-    """Return the chosen printed entries with computed values, in the order of tables; arguments as `run_printed`."""
+    """Return the chosen printed numbers and claims with their computed values, in the order of the tables.
+
+    ``study`` stores the computed values; the other arguments are those of `run_printed`.
+    """
     from rollbench.compare.case import every_case
     from rollbench.compare.evidence import computations, evidence
     from rollbench.compare.printed import load_table
@@ -51,19 +54,18 @@ def choose_entries(study: Study, sources: Sequence[str] = (), only: Sequence[str
 
 
 def _check_known(argument: str, given: Sequence[str], names: Sequence[str]) -> None:
-    """Raise ArgumentError for the first given name that is not known."""
+    """Raise ArgumentError for the first name in ``given`` that is not in ``names``."""
     from rollbench.compare.files import did_you_mean, similar_names
 
     for word in given:
         if word not in names:
             allowed = ", ".join(name for name in names if ":" not in name)
-            raise ArgumentError(
-                argument, f'"{word}"', allowed, did_you_mean(similar_names(word, names)) or "see: rollbench list"
-            )
+            advice = did_you_mean(similar_names(word, names)) or "choose one that rollbench list shows"
+            raise ArgumentError(argument, f'"{word}"', allowed, advice)
 
 
-def as_json(rows: Sequence[Evidence], changed: Sequence[str]) -> dict[str, Any]:
-    """Return JSON values of all entries."""
+def printed_entries_json(rows: Sequence[Evidence], changed: Sequence[str]) -> dict[str, Any]:
+    """Return the judged entries as JSON, with counts of the verdicts, misprints, and numbers that are not compared."""
     from rollbench.compare.evidence import counts, misprints, numbers_left_out
 
     return {
@@ -76,7 +78,7 @@ def as_json(rows: Sequence[Evidence], changed: Sequence[str]) -> dict[str, Any]:
 
 
 def entry_json(e: Evidence) -> dict[str, Any]:
-    """Return JSON values of one printed entry: values, error, verdict and reason."""
+    """Return one printed number or claim as JSON: printed and computed values, error, verdict and reason."""
     from rollbench.compare.evidence import source
 
     p = e.printed
@@ -99,14 +101,14 @@ def entry_json(e: Evidence) -> dict[str, Any]:
     }
 
 
-def as_table(rows: Sequence[Evidence], changed: Sequence[str]) -> list[Any]:
-    """Return all entries for the terminal; misprints and excluded groups as counts."""
+def printed_entries_table(rows: Sequence[Evidence], changed: Sequence[str]) -> list[Any]:
+    """Return tables and lines for the terminal: verdicts by publication, all entries, and changed verdicts."""
     from rich.table import Table
 
     from rollbench.compare.evidence import APART, counts, misprints, numbers_left_out, trust
     from rollbench.compare.printed import VERDICTS
 
-    headings = [name + (" (apart)" if name in APART else "") for name in ("source", *VERDICTS, "judged", "all")]
+    headings = [name + (" (not judged)" if name in APART else "") for name in ("source", *VERDICTS, "judged", "all")]
     table = ruled_table("printed entries by verdict", headings, (map(str, row.values()) for row in counts(rows)))
     entries = Table(title="entries", title_justify="left")
     for heading in ("entry", "printed", "as printed", "right", "3D", "error %", "verdict", "reason"):
@@ -116,25 +118,24 @@ def as_table(rows: Sequence[Evidence], changed: Sequence[str]) -> list[Any]:
         numbers = (cell(data[k], ".5g") for k in ("as_printed", "right", "reference_3d", "error_percent"))
         entries.add_row(one.printed.name, f"{data['printed']} {data['unit']}".rstrip(), *numbers, one.verdict, one.reason)
     lines = [trust(row) for row in counts(rows)]
-    lines.append(
-        f"{len(misprints())} misprints with a command and a test each, {len(numbers_left_out())} groups left out: --json"
-    )
+    left_out = f"{len(numbers_left_out())} groups of numbers that are not compared"
+    lines.append(f"--json also lists: {len(misprints())} misprints, each with a command and a test; {left_out}")
     return [table, *lines, entries, *(f"changed: {line}" for line in changed)]
 
 
 def trace_table(table: str = "") -> Answer:
-    """Return the origin of every printed entry of one table, or of all. Raises InputError for an unknown table.
+    """Return a table that shows how every printed number of one table, or of all tables, is computed.
 
-    An entry has table, key, text as printed, class, scenes or the reason why there are none, computation
-    (``module:function``), and test.
+    It has the number as printed, the scenes from which it is computed or the reason for none, the computing function and
+    the test. Raises InputError for an unknown table.
     """
     from rich.table import Table
 
     from rollbench.compare.evidence import origins_of_entries
 
     entries = list(origins_of_entries(table))
-    shown = Table(title="every printed number: scenes, computation, test", title_justify="left")
-    for heading in ("table", "key", "printed", "class", "scenes, or why none", "computed by", "test"):
+    shown = Table(title="how every printed number is computed and tested", title_justify="left")
+    for heading in ("table", "key", "printed", "class", "scenes, or reason for none", "computed by", "test"):
         shown.add_column(heading, overflow="ellipsis" if heading == "printed" else "fold")
     for t in entries:
         test = t.test.removeprefix("tests/sources/")
@@ -144,26 +145,26 @@ def trace_table(table: str = "") -> Answer:
 
 @app.command
 def audit(*, only: Names = None, write: Path | None = None, as_json: Json = False) -> int:
-    """Judge every printed entry of the sources; earlier name of rollbench check --printed, kept until 1.0.
+    """Judge every number and claim that the publications print; earlier name of check --printed, available until 1.0.
 
     Parameters
     ----------
     only
         Names of printed tables or entries. Default: all.
     write
-        File to write the verdicts to.
+        File to which the verdicts are written.
     """
     return print_answer(run_printed((), only or (), write), as_json)
 
 
-def shipped() -> Answer:
-    """Return scenes, models and printed tables."""
+def list_shipped() -> Answer:
+    """Return the lists of scenes, models and printed tables that are shipped with rollbench."""
     data = _shipped_json()
-    return Answer(data, _verdict_lines(data))
+    return Answer(data, _shipped_lines(data))
 
 
 def _shipped_json() -> dict[str, dict[str, Any]]:
-    """Return scenes by kind and models with their titles, printed tables with their number of rows."""
+    """Return scenes (by kind) and models with their titles, and printed tables with the number of their rows."""
     from rollbench.compare import printed
     from rollbench.compare.models.registry import AXIS_MODELS, MODELS
     from rollbench.compare.models.user_models import installed_models, origin_of_model
@@ -183,8 +184,8 @@ def _shipped_json() -> dict[str, dict[str, Any]]:
     }
 
 
-def _verdict_lines(data: Mapping[str, Any]) -> Iterator[str]:
-    """Yield the lists for the terminal."""
+def _shipped_lines(data: Mapping[str, Any]) -> Iterator[str]:
+    """Yield the lines in which the terminal shows shipped scenes, models and printed tables."""
     groups = {f"scenes, {kind}": titles for kind, titles in data["scenes"].items()}
     groups |= {group: entries for group, entries in data.items() if group != "scenes"}
     width = max(len(name) for group in groups.values() for name in group)
@@ -196,17 +197,17 @@ def _verdict_lines(data: Mapping[str, Any]) -> Iterator[str]:
 
 @app.command(name="list")
 def list_(*, trace: Flag = False, table: Word = "", as_json: Json = False) -> None:
-    """List the shipped scenes, models and printed tables.
+    """List the scenes, models and tables of printed numbers that are shipped with rollbench.
 
     Parameters
     ----------
     trace
-        List instead every printed number and claim with its scenes (or why it has none), the function that computes it
-        and its test.
+        List every printed number and claim instead, with the scenes from which it is computed (or the reason for none), the
+        function that computes it, and its test.
     table
-        As --trace, for one printed table.
+        List the numbers and claims of this printed table only, as --trace does.
     """
     if trace or table:
         print_answer(trace_table(table), as_json)
     else:
-        print_answer(shipped(), as_json)
+        print_answer(list_shipped(), as_json)

@@ -1,4 +1,4 @@
-"""The commands ``report``, ``view`` and ``verify``: write pages, show them, and check their hashes."""
+"""Commands ``report``, ``view`` and ``verify``: write HTML pages, show them in the browser, and check their hashes."""
 
 from __future__ import annotations
 
@@ -10,11 +10,11 @@ from typing import Annotated, Any
 
 from cyclopts import Parameter
 
-from rollbench.compare.commands.terminal import Flag, Names, Where, Word, app, engine_of
+from rollbench.compare.commands.terminal import ComputeOptions, Flag, Names, Word, app, engine_of
 from rollbench.compare.errors import ArgumentError
 from rollbench.compare.text.printing import Answer, print_answer
 
-#: Variables that say where a window can be shown, or by what.
+#: Environment variables that are set if a browser window can be shown.
 SCREENS = ("DISPLAY", "WAYLAND_DISPLAY", "BROWSER")
 
 
@@ -29,47 +29,48 @@ def report(
     store: Path = Path("rollbench-reference"),
     fresh: Flag = False,
     everything: Annotated[Flag, Parameter(name="--all")] = False,
-    where: Where | None = None,
+    where: ComputeOptions | None = None,
     against: Path | None = None,
     reference: Path | None = None,
     open_page: Annotated[Flag, Parameter(name="--open")] = False,
 ) -> int:
-    """Write the validation report (HTML, tables as CSV, figures as SVG) or, with a scene, one page on it.
+    """Write the validation report (HTML, tables as CSV, figures as SVG) or, if a scene is stated, a page on this scene.
 
-    Shipped runs of the 3D reference are used; one run is recomputed, and the agreement printed. Exit code 1 where it does
-    not agree. What cannot be made on this machine is left out and listed at the end, with what to install. The page of a
-    scene has the answers, their expected or measured error, assumptions, and the hashes of all inputs; see rollbench
-    verify.
+    The report uses the shipped runs of the 3D reference. One of them is recomputed and compared with the stored run; exit
+    code 1 if they do not agree. Sections that cannot be written on this computer are listed at the end, with what to
+    install for them. The page of a scene has the results, their expected or measured error, the assumptions, and the hashes
+    of all inputs, which rollbench verify checks.
 
     Parameters
     ----------
     scene
-        Name of a shipped scene, or a scene file: write one self-contained page on it, with a 3D view. The 3D reference is
-        shown where runs are stored; none is computed. Several scenes: one page each, and a first page with a table of all
-        answers.
+        Name of a shipped scene, or a scene file, on which a self-contained page with a 3D view is written. The page shows
+        stored runs of the 3D reference; none is computed. For several scenes, a page on each is written, and a first page
+        with a table of all results.
     only
-        Names of the sections to make. Default: all but the slow ones.
+        Names of the sections to write. Default: all but the slow ones.
     source
-        Name of a case, such as lin: make only its page, from stored runs.
+        Name of a publication, such as lin: write only its page, from stored runs.
     out
-        Folder to write to.
+        Folder to which the report is written.
     quick
-        Compute the 3D reference of cases 1 and 2 on the coarsest mesh only, and make only the sections that depend on it;
-        the report names those left out (printed data, errors, friction, rolling and others).
+        Compute the 3D reference of Lin's cases 1 and 2 on the coarsest mesh only, and write only the sections that depend
+        on it. The report lists the omitted sections (printed data, errors, friction, rolling and others).
     stored
-        Compute no run of the 3D reference: use the shipped ones, and leave out what they do not cover.
+        Compute no run of the 3D reference: use the shipped runs, and omit what they do not cover.
     store
-        Folder of the computed runs of the 3D reference; an interrupted report resumes there. Shipped runs are used where
-        all their inputs are unchanged.
+        Folder of the computed runs of the 3D reference, where an interrupted report resumes. Shipped runs are used if all
+        their inputs are unchanged.
     fresh
-        Recompute all runs, even stored ones, and make all sections.
+        Recompute all runs, even stored ones, and write all sections.
     everything
-        Also make the slow sections: pictures, friction, rolling, verification, stability. Run times are those stored by
+        Also write the slow sections: pictures, friction, rolling, verification, stability. Run times are those stored by
         rollbench bench --long.
     against
-        Earlier report (with a scene: earlier page on it) with which to list the changes.
+        Earlier report (with a scene: earlier page on this scene) from which changes are listed.
     reference
-        With a scene: file with reference loads that replaces the 3D reference. Format: see rollbench check --reference.
+        With a scene: file with reference loads that replaces the 3D reference, in the format of rollbench check
+        --reference.
     open_page
         Show the page in the browser.
     """
@@ -77,7 +78,7 @@ def report(
         from rollbench.compare.running import need_packages
         from rollbench.meshes.libraries import PAGES
 
-        need_packages(*PAGES)  # some of which the next line imports
+        need_packages(*PAGES)  # the next line imports some of them
         from rollbench.compare.report.report import one_scene
         from rollbench.compare.report.verify import run_pages
 
@@ -86,12 +87,12 @@ def report(
         given["scheduler"] = where and where.scheduler
         for name, value in given.items():
             if value:
-                raise ArgumentError(name, str(value), "without a scene", "leave it out")
+                raise ArgumentError(name, str(value), "only for a report without a scene", "leave it out")
         return show_written_report(
             print_answer(run_pages(scene, out, store, against, reference)), out / "index.html", open_page
         )
     if reference is not None:
-        raise ArgumentError("reference", str(reference), "with a scene", "name the scene that it is of")
+        raise ArgumentError("reference", str(reference), "only together with a scene", "state the scene of these loads")
     from rollbench.compare.report.report import make_report
 
     kinds: dict[str, Any] = {"quick": quick, "stored": stored, "fresh": fresh, "everything": everything}
@@ -101,11 +102,11 @@ def report(
 
 
 def show_written_report(code: int, page: Path, wanted: bool) -> int:
-    """Show a page in the browser if it is wanted; return the exit code."""
+    """Show a page in the browser if ``wanted``, and return the exit code ``code`` unchanged."""
     if wanted:
         screen = os.name == "nt" or sys.platform == "darwin" or any(map(os.environ.get, SCREENS))
         if not (screen and webbrowser.open(page.resolve().as_uri())):
-            print_answer(Answer(parts=["no browser was found here: open the page by its name, on any machine"]))
+            print_answer(Answer(parts=["no browser was found on this computer: open the page in any other browser"]))
     return code
 
 
@@ -120,11 +121,11 @@ def view(
     store: Path = Path("rollbench-reference"),
     open_page: Annotated[bool, Parameter(name="--open", negative="--no-open", show_default=False)] = True,
 ) -> int:
-    """Show a solved scene in the browser in 3D, with the loads as colours and the values under the pointer.
+    """Solve a scene and show it in 3D in the browser, with the contact loads as colours and the values under the pointer.
 
-    Writes one file that needs no network or server: the scene in 3D; loads, pressures and errors of every contact as
-    curves, together with stored runs of the 3D reference; load cases and sets as tabs. For one set or several, of balls
-    and rollers. Exit code 1 where a load case did not converge.
+    Writes one HTML file that needs no network or server. It shows the scene in 3D, and the loads, pressures and errors of
+    every contact as curves, together with stored runs of the 3D reference. Load cases, nuts and bearings are on separate
+    tabs. Exit code 1 if a load case did not converge.
 
     Parameters
     ----------
@@ -133,11 +134,11 @@ def view(
     out
         File to write; an earlier page is replaced.
     model
-        Low-order model (see: rollbench list). Default: refined.
+        Low-order model (rollbench list shows all). Default: refined.
     member
-        Number of the sample, for a scene with random errors.
+        Number of the specimen, from 0, in a scene with random errors.
     store
-        Folder of stored reference runs, used in addition to the shipped runs.
+        Folder of stored runs of the reference, used in addition to the shipped runs.
     open_page
         Show the page in the browser. Default: yes.
     """
@@ -150,13 +151,13 @@ def view(
     from rollbench.reports.view import MARKER
 
     if out.is_file() and MARKER not in out.read_text(encoding="utf-8", errors="replace"):
-        raise ArgumentError("out", str(out), "a new file or an earlier page", "choose another name")
+        raise ArgumentError("out", f"the existing file {out}", "a new file or an earlier page", "choose another name")
     need_writable(out)
     found = solve_described(catalogue.any_scene(scene), model, Options(member=member), origin=scene)
     try:
         html = found.view_page((store, shipped_store()))
     except ValueError:
-        raise Refusal(scene, "scene", found.reason or str(found.status), "see: rollbench solve") from None
+        raise Refusal(scene, "scene", found.reason or str(found.status), "correct the scene as the reason says") from None
     replace_file(out, html)
     code = print_answer(Answer(parts=[*found._notes, f"page: {out}"], code=int(not found.converged)))
     return show_written_report(code, out, open_page)
@@ -164,21 +165,22 @@ def view(
 
 @app.command
 def verify(report: Path, /, *, store: Path = Path("rollbench-reference")) -> int:
-    """Verify the hashes of a scene's page or a report: its files and inputs; exit code 1 where one differs.
+    """Verify that the files and inputs of a report, or of a page on a scene, are unchanged since it was written.
 
-    Inputs are scenes, sources, printed data and reference runs.
+    Compares the hashes that the report states with those of scenes, source code, printed data and runs of the 3D reference.
+    Exit code 1 if one differs.
 
     Parameters
     ----------
     report
         Page or folder that rollbench report wrote.
     store
-        Folder of stored reference runs, used in addition to the shipped runs.
+        Folder of stored runs of the reference, used in addition to the shipped runs.
     """
     from rollbench.compare.running import need_packages
     from rollbench.meshes.libraries import PAGES
 
-    need_packages(*PAGES)  # some of which the next line imports
+    need_packages(*PAGES)  # the next line imports some of them
     from rollbench.compare.report.verify import run_verify
 
     return print_answer(run_verify(report, store))

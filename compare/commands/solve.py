@@ -1,4 +1,4 @@
-"""``rollbench solve``: solve one scene, several side by side, a load curve, or many samples of random errors."""
+"""Command ``rollbench solve``: solves one scene, several side by side, a range of loads, or many specimens."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from cyclopts import Parameter
 
-from rollbench.compare.commands.terminal import Flag, Json, OfProgram, Verbose, Word, app, model_name_of
+from rollbench.compare.commands.terminal import Flag, Json, ProgramOptions, Verbose, Word, app, model_name_of
 from rollbench.compare.errors import ArgumentError, one_line
 from rollbench.compare.running import on_terminal
 from rollbench.compare.text.printing import Answer, print_answer, ruled_table
@@ -28,11 +28,12 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Choices:
-    """Options of the command line for one solve.
+    """Command-line options for the solution of one scene; their names are those of the arguments of `solve`.
 
-    everything: build all parts, needed or not; member: number of the sample; condensed: file of condensed bodies; balls:
-    print the table of balls; stiffness_at, matrix: station of the stiffness, and its file; loads_csv: file of the contact
-    loads; time_limit [s]; strict: exit code 1 where a warning precedes the answers; verbose: print details.
+    everything: compute all terms of the model, needed or not. member: number of the specimen. condensed: file with
+    condensed bodies. balls: print the table of balls. stiffness_at: axial position of the stiffness. matrix: file for the
+    stiffness. loads_csv: file for the contact loads. time_limit: in s. strict: exit code 1 if there is a warning. verbose:
+    print details.
     """
 
     model: str = ""
@@ -49,7 +50,7 @@ class Choices:
 
 
 def run_solve(name: str, choices: Choices) -> Answer:
-    """Solve one scene, of one set or several, or each of its load cases; exit code 1 where one did not converge.
+    """Solve one scene, with all its load cases, and return what is printed; exit code 1 if a load case did not converge.
 
     Raises InputError.
     """
@@ -70,7 +71,7 @@ def run_solve(name: str, choices: Choices) -> Answer:
     with watched(f"{described.name}, model {one_line(model)}", checked(choices.time_limit)):
         found = solve_described(described, model, options, at, name)
     solved, names = found.solved, [*found.cases]
-    of_cases = [_of_case(choices, case) for case in names] or [choices]
+    of_cases = [_options_of_case(choices, case) for case in names] or [choices]
     written: list[str] = []
     for one, tangent, files in zip(solved, found.tangents, of_cases, strict=True):
         written += _write_files(one, tangent, files)
@@ -87,8 +88,8 @@ def run_solve(name: str, choices: Choices) -> Answer:
     return Answer(found.to_dict, [*lines, *written], exit_code(solved, choices), folded=True)
 
 
-def _of_case(choices: Choices, name: str) -> Choices:
-    """Return the options for one load case, with its name added to the name of the matrix file."""
+def _options_of_case(choices: Choices, name: str) -> Choices:
+    """Return the options for the load case ``name``; the name is added to that of the file for the stiffness matrix."""
 
     def named(path: Path | None) -> Path | None:
         return None if path is None else path.with_stem(f"{path.stem}-{name}")
@@ -97,7 +98,10 @@ def _of_case(choices: Choices, name: str) -> Choices:
 
 
 def _write_loads(path: Path, solved: Sequence[Solved | SolvedAxis], names: Sequence[str]) -> list[str]:
-    """Write the ball contact loads of converged load cases as CSV, by case and set; return a line naming the file."""
+    """Write the ball contact loads of all converged load cases to a CSV file; return a line that names the file.
+
+    ``names``: names of the load cases; empty for a single one.
+    """
     from rollbench.compare.files import write_csv
     from rollbench.compare.models.load_cases import Solved
     from rollbench.compare.models.loads_file import loads_csv
@@ -116,55 +120,59 @@ def _write_loads(path: Path, solved: Sequence[Solved | SolvedAxis], names: Seque
     if not rows:
         return []
     write_csv(path, rows)
-    return [
-        f"wrote {path}: {count_of(len(rows), 'contact load')}, for: rollbench check SCENE --loads {shlex.quote(str(path))}"
-    ]
+    check = f"rollbench check SCENE --loads {shlex.quote(str(path))}"
+    return [f"wrote {path}: {count_of(len(rows), 'contact load')}; compare them with the 3D reference by: {check}"]
 
 
 def _check_parts(scene: Scene | Assembly, choices: Choices, station: float) -> None:
-    """Raise InputError for a station beyond the screw or shaft, and for options that several sets do not have."""
+    """Raise InputError if options do not suit the scene.
+
+    The axial position ``station`` [m] must lie on the screw or shaft; some options exist for a single nut or bearing only.
+    """
     from rollbench.meshes.axis import Assembly
 
     if isinstance(scene, Assembly):
         refused = (
-            ("everything", choices.everything, "every set is built as its scene asks: leave it out"),
-            ("condensed", choices.condensed, "a file of condensed bodies holds those of one set: leave it out"),
+            ("everything", choices.everything, "leave it out: the scene states which terms of the models are computed"),
+            ("condensed", choices.condensed, "leave it out: the file has the bodies of a single nut or bearing"),
         )
         for argument, value, advice in refused:
             if value:
-                raise ArgumentError(argument, f"with {scene.name}", "one set on a shaft", advice)
+                given = f"this option for the scene {scene.name}, which has several nuts or bearings"
+                raise ArgumentError(argument, given, "only for a scene with a single nut or bearing", advice)
         if choices.loads_csv is not None and not scene.ball_count:
-            advice = "rollers have no flanks: leave it out"
-            raise ArgumentError("loads_csv", str(choices.loads_csv), "a set of balls", advice)
+            advice = "leave it out: the columns of the file are groove flanks, which rollers do not have"
+            raise ArgumentError("loads_csv", str(choices.loads_csv), "only for a scene with balls", advice)
     if choices.stiffness_at and not 0.0 <= station <= scene.screw.length:
         allowed = f"0 mm to {1e3 * scene.screw.length:g} mm"
-        what = "shaft" if isinstance(scene, Assembly) else "screw"
-        raise ArgumentError("stiffness_at", choices.stiffness_at, allowed, f"give a station of the {what}")
+        body = "shaft" if isinstance(scene, Assembly) else "screw"
+        raise ArgumentError("stiffness_at", choices.stiffness_at, allowed, f"state an axial position on the {body}")
 
 
 def exit_code(solved: Sequence[Solved | SolvedAxis], choices: Choices) -> int:
-    """Return exit code 1 if a scene or load case did not converge or, if ``strict``, has a warning; else 0."""
+    """Return exit code 1 if a load case did not converge or, with the option ``strict``, has a warning; otherwise 0."""
     from rollbench.lowfi.warned import warning_line
 
     return int(any(one.answers is None or (choices.strict and warning_line(one.result.warnings)) for one in solved))
 
 
 def _check_choices(choices: Choices) -> tuple[str, float]:
-    """Check the options; return the model's name (empty: the default) and the station of the stiffness [m].
+    """Check the options; return the model's name (empty: the default) and the axial position of the stiffness [m].
 
-    Raises InputError for options that exclude each other, and for a file that cannot be written.
+    Raises InputError if options exclude each other, or if a file cannot be written.
     """
     from rollbench.meshes import units
 
     model = choices.model or ("" if choices.condensed is None else "condensed")
     if choices.condensed is not None and model != "condensed":
-        advice = "leave `model` out"
-        raise ArgumentError("condensed", str(choices.condensed), "the model condensed", advice)
+        given = f"{choices.condensed} with the model {model}"
+        raise ArgumentError("condensed", given, "only with the model condensed", "leave `model` out")
     if not 0 <= choices.member < 10**9:
-        raise ArgumentError("member", str(choices.member), "0 to 999999999", "give the specimen's number")
+        raise ArgumentError("member", str(choices.member), "0 to 999999999", "state the number of the specimen")
     if choices.matrix is not None:
         if not choices.stiffness_at:
-            raise ArgumentError("matrix", str(choices.matrix), "with `stiffness_at`", "give a station")
+            advice = "add `stiffness_at` with an axial position"
+            raise ArgumentError("matrix", str(choices.matrix), "only with `stiffness_at`", advice)
         from rollbench.compare.commands.solve_files import check_matrix
 
         check_matrix(choices.matrix)
@@ -177,39 +185,42 @@ def _check_choices(choices: Choices) -> tuple[str, float]:
     try:
         return model, units.parse_quantity(choices.stiffness_at, "length")
     except ValueError as error:
-        allowed = "a length with its unit"
-        raise ArgumentError("stiffness_at", choices.stiffness_at, allowed, f'"400 mm"; {error}') from None
+        advice = f'write it like "400 mm" ({error})'
+        raise ArgumentError("stiffness_at", choices.stiffness_at, "a length with its unit", advice) from None
 
 
 def _write_files(one: Solved | SolvedAxis, tangent: Tangent | None, choices: Choices) -> list[str]:
-    """Write the requested files other than loads; return a line for each. Raises InputError."""
+    """Write the stiffness matrix to the file that the user asked for; return a line that names the file, if any.
+
+    Raises InputError if a degree of freedom is fixed, so that the matrix has no finite stiffness there.
+    """
     import numpy as np
 
     from rollbench.compare.models.load_cases import SolvedAxis
 
     if not one.result.converged:
         return []
-    lines, path, (K, where) = [], choices.matrix, _stiffness_lines_of(one, tangent)
+    lines, path, (K, where) = [], choices.matrix, _requested_stiffness(one, tangent)
     if path is not None and isinstance(one, SolvedAxis) and (K is None or not np.isfinite(K).all()):
-        advice = "ask for a station where no freedom of the shaft is held"
-        raise ArgumentError("matrix", str(path), "a stiffness in all six freedoms", advice)
+        advice = "choose an axial position at which no degree of freedom of the shaft is fixed"
+        raise ArgumentError("matrix", str(path), "only if the stiffness is finite in all six degrees of freedom", advice)
     if path is not None and K is not None:
         from rollbench.compare.commands.solve_files import write_stiffness
 
         write_stiffness(path, K, f"tangent stiffness of {one.scene.name}, model {one.result.model}, {where}")
-        lines.append(f"wrote {path}: the matrix, symmetric, in N, m and rad")
+        lines.append(f"wrote {path}: the symmetric stiffness matrix in N, m and rad")
     return lines
 
 
-def _stiffness_lines_of(one: Solved | SolvedAxis, tangent: Tangent | None) -> tuple[Array | None, str]:
-    """Return the requested stiffness (6, 6) [N, m, rad], or None, and a text on where it is taken."""
+def _requested_stiffness(one: Solved | SolvedAxis, tangent: Tangent | None) -> tuple[Array | None, str]:
+    """Return the stiffness matrix (6, 6) [N, m, rad] that the user asked for, or None, and a text on where it acts."""
     from rollbench.compare.models.load_cases import SolvedAxis
 
     if isinstance(one, SolvedAxis):
-        return one.result.stiffness, f"{one.result.stiffness_at} against all that the scene holds"
+        return one.result.stiffness, f"at {one.result.stiffness_at}, with the supports of the scene fixed"
     if tangent is None or tangent.status != "converged":
         return None, ""
-    return tangent.matrix, f"screw's section at {1e3 * tangent.station:.6g} mm against the held nut"
+    return tangent.matrix, f"of the screw's cross-section at {1e3 * tangent.station:.6g} mm, with the nut fixed"
 
 
 @app.command
@@ -233,66 +244,71 @@ def solve(
     time_limit: float | None = None,
     strict: Flag = False,
     verbose: Verbose = False,
-    program: OfProgram | None = None,
+    program: ProgramOptions | None = None,
 ) -> int:
-    """Solve one scene, compare several scenes side by side, or solve many samples of a scene with random errors.
+    """Solve one scene, compare several scenes side by side, or solve many specimens of a scene with random errors.
 
-    Prints loads, rigidity, pressure, safety, preload, friction and life. For several scenes, such as one axis on ball
-    bearings and on tapered roller bearings: a column each with stiffness, torque, life.
+    Prints contact loads, rigidity, pressure, static safety, preload, friction and life. For several scenes, such as the
+    same axis on ball bearings and on tapered roller bearings, prints a column for each with stiffness, torque and life.
 
     Parameters
     ----------
     scenes
-        Name of a shipped scene, or a scene file; of several scenes, each is compared with the first.
+        Name of a shipped scene, or a scene file. If several are given, each is compared with the first.
     model
-        Low-order model (see: rollbench list). Default: refined, or condensed if --condensed is given.
+        Low-order model (rollbench list shows all). Default: refined, or condensed if --condensed is given.
     everything
-        Build all parts of the model, even those that the scene does not need.
+        Compute all terms of the model, including those that cannot change the loads of this scene.
     member
-        Number of the sample, for a scene with random errors.
+        Number of the specimen, from 0, in a scene with random errors.
     condensed
-        File that rollbench condense made of these parts: condensed 3D bodies, for the model "condensed".
+        File that rollbench condense wrote for these parts: the compliance of screw and nut from their 3D meshes, for the
+        model "condensed".
     balls
         Also print the table of all balls.
     stiffness_at
-        Also print the 6 x 6 tangent stiffness at a station of the screw, such as "400 mm", with the nut fixed.
+        Also print the 6 x 6 tangent stiffness at this axial position of the screw, such as "400 mm", with the nut fixed.
     matrix
-        File for that matrix: .mtx (Matrix Market) or .dmig (Nastran).
+        File for the stiffness matrix of --stiffness-at: .mtx (Matrix Market) or .dmig (Nastran).
     curve
-        Print a load curve, the lash and the stiffness outside it, instead of the answers. Forces such as "-3000N:3000N"
-        replace the scene's loads; they act along the axis at the nut's centre (of several sets: where the loads act).
-        Append ":41" for 41 points (default 21), ":x", ":y" or an angle such as ":45deg" for a transverse force, ":300mm"
-        or the name of a housing for another position. Without unit, "0:1.5" scales all loads of the scene.
+        Print the displacement over a range of loads (the load curve), the backlash and the stiffness outside the backlash.
+        Forces such as "-3000N:3000N" replace the scene's loads; they act along the axis at the nut's centre (for several
+        nuts or bearings on one shaft: where the scene's loads act). Append ":41" for 41 points (default 21); ":x", ":y" or
+        an angle such as ":45deg" for a transverse force; ":300mm" or the name of a housing for another position. A range
+        without unit, such as "0:1.5", scales all loads of the scene.
     loads_csv
-        File for all contact loads, in the format of check --loads: ball, flank, newton, azimuth_deg, z_mm; for load cases
-        with a column case.
+        File for all contact loads, with the columns that check --loads reads: ball, flank, newton, azimuth_deg, z_mm, and
+        case if the scene has load cases.
     members
-        Number of samples to solve; prints distributions of the largest load, stiffness, number of unloaded contacts,
-        life; with --balls also the range of every ball.
+        Number of specimens to solve. Prints the distributions of the largest load, the stiffness, the number of unloaded
+        contacts and the life; with --balls also the range of the load of every ball.
     csv
-        With --members: file with one row per sample; with --curve: one row per load, and a figure of the same name.
+        With --members: file with one row per specimen. With --curve: file with one row per load, and a figure of the same
+        name.
     seed
-        With --members: seed of the random errors; it replaces the scene's.
+        With --members: seed of the random errors, which replaces that of the scene.
     workers
         With --members: number of parallel processes.
     time_limit
-        Give up after this many seconds, with exit code 1. Default: no limit.
+        Stop after this many seconds, with exit code 1. Default: no limit.
     strict
-        Exit with 1 if a WARNING line precedes the answers: pressure, preload, static safety or rotations beyond the
-        validity of the models, or a load of which little reaches the contacts.
+        Return exit code 1 if a WARNING is printed: pressure, preload, static safety or rotations are outside the models'
+        range of validity, or little of a load reaches the contacts.
     verbose
-        Also print further quantities, the assumptions, neglected effects, the balance and the solver.
+        Also print further quantities, the assumptions, neglected effects, the force balance and data of the solver.
     """
     model = model_name_of(program, model)
     if program is not None and time_limit is not None:
-        raise ArgumentError("time_limit", f"{time_limit:g}", "without a program", "`model_seconds` limits each of its runs")
+        advice = "use `model_seconds`, which limits each run of the program"
+        raise ArgumentError("time_limit", f"{time_limit:g} with a program", "only without a program", advice)
     if len(scenes) > 1:
         alone: dict[str, object] = {"matrix": matrix, "loads_csv": loads_csv, "csv": csv, "condensed": condensed}
         alone |= {"members": members}
         alone |= {"seed": seed, "workers": workers, "curve": curve or None, "balls": balls or None}
         alone |= {"everything": everything or None, "verbose": verbose or None}
         for name in (k for k, v in alone.items() if v is not None):
-            raise ArgumentError(name, f"with {len(scenes)} scenes", "one scene", "solve one scene at a time for that")
+            given = f"this option for {len(scenes)} scenes"
+            raise ArgumentError(name, given, "only for one scene", "leave it out, or solve one scene at a time")
         choices = Choices(model, member=member, stiffness_at=stiffness_at, time_limit=time_limit, strict=strict)
         return print_answer(run_side_by_side(scenes, choices), as_json)
     (scene,) = scenes
@@ -301,13 +317,15 @@ def solve(
 
         if stiffness_at or strict or curve or any(file is not None for file in (matrix, loads_csv)):
             named = "stiffness_at, matrix, curve, loads_csv, strict"
-            raise ArgumentError(named, "given", "without --members", "they are of one member: --member K")
+            advice = "leave them out, or solve one specimen by `member=K`"
+            raise ArgumentError(named, "one of these options with --members", "only without --members", advice)
         how = Engine(workers=workers)
         return print_answer(
             run_ensemble_command(scene, model, members, csv_out=csv, seed=seed, engine=how, balls=balls), as_json
         )
     if seed is not None or workers is not None or (csv is not None and not curve):
-        raise ArgumentError("csv, seed, workers", "given", "with --members", "add --members N")
+        given = "one of these options without --members"
+        raise ArgumentError("csv, seed, workers", given, "only with --members", "add --members N")
     choices = Choices(
         model, everything, member, condensed, balls, stiffness_at, matrix, loads_csv, time_limit, strict, verbose
     )
@@ -315,7 +333,10 @@ def solve(
 
 
 def run_side_by_side(names: Sequence[str], choices: Choices) -> Answer:
-    """Solve several scenes and compare them side by side; exit code 1 where one did not converge. Raises InputError."""
+    """Solve several scenes and return their results side by side; exit code 1 if one did not converge.
+
+    Raises InputError.
+    """
     from rollbench.compare.api.calls import side_by_side_described
     from rollbench.compare.running import checked, watched
     from rollbench.compare.scenes import catalogue
@@ -335,9 +356,9 @@ def run_side_by_side(names: Sequence[str], choices: Choices) -> Answer:
 
 
 def run_curve(name: str, text: str, choices: Choices, csv_out: Path | None) -> Answer:
-    """Solve a scene over a range of loads (of load cases: the first); exit code 1 where a load has no equilibrium.
+    """Solve a scene over a range of loads and return its load curve; exit code 1 if a load has no equilibrium.
 
-    Raises InputError.
+    ``text``: the range, such as ``"-3kN:3kN:41:x"``. Of several load cases only the first is solved. Raises InputError.
     """
     from rollbench.compare.api.calls import load_curve_of
     from rollbench.compare.models.registry import Options
@@ -346,7 +367,8 @@ def run_curve(name: str, text: str, choices: Choices, csv_out: Path | None) -> A
     from rollbench.compare.text.solved import curve_lines
 
     if choices.stiffness_at or choices.matrix or choices.loads_csv or choices.balls:
-        raise ArgumentError("stiffness_at, matrix, loads_csv, balls", "given", "without `curve`", "they are of one load")
+        refused, given = "stiffness_at, matrix, loads_csv, balls", "one of these options with --curve"
+        raise ArgumentError(refused, given, "only without --curve", "leave them out: they are for a single load")
     model, _ = _check_choices(choices)
     if csv_out is not None:
         from rollbench.compare.files import need_writable
@@ -366,9 +388,10 @@ def run_curve(name: str, text: str, choices: Choices, csv_out: Path | None) -> A
 def run_ensemble_command(
     name: str, model: str, count: int, *, csv_out: Path | None, seed: int | None, engine: Engine, balls: bool = False
 ) -> Answer:
-    """Solve many samples and write one CSV row for each as they come; exit code 1 where none converged.
+    """Solve many specimens of a scene with random errors and return their statistics; exit code 1 if none converged.
 
-    balls: also show the range of every ball. Raises InputError.
+    ``csv_out``: file to which a row is written as soon as a specimen is solved. ``balls``: also show the range of the load
+    of every ball. Raises InputError.
     """
     from rollbench.compare.results.base import with_schema
     from rollbench.compare.scenes import catalogue
@@ -377,12 +400,14 @@ def run_ensemble_command(
     from rollbench.compare.studies.members.members import ensemble_json, solve_ensemble
 
     each, cases = solve_ensemble(described, name, model, count, seed, engine, on_terminal, csv_out)
-    shown = [x for batch in each for x in as_table(batch, balls=balls)] + [f"{csv_out}: one row a member"] * bool(csv_out)
+    shown = [x for batch in each for x in ensemble_table(batch, balls=balls)]
+    shown += [f"wrote {csv_out}: one row for each specimen"] * bool(csv_out)
     data = with_schema(ensemble_json(described, each, cases))
     return Answer(data, shown, 0 if all(len(batch.failed) < count for batch in each) else 1)
 
 
 def _statistics_table(title: str, headings: Mapping[str, str], rows: Mapping[str, dict[str, Any] | None]) -> Any:
+    """Return the table with the mean, scatter and quantiles of each output; outputs without statistics are left out."""
     table = []
     for key, stats in rows.items():
         if stats is None:
@@ -394,8 +419,8 @@ def _statistics_table(title: str, headings: Mapping[str, str], rows: Mapping[str
     return ruled_table(title, heads, table, ("",))
 
 
-def as_table(members: Members, *, balls: bool = False) -> list[Any]:
-    """Return the statistics of samples for the terminal and, if ``balls``, the range of every ball."""
+def ensemble_table(members: Members, *, balls: bool = False) -> list[Any]:
+    """Return the statistics of all specimens for the terminal and, if ``balls``, the range of the load of every ball."""
     from rollbench.compare.studies.members.ensemble import KEPT, OF_SET, WHOLE
     from rollbench.compare.studies.members.members import members_json
     from rollbench.meshes.axis import Assembly
@@ -403,24 +428,27 @@ def as_table(members: Members, *, balls: bool = False) -> list[Any]:
     data = members_json(members)
     several = isinstance(members.scene, Assembly)
     parts: list[Any] = [
-        f"{data['scene']}, model {data['model']}, seed {data['seed']}: {data['members']} members, {data['converged']} "
-        f"converged, {1e3 * members.seconds / data['members']:.3g} ms a member"
+        f"{data['scene']}, model {data['model']}, seed {data['seed']}: {data['members']} specimens, {data['converged']} "
+        f"converged, {1e3 * members.seconds / data['members']:.3g} ms for each"
     ]
-    parts += [f"member {row['member']}: {row['status']}" for row in data["failed"][:5]]
+    parts += [f"specimen {row['member']}: {row['status']}" for row in data["failed"][:5]]
     headings = WHOLE if several else KEPT
-    tables = [_statistics_table("members (in brackets: 95 % interval of the quantile)", headings, data["statistics"])]
+    title = "specimens (in brackets: 95 % confidence interval of the quantile)"
+    tables = [_statistics_table(title, headings, data["statistics"])]
     tables += [_statistics_table(f"set {s['set']}, {s['name']}", OF_SET, s["statistics"]) for s in data.get("sets", [])]
     of_nut = (
-        "stiffness at the loads: by 0.1 % more load (liu: load_step), of shaft and nut; "
-        "the rigidity of solve is that of the nut only"
+        "stiffness at the loads: of shaft and nut, by 0.1 % more load (model liu: by load_step); "
+        "rollbench solve prints the rigidity of the nut only"
     )
-    stiff = "tangent rigidity: in equilibrium, where it is asked for" if several else of_nut
-    parts += [*tables, f"life: ISO/TS 16281 equivalent loads, raceways equally strong; {stiff}"]
-    return [*parts, _bands_table(data, members.bands.width) if balls else "bands of every ball: --balls"]
+    stiff = "tangent rigidity: at the equilibrium, for the position that the scene states" if several else of_nut
+    parts += [*tables, f"life: equivalent loads by ISO/TS 16281, with raceways of equal strength; {stiff}"]
+    return [*parts, _bands_table(data, members.bands.width) if balls else "range of the load of every ball: add --balls"]
 
 
 def _bands_table(data: dict[str, Any], width: float) -> Any:
+    """Return the table with quantiles of every contact load over the specimens; ``width``: their sampling error [N]."""
     keys = [key for key in (data["balls"][0] if data["balls"] else ()) if key != "quantile_0.5_N"]
     rows = ([v if isinstance(v := row[key], str) else f"{v:.4g}" for key in keys] for row in data["balls"])
     headings = (key.removesuffix("_N").replace("_", " ") for key in keys)
-    return ruled_table(f"bands of the contact loads / N (to {width:.2g} N)", headings, rows)
+    title = f"contact loads / N over the specimens (sampling error of the quantiles: {width:.2g} N)"
+    return ruled_table(title, headings, rows)

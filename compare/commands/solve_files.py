@@ -1,4 +1,4 @@
-"""Files of a solved scene: stiffness matrix for other programs, and load curve."""
+"""Files that ``rollbench solve`` writes: the stiffness matrix for other programs, and the load curve."""
 
 from __future__ import annotations
 
@@ -14,26 +14,26 @@ from rollbench.compare.results.load_curve import LoadCurve
 from rollbench.meshes.arrays import Array
 from rollbench.reports.content import Figure, Panel, Series
 
-#: Grid point and name of the matrix in DMIG cards.
+#: Number of the grid point, and name of the matrix, in DMIG cards of Nastran.
 GRID, NAME = 1, "KNUT"
 
 
 def check_matrix(path: Path) -> None:
-    """Raise InputError for an unknown suffix, or a file that cannot be written."""
+    """Raise InputError if the suffix of a file for a stiffness matrix is unknown, or if the file cannot be written."""
     if path.suffix.lower() not in (".mtx", ".dmig"):
         allowed = "a name that ends in .mtx (Matrix Market) or .dmig (Nastran)"
-        raise ArgumentError("matrix", str(path), allowed, "rename it")
+        raise ArgumentError("matrix", str(path), allowed, "change the suffix of the file")
     need_writable(path)
 
 
 def write_stiffness(path: Path, matrix: Array, words: str) -> None:
-    """Write a stiffness (6, 6) in the format given by the suffix, with ``words`` as comment."""
+    """Write a stiffness matrix (6, 6) in the format that the suffix of the file names, with ``words`` as comment."""
     comment = re.sub(r"[^ -~]", "?", f"rollbench: {words}; ux uy uz rx ry rz; N, m, rad")
     replace_file(path, matrix_market_text(matrix, comment) if path.suffix.lower() == ".mtx" else dmig_text(matrix, comment))
 
 
 def matrix_market_text(matrix: Array, comment: str) -> str:
-    """Return the Matrix Market text of a symmetric matrix."""
+    """Return the text of a symmetric matrix in the Matrix Market format."""
     from scipy.io import mmwrite
 
     stream = io.BytesIO()
@@ -42,9 +42,9 @@ def matrix_market_text(matrix: Array, comment: str) -> str:
 
 
 def dmig_text(matrix: Array, comment: str) -> str:
-    """Return the DMIG cards of a symmetric ``(6, 6)`` matrix at one grid point: lower triangle, real, double precision.
+    """Return the text of DMIG cards (Nastran) with a symmetric ``(6, 6)`` matrix at one grid point.
 
-    Large fields of 16 columns.
+    The cards have the lower triangle in double precision, in large fields of 16 columns.
     """
     lines = [f"$ {comment[i : i + 70]}" for i in range(0, len(comment), 70)]
     lines.append(f"{'DMIG':<8}{NAME:<8}{0:>8}{6:>8}{2:>8}{0:>8}")
@@ -57,7 +57,10 @@ def dmig_text(matrix: Array, comment: str) -> str:
 
 
 def write_curve(path: Path, curve: LoadCurve) -> list[str]:
-    """Write a load curve as CSV and its figure as SVG; return a line naming both files. Raises InputError."""
+    """Write the points of a load curve (CSV) and its figure (SVG), and return a line that names both files.
+
+    InputError if a file cannot be written.
+    """
     rows = [as_json(point) or {} for point in curve.points]
     write_csv(path, rows)
     picture = write_figure(path.with_suffix(".svg"), curve_figure(curve, rows))
@@ -65,7 +68,7 @@ def write_curve(path: Path, curve: LoadCurve) -> list[str]:
 
 
 def curve_figure(curve: LoadCurve, rows: list[dict[str, Any]]) -> Figure:
-    """Return the figure of a load curve: one panel over the load for each column that has values."""
+    """Return the figure of a load curve, with a panel over the load for each quantity that has values."""
     labels = {
         "displacement_um": "displacement / µm",
         "stiffness_N_per_um": "tangent stiffness / (N/µm)",

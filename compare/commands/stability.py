@@ -1,4 +1,4 @@
-"""The command ``rollbench stability``."""
+"""Command ``rollbench stability``: solves extreme scenes, or randomly drawn screws, to find failures of the solvers."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 
 def run_stability() -> Answer:
-    """Solve the table of extreme scenes; exit code 1 if our solver fails on any case, else 0."""
+    """Solve the extreme scenes with all solvers, and return the outcomes; exit code 1 if rollbench's solver fails."""
     from rollbench.compare.studies.extremes import solve_cases, unexpected_attempts
 
     rows = solve_cases(lambda done, total, case: on_terminal(f"[{done}/{total}] {case}"))
@@ -29,6 +29,7 @@ def run_stability() -> Answer:
 
 
 def _stability_tables(rows: Sequence[Attempt], bad: Sequence[Attempt]) -> Iterator[RenderableType]:
+    """Yield the table of outcomes by case and solver, the counts of each solver, and a line for each failure ``bad``."""
     from rollbench.compare.studies.extremes import FORMULATIONS, count_outcomes, rows_by_case
 
     words = ("case", *FORMULATIONS)
@@ -38,15 +39,17 @@ def _stability_tables(rows: Sequence[Attempt], bad: Sequence[Attempt]) -> Iterat
     )
     yield ruled_table("stability: cases by formulations", (*words, "residual", "difference %"), lines, words)
     for name, (solved, tried, total) in count_outcomes(rows).items():
-        yield f"{name}: {solved} of {tried} tried ({total} cases)"
+        yield f"{name}: solved {solved} of {tried} attempted cases, out of {total}"
     for row in bad:
-        yield f"FAILED: {row.case}: {row.status}; expected: {row.expected}"
+        yield f"FAILED: {row.case}: {row.status}; expected outcome: {row.expected}"
 
 
 def run_drawn(count: int, folder: Path, workers: int, keep: Path | None) -> Answer:
-    """Run the survey of drawn screws: errors, and every scene without result; exit code 1 if there is any.
+    """Solve the first ``count`` randomly drawn screws with the 3D reference, and return errors of the models and failures.
 
-    Raises InputError for a count out of range, a folder that holds something else, and a file that cannot be written.
+    ``folder``: folder of the runs. ``keep``: file for the results that the report reads; None: not written. The exit code
+    is 1 if a screw has no result. Raises InputError for a count out of range, a folder with other contents, and a file that
+    cannot be written.
     """
     from rollbench.compare.files import need_writable, replace_file
     from rollbench.compare.running import on_terminal
@@ -66,7 +69,7 @@ def run_drawn(count: int, folder: Path, workers: int, keep: Path | None) -> Answ
         store_loads(keep.with_name(LOADS), folder / "runs", count)
     found = survey.summary_rows(records)
     parts: list[Any] = [aligned_table(found)] if found else []
-    parts.append(f"{len(records) - len(bad)} of {len(records)} scenes have an answer")
+    parts.append(f"{len(records) - len(bad)} of {len(records)} scenes have a result")
     parts += [f"scene {r['number']}: {r['status']}" for r in bad]
     return Answer({"scenes": records, "without_answer": len(bad)}, parts, 1 if bad else 0)
 
@@ -80,26 +83,27 @@ def stability(
     keep: Path | None = None,
     as_json: Json = False,
 ) -> int:
-    """Solve a table of very stiff and extreme scenes with all solvers; exit code 1 where the solver of rollbench fails.
+    """Solve a table of very stiff and other extreme scenes with all solvers; exit code 1 if the solver of rollbench fails.
 
-    With --survey instead: run the 3D reference of ordinary catalogue screws, half a minute to some minutes each; exit
-    code 1 where one has no answer or did not settle.
+    With --survey, solves the 3D reference of ordinary catalogue screws instead, which takes half a minute to some minutes
+    for each; exit code 1 if a screw has no result, or if its loads did not converge with mesh refinement.
 
     Parameters
     ----------
     survey
-        Number of randomly drawn catalogue screws; the report uses 300.
+        Number of randomly drawn catalogue screws to solve; the report uses 300.
     out
-        Folder of the survey: one line per scene, and the runs of the 3D reference; an interrupted survey resumes there.
-        Default: rollbench-survey.
+        Folder with one line per screw and the runs of the 3D reference, where an interrupted survey resumes. Default:
+        rollbench-survey.
     workers
-        Number of scenes solved in parallel, up to 4 GB each. Default: 1.
+        Number of screws solved in parallel, which need up to 4 GB each. Default: 1.
     keep
-        File for the results of the survey, which the report reads; the loads go to a file in the same folder, for
-        rollbench survey. Scenes that this file already has are not solved again.
+        File for the results, which the report reads. The loads are written to a file in the same folder, which rollbench
+        survey reads. Screws that this file already has are not solved again.
     """
     if survey is not None:
         return print_answer(run_drawn(survey, out or Path("rollbench-survey"), workers or 1, keep), as_json)
     if (out, workers, keep) != (None, None, None):
-        raise ArgumentError("out, workers, keep", "given", "with --survey", "add --survey COUNT")
+        given = "one of these options without --survey"
+        raise ArgumentError("out, workers, keep", given, "only with --survey", "add --survey COUNT")
     return print_answer(run_stability(), as_json)

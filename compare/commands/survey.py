@@ -1,4 +1,4 @@
-"""The command ``rollbench survey``: errors of a model on drawn ball screws whose reference is stored."""
+"""Command ``rollbench survey``: errors of a model on 240 randomly drawn ball screws with stored 3D references."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from pathlib import Path
 from statistics import median
 from typing import Any
 
-from rollbench.compare.commands.terminal import Json, Names, OfProgram, app, model_name_of
+from rollbench.compare.commands.terminal import Json, Names, ProgramOptions, app, model_name_of
 from rollbench.compare.errors import ArgumentError
 from rollbench.compare.running import on_terminal
 from rollbench.compare.text.printing import Answer, aligned_table, print_answer
@@ -25,25 +25,25 @@ def survey(
     out: Path = Path(),
     workers: int | None = None,
     as_json: Json = False,
-    program: OfProgram | None = None,
+    program: ProgramOptions | None = None,
 ) -> int:
-    """Measure the errors of a model on 240 typical ball screws whose 3D reference is stored.
+    """Measure the errors of a model on 240 typical ball screws, for which runs of the 3D reference are stored.
 
-    The screws are drawn at random from the range of catalogues; only the model is computed. Prints a table that also has
-    the models of rollbench; writes every screw as CSV, and a figure. Exit code 1 where the model has no answer for a
-    screw; after failures on the first five screws, the others are skipped.
+    The dimensions of the screws were drawn at random within the range of catalogues. Only the model is computed. Prints a
+    table that also has the models of rollbench, and writes the results for every screw (CSV) and a figure. Exit code 1 if
+    the model has no result for a screw. If it fails on the first five screws, the others are skipped.
 
     Parameters
     ----------
     model
-        Models, by name (see: rollbench list), or of an installed package.
+        Names of models (rollbench list shows all), or models of an installed package.
     count
-        Use only the first screws, this many.
+        Number of screws to solve, counted from the first. Default: all 240.
     max_error
-        Limit of the error of loads for the verdicts, in per cent, as in rollbench check.
+        Largest permitted error of the contact loads for the verdicts, in per cent, as in rollbench check.
     screw
-        Write the drawn screw of this number as a scene file, with its reference for check and compare --reference; judge
-        nothing.
+        Number of a drawn screw. Writes this screw as a scene file, with its reference loads for check and compare
+        --reference, and solves nothing.
     out
         Folder for the written files. Default: the current folder.
     workers
@@ -53,17 +53,19 @@ def survey(
     models = [*(model or ()), *filter(None, [command])]
     if screw is not None:
         if models:
-            raise ArgumentError("screw", str(screw), "without a model", "it writes a drawn screw")
+            advice = "leave the model out: this option only writes the drawn screw"
+            raise ArgumentError("screw", f"{screw} with a model", "only without a model", advice)
         return print_answer(run_screw(screw, out), as_json)
     if not models:
-        raise ArgumentError("model", "nothing", "a model, or `model_command`", "name the model to be judged")
+        raise ArgumentError("model", "nothing", "a model, or `model_command`", "state the model to be judged")
     return print_answer(run_survey(models, count, max_error, out, workers), as_json)
 
 
 def run_survey(models: Sequence[str], count: int, max_error: float, out: Path, workers: int | None) -> Answer:
-    """Judge models and write table and figure; exit code 1 if a model fails on a screw.
+    """Judge models on the first ``count`` drawn screws, write table and figure, and return the statistics of the errors.
 
-    Raises InputError as `run_models`.
+    ``max_error``: limit of the error in per cent. ``out``: folder of the written files. ``workers``: number of screws
+    solved in parallel. The exit code is 1 if a model fails on a screw. Raises InputError as `run_models`.
     """
     from rollbench.compare.files import need_writable, write_csv, write_figure
     from rollbench.compare.models.programs import title_of
@@ -85,10 +87,11 @@ def run_survey(models: Sequence[str], count: int, max_error: float, out: Path, w
 
 
 def _survey_tables(data: Mapping[str, Any], models: Sequence[str]) -> Iterator[Any]:
+    """Yield the sentences and tables on the errors of the models over all screws, for the terminal."""
     from rollbench.compare.models.programs import title_of
     from rollbench.compare.studies.survey_models import WORST, median_errors_by_kind
 
-    missing = "" if data["screws"] == data["of"] else f" of {data['of']}; of the others none is stored"
+    missing = "" if data["screws"] == data["of"] else f", out of {data['of']}"
     for name in models:
         rows, title = data["models"][name], title_of(name)
         answered = sorted((r for r in rows if "verdict" in r), key=lambda r: -float(r["largest_percent"]))
@@ -96,13 +99,13 @@ def _survey_tables(data: Mapping[str, Any], models: Sequence[str]) -> Iterator[A
             sizes, bars, times = ([r[k] for r in answered] for k in ("largest_percent", "uncertainty_percent", "seconds"))
             counts = ", ".join(f"{n} {word}" for word, n in sorted(data["verdicts"][name].items()))
             yield (
-                f"{title} is off by {median(sizes):.3g} % of the mean load on the worst contact, median of "
-                f"{len(answered)} drawn ball screws, by {max(sizes):.3g} % at most; 3D reference on "
-                f"level {data['level']}, uncertain by {median(bars):.2g} % in the median, {max(bars):.2g} % at "
-                f"most, by experience with its level; {median(times):.2g} s a screw"
+                f"error of {title} on the worst contact: median {median(sizes):.3g} %, largest {max(sizes):.3g} % of the "
+                f"mean load, over {len(answered)} drawn ball screws; uncertainty of the 3D reference on mesh level "
+                f"{data['level']}, from experience: median {median(bars):.2g} %, largest {max(bars):.2g} %; computing time "
+                f"{median(times):.2g} s a screw"
             )
-            yield f"check at {data['max_error_percent']:g} %: {counts}"
-            yield "worst: " + "; ".join(
+            yield f"verdicts with a limit of {data['max_error_percent']:g} %: {counts}"
+            yield "screws with the largest errors: " + "; ".join(
                 f"screw {r['screw']} ({r['title']}) {r['largest_percent']:.3g} % at ball {r['at']}"
                 for r in answered[:WORST]
             )
@@ -110,20 +113,21 @@ def _survey_tables(data: Mapping[str, Any], models: Sequence[str]) -> Iterator[A
         for r in (r for r in rows if "verdict" not in r):
             reasons.setdefault(re.sub(r"survey-\d+-\d+", "the screw", r["status"]), []).append(r["screw"])
         for reason, numbers in reasons.items():
-            yield f"no answer for {len(numbers)} of {len(rows)} screws, the first {numbers[0]}: {reason}"
-    yield f"{data['screws']} screws with a stored reference{missing}"
-    yield aligned_table(data["summary"], ".2f", "sizes of errors over the screws / %, those of loads of the mean load")
+            yield f"no result for {len(numbers)} of {len(rows)} screws, the first is number {numbers[0]}: {reason}"
+    yield f"screws with a stored reference: {data['screws']}{missing}"
+    title = "absolute errors over the screws / %; errors of loads in per cent of the mean load"
+    yield aligned_table(data["summary"], ".2f", title)
     yield aligned_table(
         median_errors_by_kind(data["models"]),
         ".2f",
-        "error of the worst load by kind of screw, medians / % of the mean load",
+        "median error of the worst contact load by kind of screw / % of the mean load",
     )
 
 
 def run_screw(number: int, out: Path) -> Answer:
-    """Write a drawn screw and its reference. Raises InputError as `write_screw`."""
+    """Write the drawn screw ``number`` as a scene file, and its reference loads; InputError as `write_screw`."""
     from rollbench.compare.studies.survey_models import write_screw
 
     text, loads = write_screw(number, out)
     command = f"rollbench check {shlex.quote(str(text))} --reference {shlex.quote(str(loads))} --model MODEL"
-    return Answer({"files": [str(text), str(loads)]}, [f"wrote {text} and {loads}, for: {command}"])
+    return Answer({"files": [str(text), str(loads)]}, [f"wrote {text} and {loads}; judge a model on them by: {command}"])

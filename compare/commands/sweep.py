@@ -1,4 +1,4 @@
-"""The command rollbench sweep."""
+"""Command ``rollbench sweep``: solves a scene for sampled values of its parameters, and prints statistics."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from cyclopts import Parameter
 
-from rollbench.compare.commands.terminal import Json, OfProgram, Where, Word, app, engine_of, model_name_of
+from rollbench.compare.commands.terminal import ComputeOptions, Json, ProgramOptions, Word, app, engine_of, model_name_of
 from rollbench.compare.running import on_terminal
 from rollbench.compare.text.printing import Answer, cell, print_answer, ruled_table
 
@@ -30,34 +30,36 @@ def sweep(
     outputs: Word = "",
     out: Path = Path("rollbench-sweep"),
     as_json: Json = False,
-    program: OfProgram | None = None,
-    where: Where | None = None,
+    program: ProgramOptions | None = None,
+    where: ComputeOptions | None = None,
 ) -> int:
-    """Solve a scene at many values of its keys, and print statistics and the effect of each key.
+    """Solve a scene for many sampled values of its parameters, and print statistics and the effect of each parameter.
 
-    Each sample is stored, and an interrupted sweep resumes.
+    Each sample is stored as soon as it is solved, so an interrupted sweep resumes.
 
     Parameters
     ----------
     scene
         Name of a shipped scene, or a scene file.
     vary
-        KEY=A:B, KEY=A:B:N or KEY=v1,v2; repeat for every key. A key is a dotted path with list indices, units as in the
-        scene, e.g. "loads[0].force[2]=1 kN:5 kN"; KEY+KEY=... gives several keys the same value. A range of whole numbers
-        without unit gives whole numbers (errors.seed=1:1000).
+        Parameter with its range or values, KEY=A:B, KEY=A:B:N or KEY=v1,v2; repeat the option for every parameter. KEY is
+        the key in the scene file with its tables and indices, with units as there, such as "loads[0].force[2]=1 kN:5 kN".
+        KEY+KEY=... varies several keys together. A range of whole numbers without unit is sampled in whole numbers
+        (errors.seed=1:1000).
     samples
-        Number of samples; sobol takes the nearest n (keys + 2) with n a power of two, grid takes at most this many.
+        Number of samples. sobol uses the nearest n (k + 2) for k parameters with n a power of two; grid uses at most this
+        number.
     method
-        sobol (with Sobol indices), lhs (Latin hypercube) or grid.
+        Design of the samples: sobol (Sobol sequence, with Sobol indices), lhs (Latin hypercube) or grid.
     model
-        Low-order model (see: rollbench list). Default: refined.
+        Low-order model (rollbench list shows all). Default: refined.
     seed
-        Seed of the design.
+        Seed of the random numbers from which the samples are drawn.
     outputs
-        NAME,NAME: compute only these quantities and the largest load; names as in samples.csv. Default: all. Without
-        rigidity_N_per_um and preload_N a sample needs one solution instead of two.
+        NAME,NAME: quantities to compute, in addition to the largest load, with the names in samples.csv. Default: all.
+        Without rigidity_N_per_um and preload_N, a sample needs one solution instead of two.
     out
-        Folder of samples and summary; samples stored there are not solved again.
+        Folder of samples and summary; samples that are stored there are not solved again.
     """
     from rollbench.compare.studies.sweep.summary import make_sweep
 
@@ -68,7 +70,7 @@ def sweep(
 
 
 def run_sweep(sweep: Sweep, out: Path, engine: Engine) -> Answer:
-    """Solve missing samples and write the summary; exit code 1 if no sample converged.
+    """Solve all samples that are not stored yet, and write and return the summary; exit code 1 if no sample converged.
 
     Raises InputError as `run_samples`.
     """
@@ -76,12 +78,16 @@ def run_sweep(sweep: Sweep, out: Path, engine: Engine) -> Answer:
     from rollbench.compare.studies.sweep.summary import solve_sweep
 
     found = solve_sweep(sweep, out, engine, on_terminal)
-    written = f"{out}: written: samples.csv, summary.json and {why_no_figure() or 'figures (SVG)'}"
+    written = f"wrote to {out}: samples.csv, summary.json and {why_no_figure() or 'figures (SVG)'}"
     return Answer(found, [*sweep_tables(sweep.keys, found), written], 0 if found["converged"] else 1)
 
 
 def sweep_tables(keys: Sequence[Vary], found: Mapping[str, Any]) -> list[Any]:
-    """Return the summary for the terminal: counts, statistics, effects and indices of the largest load, worst cases."""
+    """Return the texts and tables in which the terminal shows a sweep.
+
+    These are counts, statistics of all outputs, effects and Sobol indices of the largest load, and the samples with the
+    largest loads.
+    """
     from rollbench.compare.studies.sweep.sample import MAIN, OUTPUTS
 
     parts: list[Any] = [f"{found['solved']} samples, {found['converged']} converged"]
@@ -91,23 +97,27 @@ def sweep_tables(keys: Sequence[Vary], found: Mapping[str, Any]) -> list[Any]:
     parts.append(ruled_table("outputs", ["", *(n.replace("_", " ") for n in names)], rows))
     parts.append(_effects_table(keys, found))
     worst = ([str(row["sample"]), f"{row[MAIN]:.5g}", row["at"], *map(str, row["values"])] for row in found["worst"])
-    return [*parts, ruled_table("worst samples", ["sample", OUTPUTS[MAIN], "at", *(v.name for v in keys)], worst)]
+    headings = ["sample", OUTPUTS[MAIN], "at", *(v.name for v in keys)]
+    return [*parts, ruled_table("samples with the largest loads", headings, worst)]
 
 
 def _effects_table(keys: Sequence[Vary], found: Mapping[str, Any]) -> Any:
+    """Return the table of the effect of each parameter on the largest load, with first-order and total Sobol indices."""
     from rollbench.compare.studies.sweep.sample import MAIN
 
     indices = found["indices"].get("outputs", {}).get(MAIN)
-    why = found["indices"].get("none", "the largest load does not change")
-    title = "effect of each key on the largest contact load" + (f" ({why})" if indices is None else "")
+    why = found["indices"].get("none", "no Sobol indices: the largest load does not change")
+    title = "effect of each parameter on the largest contact load" + (f" ({why})" if indices is None else "")
     rows = []
     for vary in keys:
         means = [g["mean"] for g in found["main_effects"][vary.key]]
         cells = [f"{min(means):.5g}", f"{max(means):.5g}"] if means else ["–", "–"]
         cells += [_interval_text(indices[vary.key], kind) if indices is not None else "–" for kind in ("first", "total")]
         rows.append([vary.label, *cells])
-    return ruled_table(title, ("key", "smallest mean / N", "largest mean / N", "first index", "total index"), rows)
+    headings = ("parameter", "smallest mean / N", "largest mean / N", "first-order index", "total index")
+    return ruled_table(title, headings, rows)
 
 
 def _interval_text(row: Mapping[str, float], kind: str) -> str:
+    """Return a Sobol index with its confidence interval as text; ``kind``: "first" or "total"."""
     return f"{row[kind]:.3f} ({row[f'{kind}_low']:.3f} to {row[f'{kind}_high']:.3f})"

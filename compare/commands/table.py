@@ -1,4 +1,4 @@
-"""The command rollbench table."""
+"""Command ``rollbench table``: prints stiffness, preload, pressure and life for values of a scene's parameters."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
-from rollbench.compare.commands.terminal import Json, Where, Word, app, engine_of
+from rollbench.compare.commands.terminal import ComputeOptions, Json, Word, app, engine_of
 from rollbench.compare.running import on_terminal
 from rollbench.compare.text.printing import Answer, print_answer
 
@@ -22,26 +22,30 @@ def table(
     stiffness_at: Word = "",
     out: Path | None = None,
     as_json: Json = False,
-    where: Where | None = None,
+    where: ComputeOptions | None = None,
 ) -> int:
-    """Tabulate 6 x 6 stiffness, preload, pressure and life of a scene over values of its keys, with expected errors.
+    """Print a table of 6 x 6 stiffness, preload, pressure and life over values of a scene's parameters.
+
+    The table also has the errors to expect.
 
     Parameters
     ----------
     scene
         Name of a shipped scene, or a scene file.
     over
-        KEY=A:B:N for N equal steps, or KEY=v1,v2; repeat for every key, units as in the scene: nut.position=100:900:9 mm.
-        The key load is the axial load.
+        Parameter with its values: KEY=A:B:N for N equally spaced values from A to B, or KEY=v1,v2; repeat the option for
+        every parameter. KEY is the key in the scene file, with units as there, such as nut.position=100:900:9 mm; the key
+        load is the axial load.
     quantities
-        NAME,NAME of stiffness, displacement, load, preload, pressure, life. Default: stiffness,preload,pressure,life.
+        Quantities to tabulate, NAME,NAME, out of stiffness, displacement, load, preload, pressure, life. Default:
+        stiffness,preload,pressure,life.
     model
-        Low-order model (see: rollbench list). Default: refined.
+        Low-order model (rollbench list shows all). Default: refined.
     stiffness_at
-        Position on the shaft at which the stiffness is taken. Default: the nut's centre. With several sets also the name
-        of one, for its stiffness only.
+        Axial position on the shaft at which the stiffness is computed. With several nuts or bearings on the shaft, also the
+        name of one, whose own stiffness is then computed. Default: the nut's centre.
     out
-        File of the table: .csv, .json, .parquet (needs pyarrow) or .nc (needs xarray); a figure of the same name is
+        File of the table: .csv, .json, .parquet (needs pyarrow) or .nc (needs xarray). A figure of the same name is
         written as SVG.
     """
     from rollbench.compare.files import need_writable, write_figure
@@ -54,7 +58,7 @@ def table(
         if "=" in text or not texts:
             texts.append(text)
         else:
-            texts[-1] += f" {text}"  # the unit of a range that nobody quoted
+            texts[-1] += f" {text}"  # the unit of a range that was not in quotes
     names = [name.strip() for name in quantities.split(",") if name.strip()]
     asked = check_request(scene, texts, names, model, stiffness_at)
     if out is not None:

@@ -12,7 +12,7 @@ from rollbench.compare.models.answers import AxisAnswers
 from rollbench.compare.models.load_cases import SolvedAxis
 from rollbench.compare.report.parts import answers_table, notes_section, page_provenance, scene_text, source_files
 from rollbench.compare.results.rows import answer_rows, expected_words, set_rows
-from rollbench.compare.results.scene_json import case_json, roller_rows, set_balls
+from rollbench.compare.results.scene_json import ball_rows_of_axis, case_json, roller_rows
 from rollbench.compare.results.view import make_view
 from rollbench.lowfi.rating.contacts import RACES
 from rollbench.lowfi.statics.result import AxisResult
@@ -122,7 +122,7 @@ def _contacts_table(result: AxisResult) -> Iterator[Table]:
             Quantity("angle", "contact angle", "deg", ".2f"): row["contact_angle_deg"][side],
             Quantity("pressure", "peak pressure", "MPa", ".0f"): row["pressure_MPa"][side],
         }
-        for row in set_balls(result)
+        for row in ball_rows_of_axis(result)
         for side in SIDES
         if row["load_N"][side]
     ]

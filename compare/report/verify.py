@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from rollbench.compare.errors import ArgumentError, InputError, escaped
+from rollbench.compare.errors import ArgumentError, InputError, escape_unprintable
 from rollbench.compare.measure import error_percent
 from rollbench.compare.provenance import SCENE, SOURCES, inputs, sources_hash
 from rollbench.compare.reference.store import shipped_store
@@ -129,7 +129,7 @@ class Checked:
     def line(self) -> str:
         """Line for the terminal."""
         now = f", now {self.found[:16]}" if self.state == "changed" else ""
-        return f"{self.state:8} {escaped(self.name)} {escaped(self.stated[:16])}{now}"
+        return f"{self.state:8} {escape_unprintable(self.name)} {escape_unprintable(self.stated[:16])}{now}"
 
 
 def report_folder(report: Path) -> Path:

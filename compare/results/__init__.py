@@ -1,1 +1,1 @@
-"""Typed results of the library: frozen records in SI units, built from the solvers' records, with their JSON."""
+"""Results of the library: immutable records in SI units, made from the solvers' records, and their JSON."""

@@ -1,4 +1,4 @@
-"""Base class of all results: JSON, a table for a notebook, numbers with units by their path in the JSON."""
+"""Base class of all results of the library, which converts them to JSON, to tables, and to numbers with units."""
 
 from __future__ import annotations
 
@@ -16,18 +16,18 @@ from rollbench.reports.cells import micro_sign
 if TYPE_CHECKING:
     import pint
 
-#: A value that JSON holds.
+#: A value that the JSON format can represent.
 JSON: TypeAlias = "bool | int | float | str | list[JSON] | dict[str, JSON] | None"
-#: Version of the JSON of results, at its key ``schema``; raised when a key is removed or changes its meaning.
+#: Version of the JSON format of results, at the key ``schema``; raised when a key is removed or changes its meaning.
 SCHEMA = 1
 
 
-#: Headings of the columns of a table of results, and the width [characters] below which notes go to separate lines.
+#: Headings of the columns of a table of results, and the width [characters] below which notes get a line of their own.
 HEADINGS, ROOM = ("quantity", "value", "unit", "error to expect", "note"), 18
 
 
 class Row(NamedTuple):
-    """Row of a table of results, as texts: quantity, value, unit, error to expect, note (such as the ball)."""
+    """One row of a table of results, whose cells are texts; the note is, for example, the ball that carries the load."""
 
     quantity: str
     value: str
@@ -37,9 +37,9 @@ class Row(NamedTuple):
 
 
 def as_text(rows: Sequence[Sequence[str]], width: int, headings: Sequence[str] = HEADINGS) -> str:
-    """Return a table of rows as aligned text below its headings.
+    """Format a table as plain text with aligned columns below their headings.
 
-    Numbers are flush right, the last column is wrapped, and a column without any text is left out.
+    Numbers are right-aligned, the last column is wrapped, and columns without any text are left out.
 
     Parameters
     ----------
@@ -53,7 +53,7 @@ def as_text(rows: Sequence[Sequence[str]], width: int, headings: Sequence[str] =
     Returns
     -------
     str
-        Lines of text, separated by newlines.
+        The lines of the table, separated by newlines.
     """
     kept = [k for k in range(len(headings)) if any(row[k] for row in rows)]
     table = [[row[k] for k in kept] for row in (headings, *rows)]
@@ -75,12 +75,12 @@ def as_text(rows: Sequence[Sequence[str]], width: int, headings: Sequence[str] =
 
 
 def _is_number(rows: Sequence[Sequence[str]], headings: Sequence[str], k: int) -> bool:
-    """Return whether a column holds numbers, which are right-aligned."""
+    """Return whether column ``k`` of a table contains numbers, and so is right-aligned."""
     return k > 0 and headings[k] not in ("unit", "note") and any(re.match(r"[+-]?\d", row[k]) for row in rows)
 
 
 def as_html(rows: Sequence[Sequence[str]], headings: Sequence[str] = HEADINGS) -> str:
-    """Return a table of rows as HTML below its headings.
+    """Format a table as HTML with its headings.
 
     Parameters
     ----------
@@ -106,30 +106,31 @@ def as_html(rows: Sequence[Sequence[str]], headings: Sequence[str] = HEADINGS) -
 
 
 def with_schema(data: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the JSON of a result with the version of the format as its first key, ``schema``."""
+    """Return the JSON values of a result with the version number of the format added as the first key, ``schema``."""
     return {"schema": SCHEMA, **data}
 
 
 class Record(ABC):
-    """Result of a computation: a frozen record in SI units.
+    """Result of a computation: an immutable record in SI units.
 
-    A field is None where the scene has no such quantity, or there is no equilibrium. In a notebook a result is shown as a
-    table, as text by ``print``.
+    A field is None if the quantity does not exist for the scene, or if there is no equilibrium. Notebooks show a result as
+    a table, and ``print`` shows it as text.
     """
 
     @abstractmethod
     def to_dict(self) -> dict[str, JSON]:
-        """Return the JSON that the command of the same name prints.
+        """Return the result as a dictionary, as the command of the same name prints it with ``--json``.
 
         Returns
         -------
         dict
-            JSON values by key; the keys end with the unit, such as ``max_N``. The key ``schema`` holds the version.
+            JSON values by key; the keys end with the unit, such as ``max_N``. The value of ``schema`` is the version number
+            of the format.
         """
 
     @property
     def _shown(self) -> str:
-        """Path in the JSON of the part that `table` shows; empty: all."""
+        """Keys, joined by dots, of that part of the JSON which `table` shows; empty for all."""
         return ""
 
     @property
@@ -138,7 +139,7 @@ class Record(ABC):
         return ()
 
     def __getitem__(self, path: str) -> JSON:
-        """Return the value at a path of keys in the JSON; deprecated, use the fields or `to_dict`.
+        """Return the JSON value under keys joined by dots; deprecated, use the fields or `to_dict`.
 
         Parameters
         ----------
@@ -153,24 +154,24 @@ class Record(ABC):
         Raises
         ------
         KeyError
-            If there is no such key; the message lists the available keys.
+            If a key does not exist; the message lists the available keys.
         """
         deprecated(f"result[{path!r}]", "its fields, in SI units, or result.to_dict()")
         return self._at(path)
 
     @property
     def data(self) -> dict[str, JSON]:
-        """JSON of the result; deprecated, use `to_dict`."""
+        """Result as a dictionary of JSON values; deprecated, use `to_dict`."""
         deprecated("result.data", "result.to_dict()")
         return self.to_dict()
 
     def quantity(self, path: str) -> pint.Quantity:
-        """Return the number at a path of keys in the JSON with its unit, which needs the package pint.
+        """Return a number of the JSON with its unit, as a quantity of the package pint.
 
         Parameters
         ----------
         path
-            Keys joined by dots, such as ``"summary.loads.max_N"``.
+            Keys of the number joined by dots, such as ``"summary.loads.max_N"``.
 
         Returns
         -------
@@ -180,9 +181,9 @@ class Record(ABC):
         Raises
         ------
         KeyError
-            If there is no such key.
+            If a key does not exist.
         ValueError
-            If the key names no unit or holds no number.
+            If the key does not end with a unit, or its value is no number.
         ImportError
             If pint is not installed.
 
@@ -205,22 +206,22 @@ class Record(ABC):
         return pint.application_registry.get().Quantity(value, unit.text.replace("million ", "mega"))
 
     def definition(self, path: str) -> str:
-        """Return the definition of the number at a path of keys in the JSON, and what its error is.
+        """Return the definition of a number of the JSON, with a statement on its error.
 
         Parameters
         ----------
         path
-            Keys joined by dots, such as ``"summary.loads.max_N"``.
+            Keys of the number joined by dots, such as ``"summary.loads.max_N"``.
 
         Returns
         -------
         str
-            Definition; empty for keys without one, such as names.
+            The definition; empty for keys without a definition, such as names.
 
         Raises
         ------
         KeyError
-            If there is no such key.
+            If a key does not exist.
 
         Examples
         --------
@@ -238,9 +239,9 @@ class Record(ABC):
     headings: ClassVar[Sequence[str]] = HEADINGS
 
     def table(self) -> Sequence[Sequence[str]]:
-        """Return the rows of the table that a notebook shows.
+        """Return the rows of the table that notebooks and ``print`` show.
 
-        By default there is one row for every single value in the JSON; some kinds of results have other rows.
+        There is one row for every single value of the JSON, unless the class of the result defines other rows.
 
         Returns
         -------
@@ -258,12 +259,12 @@ class Record(ABC):
         return as_html(self.table(), self.headings) + "".join(f"<p>{html.escape(note)}</p>" for note in self._notes)
 
     def _at(self, path: str) -> JSON:
-        """Return the value at a path of keys in the JSON; KeyError lists the available keys."""
+        """Return the JSON value under keys joined by dots; a KeyError lists the available keys."""
         value: JSON = self.to_dict()
         for key in path.split(".") if path else ():
             if not isinstance(value, dict) or key not in value:
-                there = ", ".join(value) if isinstance(value, dict) else "none, this is a value"
-                raise KeyError(f"{path}: no {key!r}; keys here: {there}")
+                there = ", ".join(value) if isinstance(value, dict) else "none, because this is a single value"
+                raise KeyError(f"{path}: there is no key {key!r}; available keys: {there}")
             value = value[key]
         return value
 
@@ -276,15 +277,15 @@ def deprecated(what: str, instead: str) -> None:
     what
         The deprecated expression.
     instead
-        What replaces it.
+        Expression that replaces it.
     """
-    warnings.warn(f"{what} goes in the next version: use {instead}", DeprecationWarning, stacklevel=3)
+    warnings.warn(f"{what} will be removed in the next version: use {instead}", DeprecationWarning, stacklevel=3)
 
 
 def _flatten_record(value: JSON, name: str, of_all: str = "") -> Iterator[tuple[str, JSON, str]]:
-    """Yield name, value and unit of every single value inside a JSON value; None and lists of records are left out.
+    """Yield the name, value and unit of every single value inside a JSON value; None and lists of records are left out.
 
-    A key without a unit takes the unit of its table (``of_all``).
+    ``name``: name of the whole, put before each name. ``of_all``: unit of the values whose key does not end with one.
     """
     if isinstance(value, dict):
         for key, inner in value.items():
@@ -300,7 +301,7 @@ def _flatten_record(value: JSON, name: str, of_all: str = "") -> Iterator[tuple[
 
 
 def _value_text(value: JSON) -> str:
-    """Return a JSON value as the text of a table cell."""
+    """Format a JSON value as the text of a table cell, with five digits."""
     if isinstance(value, float):
         return f"{value:.5g}"
     if isinstance(value, list):

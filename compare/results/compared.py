@@ -1,4 +1,4 @@
-"""Comparison of models with a 3D reference for one set, with its JSON, table rows and sentences."""
+"""Comparison of low-order models with the 3D reference for one nut or bearing: errors, table, JSON and verdict."""
 
 from __future__ import annotations
 
@@ -40,67 +40,67 @@ from rollbench.lowfi.statics.nominal import nominal_contacts
 from rollbench.meshes.helix import lead_angle
 from rollbench.meshes.parts import Scene
 
-#: Name of the stored 3D reference if a user's reference is shown too.
+#: Name by which the stored 3D reference is listed if models are compared with a user's reference.
 OURS = "stored 3D reference"
 
 
 @dataclass(frozen=True)
-class Beside:
-    """Answers of one model, coarser mesh or the reference itself in a comparison, with errors of the loads."""
+class ComparedLoads:
+    """Results of one model, of a coarser mesh or of the reference itself in a comparison, with the errors of the loads."""
 
-    #: Loads and displacements of the model or reference.
+    #: Contact loads and displacements.
     answer: Loads
-    #: Errors of its loads; None for the reference itself.
+    #: Errors of the contact loads; None for the reference itself.
     error: LoadError | None
-    #: Pressure, safety and life by its loads.
+    #: Pressure, static safety and life that follow from the loads.
     found: LoadAnswers
     #: Axial displacement of the screw at the nut's centre from its unloaded position [m].
     displacement: float
     #: Axial force of the screw on the nut [N].
     force: float
-    #: Number of contacts that the nominal screw loads.
+    #: Number of contacts that are loaded in the screw without geometric errors.
     contacts: int
-    #: Largest error of a contact load by the gate's rule (`measure.gate_scale`) [%].
+    #: Largest error of a contact load as `rollbench check` judges it (`measure.gate_scale`) [%].
     by_gate: float = 0.0
 
     @property
     def label(self) -> str:
-        """Name of the model or reference, as a key."""
+        """Name of the model or reference in the JSON."""
         return self.answer.model
 
     @property
     def title(self) -> str:
-        """Name of the model or reference for tables and sentences."""
+        """Name of the model or reference in tables and sentences."""
         return title_of(self.answer.model)
 
     @property
     def pressure(self) -> float:
-        """Largest pressure [Pa]."""
+        """Largest contact pressure [Pa]; zero if no contact is loaded."""
         return 0.0 if self.found.worst is None else self.found.worst.pressure
 
 
 def model_errors(
     scene: Scene, answer: Loads, ref: Reference | None, start: float = 0.0, contacts: int | None = None
-) -> Beside:
-    """Compute the errors of contact loads against a reference, and pressure, life, displacement and force from them.
+) -> ComparedLoads:
+    """Compute the errors of contact loads against a reference, and the pressure, life, displacement and force of the loads.
 
     Parameters
     ----------
     scene
-        Scene with one set.
+        Scene with a single nut or bearing.
     answer
-        Loads of a model or of the reference.
+        Contact loads of a model or of the reference.
     ref
-        The reference; None: without errors.
+        The reference; None: no errors are computed.
     start
-        Axial displacement of the screw without loads [m], which is subtracted.
+        Axial displacement of the screw without loads [m]; it is subtracted from the displacement.
     contacts
-        Number of contacts that the nominal screw loads; None: computed from the scene.
+        Number of contacts that are loaded in the screw without geometric errors; None: computed from the scene.
 
     Returns
     -------
-    Beside
-        The record.
+    ComparedLoads
+        Loads, errors and results.
     """
     angle = np.radians(answer.angle)
     moved = float(np.interp(scene.nut.position, answer.stations, answer.line[:, 2])) if answer.stations.size else np.nan
@@ -110,27 +110,27 @@ def model_errors(
     found, force = load_answers(scene, answer.load, angle, pressure=answer.pressure), float(pull[0] - pull[1])
     points = [] if ref is None else gate_points(ref.scene, ref, LIMIT, answer.load)
     by_gate = max((abs(p.error_percent) for p in points), default=0.0)
-    return Beside(answer, error, found, moved - start, force, count, by_gate)
+    return ComparedLoads(answer, error, found, moved - start, force, count, by_gate)
 
 
 @dataclass(frozen=True)
 class Compared:
-    """Comparison of models and coarser meshes with the reference of one set."""
+    """Comparison of models, and of coarser meshes, with the reference of one nut or bearing."""
 
-    #: Models and coarser meshes.
-    models: tuple[Beside, ...]
-    #: The reference.
-    itself: Beside
-    #: Expected error of the model that `comparison_verdict` judges, estimated from other scenes.
+    #: Results and errors of models and coarser meshes.
+    models: tuple[ComparedLoads, ...]
+    #: Results of the reference.
+    itself: ComparedLoads
+    #: Expected error of the model that `comparison_verdict` judges, estimated from comparisons on other scenes.
     expected: ModelForm | None
     #: Uncertainty of the comparison.
     total: LoadUncertainty
-    #: Axial position of the screw without loads by the default model, from which displacements count [m].
+    #: Axial position of the screw without loads [m], by the default model; displacements are measured from it.
     start: float = 0.0
 
     @property
-    def spoken(self) -> Beside:
-        """Model that `comparison_verdict` judges: the default model, else the first one."""
+    def judged_model(self) -> ComparedLoads:
+        """Results of the model that `comparison_verdict` judges: the default model if it is compared, else the first."""
         return next((b for b in self.models if b.label == DEFAULT), self.models[0])
 
 
@@ -142,12 +142,12 @@ def compared(
     of: SetOfAssembly | None = None,
     ours: Reference | None = None,
 ) -> Compared:
-    """Compare models, coarser meshes and the source's mesh with a reference.
+    """Compare models with a reference, and also the reference's coarser meshes and the mesh of the publication.
 
     Parameters
     ----------
     scene
-        Scene with one set.
+        Scene with a single nut or bearing.
     models
         Models to compare.
     reference
@@ -155,9 +155,9 @@ def compared(
     stores
         Folders with runs of the 3D reference.
     of
-        Set on a shaft that the scene is; None: a scene with one set.
+        The nut or bearing on a shaft with several that ``scene`` represents; None if the scene has only one.
     ours
-        Stored 3D reference, shown if the reference is a user's.
+        Stored 3D reference that is compared too if ``reference`` comes from a user; otherwise None.
 
     Returns
     -------
@@ -167,43 +167,43 @@ def compared(
     Raises
     ------
     InputError
-        If a model cannot be run; as Refusal if several sets have no equilibrium.
+        If a model cannot be run; the subclass Refusal if several nuts or bearings on one shaft have no equilibrium.
     """
     answers, expected, starts = [], {}, {}
     for model in models:
         of_model = solve_and_compare(model, scene, reference, stores) if of is None else solution_of_set(of, model.name)
         if isinstance(of_model, str):
-            raise Refusal(reference.scene, "model", f"{model.name}: {of_model}", "choose another one with --model")
+            raise Refusal(reference.scene, "model", f"{model.name}: {of_model}", "choose another model with --model")
         answers.append(from_result(of_model.result, of_model.seconds))
         starts[answers[-1].model] = axial_place_without_loads(scene, of_model.bare)
         if of_model.result.converged:
-            expected[model.name] = estimate(of_model.scene, of_model.result, others_than(reference))
+            expected[model.name] = estimate(of_model.scene, of_model.result, points_of_other_scenes(reference))
     others = reference_answers(reference, None if of is not None else load_run(scene, SOURCE_LEVEL, stores=tuple(stores)))
-    answers += [answer for answer in others if not is_itself(answer, reference)]
+    answers += [answer for answer in others if not is_finest_reference_run(answer, reference)]
     answers += [] if ours is None else [from_run(ours.best, OURS)]
-    shared = starts.get(DEFAULT, next(iter(starts.values()), 0.0))  # of the reference no run without loads is stored
+    shared = starts.get(DEFAULT, next(iter(starts.values()), 0.0))  # no run of the reference without loads is stored
     count = None if of is None else reference.contacts
     each = tuple(model_errors(scene, answer, reference, starts.get(answer.model, shared), count) for answer in answers)
     itself = model_errors(scene, from_run(reference.best, reference.label), None, shared, count)
     whole = Compared(each, itself, None, total(scene, reference, inputs=of is None), shared)
-    return replace(whole, expected=expected.get(whole.spoken.label))
+    return replace(whole, expected=expected.get(whole.judged_model.label))
 
 
 def solve_and_compare(model: Model, scene: Scene, reference: Reference, stores: Sequence[Path]) -> SetSolution:
-    """Solve a scene with one set by a low-order model, with and without its loads."""
+    """Solve a scene with a single nut or bearing by a low-order model, once with and once without its external loads."""
     result, seconds = solve_and_time(model, scene, reference, stores)
     bare = solve_scaled(scene, 0.0, model.name, options_for(model, scene, reference, stores, "interpreted"))
     return SetSolution(result, bare, seconds, scene)
 
 
-def others_than(reference: Reference) -> list[Point]:
-    """Return the comparison points of all other scenes; a scene's own errors must not predict its error."""
+def points_of_other_scenes(reference: Reference) -> list[Point]:
+    """Return the points from which expected errors are estimated, without those of the reference's own scene."""
     own = {reference.scene, *(run.scene for run in reference.runs)}
     return [point for point in shipped_points() if point.scene not in own]
 
 
-def loads_and_rigidities(b: Beside) -> dict[str, Any]:
-    """Return the JSON of results from the loads of a model or the reference; null for missing quantities."""
+def loads_and_rigidities(b: ComparedLoads) -> dict[str, Any]:
+    """Return as JSON the loads of a model or the reference, and the rigidity, pressure and life that follow from them."""
     stiff = b.force / b.displacement if b.displacement * b.force > 0.0 else None
     axial = as_json(
         Axial(b.force, b.displacement, stiff),
@@ -216,8 +216,8 @@ def loads_and_rigidities(b: Beside) -> dict[str, Any]:
 
 
 def answers_json(whole: Compared, reference: Reference) -> dict[str, Any]:
-    """Return the JSON of a comparison: verdict, levels and uncertainty of the reference, errors, all answers."""
-    error, expected = whole.spoken.error, whole.expected
+    """Return a comparison as JSON: verdict, mesh levels and uncertainty of the reference, errors, and all results."""
+    error, expected = whole.judged_model.error, whole.expected
     return {
         "scene": reference.scene,
         "verdict": comparison_verdict(whole, reference),
@@ -225,7 +225,7 @@ def answers_json(whole: Compared, reference: Reference) -> dict[str, Any]:
         "uncertainty_percent": uncertainty_percent(reference),
         "reference_status": reference.unsettled or "converged",
         "uncertainty": as_json(whole.total),
-        "model": whole.spoken.label,
+        "model": whole.judged_model.label,
         "expected_error_percent": None if expected is None else expected.percent,
         **expected_json(expected, "expected_{}_error_percent"),
         "measured_error_percent": None if error is None else error.max_percent,
@@ -233,38 +233,38 @@ def answers_json(whole: Compared, reference: Reference) -> dict[str, Any]:
     }
 
 
-def is_itself(answer: Loads, reference: Reference) -> bool:
-    """Return whether an answer is the reference's finest run, with which all are compared."""
+def is_finest_reference_run(answer: Loads, reference: Reference) -> bool:
+    """Return whether loads are those of the reference's finest run, with which all others are compared."""
     return answer.model == f"3D level {reference.best.level}"
 
 
 def levels_text(reference: Reference, total: LoadUncertainty) -> str:
-    """Return a text with the mesh levels and the uncertainty of the reference; a user's reference states its own."""
+    """Return a text on the uncertainty and the mesh levels of the reference, or what a user's reference file states."""
     if reference.stated:
         return total.stated
     levels = ", ".join(str(run.level) for run in reference.runs)
-    rest = f"; {reference.unsettled}, which is added" if reference.unsettled else ""
-    of = f"3D reference on level{'s' * (len(reference.runs) > 1)} {levels}{rest}"
+    rest = f"; {reference.unsettled}, which is included" if reference.unsettled else ""
+    of = f"3D reference on mesh level{'s' * (len(reference.runs) > 1)} {levels}{rest}"
     return f"uncertain by {total.percent:.2f} % ({of})"
 
 
 def comparison_verdict(whole: Compared, reference: Reference) -> str:
-    """Return the summary of a comparison in one sentence: error of the judged model, expected error, uncertainty."""
-    b, worth, e = whole.spoken, whole.expected, whole.spoken.error
+    """Return one sentence on a comparison: measured and expected error of the judged model, and the uncertainty."""
+    b, worth, e = whole.judged_model, whole.expected, whole.judged_model.error
     off = expected = ""
     if e is not None:
         where = f" (ball {e.ball} {e.side})" if e.ball else ""
         off = (
-            f"{b.title} is off by {e.max_percent:.2f} % of the mean load on the worst contact{where}, "
-            f"{e.rms_percent:.2f} % RMS, {b.by_gate:.2f} % by the gate's rule"
+            f"error of {b.title}: {e.max_percent:.2f} % of the mean load on the worst contact{where}, "
+            f"{e.rms_percent:.2f} % RMS, {b.by_gate:.2f} % as judged by rollbench check"
         )
     if worth is not None:
         expected = "not covered by earlier comparisons" if worth.percent is None else f"{worth.percent:.2f} %"
-    return "; ".join(filter(None, [off, expected and f"expected: {expected}", levels_text(reference, whole.total)]))
+    return "; ".join(filter(None, [off, expected and f"expected error: {expected}", levels_text(reference, whole.total)]))
 
 
 def answer_rows(whole: Compared) -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
-    """Return headings and rows of the table that compares the judged model's answers with the reference's.
+    """Return headings and rows of the table that compares the results of the judged model with those of the reference.
 
     Parameters
     ----------
@@ -276,7 +276,7 @@ def answer_rows(whole: Compared) -> tuple[tuple[str, ...], list[tuple[str, ...]]
     tuple[tuple[str, ...], list[tuple[str, ...]]]
         Headings, and the texts of each row, one for each heading.
     """
-    headings = ("quantity", whole.spoken.title, whole.itself.label, "unit", "difference", "expected")
+    headings = ("quantity", whole.judged_model.title, whole.itself.label, "unit", "difference", "expected")
     return headings, [
-        *compared_rows(loads_and_rigidities(whole.spoken), loads_and_rigidities(whole.itself), whole.expected)
+        *compared_rows(loads_and_rigidities(whole.judged_model), loads_and_rigidities(whole.itself), whole.expected)
     ]

@@ -1,4 +1,4 @@
-"""Result of `rollbench.compare_models`: errors of low-order models against the 3D reference, by set and load case."""
+"""Records that `rollbench.compare_models` returns: errors of low-order models against the 3D finite-element reference."""
 
 from __future__ import annotations
 
@@ -22,8 +22,8 @@ from rollbench.compare.reference.store import Run, shipped_store
 from rollbench.compare.reference.tasks import Solvable, Task
 from rollbench.compare.results.base import JSON, Record, with_schema
 from rollbench.compare.results.compared import (
-    Beside,
     Compared,
+    ComparedLoads,
     answer_rows,
     compared,
     comparison_verdict,
@@ -36,37 +36,40 @@ from rollbench.meshes.arrays import Array
 from rollbench.meshes.parts import Scene
 from rollbench.meshes.quantity import quantity, record
 
-#: Comparisons by the names of load case and set.
+#: Comparisons, by the name of the load case and the name of the nut or bearing.
 ByCase = Mapping[tuple[str, str], Compared]
-#: References, one for each set, with the comparison to each.
+#: References, one for each nut or bearing, each with its comparison.
 Pairs = Sequence[tuple[Referenced, Compared]]
 
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
 class Loads:
-    """Contact loads of a model or of the reference, with derived results; columns are the flanks SL, SR, NL, NR."""
+    """Contact loads of a model or of the reference, with the pressure, displacement and life that follow from them.
+
+    The four columns of the arrays are the groove flanks SL, SR, NL, NR (screw or nut, left or right).
+    """
 
     name: str
-    """Name of the model, ``3D reference``, file of another reference, or ``3D level 1`` for a coarser mesh."""
+    """Name of the model, or ``3D reference``, ``3D level 1`` for a coarser mesh, or the file of a user's reference."""
     loads: Array
     """Contact loads, (n, 4) [N]."""
     angles: Array
-    """Contact angles from the radial plane, (n, 4) [rad]; nan without contact."""
+    """Contact angles, measured from the radial plane, (n, 4) [rad]; nan without contact."""
     pressure: float
-    """Largest pressure [Pa], by Hertz from the loads."""
+    """Largest contact pressure [Pa], from the loads by Hertz's theory."""
     displacement: float
     """Axial displacement of the screw at the nut's centre from its unloaded position [m]; nan if not known."""
     L10: float | None
-    """Life L10 by the loads [revolutions]; None without load, and outside the range of the formulas."""
+    """Life L10 from the loads [revolutions]; None if no contact is loaded, and outside the formulas' range of validity."""
     seconds: float | None
-    """Run time [s]; None if not measured."""
+    """Computing time [s]; None if not measured."""
     measured: str
-    """Version and machine with which the time was measured; empty: this version and machine."""
+    """Version of rollbench and computer with which the time was measured; empty for this version on this computer."""
 
 
 @record(eq=False, repr=False, kw_only=True)
 class ModelLoads(Loads):
-    """Contact loads of a model, or of a coarser mesh, with their errors against the reference."""
+    """Contact loads of a model, or of the 3D reference on a coarser mesh, with their errors against the reference."""
 
     errors: Array
     """Errors of the contact loads, (n, 4) [% of the mean contact load of the reference]."""
@@ -79,46 +82,48 @@ class ModelLoads(Loads):
     rms_error: float
     """Root mean square error over the loaded contacts [% of the mean contact load]."""
     gate_error: float
-    """Largest error as `check` judges it: in per cent of the contact's load, or of the mean load if it is small."""
+    """Largest error as `check` judges it [%]: relative to the load of the contact, or to the mean load if that load is
+    small."""
     ball: int
-    """Ball of the largest error, from 1."""
+    """Number of the ball with the largest error, from 1."""
     side: str
-    """Flank of the largest error."""
+    """Groove flank with the largest error: SL, SR, NL or NR."""
 
     def __repr__(self) -> str:
-        """Return name, largest and root mean square error."""
+        """Return the model's name and its largest and root mean square error."""
         return f"{self.name}: largest error {self.largest_error:.2f} % of the mean load, RMS {self.rms_error:.2f} %"
 
 
 @record
 class Uncertainty:
-    """Uncertainty of a comparison, for the largest contact load [% of the mean contact load], in parts.
+    """Uncertainty of the largest contact load in a comparison, by its causes [% of the mean contact load].
 
-    None: this part is not known.
+    A cause whose contribution is not known is None.
     """
 
     total: float
-    """Root of the sum of squares of all parts."""
+    """Root of the sum of squares of the uncertainties from all causes."""
     discretisation: float = quantity(
-        "uncertainty_percent", "uncertainty of the reference's worst contact by its mesh, at 95 %"
+        "uncertainty_percent",
+        "uncertainty of the reference's most uncertain contact load that is due to its mesh, at 95 % confidence",
     )
-    """Discretisation of the reference."""
+    """Uncertainty from the finite-element mesh of the reference."""
     choices: float | None
-    """Choices of modelling that mesh refinement does not show."""
+    """Uncertainty from modelling choices of the reference, which mesh refinement does not reveal."""
     inputs: float | None
-    """Tolerances of the input values of the scene."""
+    """Uncertainty from the tolerances of the scene's input values."""
     second_order: float
-    """Large displacements, which the linear reference neglects."""
+    """Uncertainty from large displacements, which the geometrically linear reference neglects."""
     words: str
-    """All parts in words; of another reference the statement in its file."""
+    """Explanation of all causes; for a user's reference, what its file states about its uncertainty."""
 
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
 class Comparison(Record):
     """Errors of low-order models against a reference.
 
-    Of several sets on one shaft each is a comparison in `sets`, of load cases each in `cases` (with sets in these). Fields
-    on contacts are those of one set; they are None or empty of several.
+    With several nuts or bearings on one shaft, `sets` has a comparison for each. With several load cases, `cases` has a
+    comparison for each, which may in turn have `sets`. In both cases the fields about contacts are None or empty.
 
     Examples
     --------
@@ -132,46 +137,46 @@ class Comparison(Record):
     """
 
     scene: str
-    """Name of the scene; of a set the names of scene and set."""
+    """Name of the scene; for one of several nuts or bearings, the scene's name and its own."""
     verdict: str
-    """Error of the default model in words; a line for each set and load case."""
+    """Sentence on the error of the default model; one line for each nut or bearing and each load case."""
     warnings: tuple[str, ...] = ()
     """Warnings, such as unknown columns of a file."""
     reference: Loads | None = None
-    """Loads of the reference."""
+    """Contact loads of the reference."""
     levels: tuple[int, ...] = ()
-    """Mesh levels of the reference; empty of another reference."""
+    """Mesh levels of the 3D reference; empty for a user's reference."""
     unsettled: str = ""
-    """Loads of the reference that did not converge with the mesh, in words; empty if all did."""
+    """Sentence on those loads of the reference that did not converge with mesh refinement; empty if all did."""
     uncertainties: Array | None = None
     """Uncertainty of each contact load of the reference, (n, 4) [N]."""
     uncertainty: Uncertainty | None = None
-    """Uncertainty of the comparison, in parts."""
+    """Uncertainty of the comparison, by its causes."""
     models: Mapping[str, ModelLoads] = field(default_factory=dict)
-    """Models, and coarser meshes of the reference, by name."""
+    """Loads and errors of the models, and of the 3D reference on coarser meshes, by name."""
     expected_error: ExpectedError | None = None
-    """Error of the default model that was to be expected from other scenes."""
+    """Error of the default model that was expected from comparisons on other scenes."""
     sets: Mapping[str, Comparison] = field(default_factory=dict)
-    """Comparison of each set, by name; empty of one set."""
+    """Comparison of each nut or bearing on a shaft with several, by name; empty for a single nut or bearing."""
     cases: Mapping[str, Comparison] = field(default_factory=dict)
     """Comparison of each load case, by name; empty without load cases."""
     compared: tuple[tuple[Referenced, Compared], ...] = ()
-    """Records with further details, of each load case and set."""
+    """Records with further details: reference and comparison of each load case and each nut or bearing."""
     described: Described | None = None
-    """The compared scene."""
+    """The compared scene; None for a load case, or for one of several nuts or bearings."""
 
     @property
     def errors(self) -> dict[str, float]:
-        """Largest error of a contact load [% of the mean contact load], by model."""
+        """Largest error of a contact load of each model [% of the mean contact load], by the model's name."""
         return {name: one.largest_error for name, one in self.models.items()}
 
     @property
     def seconds(self) -> dict[str, float | None]:
-        """Run time by model [s]; None if not measured."""
+        """Computing time of each model [s], by its name; None if not measured."""
         return {name: one.seconds for name, one in self.models.items()}
 
     def to_dict(self) -> dict[str, JSON]:
-        """Return the JSON with the errors of the models, and the answers of models and reference.
+        """Return the errors of the models, and the results of models and reference, as a dictionary of JSON values.
 
         Returns
         -------
@@ -192,16 +197,17 @@ class Comparison(Record):
 
     @property
     def headings(self) -> Sequence[str]:  # type: ignore[override]
-        """Headings of `table`."""
+        """Headings of the columns of `table`."""
         return answer_rows(self.compared[0][1])[0]
 
     def table(self) -> Sequence[Sequence[str]]:
-        """Return the rows that ``rollbench compare`` prints; load cases and sets follow one another.
+        """Return the rows of the table that ``rollbench compare`` prints.
 
         Returns
         -------
         Sequence[Sequence[str]]
-            Texts of each row, one for each of `headings`.
+            The texts of each row, one for each of `headings`. Rows of several load cases, nuts or bearings follow one
+            another.
         """
         return [
             (", ".join(filter(None, (one.found.scene * (len(self.compared) > 1), name))), *row)
@@ -214,31 +220,31 @@ class Comparison(Record):
         return (*(f"WARNING: {words}" for words in self.warnings), *self.verdict.splitlines())
 
     def __repr__(self) -> str:
-        """Return the scene, then a line for each model, set or load case."""
+        """Return the scene's name, then a line for each model (with several load cases, nuts or bearings: for each)."""
         if self.cases or self.sets:
             return "\n".join([self.scene, *self.verdict.splitlines()])
         return "\n".join([f"{self.scene}: {self.verdict}", *map(repr, self.models.values())])
 
 
 def make_comparison(described: Described, pairs: Pairs, warnings: Sequence[str]) -> Comparison:
-    """Make the record of a scene's comparison from the comparisons of its load cases and sets.
+    """Combine the comparisons of a scene's load cases, nuts and bearings into one record.
 
     Parameters
     ----------
     described
         The scene.
     pairs
-        Reference and comparison of each load case and set.
+        Reference and comparison of each load case and each nut or bearing.
     warnings
-        Warnings of the comparison.
+        Warnings to the user, such as unknown columns of a reference file.
 
     Returns
     -------
     Comparison
-        The record.
+        The combined record.
     """
     if not isinstance(described, DutyCycle):
-        return _of_sets(described.name, described, pairs, warnings)
+        return _combine_sets(described.name, described, pairs, warnings)
     by_case = {
         case.name: [(one, whole) for one, whole in pairs if one.described == case.scene.name] for case in described.cases
     }
@@ -246,31 +252,31 @@ def make_comparison(described: Described, pairs: Pairs, warnings: Sequence[str])
         scene=described.name,
         verdict="\n".join(comparison_verdict(whole, one.found) for one, whole in pairs),
         warnings=tuple(warnings),
-        cases={name: _of_sets(name, None, its, ()) for name, its in by_case.items()},
+        cases={name: _combine_sets(name, None, its, ()) for name, its in by_case.items()},
         compared=tuple(pairs),
         described=described,
     )
 
 
-def _of_sets(name: str, described: Described | None, pairs: Pairs, warnings: Sequence[str]) -> Comparison:
-    """Make the comparison of a scene from those of its sets."""
+def _combine_sets(name: str, described: Described | None, pairs: Pairs, warnings: Sequence[str]) -> Comparison:
+    """Combine the comparisons of all nuts and bearings of a scene with one load case."""
     first, whole = pairs[0]
     if first.of is None:
-        return _of_set(name, first, whole, described, warnings)
+        return _single_set_comparison(name, first, whole, described, warnings)
     return Comparison(
         scene=name,
         verdict="\n".join(comparison_verdict(whole, one.found) for one, whole in pairs),
         warnings=tuple(warnings),
-        sets={one.set: _of_set(one.found.scene, one, whole, None, ()) for one, whole in pairs},
+        sets={one.set: _single_set_comparison(one.found.scene, one, whole, None, ()) for one, whole in pairs},
         compared=tuple(pairs),
         described=described,
     )
 
 
-def _of_set(
+def _single_set_comparison(
     name: str, one: Referenced, whole: Compared, described: Described | None, warnings: Sequence[str]
 ) -> Comparison:
-    """Make the comparison of one set."""
+    """Convert the comparison ``whole`` of one nut or bearing with its reference ``one`` to the record that users get."""
     found, t = one.found, whole.total
     return Comparison(
         scene=name,
@@ -290,8 +296,8 @@ def _of_set(
     )
 
 
-def _contact_loads_json(b: Beside) -> dict[str, Any]:
-    """Return the fields of `Loads` for a model or the reference."""
+def _contact_loads_json(b: ComparedLoads) -> dict[str, Any]:
+    """Return the fields of a `Loads` record, by name, for a model or the reference."""
     life = b.found.life
     return {
         "name": b.label,
@@ -305,8 +311,8 @@ def _contact_loads_json(b: Beside) -> dict[str, Any]:
     }
 
 
-def _model_json(b: Beside, one: Referenced) -> ModelLoads:
-    """Return the loads of a model with their errors against the reference."""
+def _model_json(b: ComparedLoads, one: Referenced) -> ModelLoads:
+    """Return the contact loads of a model with their errors against the reference."""
     assert b.error is not None, "a model has errors"
     errors = np.asarray(error_percent(b.answer.load, one.found.load, one.found.mean))
     e = b.error
@@ -322,7 +328,7 @@ def _model_json(b: Beside, one: Referenced) -> ModelLoads:
 
 
 def _set_json(whole: Compared, one: Referenced) -> dict[str, Any]:
-    """Return the JSON of the comparison of a scene, or of one of several sets on a shaft."""
+    """Return the comparison of a single nut or bearing as a dictionary of JSON values."""
     found = one.found
     return {
         "scene": found.scene,
@@ -343,33 +349,33 @@ def _set_json(whole: Compared, one: Referenced) -> dict[str, Any]:
 
 
 @dataclass(frozen=True)
-class Comparing:
-    """Scenes with their references, and the models to compare."""
+class PreparedComparison:
+    """Scenes with their references and the models to compare: the input of a comparison that is ready to be computed."""
 
     described: Sequence[Described]
-    """Scenes as they were given."""
+    """Scenes as the user gave them, with all load cases."""
     scenes: Sequence[Solvable]
     """Scenes with one load case each."""
     references: Sequence[Sequence[Referenced]]
-    """References of each scene, one for each set."""
+    """References of each of `scenes`, one for each nut or bearing."""
     models: Sequence[Model]
-    """Models; empty: those that suit each scene."""
+    """Models to compare; if empty, all models that suit each scene."""
     stores: Sequence[Path]
     """Folders with runs of the 3D reference."""
     failed: Sequence[Run]
-    """Runs that did not converge."""
+    """Runs of the 3D reference that did not converge."""
     warnings: Sequence[str]
-    """Warnings of reading a reference file."""
+    """Warnings from reading a reference file."""
     own: bool
-    """Whether the references are a file of the user."""
+    """Whether the references come from a file of the user, not from the 3D reference."""
 
     def each(self) -> Iterator[tuple[Referenced, Compared]]:
-        """Compare models with each reference, set by set, as the generator is advanced.
+        """Compare the models with each reference, one nut or bearing after the other, as the generator is advanced.
 
         Yields
         ------
         tuple
-            Reference of a set and the comparison with it.
+            Reference of a nut or bearing, and the comparison with it.
 
         Raises
         ------
@@ -391,36 +397,37 @@ def start_comparison(
     otherwise: Sequence[int] = ADVISED,
     fresh: bool = False,
     reference: Path | None = None,
-) -> Comparing:
-    """Find the references of scenes and their load cases, and compute missing runs of the 3D reference.
+) -> PreparedComparison:
+    """Look up the references of scenes and their load cases, and compute missing runs of the 3D reference.
 
     Parameters
     ----------
     described
         The scenes.
     origins
-        File or name of each scene, for errors.
+        File or name of each scene, for error messages.
     models
-        Models to compare; empty: those that suit each scene.
+        Models to compare; if empty, all models that suit each scene.
     engine
-        Runs computations of the 3D reference.
+        Engine that computes runs of the 3D reference.
     step
-        Called with lines of progress, such as the errors by the coarsest level while finer ones run.
+        Function that is called with each line of progress, such as the errors against the coarsest mesh level while finer
+        levels are computed.
     store
-        Folder of stored runs, used in addition to the shipped runs.
+        Folder in which runs are looked up and stored, in addition to the runs shipped with rollbench.
     levels
-        Mesh levels to compute where they are not stored; None: the best stored run.
+        Mesh levels to compute unless they are stored; None: use the best stored run.
     otherwise
-        Mesh levels to compute where none is stored and ``levels`` is None.
+        Mesh levels to compute if ``levels`` is None and no run is stored.
     fresh
         Whether stored runs are computed again.
     reference
-        File with loads instead of the 3D reference.
+        File with contact loads that replace the 3D reference.
 
     Returns
     -------
-    Comparing
-        Scenes and references; its `each` makes the comparisons.
+    PreparedComparison
+        Scenes and references; the method `each` of this record computes the comparisons.
 
     Raises
     ------
@@ -432,22 +439,22 @@ def start_comparison(
     if reference is not None:
         names = {name: case.case.name for name, case in cases_by_name(described).items()}
         given = own_references(scenes, reference, names, warnings)
-        return Comparing(described, scenes, given, models, stores, (), warnings, own=True)
+        return PreparedComparison(described, scenes, given, models, stores, (), warnings, own=True)
     without = [s for s in scenes if not stored_references(s, stores)] if levels is None and not fresh else scenes
     failed: list[Run] = []
     if without:
         wanted = levels or otherwise
 
         def first(task: Task) -> None:
-            """Report the errors by the coarsest level while finer ones are computed."""
+            """Report the errors against the coarsest mesh level while finer levels are computed."""
             for scene in task.scenes if task.level == min(set(wanted) - {SOURCE_LEVEL}) else ():
                 for one in stored_references(scene, (store,), (task.level,)):
                     whole = compared(one.scene, (models or suitable_models(scene))[:1], one.found, stores, one.of)
-                    step(f"{one.found.scene}, by level {task.level} alone: {comparison_verdict(whole, one.found)}")
+                    step(f"{one.found.scene}, against mesh level {task.level} only: {comparison_verdict(whole, one.found)}")
 
         tasks = plan(without, [k for k in wanted if k != SOURCE_LEVEL], source=SOURCE_LEVEL in wanted)
         failed = ensure(tasks, store, engine, step, stores, fresh=fresh, stored=first)
-    return Comparing(
+    return PreparedComparison(
         described,
         scenes,
         [stored_references(scene, stores) for scene in scenes],
@@ -460,7 +467,7 @@ def start_comparison(
 
 
 def unconverged_error(name: str, failed: Sequence[Run]) -> Refusal:
-    """Return the error for a scene without a converged 3D reference run.
+    """Return the error to raise for a scene of which no run of the 3D reference converged.
 
     Parameters
     ----------
@@ -472,11 +479,12 @@ def unconverged_error(name: str, failed: Sequence[Run]) -> Refusal:
     Returns
     -------
     Refusal
-        Error with the status of each run of the scene.
+        Error that names the status of each run of the scene.
     """
     why = [f"level {run.level}: {run.status}" for run in failed if run.scene == name]
     reason = f"no run of the 3D reference converged ({'; '.join(why)})" if why else "no converged run of the 3D reference"
-    return Refusal(name, "3D reference", reason, "change what the status names, or solve it with a low-order model")
+    advice = "correct the scene as the status of the runs suggests, or solve it with a low-order model"
+    return Refusal(name, "3D reference", reason, advice)
 
 
 def each_compared(
@@ -488,27 +496,27 @@ def each_compared(
     *,
     own: bool,
 ) -> Iterator[tuple[Referenced, Compared]]:
-    """Compare models with references, set by set, as the generator is advanced.
+    """Compare models with references, one nut or bearing after the other, as the generator is advanced.
 
     Parameters
     ----------
     scenes
         Scenes with one load case each.
     references
-        References of each scene, one for each set.
+        References of each scene, one for each nut or bearing.
     models
-        Models; empty: those that suit each scene.
+        Models to compare; if empty, all models that suit each scene.
     stores
         Folders with runs of the 3D reference.
     failed
-        Runs that did not converge.
+        Runs of the 3D reference that did not converge.
     own
-        Whether the references are a file of the user; stored runs of the 3D reference are then shown too.
+        Whether the references come from a file of the user. Stored runs of the 3D reference are then compared too.
 
     Yields
     ------
     tuple
-        Reference of a set and the comparison with it.
+        Reference of a nut or bearing, and the comparison with it.
 
     Raises
     ------
@@ -526,23 +534,23 @@ def each_compared(
 def own_references(
     scenes: Sequence[Solvable], path: Path, cases: Mapping[str, str], warnings: list[str]
 ) -> list[list[Referenced]]:
-    """Read a reference file for a scene or its load cases.
+    """Read a user's file of reference loads for a scene or its load cases.
 
     Parameters
     ----------
     scenes
-        One scene, or its load cases.
+        One scene, or the scenes of its load cases.
     path
-        File with loads.
+        File with contact loads.
     cases
-        Name of the load case by name of the scene.
+        Name of the load case, by the name of its scene.
     warnings
         List to which warnings are added.
 
     Returns
     -------
     list of list of Referenced
-        References of each load case, one for each set.
+        References of each load case, one for each nut or bearing.
 
     Raises
     ------
@@ -550,8 +558,8 @@ def own_references(
         If there are several scenes, or the file cannot be used.
     """
     if len(scenes) != 1 and len(cases) != len(scenes):
-        advice = "compare the scenes one by one, each with its file"
-        raise ArgumentError("reference", str(path), f"one scene, not {len(scenes)}", advice)
+        advice = "compare the scenes one by one, each with its own file"
+        raise ArgumentError("reference", f"{path} for {len(scenes)} scenes", "a file for one scene", advice)
     warned: dict[str, None] = {}
     references = [references_from_file(path, scene, warned.setdefault, case=cases.get(scene.name)) for scene in scenes]
     warnings += warned
@@ -559,85 +567,89 @@ def own_references(
 
 
 def model_label(one: Referenced) -> dict[str, str]:
-    """Return the keys that identify a set in the JSON of a comparison.
+    """Return the keys that identify a nut or bearing in the JSON of a comparison.
 
     Parameters
     ----------
     one
-        Reference of a set.
+        Reference of the nut or bearing.
 
     Returns
     -------
     dict
-        Names of scene and set; empty if the scene has only one set.
+        Names of the scene and of the nut or bearing; empty if the scene has only one.
     """
     return {} if one.of is None else {"scene": one.of.assembly.name, "set": one.of.name}
 
 
 def duty_cycles(cases: Mapping[str, CaseOfCycle]) -> Iterable[DutyCycle]:
-    """Return the duty cycles to which load cases belong, each once.
+    """Return the duty cycles to which some load cases belong.
 
     Parameters
     ----------
     cases
-        Load cases by the names of their scenes.
+        Load cases, by the names of their scenes.
 
     Returns
     -------
     iterable of DutyCycle
-        The duty cycles.
+        The duty cycles, each of them once.
     """
     return {case.cycle.name: case.cycle for case in cases.values()}.values()
 
 
 @record
 class CycleSummary:
-    """Largest load error and life of one set over a duty cycle."""
+    """Largest error of a contact load, and life, of one nut or bearing over a duty cycle."""
 
     model: str = quantity("model")
     error: float | None = quantity(
         "largest_error_percent",
         "largest measured error of a contact load in any case, in per cent of the mean load of its case",
     )
-    case: str | None = quantity("largest_error_case", "its case")
+    case: str | None = quantity("largest_error_case", "load case with the largest error")
     lives: dict[str, float | None] = quantity(
         "life_million_revolutions",
         "life over the duty cycle by the contact loads of a model, or of the reference",
         parts=".*",
     )
-    life_error: float | None = quantity("life_error_percent", "life of the model against that of the reference")
+    life_error: float | None = quantity(
+        "life_error_percent", "error of the model's life against the life from the reference's loads"
+    )
 
 
 def together_json(cycle: DutyCycle, each: ByCase) -> list[dict[str, Any]]:
-    """Summarise a comparison over the load cases of a duty cycle.
+    """Summarise a comparison over all load cases of a duty cycle.
 
     Parameters
     ----------
     cycle
         The duty cycle.
     each
-        Comparisons by the names of load case and set.
+        Comparisons, by the name of the load case and the name of the nut or bearing.
 
     Returns
     -------
     list of dict
-        For each set of balls: largest error of the default model and its load case, and the life [10^6 revolutions] of
-        every model and of the reference; None where a load case has none.
+        For each nut or ball bearing: the largest error of the default model, the load case in which it occurs, and the life
+        [10^6 revolutions] from the loads of each model and of the reference. The life is None if a load case has no loads.
     """
     return [_summary_json(cycle, name, each) for name, parts in cycle.sets.items() if isinstance(parts, Scene)]
 
 
 def _summary_json(cycle: DutyCycle, name: str, each: ByCase) -> dict[str, Any]:
-    """Return the JSON summary of a comparison over all load cases, for one set."""
+    """Return the JSON summary of a comparison over all load cases, for the nut or bearing called ``name``."""
     by_case = [(case, each[case.scene.name, name]) for case in cycle.cases]
-    errors = [(whole.spoken.error.max_percent, case.name) for case, whole in by_case if whole.spoken.error is not None]
+    errors = [
+        (whole.judged_model.error.max_percent, case.name) for case, whole in by_case if whole.judged_model.error is not None
+    ]
     error, worst = max(errors, default=(None, None))
     lives = {}
     for label in ("3D reference", *(b.label for b in by_case[0][1].models)):
         of_case = [{b.label: b for b in (whole.itself, *whole.models)}.get(label) for _, whole in by_case]
         rated, _ = cycle_life(cycle, name, [None if b is None else b.answer.load for b in of_case])
         lives[label] = None if rated is None else number(rated.revolutions)
-    predicted, reference = lives[by_case[0][1].spoken.label], lives["3D reference"]
+    predicted, reference = lives[by_case[0][1].judged_model.label], lives["3D reference"]
     off = None if predicted is None or reference is None else float(error_percent(predicted, reference))
-    summary = CycleSummary(by_case[0][1].spoken.label, error, worst, lives, off)
+    summary = CycleSummary(by_case[0][1].judged_model.label, error, worst, lives, off)
     return {"scene": cycle.name, **({"set": name} if name else {}), **(as_json(summary) or {})}

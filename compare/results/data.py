@@ -1,4 +1,4 @@
-"""Results of `rollbench.friction`, `ensemble`, `mesh_study`, `sweep`, `survey` and `report`."""
+"""Records that `rollbench.friction`, `ensemble`, `mesh_study`, `sweep`, `survey` and `report` return."""
 
 from __future__ import annotations
 
@@ -15,22 +15,22 @@ from rollbench.meshes.quantity import Stated, quantity, record
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Data(Record):
-    """Result that is stored as the JSON of its command."""
+    """Result of a computation that holds the JSON output of the command of the same name."""
 
     values: Mapping[str, JSON]
-    """JSON of the command, without its version."""
+    """JSON values that the command prints, without the version number of the output."""
     shown: str = ""
-    """Path in the JSON of the part that tables show; empty: all."""
+    """Key of the part of `values` that the table shows, such as ``torque``; if empty, the table shows all values."""
     notes: tuple[str, ...] = ()
-    """Sentences below the table."""
+    """Sentences printed below the table."""
 
     def to_dict(self) -> dict[str, JSON]:
-        """Return the JSON that the command of the same name prints.
+        """Return the result as a dictionary, as the command of the same name prints it with ``--json``.
 
         Returns
         -------
         dict
-            JSON values by key, the version first.
+            JSON values by key; the first is the version number of the output.
         """
         return with_schema(self.values)
 
@@ -47,17 +47,17 @@ class Data(Record):
         return "\n".join(str(self).splitlines()[:5])
 
 
-#: Values on the flanks SL, SR, NL, NR, by these names; None without contact.
+#: A value for each groove flank of a ball, by its name SL, SR, NL or NR; None without contact.
 Flanks: TypeAlias = Mapping[str, float | None]
-#: Pairs of values across and along the groove, on the flanks SL, SR, NL, NR.
+#: Two components, across and along the groove, for each groove flank of a ball, by its name SL, SR, NL or NR.
 FlankPairs: TypeAlias = Mapping[str, Sequence[float | None]]
 
 
 @record(kw_only=True)
 class FrictionBall:
-    """Motion and friction of one ball of a screw or bearing, and of its contacts.
+    """Motion of one ball of a screw or bearing, and the friction in its contacts.
 
-    A field is None where this kind of scene has no such quantity.
+    A field is None if the quantity does not exist for this kind of scene.
     """
 
     index: int = quantity("index")
@@ -67,49 +67,56 @@ class FrictionBall:
     )
     closing: float | None = quantity("closing_mm_s", "speed at which the gap to the next ball closes")
     sliding: FlankPairs | None = quantity(
-        "sliding_mm_s", "sliding at the contact's centre, across and along", parts=".FLANK[]"
+        "sliding_mm_s", "sliding speed at the contact's centre, across and along the groove", parts=".FLANK[]"
     )
     spin: Flanks | None = quantity("spin_rad_s", "rotation about the contact's normal", parts=".FLANK")
-    force: FlankPairs | None = quantity("friction_N", "friction force on the ball, across and along", parts=".FLANK[]")
-    moment: Flanks | None = quantity("moment_Nmm", "friction moment about the normal", parts=".FLANK")
+    force: FlankPairs | None = quantity(
+        "friction_N", "friction force on the ball, across and along the groove", parts=".FLANK[]"
+    )
+    moment: Flanks | None = quantity("moment_Nmm", "friction moment about the contact's normal", parts=".FLANK")
     loss: Flanks | None = quantity("loss_mW", "power lost in the contact", parts=".FLANK")
     at_rest: Mapping[str, bool] | None = quantity("at_rest", "whether the contact sticks", parts=".FLANK")
 
 
 @record(kw_only=True)
 class FrictionBand:
-    """Friction torques at the least and largest coefficients of friction measured with lubricants, 0.003 and 0.1."""
+    """Friction torques at the smallest and largest coefficients of friction measured with lubricants, 0.003 and 0.1."""
 
     coefficients: Sequence[float] = quantity(
-        "coefficients", "coefficients between which a lubricated screw lies, 0.003 to 0.1", parts="[]"
+        "coefficients", "smallest and largest coefficient of friction measured with lubricants, 0.003 and 0.1", parts="[]"
     )
     torque: Sequence[float | None] = quantity(
         "friction_torque_Nmm",
-        "friction torque at both",
+        "friction torque at both coefficients",
         parts="[]",
         heading="friction torque, lubricated",
         form="g3",
         note="coefficients {least} to {most}",
     )
-    drag_torque: Sequence[float | None] | None = quantity("drag_torque_Nmm", "drag torque at both", parts="[]")
-    preload: float | None = quantity("preload_N", "preload that the makers' formula takes")
-    makers: float | None = quantity("makers_formula_Nmm", "0.05/sqrt(tan beta) F l/(2 pi), which makers print")
+    drag_torque: Sequence[float | None] | None = quantity("drag_torque_Nmm", "drag torque at both coefficients", parts="[]")
+    preload: float | None = quantity("preload_N", "preload force F in the formula of screw makers")
+    makers: float | None = quantity(
+        "makers_formula_Nmm", "drag torque by the formula of screw makers, 0.05/sqrt(tan beta) F l/(2 pi)"
+    )
 
 
 @record(kw_only=True)
 class FrictionPlay:
-    """Effect of axial play (by smaller balls) on the friction torque of a screw without stated preload or play."""
+    """Effect of axial play on the friction torque of a screw whose scene states neither preload nor play.
 
-    smaller: float = quantity("smaller_by_um", "by how much the ball radii are made smaller to show what play does")
-    torque: float | None = quantity("friction_torque_Nmm", "friction torque then")
-    as_given: float | None = quantity("friction_torque_as_given_Nmm", "friction torque as the scene stands")
+    The play is made by smaller balls.
+    """
+
+    smaller: float = quantity("smaller_by_um", "reduction of the ball radii that makes the play")
+    torque: float | None = quantity("friction_torque_Nmm", "friction torque with this play")
+    as_given: float | None = quantity("friction_torque_as_given_Nmm", "friction torque of the unchanged scene")
 
 
 @record(kw_only=True)
 class FrictionOnset:
-    """Prediction whether neighbouring balls touch, from their speeds under the static loads.
+    """Prediction whether neighbouring balls come into contact, from their speeds under the static loads.
 
-    Balls without load stand still, unless a field says otherwise.
+    Balls without load are assumed to stand still, unless a field says otherwise.
     """
 
     touch: bool = quantity(
@@ -118,38 +125,43 @@ class FrictionOnset:
         "round once); unloaded balls stand still",
     )
     first: float | None = quantity(
-        "first_meeting_deg", "angle of the part that turns at which the first neighbours meet; null where none close in"
+        "first_meeting_deg",
+        "rotation of the turning part at which the first two neighbouring balls meet; null if no gap closes",
     )
-    ball: int | None = quantity("ball", "the first of these two, at the smaller azimuth")
+    ball: int | None = quantity("ball", "number of the ball at the smaller azimuth of the two that meet first")
     rolling: float | None = quantity(
-        "first_meeting_rolling_deg", "the same where unloaded balls roll along at the nominal speed"
+        "first_meeting_rolling_deg",
+        "rotation at which the first two neighbouring balls meet if unloaded balls roll at the nominal speed",
     )
-    closing: int = quantity("closing_pairs", "neighbours that close in")
-    pairs: int = quantity("pairs", "neighbours in all circuits")
+    closing: int = quantity("closing_pairs", "number of pairs of neighbouring balls whose gap closes")
+    pairs: int = quantity("pairs", "number of pairs of neighbouring balls in all circuits")
     unloaded: int = quantity("balls_without_load", "balls without load")
     factor: float | None = quantity(
         "error_factor",
-        "factor on the scene's errors of grooves and of single balls from which on neighbours touch, 0 where they do "
-        "without errors; null without errors, and where none is found up to 16",
+        "smallest factor on the scene's errors of grooves and single balls at which neighbouring balls touch; 0 if they "
+        "touch without errors; null if the scene has no errors, or if they do not touch up to a factor of 16",
         error="3 %",
     )
 
 
 @record(kw_only=True)
 class FrictionCases:
-    """Friction over all load cases of a duty cycle."""
+    """Largest and mean friction torque over all load cases of a duty cycle."""
 
-    largest: float | None = quantity("largest_friction_torque_Nmm", "friction torque of the case with the largest")
-    case: str | None = quantity("largest_friction_torque_case", "its case")
-    mean: float | None = quantity("mean_friction_torque_Nmm", "work of friction over the duty cycle, over the angle turned")
-    words: str | None = quantity("mean_words", "why there is no mean")
+    largest: float | None = quantity("largest_friction_torque_Nmm", "largest friction torque of any load case")
+    case: str | None = quantity("largest_friction_torque_case", "load case with the largest friction torque")
+    mean: float | None = quantity(
+        "mean_friction_torque_Nmm", "work of friction over the duty cycle, divided by the angle of rotation"
+    )
+    words: str | None = quantity("mean_words", "reason why no mean friction torque can be computed")
 
 
 @record(eq=False, repr=False, kw_only=True)
 class Friction(Data):
-    """Friction of a scene: ball motion, losses [W], torques [N m] and efficiencies [1].
+    """Friction in a scene: motion of the balls, power losses [W], torques [N m] and efficiencies [1].
 
-    A field is None where this kind of scene has no such quantity, and where loads and friction do not balance.
+    A field is None if the quantity does not exist for this kind of scene, or if no motion was found in which the contact
+    loads and the friction forces balance.
 
     Examples
     --------
@@ -162,41 +174,43 @@ class Friction(Data):
     scene: str
     """Name of the scene."""
     kind: str
-    """Kind of the scene, such as ball screw or bearing; empty of load cases."""
+    """Kind of the scene, such as ball screw or bearing; empty if it has load cases."""
     converged: bool
-    """Whether loads and friction balance."""
+    """Whether a motion was found in which the contact loads and the friction forces balance."""
     reason: str
-    """Status: converged, or why not."""
+    """The word "converged", or the reason why the computation did not converge."""
     torque: float | None = quantity(
         "torque.friction_torque_Nmm",
-        "torque of friction only, against the motion",
+        "torque of the friction forces only; it opposes the motion",
         error="proportional to the coefficient",
         heading="friction torque",
         form="g3",
     )
     torque_on_screw: float | None = quantity(
-        "torque.friction_torque_on_screw_Nmm", "the same as it acts on the screw, with sign", error="as above"
+        "torque.friction_torque_on_screw_Nmm", "friction torque that acts on the screw, with sign", error="as above"
     )
     torque_on_nut: float | None = quantity(
-        "torque.friction_torque_on_nut_Nmm", "the same as it acts on the nut", error="as above"
+        "torque.friction_torque_on_nut_Nmm", "friction torque that acts on the nut, with sign", error="as above"
     )
     drag_torque: float | None = quantity(
         "torque.drag_torque_Nmm",
-        "friction torque without the scene's loads: by preload only",
+        "friction torque without the scene's external loads, from the preload only",
         error="as above",
         heading="drag torque",
         form="g3",
     )
-    axial_load: float | None = quantity("torque.axial_load_N", "axial load that the torque works against")
+    axial_load: float | None = quantity("torque.axial_load_N", "axial load against which the torque works")
     driving_torque_on_screw: float | None = quantity(
         "torque.driving_torque_on_screw_Nmm",
-        "torque that the screw must be given in the stated motion",
+        "torque that drives the screw in the stated motion",
         error="friction's share of it",
     )
     driving_torque_on_nut: float | None = quantity(
-        "torque.driving_torque_on_nut_Nmm", "the same for the nut", error="friction's share of it"
+        "torque.driving_torque_on_nut_Nmm",
+        "torque that drives the nut in the stated motion",
+        error="friction's share of it",
     )
-    load_moves: str | None = quantity("torque.load_moves", "with or against the load")
+    load_moves: str | None = quantity("torque.load_moves", "whether the motion is with or against the axial load")
     forward_torque: float | None = quantity(
         "torque.forward_torque_Nmm",
         "torque that moves the nut against the axial load: F l/(2 pi) + friction",
@@ -206,21 +220,21 @@ class Friction(Data):
     )
     backward_torque: float | None = quantity(
         "torque.backward_torque_Nmm",
-        "torque that the load gives when it drives: F l/(2 pi) - friction",
+        "torque that the axial load delivers when it drives the screw: F l/(2 pi) - friction",
         error="friction's share of it",
         heading="torque with the load",
         form="g3",
     )
     efficiency_forward: float | None = quantity(
         "torque.efficiency_forward_percent",
-        "work on the load over work of the torque",
+        "work done on the load, divided by the work of the torque",
         error="1 - efficiency is proportional to the coefficient",
         heading="efficiency against the load",
         form="g3",
     )
     efficiency_backward: float | None = quantity(
         "torque.efficiency_backward_percent",
-        "work of the torque over work of the load",
+        "work of the torque, divided by the work of the load",
         error="as above",
         heading="efficiency with the load",
         form="g3",
@@ -230,8 +244,8 @@ class Friction(Data):
     )
     screw_coefficient: float | None = quantity("friction.screw", "coefficient of friction in the screw's groove")
     nut_coefficient: float | None = quantity("friction.nut", "coefficient of friction in the nut's groove")
-    turns: str | None = quantity("motion.turns", "which part turns")
-    speed: float | None = quantity("motion.speed_rad_s", "its speed")
+    turns: str | None = quantity("motion.turns", "which part turns, such as screw or nut")
+    speed: float | None = quantity("motion.speed_rad_s", "speed of the part that turns")
     loss: float | None = quantity(
         "losses.total_W",
         "power lost in all contacts",
@@ -241,10 +255,14 @@ class Friction(Data):
             "power lost on one flank, and the shares of sliding across, along and of spin",
             parts="[].*",
         ),
-        Stated("energy", "power of the driving torque, of the load, lost, and what is missing between them", parts=".*"),
+        Stated(
+            "energy",
+            "power of the driving torque, power of the load, power lost, and the error of their balance",
+            parts=".*",
+        ),
         Stated(
             "feedback",
-            "friction torque when friction does not move the balls in their grooves, and what that motion changes",
+            "friction torque if friction did not move the balls in their grooves, and the change due to that motion",
             parts=".*",
         ),
         heading="power lost",
@@ -252,24 +270,25 @@ class Friction(Data):
     )
     imbalance: float | None = quantity(
         "solver.friction_imbalance",
-        "largest unbalanced force of a ball with friction over its load",
-        Stated("solver.static_residual", "residual of the static solve under friction"),
-        Stated("solver.feedback_change", "last change of the loads by friction"),
+        "largest unbalanced force on a ball, friction included, divided by its load",
+        Stated("solver.static_residual", "residual of the static equilibrium with friction forces"),
+        Stated("solver.feedback_change", "change of the loads by friction in the last iteration"),
     )
     balls: tuple[FrictionBall, ...] = ()
-    """Motion and friction of each ball; empty of load cases, and of kinds without such a list."""
+    """Motion and friction of each ball; empty if the scene has load cases, or if its kind has no results for each ball."""
     band: FrictionBand | None = None
-    """Torques over the range of measured coefficients of friction; None where it was not computed."""
+    """Torques over the range of measured coefficients of friction; None if they were not computed."""
     onset: FrictionOnset | None = None
-    """Contact of neighbouring balls; None if balls overlap or do not fit their circuits, and of several sets."""
+    """Prediction whether neighbouring balls come into contact; None if balls overlap or do not fit into their circuits,
+    and for several nuts or bearings on one shaft."""
     play: FrictionPlay | None = None
-    """Effect of play; None if the scene states preload or play."""
+    """Effect of axial play; None if the scene states preload or play."""
     warnings: tuple[str, ...] = ()
-    """Warnings where answers are outside the range of validity of the models."""
+    """Warnings about results outside the models' range of validity."""
     cases: Mapping[str, Friction] = field(default_factory=dict)
-    """Friction of each load case, by name; empty without load cases."""
+    """Friction in each load case, by name; empty without load cases."""
     together: FrictionCases | None = None
-    """Friction over all load cases; None without load cases."""
+    """Largest and mean torque over all load cases; None without load cases."""
 
 
 def friction_from_json(data: Mapping[str, Any]) -> Friction:
@@ -320,19 +339,19 @@ class MeshLevel:
     cell_size: float
     """Size of the cells, relative to the finest level [1]."""
     unknowns: int
-    """Number of unknowns of the whole mesh."""
+    """Number of unknowns (displacements of nodes) of the whole mesh."""
     seconds: float
-    """Run time [s]."""
+    """Computing time [s]."""
     difference: float
     """Largest difference of a contact load from the finest level [% of the mean contact load]."""
     enough_for: float | None
-    """Uncertainty of the contact loads, by this level and the coarser ones [% of the mean contact load]; of a
-    roller in 3D of its approach, None with one level."""
+    """Uncertainty of the contact loads [% of the mean contact load], estimated from this level and the coarser levels. For
+    a single roller in 3D: uncertainty of its elastic approach [%]. None if there is only one level."""
 
 
 @dataclass(frozen=True)
 class MeshQuantity:
-    """One quantity on the levels of a mesh study, such as the load of one contact."""
+    """Values of one quantity, such as the load of one contact, on the levels of a mesh study."""
 
     name: str
     """Name of the quantity, such as ``largest load, SL``."""
@@ -341,9 +360,9 @@ class MeshQuantity:
     values: tuple[float, ...]
     """Value on every level, coarsest first [unit]."""
     order: float | None
-    """Observed order of convergence [1]; None if the values do not converge monotonically (contact loads scatter)."""
+    """Observed order of convergence [1]; None if the values do not converge monotonically (contact loads often do not)."""
     extrapolated: float | None
-    """Value extrapolated to zero cell size [unit]; None without order."""
+    """Value extrapolated to zero cell size [unit]; None if no order of convergence was observed."""
     uncertainty: float | None
     """Uncertainty of the value on the finest level [unit]; None with a single level."""
 
@@ -355,11 +374,11 @@ class MeshStudy(Data):
     scene: str
     """Name of the scene."""
     levels: tuple[MeshLevel, ...] = ()
-    """Mesh levels, coarsest first; empty of several sets."""
+    """Mesh levels, coarsest first; empty if the scene has several nuts or bearings."""
     quantities: tuple[MeshQuantity, ...] = ()
-    """Quantities that are compared between the levels; empty of several sets."""
+    """Quantities that are compared between the levels; empty if the scene has several nuts or bearings."""
     sets: Mapping[str, MeshStudy] = field(default_factory=dict)
-    """Studies of each of several sets on one shaft, by name; empty of one set."""
+    """Mesh study of each nut or bearing on a shaft with several, by name; empty for a single nut or bearing."""
 
 
 def mesh_study_of(data: Mapping[str, Any], shown: str = "", notes: Sequence[str] = ()) -> MeshStudy:
@@ -368,11 +387,11 @@ def mesh_study_of(data: Mapping[str, Any], shown: str = "", notes: Sequence[str]
     Parameters
     ----------
     data
-        JSON of one scene, with its sets under ``sets``.
+        JSON of one scene, with its nuts and bearings under ``sets`` if it has several.
     shown
-        Path in the JSON of the part that tables show.
+        Key of the part of the JSON that the table shows; if empty, the table shows all values.
     notes
-        Sentences below the table.
+        Sentences printed below the table.
 
     Returns
     -------
@@ -408,45 +427,51 @@ def mesh_study_of(data: Mapping[str, Any], shown: str = "", notes: Sequence[str]
 
 @record
 class Statistics:
-    """Statistics of an output over the samples of a sweep or the specimens of an ensemble, in the output's unit."""
+    """Statistics of one output over the samples of a sweep or the specimens of an ensemble, in the output's unit."""
 
-    mean: float = quantity("mean", "mean over the members", error="`standard_error`")
+    mean: float = quantity("mean", "mean over the specimens", error="`standard_error`")
     standard_error: float = quantity(
-        "standard_error", "of the mean: standard deviation over the root of the number of members"
+        "standard_error",
+        "standard error of the mean: standard deviation divided by the square root of the number of specimens",
     )
-    standard_deviation: float = quantity("standard_deviation", "standard deviation over the members")
-    smallest: float = quantity("smallest", "smallest value of a member")
-    largest: float = quantity("largest", "largest value of a member")
-    members: int | None = quantity("members", "members that have the value", default=None)
+    standard_deviation: float = quantity("standard_deviation", "standard deviation over the specimens")
+    smallest: float = quantity("smallest", "smallest value of any specimen")
+    largest: float = quantity("largest", "largest value of any specimen")
+    members: int | None = quantity("members", "number of specimens for which the value exists", default=None)
     quantiles: Mapping[float, float] = quantity(
-        "quantiles", "level, value, and its 95 % interval, low and high", parts="[].*", show=dict, default_factory=dict
+        "quantiles",
+        "probability, value of the quantile, and the limits of its 95 % confidence interval, low and high",
+        parts="[].*",
+        show=dict,
+        default_factory=dict,
     )
-    """Quantiles by probability: 0.01, 0.05, 0.5, 0.95, 0.99."""
+    """Quantiles of the output, by their probability: 0.01, 0.05, 0.5, 0.95, 0.99."""
 
 
 @record(eq=False, repr=False, kw_only=True)
 class Ensemble(Data):
-    """Results over many specimens of a scene with random errors."""
+    """Statistics of the results over many specimens of a scene with random geometric errors."""
 
     scene: str
     """Name of the scene."""
     members: int
-    """Number of specimens, in each load case."""
+    """Number of specimens in each load case."""
     converged: int
-    """Number of specimens with an equilibrium; of load cases the smallest."""
+    """Number of specimens with an equilibrium; with load cases, the number in the case with the fewest."""
     outputs: Mapping[str, Statistics | None]
-    """Statistics of each output by name; None with fewer than two values. Empty of load cases."""
+    """Statistics of each output, by its name; None if fewer than two specimens have a value. Empty if the scene has load
+    cases."""
     failed: Mapping[int, str]
-    """Reason for each specimen without equilibrium, by its number from 0. Empty of load cases."""
+    """Reason why a specimen has no equilibrium, by the number of the specimen from 0. Empty if the scene has load cases."""
     sets: Mapping[str, Mapping[str, Statistics | None]]
-    """Statistics of each of several sets, by name of set and output; empty of one set."""
+    """Statistics by the name of the nut or bearing and the name of the output; empty for a single nut or bearing."""
     contacts: tuple[Mapping[str, float | str], ...] = quantity(
         "balls",
-        "of one contact over the members: load without random errors, mean, standard deviation, quantiles, share of "
-        "members in which it is loaded",
+        "for one contact: load without random errors; mean, standard deviation and quantiles of the load over the "
+        "specimens; share of specimens in which the contact is loaded",
         Stated(
             "balls[].quantile_0",
-            "quantile of this contact's load over the members",
+            "quantile of this contact's load over the specimens",
             error="`band_resolution_N`",
             parts=".*",
         ),
@@ -454,10 +479,13 @@ class Ensemble(Data):
         parts="[].*",
         default=(),
     )
-    """Statistics of every contact, in the units of the keys; empty of several sets and of load cases."""
-    band_resolution: float | None = quantity("band_resolution_N", "sampling error of the bands below", default=None)
+    """Statistics of the load of every contact, in the units that the keys end with; empty if the scene has several nuts,
+    bearings or load cases."""
+    band_resolution: float | None = quantity(
+        "band_resolution_N", "sampling error of the quantiles of the contact loads", default=None
+    )
     cases: Mapping[str, Ensemble]
-    """Ensemble of each load case, by name; empty without load cases."""
+    """Statistics of each load case, by its name; empty without load cases."""
 
 
 def ensemble_from_json(data: Mapping[str, Any]) -> Ensemble:
@@ -490,13 +518,13 @@ def ensemble_from_json(data: Mapping[str, Any]) -> Ensemble:
 
 
 def _outputs_from_json(each: Mapping[str, Any]) -> dict[str, Statistics | None]:
-    """Return the statistics of outputs by name from JSON; None without statistics."""
+    """Convert the JSON statistics of outputs to records, by the output's name; None if an output has no statistics."""
     return {name: None if x is None else _statistics_from_json(x) for name, x in each.items()}
 
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
 class Sweep(Data):
-    """Results of a scene over sampled values of its keys."""
+    """Statistics of a scene's results over sampled values of its parameters."""
 
     folder: Path
     """Folder with every sample (``samples.csv``) and the summary."""
@@ -505,10 +533,10 @@ class Sweep(Data):
     converged: int
     """Number of samples with an equilibrium."""
     outputs: Mapping[str, Statistics | None]
-    """Statistics of each output by name; None with fewer than two values."""
+    """Statistics of each output, by its name; None if fewer than two samples have a value."""
     sobol: Mapping[str, Mapping[str, float]]
-    """Total Sobol index [1] by output and key; empty for other designs and with too few samples. Constant outputs are
-    left out."""
+    """Total Sobol index [1], by the name of the output and the key of the parameter. Outputs that do not vary are left out;
+    empty if the samples are no Sobol design, or too few."""
 
 
 def sweep_from_json(data: Mapping[str, Any], folder: Path) -> Sweep:
@@ -519,7 +547,7 @@ def sweep_from_json(data: Mapping[str, Any], folder: Path) -> Sweep:
     data
         JSON of the summary.
     folder
-        Folder of the sweep.
+        Folder with the samples of the sweep.
 
     Returns
     -------
@@ -541,16 +569,20 @@ def sweep_from_json(data: Mapping[str, Any], folder: Path) -> Sweep:
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
 class Survey(Data):
-    """Errors of models against stored 3D reference runs, on random ball screws within the range of catalogues."""
+    """Errors of models against stored runs of the 3D reference, on randomly drawn ball screws of catalogue dimensions.
+
+    The error of a model on one screw is that of its worst contact load [% of the mean contact load].
+    """
 
     screws: int
-    """Number of screws with a stored reference."""
+    """Number of drawn screws for which a run of the 3D reference is stored."""
     median: Mapping[str, float]
-    """Median over the solved screws of the error of the worst contact load [% of the mean load], by model."""
+    """Median of a model's errors on the screws that it solved [%], by the model's name."""
     largest: Mapping[str, float]
-    """Largest error of the worst contact load over the solved screws [% of the mean load], by model."""
+    """Largest of a model's errors on the screws that it solved [%], by the model's name."""
     rows: Mapping[str, tuple[Mapping[str, JSON], ...]]
-    """Results of every screw by model, in the units of the keys; ``status`` is "converged" or says why there is none."""
+    """Results of a model for every screw, by the model's name, in the units that the keys end with. ``status`` is
+    "converged", or the reason why the screw was not solved."""
 
 
 def survey_from_json(data: Mapping[str, Any]) -> Survey:
@@ -590,11 +622,11 @@ def _statistics_from_json(x: Mapping[str, Any]) -> Statistics:
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
 class Written(Data):
-    """Report that `rollbench.report` wrote."""
+    """Files and verdict of a report that `rollbench.report` wrote."""
 
     page: Path
-    """First page of the report."""
+    """File of the report's first page."""
     passed: bool
-    """False if a recomputed run of the 3D reference differs from the stored one."""
+    """False if a recomputed run of the 3D reference differs from the stored run, otherwise True."""
     verdict: str = ""
-    """Verdict on the scene, in words; empty of a whole report."""
+    """Sentence that judges the scene; empty for the report on all scenes."""

@@ -1,4 +1,4 @@
-"""Definitions of all output numbers by their path in JSON, taken from record fields; tables of the manual."""
+"""Tables of the manual that define the numbers in the JSON output; the definitions are those of the records' fields."""
 
 from __future__ import annotations
 
@@ -46,30 +46,30 @@ from rollbench.meshes.quantity import Stated, stated_in
 
 
 class Table(NamedTuple):
-    """A table of the manual that defines the numbers of the output."""
+    """A table of the manual that defines a group of output numbers."""
 
-    #: Title.
+    #: Title of the table.
     title: str
-    #: Text above it.
+    #: Text above the table.
     about: str
-    #: Records, with their path in JSON.
+    #: Start of the JSON path, and record class whose fields are defined, for each part of the table.
     records: tuple[tuple[str, type], ...]
 
     def paths(self) -> Iterator[tuple[str, Stated]]:
-        """Yield, for every defined number, the last part of its path in JSON and its definition."""
+        """Yield the last part of the JSON path of every number in the table, with its definition."""
         for where, kind in self.records:
             for _, one in stated_in(kind):
                 if one.definition:
-                    yield f"{where}{one.key.removeprefix('torque.')}{one.parts}", one  # other tables have torques, too
+                    yield f"{where}{one.key.removeprefix('torque.')}{one.parts}", one  # torques are in other groups, too
 
 
-#: The first table with a matching path gives the definition: ``loads.max_N`` stands for summary.loads.max_N,
-#: sets[].summary.loads.max_N, answers.*.loads.max_N; FLANK is SL, SR, NL or NR; * is any one key.
+#: Tables of the manual. A number is defined by the first table with a matching path: ``loads.max_N`` matches
+#: summary.loads.max_N, sets[].summary.loads.max_N and answers.*.loads.max_N. FLANK is SL, SR, NL or NR; * is any one key.
 TABLES = (
     Table(
         "Loads",
-        "Contact loads are normal forces between a ball and one flank. Their error is the one that `compare` measures and "
-        "`expected_error_percent` promises, in per cent of the mean load.",
+        "Contact loads are normal forces between a ball and one groove flank. `compare` measures their error, and "
+        "`expected_error_percent` estimates it, in per cent of the mean load.",
         (
             ("balls[].", scene_json.BallRow),
             ("loads.", scene_json.LoadSums),
@@ -92,21 +92,23 @@ TABLES = (
     ),
     Table(
         "Load curve",
-        "Of `solve --curve`; the load goes from one sign to the other in place of the scene's loads.",
+        "Output of `solve --curve`, in which a range of loads replaces the scene's loads.",
         (("", LoadCurve), ("points[].", CurvePoint)),
     ),
     Table(
-        "Table over keys",
-        "Of `table`; each row also has its place, by the keys that the table goes over and their units.",
+        "Table over parameters",
+        "Output of `table`; each row also has the values of the varied parameters, with their units.",
         (("rows[].", TableRow),),
     ),
     Table(
-        "Scenes side by side", "Of `solve A B`, in the order of the scenes.", (("scenes[].", Alternative), ("", SideBySide))
+        "Scenes side by side",
+        "Output of `solve A B`, in the order of the scenes.",
+        (("scenes[].", Alternative), ("", SideBySide)),
     ),
     Table(
         "Contact, ellipse and static safety",
-        "Of the contact of the highest pressure, by Hertz' theory of its load and curvatures: an ellipse of a ball, a "
-        "strip of a roller.",
+        "For the contact with the highest pressure, from its load and curvatures by Hertz's theory: an elliptical contact "
+        "of a ball, a rectangular contact of a roller.",
         (
             ("worst_contact.", Contact),
             ("worst_contact.", RollerContact),
@@ -118,8 +120,8 @@ TABLES = (
     ),
     Table(
         "Life, ratings and preload",
-        "ISO 281 and ISO/TS 16281 for bearings, ISO 3408-5 for screws, as computed of these parts and not a maker's; the "
-        "theory is in [](../theory/rating.md).",
+        "By ISO 281 and ISO/TS 16281 for bearings and ISO 3408-5 for screws, computed from the geometry of these parts, "
+        "not taken from a catalogue; the theory is in [](../theory/rating.md).",
         (
             ("life.", Life),
             ("modified_life.", ModifiedLife),
@@ -136,8 +138,8 @@ TABLES = (
     ),
     Table(
         "Friction",
-        "Torques act about the screw's axis. Their error is dominated by the coefficient of friction, which is an input: "
-        "see `band`.",
+        "Torques act about the screw's axis. Their error is mainly that of the coefficient of friction, which is an input; "
+        "`band` shows its effect.",
         (
             ("band.", FrictionBand),
             ("onset.", FrictionOnset),
@@ -151,8 +153,8 @@ TABLES = (
     ),
     Table(
         "How far to trust it",
-        "Error is defined once, in `compare/measure.py`: 100 (value - reference)/|reference|; of loads in per cent of the "
-        "reference's mean load unless a name says otherwise.",
+        "An error is 100 (value - reference)/|reference| (`compare/measure.py`). The error of a contact load is in per "
+        "cent of the reference's mean load unless a name says otherwise.",
         (
             ("model_form.", ModelForm),
             ("", ModelLoads),
@@ -164,10 +166,10 @@ TABLES = (
     ),
     Table("Balance and solver", "", (("equilibrium.", Equilibrium), ("solver.", SolverReport))),
     Table(
-        "Several sets, and members",
-        "Of members of one set, `statistics.load_stiffness_N_per_um` is the tangent stiffness where the loads act, of "
-        "shaft and nut together: 0.1 % more load over how far its points move along it. `axial.tangent_N_per_um` is that "
-        "at the nut's centre.",
+        "Several nuts or bearings, and specimens",
+        "For specimens of a single nut or bearing, `statistics.load_stiffness_N_per_um` is the tangent stiffness of shaft "
+        "and nut together at the loaded points: the force of 0.1 % more load, divided by the displacement of the points "
+        "along the load. `axial.tangent_N_per_um` is the stiffness at the nut's centre.",
         (
             ("sets[].", SetResult),
             ("housings[].", HousingResult),
@@ -178,8 +180,8 @@ TABLES = (
     ),
     Table(
         "Load cases",
-        "A scene with `[[cases]]` has the list `cases`, each entry as the scene alone would have it, and what they say "
-        "together.",
+        "The output of a scene with `[[cases]]` has the list `cases`, each with the output of a scene with this load case "
+        "only, and a summary of all cases.",
         (
             ("", LoadCase),
             ("summary.", CycleResults),
@@ -194,23 +196,23 @@ TABLES = (
 
 @cache
 def _known_definitions() -> tuple[tuple[re.Pattern[str], Stated], ...]:
-    """Return pattern and definition of every path in `TABLES`, in their order."""
+    """Return the pattern of the JSON path and the definition of every number in `TABLES`, in their order."""
     return tuple((_path_pattern(path), one) for table in TABLES for path, one in table.paths())
 
 
 def _path_pattern(path: str) -> re.Pattern[str]:
-    """Return the pattern of full JSON paths that end with a path of `TABLES`."""
+    """Return the regular expression that matches full JSON paths which end with a path of `TABLES`."""
     named = re.escape(path).replace("FLANK", "(SL|SR|NL|NR)").replace(r"\*", r"[^.]+")
     return re.compile(rf"(.*\.)?{named}")
 
 
 def definition(path: str) -> Stated | None:
-    """Return the definition of the number at a path in a command's JSON; None if it has none.
+    """Return the definition of a number in a command's JSON output; None if it has no definition.
 
     Parameters
     ----------
     path
-        Keys joined by dots; indices of lists may be in the brackets.
+        Keys of the number joined by dots; brackets after the key of a list may contain an index.
 
     Examples
     --------

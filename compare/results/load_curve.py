@@ -1,4 +1,4 @@
-"""Result of `rollbench.load_curve`: displacement and stiffness over loads of both signs, and the lash between them."""
+"""Load curve of a scene: displacement and stiffness over a range of loads, and the backlash between loads of both signs."""
 
 from __future__ import annotations
 
@@ -23,60 +23,65 @@ from rollbench.meshes.axis import Assembly
 from rollbench.meshes.parts import Load, Scene
 from rollbench.meshes.quantity import quantity, record
 
-#: Default number of points of a curve, and the largest.
+#: Default and largest number of points of a curve.
 POINTS, MOST = 21, 1001
-#: Relative change of a load for the tangent; share of the largest load that is taken as a vanishing load.
+#: Relative change of a load for the tangent stiffness; share of the largest load that is treated as a vanishing load.
 STEP, VANISHING = 1e-3, 1e-6
+#: Form of the text that states a range of loads, for error messages.
 FORM = "LOW:HIGH, then :POINTS, :x, :y, :z or an angle across the axis such as :45deg, :STATION or :HOUSING, as needed"
 AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
 Vector = tuple[float, float, float]
 
 
 @dataclass(frozen=True)
-class Course:
-    """Loads at which a load curve is computed: values, direction and place."""
+class LoadRange:
+    """Range of loads over which a load curve is computed: values, direction, and the point on which they act."""
 
     values: tuple[float, ...]
-    """Forces [N], or factors on the scene's loads, ascending."""
+    """Forces [N], or factors by which the scene's loads are multiplied, in ascending order."""
     factors: bool = False
     """Whether the values are factors."""
     direction: Vector = AXES["z"]
     """Unit vector of the forces."""
     at: float | str | None = None
-    """Station on the shaft [m] or name of the housing that takes the forces; None: the usual place."""
+    """Axial position on the shaft [m], or name of the housing, on which the forces act. None: the nut's centre, or for
+    several nuts or bearings on one shaft the point on which the scene's loads act."""
 
 
-def read_course(text: str) -> Course:
-    """Read the loads of a curve from the text of an option.
+def read_load_range(text: str) -> LoadRange:
+    """Convert the text of a range of loads, such as ``"-3kN:3kN:41:x"``, to a record.
 
     Parameters
     ----------
     text
-        ``LOW:HIGH``, then number of points, direction and place as needed; see `rollbench.load_curve`.
+        ``LOW:HIGH``, optionally followed by the number of points, direction and place; see `rollbench.load_curve`.
 
     Returns
     -------
-    Course
-        The loads.
+    LoadRange
+        The range of loads.
 
     Raises
     ------
     ArgumentError
-        If the text cannot be read.
+        If the text has another form.
 
     Examples
     --------
-    >>> course = read_course("-3kN:3kN:3:x")
+    >>> course = read_load_range("-3kN:3kN:3:x")
     >>> course.values, course.direction
     ((-3000.0, 0.0, 3000.0), (1.0, 0.0, 0.0))
-    >>> read_course("0:1.5:2").factors
+    >>> read_load_range("0:1.5:2").factors
     True
     """
     ends, further = text.split(":")[:2], [x.strip() for x in text.split(":")[2:]]
     pairs = [units.number_and_unit(end) for end in ends]
     if len(pairs) < 2 or any(pair is None for pair in pairs):
         raise ArgumentError(
-            "curve", units.toml_text(text), FORM, 'e.g. `curve="-3000N:3000N"`, or 0:1.5 times the scene\'s loads'
+            "curve",
+            units.toml_text(text),
+            FORM,
+            'write `curve="-3000N:3000N"`, or 0:1.5 for multiples of the scene\'s loads',
         )
     factors = not any(pair and pair[1] for pair in pairs)
     try:
@@ -92,19 +97,18 @@ def read_course(text: str) -> Course:
             turn = 0.0 if word in AXES else units.parse_quantity(word, "angle")
             direction = AXES.get(word, (math.cos(turn), math.sin(turn), 0.0))
         else:
-            at = _direction_of_word(word) if kind else word
+            at = _axial_position(word) if kind else word
     if not (low < high and 2 <= points <= MOST):
         allowed = f"LOW below HIGH, and 2 to {MOST} points"
-        raise ArgumentError("curve", units.toml_text(text), allowed, f"give {FORM}")
+        raise ArgumentError("curve", units.toml_text(text), allowed, f"write {FORM}")
     if factors and (direction != AXES["z"] or at is not None):
-        raise ArgumentError(
-            "curve", units.toml_text(text), "forces with a unit", "factors keep direction and place of the loads"
-        )
-    return Course(tuple(np.linspace(low, high, points).tolist()), factors, direction, at)
+        allowed = "a direction or place only for forces with a unit, since factors keep direction and place of the loads"
+        raise ArgumentError("curve", units.toml_text(text), allowed, "leave out direction and place, or write forces")
+    return LoadRange(tuple(np.linspace(low, high, points).tolist()), factors, direction, at)
 
 
-def _direction_of_word(word: str) -> float:
-    """Return a station [m] from its text; ArgumentError for anything else."""
+def _axial_position(word: str) -> float:
+    """Convert a text such as ``"300mm"`` to an axial position [m]; ArgumentError if it is no length."""
     try:
         return units.parse_quantity(word, "length")
     except ValueError as error:
@@ -113,32 +117,34 @@ def _direction_of_word(word: str) -> float:
 
 @record(kw_only=True)
 class CurvePoint:
-    """Answers at one load of a load curve.
+    """Displacement, stiffness, largest contact load and friction torque at one load of a load curve.
 
-    A number is None if there is no equilibrium, or the displacement is not unique (within the lash): see ``status``.
+    A number is None if there is no equilibrium, or if the displacement is not unique because the load is zero and the nut
+    has backlash; `status` says which.
     """
 
-    load: float = quantity("load_N", "force along the curve's direction; of load factors that of the first load")
-    factor: float | None = quantity("load_factor", "factor on all loads of the scene, where the curve is over factors")
+    load: float = quantity("load_N", "force along the curve's direction; for load factors, the force of the first load")
+    factor: float | None = quantity("load_factor", "factor on all loads of the scene, if the curve is over load factors")
     displacement: float | None = quantity(
         "displacement_um",
-        "displacement of what takes the force, along it, from its place without loads (its nominal one where nothing is "
-        "pressed then)",
+        "displacement of the loaded point along the force, from its position without loads (without preload: from its "
+        "nominal position)",
         error="that of `displacement_um`",
     )
     stiffness: float | None = quantity(
         "stiffness_N_per_um",
-        "tangent of the curve: 0.1 % more load less 0.1 % less over what that moves, all that the scene leaves free moving",
+        "tangent of the curve: difference between 0.1 % more and 0.1 % less load, divided by the difference of the "
+        "displacements, with all degrees of freedom free that the scene leaves free",
         error="that of the rigidity",
     )
     largest: float | None = quantity("largest_load_N", "largest load of a contact or roller", error="as `loads.max_N`")
-    torque: float | None = quantity("friction_torque_Nmm", "friction torque, where the scene has a coefficient")
-    status: str = quantity("status", "converged, or why there is no such point")
+    torque: float | None = quantity("friction_torque_Nmm", "friction torque, if the scene has a coefficient of friction")
+    status: str = quantity("status", "converged, or the reason why this point has no values")
 
 
 @record(eq=False, repr=False, kw_only=True)
 class LoadCurve(Record):
-    """Displacement and stiffness of a scene over a range of loads, which replaces its loads.
+    """Displacement and stiffness of a scene over a range of loads that replace or scale its own loads.
 
     Examples
     --------
@@ -152,43 +158,48 @@ class LoadCurve(Record):
     model: str = quantity("model")
     member: int = quantity("member")
     direction: Vector = quantity("direction", "unit vector of the force", parts="[]")
-    at: str = quantity("at", "station of the screw or shaft, or housing, that takes the force and whose motion is given")
+    at: str = quantity(
+        "at", "axial position of the screw or shaft, or housing, on which the force acts and whose displacement is stated"
+    )
     lash: float | None = quantity(
         "lash_um",
-        "dead zone between the signs: limit of the displacement as a positive load vanishes less that as a negative one "
-        "does, so without any elastic part; 0 with preload",
-        error="about 1 nm, below which it is 0",
+        "backlash: difference of the displacements for a vanishing positive and a vanishing negative load, so without any "
+        "elastic part; 0 with preload",
+        error="about 1 nm; smaller values are set to 0",
     )
-    lash_words: str | None = quantity("lash_words", "why there is no lash")
+    lash_words: str | None = quantity("lash_words", "reason why no backlash can be computed")
     peak_to_peak: float | None = quantity(
         "peak_to_peak_um",
-        "displacement at the largest load less that at the least: lash and elastic part, as a test reads it",
+        "displacement at the largest load minus that at the smallest: backlash and elastic part, as a test measures them",
     )
     forward: float | None = quantity(
         "stiffness_above_N_per_um",
-        "stiffness outside the lash: the largest positive load over the displacement from the upper end of the lash",
+        "stiffness outside the backlash under positive loads: the largest load, divided by the displacement from the upper "
+        "end of the backlash",
         error="that of the rigidity",
     )
     backward: float | None = quantity(
-        "stiffness_below_N_per_um", "the same of the negative loads, from the lower end", error="that of the rigidity"
+        "stiffness_below_N_per_um",
+        "stiffness outside the backlash under negative loads, from the lower end of the backlash",
+        error="that of the rigidity",
     )
     points: tuple[CurvePoint, ...] = quantity("points")
     warnings: tuple[Warned, ...] = quantity("warnings")
-    """Warnings of the solutions at both ends of the curve."""
+    """Warnings about the solutions at the two ends of the curve."""
     assumed: tuple[str, ...] = quantity("assumed")
 
     @property
     def converged(self) -> bool:
-        """Whether there is an equilibrium at every load."""
+        """Whether an equilibrium was found at every load."""
         return all(p.largest is not None for p in self.points)
 
     @property
     def above(self) -> str:
-        """Text of the warnings that are shown above the answers; empty without such warnings."""
+        """Text of the warnings that are printed above the results; empty if there are none."""
         return warning_line(self.warnings)
 
     def to_dict(self) -> dict[str, JSON]:
-        """Return the JSON that ``rollbench solve --curve --json`` prints.
+        """Return the curve as a dictionary, as ``rollbench solve --curve --json`` prints it.
 
         Returns
         -------
@@ -200,7 +211,7 @@ class LoadCurve(Record):
 
 @dataclass(frozen=True)
 class _State:
-    """Solution of the scene at one load."""
+    """Solution of the scene at one load of the curve."""
 
     scene: Scene | Assembly
     result: StaticResult | AxisResult
@@ -210,40 +221,41 @@ class _State:
     largest: float = math.nan
 
 
-def load_curve(scene: Scene | Assembly, course: Course, model: str = "", options: Options | None = None) -> LoadCurve:
-    """Solve a scene over a range of loads, for displacement, stiffness and lash.
+def load_curve(scene: Scene | Assembly, course: LoadRange, model: str = "", options: Options | None = None) -> LoadCurve:
+    """Solve a scene over a range of loads, for displacement, stiffness and backlash.
 
-    Forces replace the scene's loads and act at the nut's centre (of several sets where its loads act) unless the course
-    gives a place. Factors multiply all its loads; the curve is then over the first of them.
+    Forces replace the scene's loads. They act at the nut's centre, or for several nuts or bearings on one shaft where the
+    scene's loads act, unless ``course`` states another place. Factors multiply all loads of the scene; the curve is then
+    plotted over the first of these loads.
 
     Parameters
     ----------
     scene
-        One load case.
+        Scene with one load case.
     course
         Range of loads.
     model
-        Name of the model; empty: the default.
+        Name of the model; if empty, the default model of the scene.
     options
         Options of the model.
 
     Returns
     -------
     LoadCurve
-        A point for each load, lash and stiffness outside it.
+        A point for each load, the backlash, and the stiffness outside the backlash.
 
     Raises
     ------
     rollbench.InputError
-        If the course does not fit the scene, or the model does not cover it.
+        If the range of loads does not fit the scene, or the model does not cover the scene.
 
     Notes
     -----
-    Near the first contact the displacement is u_0 + c F^(2/3) (Hertz). So the end of the lash is u_0 = (4 u(F/8) - u(F))/3
-    for a vanishing force F.
+    Near the first contact the displacement is u_0 + c F^(2/3) (Hertz). So the end of the backlash is
+    u_0 = (4 u(F/8) - u(F))/3 for a vanishing force F.
     """
     model, options = model or default_model(scene), replace(options or Options(), discretisation=False)
-    loaded, direction, at, unit = _load_course(scene, course)
+    loaded, direction, at, unit = _prepare_loading(scene, course)
 
     @cache
     def state(value: float) -> _State:
@@ -273,7 +285,7 @@ def load_curve(scene: Scene | Assembly, course: Course, model: str = "", options
     points = []
     for value in course.values:
         s, free = state(value), value == 0.0 and bool(lash)
-        status = "anywhere in the lash" if free else s.result.status
+        status = "anywhere in the lash" if free else s.result.status  # the displacement is not unique
         friction = None
         if isinstance(s.scene, Scene) and isinstance(s.result, StaticResult) and s.largest > 0.0:
             friction, _ = quick_friction(s.scene, s.result, options)
@@ -307,12 +319,16 @@ def load_curve(scene: Scene | Assembly, course: Course, model: str = "", options
     )
 
 
-def _load_course(
-    scene: Scene | Assembly, course: Course
+def _prepare_loading(
+    scene: Scene | Assembly, course: LoadRange
 ) -> tuple[Callable[[float], Scene | Assembly], Vector, float | str, float]:
-    """Return a function that loads the scene by a value, the force's direction and place, and the force [N] of 1."""
+    """Return a function that applies one load of the curve to the scene, and what that load is.
+
+    The further values are the direction of the force, its place (axial position [m] or housing), and the force [N] for a
+    load of 1, which is not 1 N if the loads are factors.
+    """
     several = isinstance(scene, Assembly)
-    at: float | str = _requested_scene(scene) if isinstance(scene, Assembly) else scene.nut.position
+    at: float | str = _default_loaded_point(scene) if isinstance(scene, Assembly) else scene.nut.position
     if course.factors:
         if isinstance(scene, Scene) and scene.loads:
             at = scene.loads[0].at
@@ -320,16 +336,15 @@ def _load_course(
         force = (given or [x.force for x in scene.loads] or [(0.0, 0.0, 0.0)])[0]
         size = float(np.linalg.norm(force))
         if not size:
-            raise ArgumentError(
-                "curve", "factors", "a scene whose first load is a force", "give forces, e.g. -3000N:3000N", scene.name
-            )
+            allowed = "factors only for a scene whose first load is a force"
+            raise ArgumentError("curve", "factors", allowed, "write forces, such as -3000N:3000N", scene.name)
         x, y, z = (f / size for f in force)
         return lambda value: scaled(scene, value), (x, y, z), at, size
     at = at if course.at is None else course.at
     housings = [h.name for h in scene.housings] if isinstance(scene, Assembly) else []
     if (at not in housings) if isinstance(at, str) else not 0.0 <= at <= scene.screw.length:
         allowed = ", ".join([f"0 mm to {1e3 * scene.screw.length:g} mm", *housings])
-        advice = f"give a station of the {'shaft, or a housing' if several else 'screw'}"
+        advice = f"state an axial position on the {'shaft, or a housing' if several else 'screw'}"
         raise ArgumentError("curve", at if isinstance(at, str) else f"{1e3 * at:g} mm", allowed, advice, scene.name)
 
     def loaded(value: float) -> Scene | Assembly:
@@ -344,29 +359,34 @@ def _load_course(
     return loaded, course.direction, at, 1.0
 
 
-def _requested_scene(assembly: Assembly) -> float | str:
-    """Return the station [m] or housing of interest of an assembly."""
-    from rollbench.lowfi.statics.axis.system import reported_location  # loads the solver of several sets
+def _default_loaded_point(assembly: Assembly) -> float | str:
+    """Return the axial position [m] or housing for which the scene asks the stiffness, or on which its first load acts."""
+    from rollbench.lowfi.statics.axis.system import reported_location  # imports the solver of several nuts and bearings
 
     return reported_location(assembly)
 
 
 def _motion_along_load(scene: Scene | Assembly, result: StaticResult | AxisResult, at: float | str) -> Any:
-    """Return the displacement (6,) [m, rad] of the station or housing on which the force acts."""
+    """Return the displacement (6,) [m, rad] of the axial position or housing ``at``, on which the force acts."""
     if isinstance(scene, Assembly) and isinstance(result, AxisResult):
         return displacement_of_interest(scene, result)
     return np.array([np.interp(float(at), result.centreline_z, u) for u in result.centreline.T])
 
 
 def _largest_load(loads: Any) -> float:
-    """Return the largest of some loads [N]; zero if there are none."""
+    """Return the largest of the contact loads in an array [N]; zero if it is empty."""
     return float(np.max(loads, initial=0.0))
 
 
-def _lash_of_curve(course: Course, moved: Callable[[float], float], top: float) -> tuple[tuple[float, float] | None, str]:
-    """Return the displacements [m] at both ends of the lash and an empty text; None and the reason if not defined."""
+def _lash_of_curve(
+    course: LoadRange, moved: Callable[[float], float], top: float
+) -> tuple[tuple[float, float] | None, str]:
+    """Return the displacements [m] at both ends of the backlash, and an empty text; None and the reason if not defined.
+
+    ``moved``: function that returns the displacement [m] under a load. ``top``: largest absolute load.
+    """
     if not course.values[0] < 0.0 < course.values[-1]:
-        return None, "the loads have one sign"
+        return None, "all loads have the same sign"
     ends, rough = [], 0.0
     for sign in (-1.0, 1.0):
         force = sign * VANISHING * top
@@ -381,6 +401,9 @@ def _lash_of_curve(course: Course, moved: Callable[[float], float], top: float) 
 
 
 def _chord_stiffness(end: CurvePoint, edge: float) -> float | None:
-    """Return the stiffness [N/m] from the end of the lash (``edge`` [m]) to the curve's end; None if not solved."""
+    """Return the secant stiffness [N/m] from the end of the backlash, at the displacement ``edge`` [m], to the curve's end.
+
+    None if there is no equilibrium at the curve's end.
+    """
     moved = None if end.displacement is None else end.displacement - edge
     return end.load / moved if moved else None

@@ -1,7 +1,7 @@
-"""The answers of a solved scene as rows of one table: quantity, value, unit, error to expect, note.
+"""Table of the results of a solved scene, with the columns quantity, value, unit, error to expect, and note.
 
-Name, unit, digits, error and note are given at the record field that defines the quantity. Terminal, page, notebook and
-manual show these rows.
+The field of a record that defines a quantity also states its name, unit, digits, error and note. The terminal, the HTML
+page, notebooks and the manual show the same table.
 """
 
 from __future__ import annotations
@@ -22,9 +22,9 @@ from rollbench.compare.results.scene_json import (
     LoadSums,
     RollerSums,
     answers_json,
+    axis_summary_json,
     set_json,
     together_json,
-    whole_json,
 )
 from rollbench.lowfi.bearings.rib import RibContact
 from rollbench.lowfi.bearings.roller_torque import RollerTorque
@@ -38,8 +38,8 @@ from rollbench.lowfi.rating.shaft import ShaftLimits
 from rollbench.meshes.one_arc import Clearance
 from rollbench.meshes.quantity import Stated, stated_in
 
-#: Tables of a summary in the order of the rows, and the record that defines their quantities. Of two records for a
-#: table, the record whose first key the table contains is used.
+#: Groups of a JSON summary, in the order of the table's rows, each with the record that defines its quantities. If a group
+#: has two records, that one is used whose first key the group contains.
 GROUPS: tuple[tuple[str, type], ...] = (
     ("", CycleResults),
     ("loads", LoadSums),
@@ -67,12 +67,13 @@ GROUPS: tuple[tuple[str, type], ...] = (
     ("ratings", Ratings),
     ("shaft", ShaftLimits),
 )
-#: Fields of the errors that are in per cent of the mean contact load.
+#: Fields of `ModelForm` with expected errors in per cent of the mean contact load.
 OF_MEAN = ("percent", "rms_percent")
-UNKNOWN = "the scene does not solve without its loads"
-#: Tables in the summary of several sets that describe the whole shaft.
+#: Note on a preload that is not known.
+UNKNOWN = "no equilibrium was found without the scene's loads"
+#: Groups of the summary of several nuts or bearings that describe the whole shaft.
 OF_ALL = ("axial", "drive", "axis_life")
-#: Columns of the table of sets: group of a set's summary, its key, heading.
+#: Columns of the table of nuts and bearings: group in the summary of one, key in this group, heading.
 OF_SETS = (
     ("loads", "max_N", "largest load N"),
     ("worst_contact", "pressure_MPa", "peak MPa"),
@@ -86,28 +87,29 @@ OF_SETS = (
 
 
 def answer_rows(one: Solved | SolvedAxis, *, details: bool = False) -> list[Row]:
-    """Return the table rows of a solved scene.
+    """Return the rows of the table of results of a solved scene.
 
-    For several sets on a shaft these are the rows of the whole, then those of the set with the worst contact.
+    For several nuts or bearings on a shaft, the rows of the whole shaft come first, then those of the one with the worst
+    contact.
 
     Parameters
     ----------
     one
         The solved scene.
     details
-        Whether to include quantities that a designer seldom asks for.
+        Whether to include quantities that a designer seldom needs.
 
     Returns
     -------
     list[Row]
-        The rows; empty without answers.
+        The rows; empty if there is no equilibrium.
     """
     if one.answers is None:
         return []
     supports = _support_rows(one.answers.path)
     if isinstance(one, Solved):
         return [*summary_rows(answers_json(one), one.expected, details=details), *supports]
-    data = whole_json(one)
+    data = axis_summary_json(one)
     whole = {key: data.pop(key) for key in OF_ALL if key in data}
     names = [one.answers.sets[i].name for i in one.answers.by_pressure[:1]]
     worst = summary_rows(data, details=details) if names else []
@@ -116,16 +118,16 @@ def answer_rows(one: Solved | SolvedAxis, *, details: bool = False) -> list[Row]
 
 
 def summary_rows(data: Mapping[str, Any], worth: ModelForm | None = None, *, details: bool = False) -> list[Row]:
-    """Return the table rows for the quantities in a JSON summary.
+    """Return the rows of the table of results for the quantities in a JSON summary.
 
     Parameters
     ----------
     data
-        The summary, as in the JSON.
+        The JSON summary of a scene.
     worth
-        Errors to expect of its values; None: not known.
+        Errors to expect of the values; None if they are not known.
     details
-        Whether to include quantities that a designer seldom asks for.
+        Whether to include quantities that a designer seldom needs.
 
     Returns
     -------
@@ -147,21 +149,21 @@ def summary_rows(data: Mapping[str, Any], worth: ModelForm | None = None, *, det
 def compared_rows(
     data: Mapping[str, Any], reference: Mapping[str, Any], worth: ModelForm | None
 ) -> Iterator[tuple[str, str, str, str, str, str]]:
-    """Yield table rows for the quantities that both the model's and the reference's summary contain.
+    """Yield a table row for each quantity that the JSON summaries of both the model and the reference contain.
 
     Parameters
     ----------
     data
-        Summary of the model, as in the JSON.
+        JSON summary of the model.
     reference
-        Summary of the reference, as in the JSON.
+        JSON summary of the reference.
     worth
-        Errors to expect of the model; None: not known.
+        Errors to expect of the model; None if they are not known.
 
     Yields
     ------
     tuple[str, str, str, str, str, str]
-        Name, value of the model, value of the reference, unit, difference [%], and the error that was to be expected.
+        Name, value of the model, value of the reference, unit, difference [%], and the error that was expected.
     """
     theirs = {(kind, key): _value_at(table, key) for kind, table, stated in _tables_by_name(reference) for key, _ in stated}
     mean = (data.get("loads") or {}).get("mean_N")
@@ -175,7 +177,7 @@ def compared_rows(
 
 
 def _tables_by_name(data: Mapping[str, Any]) -> Iterator[tuple[type, Mapping[str, Any], list[tuple[str, Stated]]]]:
-    """Yield, for each group, its record, its table in the summary (empty if missing), and its quantities by key."""
+    """Yield for each of `GROUPS` its record, its values in the summary (empty if missing), and its quantities by key."""
     for group, kind in GROUPS:
         table = data.get(group) if group else data
         stated = [(x.key.removeprefix("torque."), x) for _, x in stated_in(kind)]
@@ -186,13 +188,13 @@ def _tables_by_name(data: Mapping[str, Any]) -> Iterator[tuple[type, Mapping[str
 
 
 def _name_of_table(x: Stated) -> tuple[str, str]:
-    """Return name and unit of a quantity as shown in tables."""
+    """Return the name and the unit of a quantity as the tables show them."""
     name, unit = heading_of(x)
     return name, unit.replace("million revolutions", "1e6 rev")
 
 
 def _value_at(table: Mapping[str, Any], key: str) -> Any:
-    """Return the value at a key, whose dots lead into inner tables; an ellipsis if there is no such key."""
+    """Return the value at a key; a dot in the key leads into an inner table. Returns ... if there is no such key."""
     value: Any = table
     for name in key.split("."):
         value = value.get(name, ...) if isinstance(value, Mapping) else ...
@@ -200,7 +202,7 @@ def _value_at(table: Mapping[str, Any], key: str) -> Any:
 
 
 def _answer_row(table: Mapping[str, Any], key: str, x: Stated, worth: ModelForm | None, mean: float | None) -> Row | None:
-    """Return the table row of one quantity; None if it has no value that a row can show."""
+    """Return the table row of the quantity ``x``, whose value is at ``key``; None if a row cannot show its value."""
     value = _value_at(table, key)
     if value in (None, ..., ""):
         return None
@@ -221,7 +223,10 @@ def _answer_row(table: Mapping[str, Any], key: str, x: Stated, worth: ModelForm 
 def _expected_error(
     value: float, expected: tuple[str, float], worth: ModelForm | None, mean: float | None
 ) -> tuple[float | None, str]:
-    """Return the expected error of a value, in the unit of the value and in words; None and empty text if not known."""
+    """Return the expected error of a value, in its unit and as text in per cent; None and an empty text if not known.
+
+    ``expected``: field of `ModelForm` with the error, and the factor on it. ``mean``: mean contact load [N].
+    """
     field, times = expected
     percent = getattr(worth, field) if worth is not None and field else None
     if percent is None:
@@ -232,7 +237,7 @@ def _expected_error(
 
 
 def _note_from_template(table: Mapping[str, Any], template: str) -> str:
-    """Return a note with the values of its table filled in; empty if one of them is not known."""
+    """Return a note whose placeholders are replaced by values of the table; empty if one of them has no value."""
     known = {key: shown(x) if isinstance(x, float) else x for key, x in table.items() if x is not None}
     values = {key: x.rstrip("0").rstrip(".") if isinstance(x, str) and "." in x else x for key, x in known.items()}
     try:
@@ -242,12 +247,12 @@ def _note_from_template(table: Mapping[str, Any], template: str) -> str:
 
 
 def _reasons_without_value(data: Mapping[str, Any], kind: type) -> Iterator[Row]:
-    """Yield rows that explain why quantities of a record (``kind``) have no value."""
+    """Yield rows that state why the quantities of the record class ``kind`` have no value."""
     preload, lost, drive = (data.get(key) or {} for key in ("preload", "contact_lost", "drive"))
     if kind is LoadSums and "loads" in data and data["loads"] is None:
         yield Row("contact loads", "none", note="no contact carries load")
     elif kind is Rigidities and (words := (data.get("axial") or {}).get("tangent_words")):
-        yield Row("axial rigidity, tangent", "none", note=f"no tangent: {words}")
+        yield Row("axial rigidity, tangent", "none", note=words)
     elif kind is Preload and "preload" in data and not preload.get("loaded_contacts"):
         known = "without the loads"
         yield Row("preload", "none" if preload else "not known", note=known if preload else UNKNOWN)
@@ -263,7 +268,7 @@ def _reasons_without_value(data: Mapping[str, Any], kind: type) -> Iterator[Row]
 
 
 def _support_rows(path: LoadPath | None) -> Iterator[Row]:
-    """Yield a row for each support and each load component of which it takes a part."""
+    """Yield a row for each support and each component of the external load of which the support carries a part."""
     if path is None:
         return
     for taker in path.takers:
@@ -274,7 +279,7 @@ def _support_rows(path: LoadPath | None) -> Iterator[Row]:
 
 
 def set_rows(one: SolvedAxis) -> list[dict[str, Any]]:
-    """Return one row for each set on a shaft: name, position, axial force, rigidity and the answers of `OF_SETS`.
+    """Return a row for each nut or bearing on a shaft: name, position, axial force, rigidity and the columns `OF_SETS`.
 
     Parameters
     ----------
@@ -284,7 +289,7 @@ def set_rows(one: SolvedAxis) -> list[dict[str, Any]]:
     Returns
     -------
     list[dict[str, Any]]
-        Texts of each row by their headings, without columns that have no value; empty without answers.
+        Texts of each row, by their headings. Columns without any value are left out. Empty if there is no equilibrium.
     """
     if one.answers is None:
         return []
@@ -301,12 +306,12 @@ def set_rows(one: SolvedAxis) -> list[dict[str, Any]]:
 
 
 def friction_rows(data: Mapping[str, Any]) -> list[Row]:
-    """Return the rows of an answer of ``rollbench friction`` for a whole screw or bearing, or for several sets.
+    """Return the table rows of the friction of a whole screw or bearing, or of several nuts or bearings on one shaft.
 
     Parameters
     ----------
     data
-        JSON of the answer.
+        JSON that ``rollbench friction`` prints.
 
     Returns
     -------
@@ -325,7 +330,7 @@ def together_rows(whole: CycleResults) -> list[Row]:
     Parameters
     ----------
     whole
-        Results of all load cases; for several sets the life is the shortest of them.
+        Extremes and lives over all load cases; with several nuts or bearings, the shortest of their lives is shown.
 
     Returns
     -------
@@ -345,7 +350,7 @@ def expected_words(worth: ModelForm | None) -> str:
     Parameters
     ----------
     worth
-        The errors to expect; None for several sets on one shaft, where they are not known.
+        The errors to expect; None for several nuts or bearings on one shaft, where they are not known.
 
     Returns
     -------
@@ -353,10 +358,11 @@ def expected_words(worth: ModelForm | None) -> str:
         The sentence, without a full stop.
     """
     if worth is None:
-        return "error to expect: not known of several sets on one shaft; measure it: rollbench compare SCENE"
+        unknown = "not known for several nuts or bearings on one shaft"
+        return f"error to expect: {unknown}; measure it by: rollbench compare SCENE"
     if worth.percent is None:
-        away = f" (nearest {worth.nearest})" if worth.nearest else ""
+        away = f" (most similar scene: {worth.nearest})" if worth.nearest else ""
         return f"error to expect: not covered by the comparisons with the 3D reference{away}; {'; '.join(worth.words)}"
-    of = f"{worth.compared} scene{'s' * (worth.compared != 1)} like it"
-    words = f"nine of ten of {of} were within, nearest {worth.nearest}; {'; '.join(worth.words)}"
-    return f"error to expect: {words}; measure it: rollbench compare SCENE"
+    of = f"{worth.compared} similar scene{'s' * (worth.compared != 1)}"
+    words = f"in nine of ten of {of} the error was smaller, most similar: {worth.nearest}; {'; '.join(worth.words)}"
+    return f"error to expect: {words}; measure it by: rollbench compare SCENE"

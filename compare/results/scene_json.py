@@ -1,4 +1,4 @@
-"""JSON of a solved scene, of one set or several, and of the load cases of a duty cycle."""
+"""Conversion of solved scenes, and of the load cases of a duty cycle, to the JSON that ``rollbench solve`` prints."""
 
 from __future__ import annotations
 
@@ -33,43 +33,45 @@ if TYPE_CHECKING:
     from rollbench.compare.models.answers import SetAnswers
     from rollbench.lowfi.bearings.torque import LoadTorque
 
-#: Keys of a set's summary that are not repeated in the summary of the whole shaft.
+#: Keys in the summary of a nut or bearing that are not repeated in the summary of the whole shaft.
 OF_A_SET = ("sides", "preload", "starting_torque", "bearing_torque", "clearance", "roller_torque")
-#: Friction force [N] for whose reversal lost motion is given.
+#: Friction force [N] whose reversal causes the lost motion that is printed.
 LOST_BY = 100.0
 
 
 def per_side(row: Array) -> dict[str, float | None]:
-    """Return four values by the names of the flanks."""
+    """Return four values as a dictionary, by the names of the groove flanks SL, SR, NL, NR."""
     return {side: number(value) for side, value in zip(SIDES, row, strict=True)}
 
 
 @record
 class BallRow:
-    """One ball: position, and load, contact angle and pressure on its four flanks (4,), in SI."""
+    """Position of one ball, and its load, contact angle and pressure on the four groove flanks, (4,) each, in SI units."""
 
     index: int = quantity("index", "number of the ball along its track, from 1")
-    azimuth: float = quantity("azimuth_deg", "nominal azimuth of the ball, from x to y; it goes on over turns")
-    z: float = quantity("z_mm", "nominal station of the ball's centre along the screw")
+    azimuth: float = quantity(
+        "azimuth_deg", "nominal azimuth of the ball, from x to y; it keeps increasing after each turn of the helix"
+    )
+    z: float = quantity("z_mm", "nominal axial position of the ball's centre along the screw")
     load: Array = quantity(
         "load_N",
-        "contact load of this ball on this flank; 0 where it does not touch",
+        "contact load of this ball on this flank; 0 without contact",
         error="model form: `model_form`; measured: `compare`",
         parts=".FLANK",
         show=per_side,
     )
     angle: Array = quantity(
         "contact_angle_deg",
-        "angle of the contact normal to the radius, in the plane of axis and radius, at the solved place of the ball; null "
-        "without load",
-        error="of the order of the approach over the groove's excess radius",
+        "angle between the contact normal and the radial direction, in the axial plane through the ball's solved position; "
+        "null without load",
+        error="of the order of the elastic approach divided by the groove's excess radius",
         parts=".FLANK",
         show=per_side,
     )
     pressure: Array = quantity(
         "pressure_MPa",
-        "largest pressure of this contact, by Hertz from the load and the radii with their errors, or as the model gives "
-        "it; 0 where it does not touch",
+        "largest pressure of this contact, from the load and the radii with their errors by Hertz's theory, or as the "
+        "model gives it; 0 without contact",
         error="a third of that of the load",
         parts=".FLANK",
         show=per_side,
@@ -78,20 +80,20 @@ class BallRow:
 
 @record
 class RollerRowAnswer:
-    """One roller of a row: azimuth [rad], load [N], largest load per length [N/m], largest pressure [Pa] by race."""
+    """Azimuth [rad], load [N], largest load per length [N/m] and largest pressure [Pa] on each race, for one roller."""
 
     index: int = quantity("index", "number of the roller in its row, from 1")
     azimuth: float = quantity("azimuth_deg", "azimuth of the roller, from x to y")
     load: float = quantity("load_N", "load of the roller on either race", error="not compared with a 3D model")
     line_load: float = quantity(
         "largest_line_load_N_mm",
-        "largest load per length along the roller, of equal slices",
-        error="of the slices' model: without what the ends of straight rollers add",
+        "largest load per length of any of the equal slices into which the roller is divided",
+        error="that of the slice model, which neglects the stress concentration at the ends of straight rollers",
     )
     pressure: dict[str, float] = quantity(
         "pressure_MPa",
-        "largest pressure along the roller on inner and outer race, sqrt(q E*/(pi R)) of line load q and relative radius R "
-        "at each slice",
+        "largest pressure along the roller on inner and outer race, from sqrt(q E*/(pi R)) with the line load q and the "
+        "relative radius R of each slice",
         error="half that of the line load",
         parts=".*",
     )
@@ -99,10 +101,10 @@ class RollerRowAnswer:
 
 @record
 class LoadSums:
-    """Summary of contact loads: most loaded ball and flank, mean and extremes [N], numbers of contacts."""
+    """Summary of the contact loads of balls: largest, mean and smallest load [N], worst contact, numbers of contacts."""
 
-    ball: int = quantity("worst_ball", "ball of the largest contact load")
-    side: str = quantity("worst_side", "its flank")
+    ball: int = quantity("worst_ball", "number of the ball with the largest contact load")
+    side: str = quantity("worst_side", "groove flank with the largest contact load")
     largest: float = quantity(
         "max_N",
         "largest contact load",
@@ -113,7 +115,8 @@ class LoadSums:
     )
     mean: float = quantity(
         "mean_N",
-        "mean contact load: the sum of the loads over the number of contacts that the screw without geometric errors loads",
+        "mean contact load: sum of the loads, divided by the number of contacts that are loaded in the screw without "
+        "geometric errors",
         error="small: equilibrium fixes the sum",
         heading="mean contact load",
     )
@@ -125,77 +128,83 @@ class LoadSums:
         expected=("percent", 1.0),
         note="of {loaded_contacts} loaded",
     )
-    loaded: int = quantity("loaded_contacts", "contacts with load")
-    in_mean: int = quantity("contacts_in_mean", "contacts over which the mean is taken")
-    unloaded: int = quantity("balls_without_load", "balls without any load", heading="balls without load")
+    loaded: int = quantity("loaded_contacts", "number of loaded contacts")
+    in_mean: int = quantity("contacts_in_mean", "number of contacts by which the sum of the loads is divided for the mean")
+    unloaded: int = quantity("balls_without_load", "number of balls without any load", heading="balls without load")
 
 
 @record
 class RollerSums:
-    """Summary of the loads of a row of rollers: most loaded roller, mean and extremes [N], numbers of rollers."""
+    """Summary of the loads of a row of rollers: largest, mean and smallest load [N], worst roller, numbers of rollers."""
 
     roller: int = quantity(
         "worst_roller",
-        "roller of the largest load; of a row of rollers the numbers of this table are those of rollers, each with one "
-        "load on both races",
+        "number of the roller with the largest load; for a row of rollers this table counts rollers instead of contacts, "
+        "since each roller has the same load on both races",
     )
     largest: float = quantity("max_N", heading="largest roller load", note="roller {worst_roller}")
     mean: float = quantity("mean_N", heading="mean roller load")
     least: float = quantity("min_N", heading="smallest roller load", note="of {loaded_contacts} loaded")
     loaded: int = quantity("loaded_contacts")
-    unloaded: int = quantity("rollers_without_load", "rollers without any load", heading="rollers without load")
+    unloaded: int = quantity("rollers_without_load", "number of rollers without any load", heading="rollers without load")
 
 
 @record
 class SideSums:
-    """Summary of the contact loads on one flank: extremes [N], ratio, numbers of contacts."""
+    """Summary of the contact loads on one groove flank: largest and smallest load [N], their ratio, numbers of contacts."""
 
     largest: float = quantity("max_N", "largest load on this flank", error="as `loads.max_N`")
     least: float = quantity("min_N", "smallest load of a loaded contact on this flank", error="as `loads.min_N`")
     ratio: float = quantity(
-        "ratio", "largest over smallest load on this flank", error="both loads' errors, opposite in sign at worst"
+        "ratio",
+        "largest load on this flank, divided by the smallest",
+        error="that of both loads; in the worst case their errors have opposite signs",
     )
-    loaded: int = quantity("loaded", "loaded contacts on this flank")
-    lost: int = quantity("lost", "contacts of a loaded flank that carry nothing")
+    loaded: int = quantity("loaded", "number of loaded contacts on this flank")
+    lost: int = quantity("lost", "number of contacts on this flank that carry no load")
 
 
 @record
 class Axial:
-    """Axial force [N], displacement [m], rigidities [N/m], and why there is no tangent stiffness."""
+    """Axial force [N], displacement [m] and rigidities [N/m] of a scene, and the reason if it has no tangent stiffness."""
 
     force: float = quantity(
         "force_N",
-        "axial force on the screw, as loads and reactions give it; positive towards larger z",
+        "axial force on the screw, from the external loads and the reactions; positive towards larger z",
         heading="axial force",
     )
     displacement: float | None = quantity(
         "displacement_um",
-        "axial displacement of the screw at the nut's centre (at the loaded section of an axis) against the same scene "
-        "without its loads",
+        "axial displacement of the screw at the nut's centre (of an axis: at its loaded cross-section), relative to the "
+        "same scene without external loads",
         error="`model_form.displacement_percent`",
         heading="axial displacement",
         expected=("displacement_percent", 1.0),
     )
     rigidity: float | None = quantity(
         "rigidity_N_per_um",
-        "secant: axial force over axial displacement",
+        "secant stiffness: axial force divided by axial displacement",
         error="that of the displacement",
         heading="axial rigidity, secant",
         expected=("displacement_percent", 1.0),
     )
     tangent: float | None = quantity(
         "tangent_N_per_um",
-        "tangent: change of axial force over change of displacement at the solution, other freedoms free",
+        "tangent stiffness: derivative of the axial force with respect to the axial displacement at the solution, with the "
+        "other degrees of freedom free",
         error="`model_form.rigidity_percent`",
         heading="axial rigidity, tangent",
         expected=("rigidity_percent", 1.0),
         default=None,
     )
-    words: str = quantity("tangent_words", "why there is no tangent", show=lambda words: words or None, default="")
+    words: str = quantity(
+        "tangent_words", "reason why there is no tangent stiffness", show=lambda words: words or None, default=""
+    )
     stepped: float | None = quantity(
         "stepped_N_per_um",
-        "stiffness of the model liu over ingredients.load_step, at the first loaded ball (Liu's 19 to 22)",
-        error="the model is not covered by comparisons",
+        "stiffness by the model liu over the load step `ingredients.load_step`, at the first loaded ball (Liu, equations "
+        "19 to 22)",
+        error="not known: the model has not been compared with the 3D reference",
         heading="rigidity over the load step",
         default=None,
     )
@@ -203,25 +212,25 @@ class Axial:
     @property
     @Stated(
         "lost_motion_um_per_100N",
-        "axial displacement when 100 N change sign, 2 x 100 N over the tangent at rest",
+        "axial displacement when a friction force of 100 N reverses: 2 x 100 N divided by the tangent stiffness at rest",
         heading="lost motion, um by 100 N",
     )
     def lost_motion(self) -> float | None:
-        """Axial displacement [um] when a friction force of 100 N reverses; None without tangent."""
+        """Axial displacement [um] when a friction force of 100 N reverses; None without tangent stiffness."""
         return None if self.tangent is None or self.tangent <= 0.0 else 1e6 * (2.0 * LOST_BY / self.tangent)
 
 
 @record
 class StiffnessAt:
-    """Stiffness (6, 6) [N/m, N/rad, N m/rad] at a station [m]; nan where a freedom is fixed."""
+    """Tangent stiffness (6, 6) [N/m, N/rad, N m/rad] at an axial position [m]; nan in fixed degrees of freedom."""
 
-    station: float | None = quantity("station_mm", "station at which the 6 x 6 stiffness is taken")
+    station: float | None = quantity("station_mm", "axial position on the shaft at which the 6 x 6 stiffness is taken")
     status: str = quantity("status")
     freedoms: tuple[str, ...] = quantity("freedoms")
     matrix: Array = quantity(
         "matrix",
-        "row by row: change of force [N] and moment [N m] for a unit displacement [m] or rotation [rad] at the station, "
-        "against the held nut; null for a freedom that a support holds",
+        "row by row: change of force [N] and moment [N m] for a unit displacement [m] or rotation [rad] of the shaft at "
+        "this position, with the nut fixed; null in degrees of freedom that a support fixes",
         error="`model_form.rigidity_percent`, on its axial term",
         parts="[][]",
     )
@@ -229,20 +238,20 @@ class StiffnessAt:
 
 @record
 class CentrelinePoint:
-    """Station [m] of the screw's axis, and its displacement (6,)."""
+    """A point of the screw's axis: its axial position [m] and its displacement, (6,) [m, rad]."""
 
-    z: float = quantity("z_mm", "station of the screw's axis")
+    z: float = quantity("z_mm", "axial position of a point on the screw's axis")
     motion: Array = quantity(
         "ux_um",
-        "displacement of the axis there, along x",
-        Stated("uy_um", "along y", show=lambda motion: motion[1]),
-        Stated("uz_um", "along z", show=lambda motion: motion[2]),
+        "displacement of this point along x",
+        Stated("uy_um", "displacement of this point along y", show=lambda motion: motion[1]),
+        Stated("uz_um", "displacement of this point along z", show=lambda motion: motion[2]),
         show=lambda motion: motion[0],
     )
 
 
 def sides_json(load: Array) -> dict[str, Any]:
-    """Return, by loaded flank, largest and smallest load [N], their ratio, numbers of loaded and unloaded balls."""
+    """Return the `SideSums` of every groove flank with a loaded contact as JSON; ``load``: contact loads (n, 4) [N]."""
     out = {}
     for side, values in zip(SIDES, load.T, strict=True):
         loaded = values[values > 0.0]
@@ -253,9 +262,10 @@ def sides_json(load: Array) -> dict[str, Any]:
 
 
 def loads_json(load: Array, contacts: int = 0) -> dict[str, Any] | None:
-    """Return the summary of contact loads (n, 4) [N] as JSON (`LoadSums`); None without load.
+    """Return the summary of the contact loads of balls as JSON (`LoadSums`); None if no contact is loaded.
 
-    ``contacts``: number in the mean load, see `meshes.loads.mean_load`.
+    ``load``: contact loads, (n, 4) [N]. ``contacts``: number by which their sum is divided for the mean load, see
+    `meshes.loads.mean_load`.
     """
     loaded = load > 0.0
     if not loaded.any():
@@ -267,8 +277,8 @@ def loads_json(load: Array, contacts: int = 0) -> dict[str, Any] | None:
     return as_json(LoadSums(int(i) + 1, SIDES[int(s)], *ends, int(carried.size), count_contacts(load, contacts), empty))
 
 
-def roller_loads(load: Array) -> dict[str, Any] | None:
-    """Return the summary of a row's roller loads (count,) [N] as JSON (`RollerSums`); None without load."""
+def roller_loads_json(load: Array) -> dict[str, Any] | None:
+    """Return the summary of the loads (count,) [N] of a row of rollers as JSON (`RollerSums`); None if all are zero."""
     carried = load[load > 0.0]
     if not carried.size:
         return None
@@ -277,18 +287,18 @@ def roller_loads(load: Array) -> dict[str, Any] | None:
 
 
 def stiffness_json(station: float | None, status: str, matrix: Array) -> dict[str, Any] | None:
-    """Return a stiffness (6, 6) [N/m, N/rad, N m/rad] at a station [m] as JSON; null where a freedom is fixed."""
+    """Return a stiffness (6, 6) [N/m, N/rad, N m/rad] at an axial position [m] as JSON; null in fixed freedoms."""
     return as_json(StiffnessAt(station, str(status), FREEDOMS, matrix))
 
 
 def life_json(life: Life | None, speed: float | None) -> dict[str, Any] | None:
-    """Return a life as JSON, also in hours if a speed [rad/s] is known; None without life."""
+    """Return a rating life as JSON, also in hours if the speed [rad/s] is known; None if there is no life."""
     data = as_json(life)
     return data | {"L10_hours": number(life.hours(speed))} if data is not None and life and speed else data
 
 
 def contacts_json(answers: LoadAnswers | RollerAnswers, motion: Motion | None = None) -> dict[str, Any]:
-    """Return the JSON of worst contact, truncation (balls), static safety, life and ratings; null if missing."""
+    """Return worst contact, static safety, life, load ratings and (for balls) ellipse truncation as JSON."""
     if isinstance(answers, RollerAnswers):
         safety = as_json(answers.safety, "permanent_over_diameter", "allowed_over_diameter")
         data = (as_json(answers) or {}) | {"static_safety": safety, "rating_refused": None}
@@ -298,7 +308,10 @@ def contacts_json(answers: LoadAnswers | RollerAnswers, motion: Motion | None = 
 
 
 def answers_json(one: Solved) -> dict[str, Any]:
-    """Return all answers of one set: forces in N, displacements in um, rigidities in N/um; empty without equilibrium."""
+    """Return all results of a single nut or bearing as JSON, which is empty if there is no equilibrium.
+
+    Forces are in N, displacements in um, rigidities in N/um.
+    """
     scene, answers = one.scene, one.answers
     if answers is None:
         return {}
@@ -322,9 +335,9 @@ def answers_json(one: Solved) -> dict[str, Any]:
 
 
 def torque_by_palmgren(parts: Scene, thrust: float) -> LoadTorque:
-    """Return the load-dependent friction torque of a bearing under a thrust [N] by Palmgren (Smith 2.33 to 2.38).
+    """Return the load-dependent friction torque of a ball bearing by Palmgren's formula (Smith, equations 2.33 to 2.38).
 
-    The formula is for contact angles of about 60 deg.
+    ``thrust`` is the axial load [N]. The formula is for contact angles of about 60 deg.
     """
     from rollbench.lowfi.bearings.torque import load_torque, static_rating
     from rollbench.lowfi.statics.contacts import nominal_curvatures
@@ -335,8 +348,8 @@ def torque_by_palmgren(parts: Scene, thrust: float) -> LoadTorque:
     return load_torque(abs(thrust), 0.0, 2.0 * track.pitch_radius, rated)
 
 
-def starting_torque(s: SetResult, answers: SetAnswers) -> dict[str, Any] | None:
-    """Return the starting torque of a preloaded ball bearing that carries thrust one way; None for others."""
+def starting_torque_json(s: SetResult, answers: SetAnswers) -> dict[str, Any] | None:
+    """Return the starting torque of a preloaded ball bearing as JSON; None unless it carries thrust in one direction."""
     parts, preload = answers.parts, answers.preload
     one_way = s.of.kind == "bearing" and s.of.thrust in ("+z", "-z")
     if not isinstance(parts, Scene) or not one_way or not (preload and preload.axial):
@@ -345,30 +358,34 @@ def starting_torque(s: SetResult, answers: SetAnswers) -> dict[str, Any] | None:
 
 
 def set_json(s: SetResult, answers: SetAnswers | None, motion: Motion | None) -> dict[str, Any]:
-    """Return the JSON summary of one of several sets, of balls or rollers; empty without equilibrium."""
+    """Return the JSON summary of one nut or bearing out of several on a shaft; empty without equilibrium."""
     if not np.isfinite(s.loads).all():
         return {}
     data: dict[str, Any] = {} if s.balls is None else {"sides": sides_json(s.balls.load)}
     if answers is None:
         return data
-    loads = roller_loads(s.loads) if s.balls is None else loads_json(s.balls.load)
+    loads = roller_loads_json(s.loads) if s.balls is None else loads_json(s.balls.load)
     data |= {"loads": loads, **contacts_json(answers.loads, motion), "preload": as_json(answers.preload)}
     if not isinstance(answers.parts, Scene):
         return data
     data["clearance"] = as_json(clearance_of_deep_groove(answers.parts, s.of.thrust))
     data |= {} if answers.parts.track.lead else {"bearing_torque": as_json(answers.torque)}
-    return data | {"starting_torque": starting_torque(s, answers)}
+    return data | {"starting_torque": starting_torque_json(s, answers)}
 
 
-def whole_stiffness(result: AxisResult) -> dict[str, Any] | None:
-    """Return the stiffness of a shaft with several sets as JSON, with the keys used for one set; None without."""
+def axis_stiffness_json(result: AxisResult) -> dict[str, Any] | None:
+    """Return the stiffness of a shaft with several nuts or bearings as JSON; None if it was not computed."""
     if result.stiffness is None:
         return None
     return {"at": result.stiffness_at, **(stiffness_json(result.station, result.status, result.stiffness) or {})}
 
 
-def whole_json(one: SolvedAxis) -> dict[str, Any]:
-    """Return the JSON summary of several sets: flanks, axial answers, values of the set with the worst contact."""
+def axis_summary_json(one: SolvedAxis) -> dict[str, Any]:
+    """Return the JSON summary of several nuts or bearings on one shaft.
+
+    The summary has the loads on each groove flank, the axial force, displacement and rigidities, and the results of the nut
+    or bearing that has the worst contact.
+    """
     result, answers = one.result, one.answers
     if not result.converged:
         return {}
@@ -379,7 +396,7 @@ def whole_json(one: SolvedAxis) -> dict[str, Any]:
     moved, tangent = answers.displacement, None if result.stiffness is None else result.stiffness[2, 2]
     secant = answers.force / moved if moved and answers.force else None
     data["axial"] = as_json(Axial(answers.force, moved, secant, tangent), "tangent_words", "stepped_N_per_um")
-    data["stiffness"] = whole_stiffness(result)
+    data["stiffness"] = axis_stiffness_json(result)
     data["load_path"] = as_json(answers.path)
     data |= {"drive": as_json(one.drive), "axis_life": as_json(one.life)}
     if k := answers.worst_set:
@@ -389,16 +406,17 @@ def whole_json(one: SolvedAxis) -> dict[str, Any]:
 
 
 def case_json(one: Solved | SolvedAxis, tangent: Tangent | None = None) -> dict[str, Any]:
-    """Return a solved scene as JSON: angles in deg, stations in mm, displacements in um, forces in N.
+    """Return a solved scene as JSON: angles in deg, axial positions in mm, displacements in um, forces in N.
 
-    With several sets, each row of a ball or roller names its set, and the summary of each set is in ``sets``.
+    With several nuts or bearings on one shaft, each row of a ball or roller has the number of its nut or bearing, and
+    ``sets`` has a summary of each.
 
     Parameters
     ----------
     one
         The solution.
     tangent
-        Stiffness at a station, if it was asked for.
+        Stiffness at the axial position that the user asked for; None if no position was asked for.
 
     Returns
     -------
@@ -413,11 +431,11 @@ def case_json(one: Solved | SolvedAxis, tangent: Tangent | None = None) -> dict[
         answers = {
             "kind": one.scene.kind,
             "sets": [{"set": k, **(as_json(s) or {}), "summary": set_json(s, x, one.scene.motion)} for k, (s, x) in pairs],
-            "balls": set_balls(one.result),
+            "balls": ball_rows_of_axis(one.result),
             "rollers": roller_rows(one.result),
-            "summary": whole_json(one),
+            "summary": axis_summary_json(one),
             "housings": [as_json(housing) for housing in one.result.housings],
-            "stiffness": whole_stiffness(one.result),
+            "stiffness": axis_stiffness_json(one.result),
         }
     else:
         summary = {"sides": sides_json(one.result.load), **answers_json(one)}
@@ -445,7 +463,10 @@ def case_json(one: Solved | SolvedAxis, tangent: Tangent | None = None) -> dict[
 
 
 def expected_json(m: ModelForm | None, key: str) -> dict[str, float | None]:
-    """Return expected errors [%] of displacement, rigidity, pressure by the template ``key``; None: not covered."""
+    """Return the expected errors [%] of displacement, rigidity and pressure by name; None if no error can be estimated.
+
+    ``key``: template of the names, such as ``expected_{}_error_percent``.
+    """
     errors = {
         name: None if m is None else getattr(m, f"{name}_percent") for name in ("displacement", "rigidity", "pressure")
     }
@@ -453,7 +474,7 @@ def expected_json(m: ModelForm | None, key: str) -> dict[str, float | None]:
 
 
 def discretisation_percent(scene: Scene, result: StaticResult) -> float | None:
-    """Return the discretisation error of the beam [% of the mean contact load], if it was estimated."""
+    """Return the error from the beam's discretisation [% of the mean contact load]; None if it was not estimated."""
     change = result.solver.discretisation
     if change is None:
         return None
@@ -461,9 +482,9 @@ def discretisation_percent(scene: Scene, result: StaticResult) -> float | None:
 
 
 def pole_pressure(scene: Scene, found: StaticResult) -> Array:
-    """Return the largest pressure of every contact, (n, 4) [Pa]: the model's, else by Hertz with the radii's errors.
+    """Return the largest pressure of every contact, (n, 4) [Pa]; nan without equilibrium.
 
-    nan without equilibrium.
+    If the model computes no pressures, they follow from the loads by Hertz's theory, with the errors of the radii.
     """
     if found.pressure is not None or not np.isfinite(found.load).all():
         return found.load if found.pressure is None else found.pressure
@@ -471,14 +492,14 @@ def pole_pressure(scene: Scene, found: StaticResult) -> Array:
 
 
 def ball_rows(scene: Scene, balls: StaticResult) -> list[dict[str, Any]]:
-    """Return position, loads, contact angles and pressures of every ball, numbered from 1."""
+    """Return a JSON row for every ball: number from 1, position, loads, contact angles and pressures."""
     pressure = pole_pressure(scene, balls)
     rows = zip(balls.azimuth, balls.z, balls.load, balls.contact_angle, pressure, strict=True)
     return [as_json(BallRow(i, *row)) or {} for i, row in enumerate(rows, 1)]
 
 
-def set_balls(result: AxisResult) -> list[dict[str, Any]]:
-    """Return the JSON rows of the balls of all sets, numbered from 1 in each set."""
+def ball_rows_of_axis(result: AxisResult) -> list[dict[str, Any]]:
+    """Return a JSON row for every ball of all nuts and bearings of a shaft, numbered from 1 in each of them."""
     rows = []
     for k, s in enumerate(result.sets, 1):
         if s.balls is not None and isinstance(s.of.parts, Scene):
@@ -487,7 +508,7 @@ def set_balls(result: AxisResult) -> list[dict[str, Any]]:
 
 
 def roller_rows(result: AxisResult) -> list[dict[str, Any]]:
-    """Return the JSON rows of the rollers of all sets, numbered from 1 in each set."""
+    """Return a JSON row for every roller of all roller bearings of a shaft, numbered from 1 in each bearing."""
     rows = []
     for k, s in enumerate(result.sets, 1):
         if not isinstance(s.of.parts, RollerRow) or s.roller_azimuth is None or s.line_loads is None:
@@ -503,7 +524,7 @@ def roller_rows(result: AxisResult) -> list[dict[str, Any]]:
 def cases_json(
     cycle: DutyCycle, solved: Sequence[Solved | SolvedAxis], whole: CycleResults, tangents: Sequence[Tangent | None] = ()
 ) -> dict[str, Any]:
-    """Return the JSON of a solved duty cycle: each load case in order, and extremes and lives over all.
+    """Return a solved duty cycle as JSON: the results of each load case, and the extremes and lives over all cases.
 
     Parameters
     ----------
@@ -512,9 +533,9 @@ def cases_json(
     solved
         Solutions of the load cases.
     whole
-        Extremes and lives over the load cases.
+        Extremes and lives over all load cases.
     tangents
-        Stiffness of each load case at a station, where asked for.
+        For each load case, the stiffness at the axial position that the user asked for; empty if none was asked for.
     """
     each = zip(cycle.cases, solved, tangents or [None] * len(solved), strict=True)
     unsolved = "; ".join(f"case {name}: {status}" for name, status in whole.unsolved.items())
@@ -524,18 +545,18 @@ def cases_json(
         "status": unsolved or "converged",
         "summary": together_json(whole),
         "cases": [
-            {**json_head(cycle, case), **case_json(one, tangent), "scene": cycle.name} for case, one, tangent in each
+            {**load_case_keys(cycle, case), **case_json(one, tangent), "scene": cycle.name} for case, one, tangent in each
         ],
     }
 
 
-def json_head(cycle: DutyCycle, case: LoadCase) -> dict[str, Any]:
-    """Return the keys with which the JSON of every load case begins: scene, and data of the case."""
+def load_case_keys(cycle: DutyCycle, case: LoadCase) -> dict[str, Any]:
+    """Return the first keys in the JSON of a load case: name of the scene, name and other data of the case."""
     return {"scene": cycle.name, **(as_json(case) or {})}
 
 
 def together_json(whole: CycleResults) -> dict[str, Any]:
-    """Return the JSON of extremes over the load cases and of lives over the cycle, or why there is no life."""
+    """Return as JSON the extremes over all load cases and the lives over the duty cycle, or the reason for no life."""
     several = len(whole.lives) != 1
     data = (as_json(whole, *([] if several else ["life_set", "axis_life"])) or {}) | _lives_json(whole.least, whole.speed)
     each = ({"name": lives.set} | _lives_json(lives, whole.speed) for lives in whole.lives)
@@ -543,5 +564,5 @@ def together_json(whole: CycleResults) -> dict[str, Any]:
 
 
 def _lives_json(lives: Lives, speed: float | None) -> dict[str, Any]:
-    """Return the JSON of one set's lives over a duty cycle."""
+    """Return as JSON the lives of one nut or bearing over a duty cycle; ``speed``: mean speed [rad/s]."""
     return {"life": life_json(lives.life, speed), **(as_json(lives) or {})}

@@ -1,4 +1,4 @@
-"""Result of `rollbench.side_by_side`: stiffness, torque and life of several scenes by one model."""
+"""Records that `rollbench.side_by_side` returns: stiffness, torque and life of several scenes, computed by one model."""
 
 from __future__ import annotations
 
@@ -18,68 +18,80 @@ from rollbench.meshes.axis import Assembly
 from rollbench.meshes.parts import Scene
 from rollbench.meshes.quantity import Stated, quantity, record
 
+#: Range of a quantity: its lower and upper limit.
 Band = tuple[float, float]
-#: Attributes that variants of one axis share, with the text that is shown if they differ.
+#: Attributes of scenes that variants of one axis have in common, with the text that is shown if they differ.
 SHARED = (
     *(
         ("loads", "loads"),
         ("housings", "housings and their loads"),
         ("supports", "supports"),
-        ("segments", "plain stretches"),
+        ("segments", "segments of the shaft"),
     ),
-    *(("stiffness_at", "place of the stiffness"), ("thermal_strain", "warming"), ("drive", "[drive]")),
+    *(("stiffness_at", "position of the stiffness"), ("thermal_strain", "thermal strain"), ("drive", "[drive]")),
     *(("motion", "[motion]"), ("lubricant", "[lubricant]"), ("friction", "[friction]")),
 )
 
 
 @record(kw_only=True)
 class Alternative:
-    """Answers of one of the scenes that are compared side by side.
+    """Results of one of several scenes that are compared side by side.
 
-    A field is None if there is no equilibrium, or what the quantity needs is not stated in the scene.
+    A field is None if there is no equilibrium, or if the scene does not state the data that the quantity needs.
     """
 
     scene: str = quantity("scene")
-    status: str = quantity("status", "converged, or why there is no equilibrium")
+    status: str = quantity("status", "converged, or the reason why there is no equilibrium")
     axial_stiffness: float | None = quantity(
         "axial_stiffness_N_per_um",
-        "tangent stiffness along the axis: of several sets where the scene asks for it, all other freedoms held; of one "
-        "set at the nut's centre, rotation about the axis held",
+        "axial tangent stiffness: of a single nut or bearing at its centre, with the rotation about the axis fixed; of "
+        "several on one shaft at the position that the scene states, with all other degrees of freedom fixed",
         error="that of the rigidity",
     )
     radial_stiffness: float | None = quantity(
         "radial_stiffness_N_per_um",
-        "the same across the axis, least of all directions, all other freedoms held",
+        "smallest radial tangent stiffness of all directions, at the same point, with all other degrees of freedom fixed",
         error="that of the rigidity",
     )
-    displacement: float | None = quantity("displacement_um", "axial displacement there, under the loads")
-    largest: float | None = quantity("largest_load_N", "largest load of a contact or roller of all sets")
+    displacement: float | None = quantity("displacement_um", "axial displacement of the same point under the loads")
+    largest: float | None = quantity(
+        "largest_load_N", "largest load of a contact or roller in any nut or bearing of the scene"
+    )
     pressure: float | None = quantity("pressure_MPa", "pressure of the worst contact")
     safety: float | None = quantity("static_safety", "static safety of the worst contact")
     running: Band | None = quantity(
         "running_torque_Nmm",
-        "torque that turns the shaft at constant speed, [low, high]: of an axis as `drive.running_torque_Nmm`, of a "
-        "bearing its friction, of a nut what drives it",
+        "torque that turns the shaft at constant speed, [low, high]: of an axis `drive.running_torque_Nmm`, of a bearing "
+        "its friction torque, of a ball screw the torque that drives the screw",
         error="empirical; that of the coefficient of friction",
         parts="[]",
     )
-    starting: Band | None = quantity("starting_torque_Nmm", "the same from rest", error="as it runs", parts="[]")
-    inertia: float | None = quantity("inertia_kg_mm2", "moment of inertia that the motor of an axis turns with its own")
-    life: float | None = quantity(
-        "L10_million_revolutions", "life of all sets of an axis together, of one set its own", error="that of the lives"
+    starting: Band | None = quantity(
+        "starting_torque_Nmm",
+        "torque that starts the shaft from rest, [low, high]",
+        error="as the running torque",
+        parts="[]",
     )
-    hours: float | None = quantity("L10_hours", "the same in hours, where a speed is stated", error="as in revolutions")
-    shortest: str | None = quantity("shortest_set", "set of an axis that lives shortest")
+    inertia: float | None = quantity(
+        "inertia_kg_mm2", "moment of inertia of the axis at its motor, the motor's own included"
+    )
+    life: float | None = quantity(
+        "L10_million_revolutions",
+        "life L10 of all nuts and bearings of an axis as one system, or of a single nut or bearing",
+        error="that of the lives",
+    )
+    hours: float | None = quantity("L10_hours", "life L10 in hours, if the scene states a speed", error="as in revolutions")
+    shortest: str | None = quantity("shortest_set", "nut or bearing of an axis with the shortest life")
     warnings: tuple[Warned, ...] = quantity("warnings")
 
 
-#: Keys of all numbers of an `Alternative`, whose differences are given.
+#: JSON keys of all numbers of an `Alternative`, for which differences are computed.
 NUMBERS = [key for key, one in quantities(Alternative).items() if one.unit or key == "static_safety"]
 
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
 class SideBySide(Record):
-    """Answers of several scenes by one model, and which of their data differ.
+    """Results of several scenes, computed by one model, and the list of input data in which the scenes differ.
 
     Examples
     --------
@@ -90,11 +102,11 @@ class SideBySide(Record):
     """
 
     model: str
-    """Name of the model of all scenes."""
+    """Name of the model that solved all scenes."""
     scenes: tuple[Alternative, ...]
-    """Answers of each scene, in the order given."""
+    """Results of each scene, in the order in which the scenes were stated."""
     differ: tuple[str, ...]
-    """Data of shaft, loads and operation that differ between the scenes; empty for variants of one axis."""
+    """Names of the data of shaft, loads and operation that differ between the scenes; empty for variants of one axis."""
 
     @property
     def converged(self) -> bool:
@@ -103,22 +115,22 @@ class SideBySide(Record):
 
     @Stated(
         "difference_percent",
-        "difference of the number of this key from that of the first scene, in per cent of that; of a torque by the middle "
-        "of its range",
+        "difference of a scene's number from that of the first scene, in per cent of the latter; for a torque, between the "
+        "middles of its ranges",
         parts=".*[]",
     )
     def difference_percent(self, key: str) -> tuple[float | None, ...]:
-        """Return, for each scene, the difference of a number from the first scene's [% of the first scene's].
+        """Return the difference of one number of each scene from that of the first scene, in per cent of the latter.
 
         Parameters
         ----------
         key
-            Key of the number in the JSON, such as ``"largest_load_N"``; a torque counts by the middle of its range.
+            Key of the number in the JSON, such as ``"largest_load_N"``. For a torque, the middle of its range is compared.
 
         Returns
         -------
         tuple of float or None
-            One for each scene; None if a number is missing or that of the first scene is zero.
+            Difference for each scene [%]; None if a number is missing or that of the first scene is zero.
 
         Examples
         --------
@@ -134,7 +146,7 @@ class SideBySide(Record):
         return tuple(x if x is not None and np.isfinite(x) else None for x in found)
 
     def to_dict(self) -> dict[str, JSON]:
-        """Return the JSON that ``rollbench solve A B --json`` prints.
+        """Return the comparison as a dictionary, as ``rollbench solve A B --json`` prints it.
 
         Returns
         -------
@@ -154,33 +166,33 @@ def _middle_value(value: Any) -> float | None:
 
 
 def side_by_side_of(results: Sequence[Result], names: Sequence[str]) -> SideBySide:
-    """Make the record that compares several results; of a duty cycle, the first load case and the life over all.
+    """Compare the results of several scenes; for a duty cycle, those of the first load case, and the life over all cases.
 
     Parameters
     ----------
     results
-        Results of one model.
+        Results of the scenes, all computed by the same model.
     names
-        Name of each scene in the record.
+        Names under which the scenes are listed.
 
     Returns
     -------
     SideBySide
-        The record.
+        The comparison.
     """
     parts = [one.solved[0].scene for one in results]
     return SideBySide(
         model=results[0].model,
-        scenes=tuple(_alternative_by_name(one, name) for one, name in zip(results, names, strict=True)),
+        scenes=tuple(_alternative_from_result(one, name) for one, name in zip(results, names, strict=True)),
         differ=tuple(_differing_keys(parts)),
     )
 
 
-def _alternative_by_name(whole: Result, name: str) -> Alternative:
-    """Return the answers of one scene for the comparison, under a name."""
+def _alternative_from_result(whole: Result, name: str) -> Alternative:
+    """Return those results of a scene that are compared side by side, under the name ``name``."""
     first = next(iter(whole.cases.values()), whole)
     K, worst, life, system = first.stiffness, first.worst, whole.life, whole.axis_life
-    running, starting, inertia = _torques_of_rows(first)
+    running, starting, inertia = _torques_and_inertia(first)
     across = None if K is None or not np.isfinite(K[:2, :2]).all() else float(np.linalg.eigvalsh(K[:2, :2])[0])
     axial = first.axial_stiffness
     loads = [x.max() for x in (first.loads, *(s.roller_loads for s in first.sets.values())) if x is not None and x.size]
@@ -209,8 +221,8 @@ def _alternative_by_name(whole: Result, name: str) -> Alternative:
     )
 
 
-def _torques_of_rows(one: Result) -> tuple[Band | None, Band | None, float | None]:
-    """Return running and starting torques (low, high) [N m], and an axis' inertia [kg m^2]; None: not known."""
+def _torques_and_inertia(one: Result) -> tuple[Band | None, Band | None, float | None]:
+    """Return running and starting torque (low, high) [N m], and the inertia of an axis [kg m^2]; None if not known."""
     if one.drive is not None:
         return one.drive.running, one.drive.starting, one.drive.inertia
     if one.bearing_torque is not None:
@@ -222,10 +234,10 @@ def _torques_of_rows(one: Result) -> tuple[Band | None, Band | None, float | Non
 
 
 def _differing_keys(scenes: Sequence[Scene | Assembly]) -> list[str]:
-    """Return the names of the shared data (shaft, loads, operation) that differ between the scenes."""
+    """Return the names of the data of shaft, loads and operation that are not the same in all scenes."""
     first, *others = scenes
     if not all(isinstance(x, Assembly) == isinstance(first, Assembly) for x in others):
-        return ["one set against several"]
+        return ["number of nuts and bearings (one, or several on a shaft)"]
     out = []
     shafts = [(x.screw.length, x.screw.outer_diameter, x.screw.bore, x.screw.material) for x in scenes]
     if any(x != shafts[0] for x in shafts[1:]):

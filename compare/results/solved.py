@@ -1,4 +1,4 @@
-"""Result of `rollbench.solve`: loads, displacement, stiffness and life of a scene, and their parts."""
+"""Records that `rollbench.solve` returns: contact loads, displacement, stiffness and life of a scene."""
 
 from __future__ import annotations
 
@@ -46,9 +46,9 @@ class Status(StrEnum):
     """Outcome of the search for an equilibrium."""
 
     CONVERGED = "converged"
-    """There is an equilibrium; all fields may be used."""
+    """An equilibrium was found; all fields of the result may be used."""
     NOT_HELD = "not held"
-    """Supports and contacts cannot carry the loads: the screw would move freely."""
+    """The supports and contacts cannot carry the loads: the screw would move freely."""
     NOT_CONVERGED = "not converged"
     """The iteration found no equilibrium."""
     STOPPED = "stopped"
@@ -57,89 +57,92 @@ class Status(StrEnum):
 
 @dataclass(frozen=True)
 class Life:
-    """Basic rating life L10, which 90 % of equal parts reach, by the computed contact loads (ISO 281, ISO 3408-5)."""
+    """Basic rating life L10 from the computed contact loads (ISO 281, ISO 3408-5): 90 % of equal parts reach this life."""
 
     L10: float
-    """Life [revolutions]."""
+    """Life L10 [revolutions]."""
     distance: float | None
-    """Travel of the nut in that life [m]; None for bearings."""
+    """Travel of the nut until the end of the life L10 [m]; None for bearings."""
     seconds: float | None
-    """Running time in that life [s] at the scene's speed; None without a speed."""
+    """Running time until the end of the life L10 [s] at the scene's speed; None if the scene states no speed."""
     rating: float
-    """Basic dynamic load rating, computed from the geometry [N]: axial for screws and thrust bearings, else radial."""
+    """Basic dynamic load rating [N], computed from the geometry: axial for screws and thrust bearings, otherwise radial."""
     equivalent_load: float
-    """Equivalent dynamic load [N]: the load for which the rating gives the same life."""
+    """Equivalent dynamic load [N]: the constant load for which the basic dynamic load rating gives the same life."""
     standard: str
     """Standard whose formulas are used, such as ISO 3408-5."""
 
 
 @dataclass(frozen=True)
 class Preload:
-    """Contact loads that are left when the loads of the scene are removed."""
+    """Contact loads that remain when all external loads of the scene are removed."""
 
     mean: float
     """Mean load of the loaded contacts [N]."""
     largest: float
-    """Largest load of a contact [N]."""
+    """Load of the most loaded contact [N]."""
     axial: float
-    """Internal axial force [N]; of one of several sets, its axial force on the shaft."""
+    """Internal axial force [N]; for one of several nuts or bearings on a shaft, its axial force on the shaft."""
     contacts: int
     """Number of loaded contacts."""
 
 
 @dataclass(frozen=True)
 class WorstContact:
-    """The contact with the highest pressure."""
+    """The contact of a rolling body with a raceway that has the highest pressure."""
 
     set: str
-    """Name of the rolling set that it belongs to; empty if there is only one."""
+    """Name of the nut or bearing that the contact belongs to; empty if the scene has only one."""
     element: int
     """Number of the ball or roller, counted from 1."""
     side: str
-    """Flank of a ball: SL, SR, NL, NR (screw or nut, left or right); race of a roller: inner, outer."""
+    """Groove flank that a ball touches: SL, SR, NL, NR (screw or nut, left or right); race of a roller: inner, outer."""
     force: float
     """Contact load [N]."""
     pressure: float
-    """Largest Hertz pressure, at the centre of the contact [Pa]."""
+    """Hertz pressure at the centre of the contact [Pa]."""
     safety: float
-    """Static safety factor [1]: load at the allowed pressure (balls 4200 MPa, rollers 4000 MPa) over contact load."""
+    """Static safety factor [1]: contact load at the allowed pressure (balls 4200 MPa, rollers 4000 MPa) divided by the
+    contact load."""
     angle: float | None
-    """Contact angle [rad]; None of rollers."""
+    """Contact angle [rad]; None for rollers."""
     approach: float | None
-    """Approach of ball and groove [m]; None of rollers."""
+    """Elastic approach of ball and groove [m]; None for rollers."""
     semi_axes: tuple[float, float] | None
-    """Semi-axes of the contact ellipse, across and along the groove [m]; None of rollers."""
+    """Semi-axes of the contact ellipse, across and along the groove [m]; None for rollers."""
 
 
 @record
 class ExpectedError:
-    """Error of the model to expect, estimated from its errors against the 3D reference on similar scenes.
+    """Error to expect of a model's results, estimated from its errors against the 3D reference on similar scenes.
 
-    None: no similar scene was compared.
+    A field is None if no similar scene has been compared with the 3D reference.
     """
 
-    loads: float | None = quantity("expected_error_percent", "what `model_form` promised for the worst contact load")
+    loads: float | None = quantity(
+        "expected_error_percent", "largest error of a contact load that `model_form` estimates for the model"
+    )
     """Largest error of a contact load [% of the mean contact load]."""
     loads_rms: float | None
     """RMS error of the contact loads [% of the mean contact load]."""
-    displacement: float | None = quantity("expected_displacement_error_percent", "the same for the displacement")
+    displacement: float | None = quantity("expected_displacement_error_percent", "expected error of the displacement")
     """Error of the axial displacement [%]."""
-    rigidity: float | None = quantity("expected_rigidity_error_percent", "the same for the rigidity")
+    rigidity: float | None = quantity("expected_rigidity_error_percent", "expected error of the rigidity")
     """Error of the axial rigidity [%]."""
-    pressure: float | None = quantity("expected_pressure_error_percent", "the same for the pressure")
+    pressure: float | None = quantity("expected_pressure_error_percent", "expected error of the largest pressure")
     """Error of the largest pressure [%]."""
     nearest: str
-    """Name of the most similar scene that was compared."""
+    """Name of the most similar scene that was compared with the 3D reference."""
     words: tuple[str, ...]
-    """Explanations: in what the scene differs from those compared, and why it is not covered."""
+    """Explanations: how the scene differs from the compared scenes, and why no error can be estimated."""
 
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
 class Balls:
-    """Positions of n balls and loads, angles and pressures of their contacts, in arrays with a row for each ball.
+    """Positions of n balls, and the loads, angles and pressures of their contacts, as arrays with a row for each ball.
 
-    Columns are the flanks SL, SR, NL, NR: screw or nut, left or right seen along +z. Fields are None for rollers; loads,
-    angles and pressure also without an equilibrium.
+    The four columns are the groove flanks SL, SR, NL, NR (screw or nut, left or right, seen along +z). All fields are None
+    for rollers. Without an equilibrium, loads, angles and pressure are None too.
     """
 
     azimuth: Array | None = None
@@ -149,57 +152,59 @@ class Balls:
     loads: Array | None = None
     """Contact loads, (n, 4) [N]; zero without contact."""
     angles: Array | None = None
-    """Contact angles under load from the radial plane, (n, 4) [rad]; nan without contact."""
+    """Contact angles under load, measured from the radial plane, (n, 4) [rad]; nan without contact."""
     pressure: Array | None = None
-    """Largest pressure of every contact, by the model or by Hertz, (n, 4) [Pa]; zero without contact."""
+    """Largest pressure of every contact, as the model or Hertz's theory gives it, (n, 4) [Pa]; zero without contact."""
 
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
 class SetResult(Balls):
-    """One rolling set (nut, ball bearing or roller bearing) of several on a shaft."""
+    """Results of one nut, ball bearing or roller bearing out of several on a shaft."""
 
     name: str
-    """Name of the set in the scene."""
+    """Name of the nut or bearing in the scene."""
     kind: str
-    """Kind of the set: nut, bearing, rollers."""
+    """Kind of machine element: nut, bearing (with balls) or rollers (a roller bearing)."""
     position: float
     """Axial position on the shaft [m]."""
     force: Array | None
-    """Force of its balls or rollers on the shaft, (3,) [N]."""
+    """Resultant force of its balls or rollers on the shaft, (3,) [N]."""
     moment: Array | None
-    """Moment of its balls or rollers on the shaft about the point of the axis at `position`, (3,) [N m]."""
+    """Moment of its balls or rollers on the shaft about the point of the shaft's axis at `position`, (3,) [N m]."""
     stiffness: Array | None
-    """Tangent stiffness between shaft and fixed outer part, (6, 6) [N/m, N, N m]; freedoms ux, uy, uz, rx, ry, rz."""
+    """Tangent stiffness between shaft and fixed outer part, (6, 6) [N/m, N, N m], in the degrees of freedom ux, uy, uz,
+    rx, ry, rz."""
     roller_loads: Array | None
-    """Loads of the rollers, (count,) [N]; None of balls."""
+    """Loads of the rollers, (count,) [N]; None for balls."""
     worst: WorstContact | None
-    """Contact with the highest pressure; None without load."""
+    """Contact with the highest pressure; None if no contact is loaded."""
     life: Life | None
-    """Life of the set; None without load, and outside the range of the formulas."""
+    """Basic rating life; None if no contact is loaded, and outside the range of validity of the formulas."""
     rib: RibContact | None
-    """Contact of the most loaded roller with its rib; None of balls and without load."""
+    """Contact of the most loaded roller with the rib of its ring; None for balls, and if no contact is loaded."""
     torque: RollerTorque | None
-    """Friction torque of a row of rollers [N m], by work and by Timken's formula; None of balls and without load."""
+    """Friction torque of a row of rollers [N m], from the work of friction and from Timken's formula; None for balls, and
+    if no contact is loaded."""
     preload: Preload | None
-    """Contact loads without the loads of the scene; None if there is no equilibrium without them."""
+    """Contact loads without the external loads of the scene; None if there is no equilibrium without these."""
     bearing_torque: BallTorque | None = None
-    """Friction torque of a bearing [N m]; None of nuts and without load."""
+    """Friction torque of a ball bearing [N m]; None for nuts, and if no contact is loaded."""
     reference_life: ReferenceLife | None = None
-    """Life of a bearing by ISO/TS 16281, in 10^6 revolutions; None of nuts and without load."""
+    """Life of a bearing by ISO/TS 16281 [10^6 revolutions]; None for nuts, and if no contact is loaded."""
 
     def __repr__(self) -> str:
-        """Return name, kind and largest load of the set."""
+        """Return name, kind and largest contact load of the nut or bearing."""
         loads = self.loads if self.loads is not None else self.roller_loads
         return f"{self.name} ({self.kind}): " + ("no loads" if loads is None else f"largest load {loads.max():.5g} N")
 
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
 class Result(Record, Balls):
-    """Answers of a low-order model to a scene.
+    """Results of a low-order model for a scene: contact loads, displacement, stiffness, pressures and life.
 
-    Fields with answers are None where there is no equilibrium: see `status` and `reason`. Of several sets on one shaft the
-    arrays of balls hold those of all sets in turn, and each set is in `sets`. Each load case is a result in `cases`; the
-    whole has the life over all cases and the worst contact of all.
+    If there is no equilibrium, the results are None, and `status` and `reason` say why. With several nuts or bearings on
+    one shaft, the arrays list the balls of one after the other, and `sets` has the results of each. With several load
+    cases, `cases` has the result of each; `life` is then the life under all cases, and `worst` the worst contact of all.
 
     Examples
     --------
@@ -214,86 +219,93 @@ class Result(Record, Balls):
     model: str
     """Name of the model."""
     member: int
-    """Number of the specimen of a scene with random errors, from 0."""
+    """Number of the specimen, from 0, in a scene with random errors."""
     status: Status
-    """How the solution ended; of load cases that of the first that did not converge."""
+    """Outcome of the solution; with load cases, the outcome of the first case that did not converge."""
     reason: str
     """Why there is no equilibrium; empty if there is one."""
     warnings: tuple[str, ...]
-    """Warnings where answers are outside the range of validity of the model."""
+    """Warnings about results outside the model's range of validity."""
     assumed: tuple[str, ...]
-    """Assumptions of scene and model."""
+    """Assumptions made by the scene and by the model."""
     left_out: tuple[str, ...]
     """Effects that the model neglects in this scene."""
     force: float | None = None
-    """Axial force of the screw on the nut; of several sets, the axial loads on shaft and housings [N]."""
+    """Axial force of the screw on the nut [N]; with several nuts or bearings on one shaft, the sum of the axial loads on
+    shaft and housings."""
     displacement: Array | None = None
-    """Displacement of the screw's section at the nut's centre from its unloaded position, (6,) [m, rad]; freedoms ux, uy,
-    uz, rx, ry, rz. Of several sets: of the station or housing that ``stiffness_at`` names, else of the one loaded first."""
+    """Displacement of the screw's cross-section at the nut's centre from its unloaded position, (6,) [m, rad], in the
+    degrees of freedom ux, uy, uz, rx, ry, rz. With several nuts or bearings on one shaft: displacement of the axial
+    position or housing that ``stiffness_at`` names, or else of the one on which the first load of the scene acts."""
     rigidity: float | None = None
-    """Axial force over axial displacement [N/m]; None without axial force."""
+    """Axial force divided by axial displacement [N/m]; None without axial force."""
     stiffness: Array | None = None
-    """Tangent stiffness of the screw's section at the nut's centre, or at ``stiffness_at``, with the nut fixed, (6, 6)
-    [N/m, N, N m]. Of several sets: of the whole axis, nan in fixed freedoms. None if the model gives no stiffness."""
+    """Tangent stiffness of the screw's cross-section at the nut's centre, or at ``stiffness_at``, with the nut fixed,
+    (6, 6) [N/m, N, N m]. With several nuts or bearings on one shaft: stiffness of the whole axis, nan in fixed degrees of
+    freedom. None if the model gives no stiffness."""
     axial_stiffness: float | None = None
-    """Axial tangent stiffness at the nut's centre [N/m]: rotation about the axis fixed, all else free; of several sets all
-    other freedoms fixed."""
+    """Axial tangent stiffness at the nut's centre [N/m], with the rotation about the axis fixed and all other degrees of
+    freedom free. With several nuts or bearings on one shaft, all other degrees of freedom are fixed."""
     worst: WorstContact | None = None
-    """Contact with the highest pressure; of several sets with the highest share of the allowed one. None without load."""
+    """Contact with the highest pressure; with several nuts or bearings on one shaft, the contact with the highest ratio of
+    pressure to allowed pressure. None if no contact is loaded."""
     life: Life | None = None
-    """Life by the contact loads; of several sets the shortest. None without load, and outside the range of the formulas."""
+    """Basic rating life from the contact loads; with several nuts or bearings on one shaft, the shortest of their lives.
+    None if no contact is loaded, and outside the range of validity of the formulas."""
     modified_life: ModifiedLife | None = None
     """Life modified for reliability, lubricant and contamination [10^6 revolutions]; None if the scene states none of
-    these, and of several sets."""
+    these, and with several nuts or bearings on one shaft."""
     reference_life: ReferenceLife | None = None
-    """Life of a bearing of one set by ISO/TS 16281, in 10^6 revolutions; None of screws and without load."""
+    """Life of a single bearing by ISO/TS 16281 [10^6 revolutions]; None for screws, and if no contact is loaded."""
     shaft: ShaftLimits | None = None
-    """Buckling load [N], critical speed [rad/s] and DN value [m rad/s] of the screw; None of bearings and several sets."""
+    """Buckling load [N], critical speed [rad/s] and DN value [m rad/s] of the screw; None for bearings, and with several
+    nuts or bearings on one shaft."""
     preload: Preload | None = None
-    """Contact loads without the loads of the scene; of several sets see each of `sets`."""
+    """Contact loads without the external loads of the scene; with several nuts or bearings, see each of `sets`."""
     bearing_torque: BallTorque | None = None
-    """Friction torque of a single bearing [N m]; None of nuts and without load."""
+    """Friction torque of a single bearing [N m]; None for nuts, and if no contact is loaded."""
     drive: AxisDrive | None = None
-    """Torques [N m] and moments of inertia [kg m^2] at the motor of an axis; None of one set."""
+    """Torques [N m] and moments of inertia [kg m^2] at the motor of an axis; None for a single nut or bearing."""
     axis_life: SystemLife | None = None
-    """Life of all sets of a shaft as one system, over all load cases; None of one set."""
+    """Life of all nuts and bearings of a shaft as one system, under all load cases; None for a single nut or bearing."""
     expected_error: ExpectedError | None = None
-    """Error of the model to expect; None of several sets (not known), and of load cases: see each of `cases`."""
+    """Error to expect of the model's results. None with several nuts or bearings on one shaft, where it is not known, and
+    with load cases: see each of `cases`."""
     sets: Mapping[str, SetResult] = field(default_factory=dict)
-    """Results of each of several sets on one shaft, by name; empty of one set."""
+    """Results of each nut or bearing on a shaft with several, by name; empty for a single nut or bearing."""
     cases: Mapping[str, Result] = field(default_factory=dict)
     """Results of each load case, by name; empty without load cases."""
     solved: tuple[Solved | SolvedAxis, ...] = ()
-    """Records of the solver with further details: one, or one for each load case."""
+    """Records of the solver with further details: one record, or one for each load case."""
     tangents: tuple[Tangent | None, ...] = ()
-    """Stiffness at the station ``stiffness_at``, for each record of `solved`; None without such a station."""
+    """Stiffness at the axial position ``stiffness_at`` for each record of `solved`; None if no position was asked for."""
     cycle: DutyCycle | None = None
     """Duty cycle of the scene; None without load cases."""
     together: CycleResults | None = None
-    """Sums over the load cases; None without load cases."""
+    """Totals over all load cases, such as the life; None without load cases."""
 
     @property
     def converged(self) -> bool:
-        """Whether there is an equilibrium, in every load case."""
+        """Whether an equilibrium was found, in every load case."""
         return self.status is Status.CONVERGED
 
     @property
     def load(self) -> Array:
-        """Contact loads, of load cases stacked; deprecated, use `loads`."""
+        """Contact loads, (n, 4) or (cases, n, 4) [N]; deprecated, use `loads`."""
         deprecated("result.load", "result.loads")
         each = [one.loads for one in self.cases.values() if one.loads is not None]
         return np.array(each) if each else np.zeros((0, 4)) if self.sets or self.loads is None else self.loads
 
     @property
     def angle(self) -> Array:
-        """Contact angles [deg]; deprecated, use `angles`."""
+        """Contact angles, (n, 4) or (cases, n, 4) [deg]; deprecated, use `angles`, which is in rad."""
         deprecated("result.angle", "result.angles, in rad")
         each = [one.angles for one in self.cases.values() if one.angles is not None]
         found = np.array(each) if each else np.zeros((0, 4)) if self.sets or self.angles is None else self.angles
         return np.degrees(found)
 
     def to_dict(self) -> dict[str, JSON]:
-        """Return the JSON that ``rollbench solve --json`` prints.
+        """Return the result as a dictionary, as ``rollbench solve --json`` prints it.
 
         Returns
         -------
@@ -305,13 +317,13 @@ class Result(Record, Balls):
         return with_schema(cases_json(self.cycle, self.solved, self.together, self.tangents))
 
     def to_dataframe(self) -> pandas.DataFrame:
-        """Return a row for every ball as a data frame, which needs the package pandas.
+        """Return a pandas data frame with a row for every ball.
 
         Returns
         -------
         pandas.DataFrame
-            Number and place of the ball, then load, angle and pressure of each flank in SI units; of several sets and load
-            cases with their names.
+            Number and position of the ball, then contact load, contact angle and pressure on each groove flank in SI units.
+            With several nuts, bearings or load cases, the first columns have their names.
 
         Raises
         ------
@@ -328,7 +340,7 @@ class Result(Record, Balls):
         Returns
         -------
         dict
-            Arrays or lists by name of the column, such as ``load_SL_N``; empty without an equilibrium.
+            Array or list of each column, by its name, such as ``load_SL_N``; empty without an equilibrium.
 
         Examples
         --------
@@ -344,12 +356,12 @@ class Result(Record, Balls):
         return _contact_columns(self)
 
     def plot(self) -> Figure:
-        """Draw the contact loads over the number of the ball, in a panel for each set and load case.
+        """Draw the contact loads over the ball number, in a panel for each nut or bearing and each load case.
 
         Returns
         -------
         matplotlib.figure.Figure
-            Figure without pyplot: ``plot().savefig("loads.svg")``.
+            Figure that is independent of pyplot; save it by ``plot().savefig("loads.svg")``.
 
         Raises
         ------
@@ -373,7 +385,7 @@ class Result(Record, Balls):
         return figure
 
     def _panels(self, case: str) -> Sequence[tuple[str, Array]]:
-        """Return title and contact loads (n, 4) [N] of each panel of `plot`; ``case``: text for the titles."""
+        """Return title and contact loads (n, 4) [N] for each panel of `plot`; ``case`` is added to the titles."""
         if self.cases:
             return [panel for name, one in self.cases.items() for panel in one._panels(f", case {name}")]
         several = {f", {name}": one.loads for name, one in self.sets.items()}
@@ -383,7 +395,7 @@ class Result(Record, Balls):
         ]
 
     def view(self, path: str | Path) -> Path:
-        """Write an HTML page with the loaded screw in 3D, to be turned in a browser, as ``rollbench view`` does.
+        """Write an HTML page that shows the loaded screw in 3D in a browser, as ``rollbench view`` does.
 
         Parameters
         ----------
@@ -393,7 +405,7 @@ class Result(Record, Balls):
         Returns
         -------
         Path
-            The file.
+            Path of the written file.
 
         Raises
         ------
@@ -409,12 +421,12 @@ class Result(Record, Balls):
         Parameters
         ----------
         stores
-            Folders with runs of the 3D reference, whose loads are shown too; those of the package unless given.
+            Folders with runs of the 3D reference whose loads are shown too; None: the runs shipped with rollbench.
 
         Returns
         -------
         str
-            HTML.
+            The text of the page.
 
         Raises
         ------
@@ -430,17 +442,17 @@ class Result(Record, Balls):
         return view_page(make_view(title, self.solved, self.to_dict(), [*self.cases], stores))
 
     def table(self) -> Sequence[Row]:
-        """Return the rows that ``rollbench solve`` prints; for load cases the rows on all of them together.
+        """Return the rows of the table that ``rollbench solve`` prints.
 
         Returns
         -------
         Sequence[Row]
-            The rows.
+            A row for each quantity, such as the largest load; with load cases, the quantities of all cases together.
         """
         return together_rows(self.together) if self.together is not None else answer_rows(self.solved[0])
 
     def _repr_html_(self) -> str:
-        """Return the table as HTML for a notebook; with several sets, a second table has a row for each."""
+        """Return the table as HTML for a notebook, and a second table of nuts and bearings if there are several."""
         rows = [row for one in self.solved if isinstance(one, SolvedAxis) and not self.cases for row in set_rows(one)]
         return super()._repr_html_() + (as_html([[*row.values()] for row in rows], [*rows[0]]) if rows else "")
 
@@ -451,7 +463,7 @@ class Result(Record, Balls):
         return (f"{self.scene}, {title_of(self.model)}: {status}", *worth, *self.warnings)
 
     def __repr__(self) -> str:
-        """Return scene, model and status, then loads, displacement, pressure and life in a line each."""
+        """Return five lines: scene with model and status, largest load, displacement, largest pressure, and life."""
         w, u = self.worst, self.displacement
         largest = None if self.loads is None or not self.loads.size else float(self.loads.max())
         lines = (
@@ -471,27 +483,27 @@ def make_result(
     cycle: DutyCycle | None = None,
     together: CycleResults | None = None,
 ) -> Result:
-    """Make the result of a solved scene, or of the load cases of a duty cycle.
+    """Convert the solver's records of a scene, or of the load cases of a duty cycle, to the result that users get.
 
     Parameters
     ----------
     solved
         Records of the solver, one for each load case.
     tangents
-        Stiffness of each at the requested station; None without such a station.
+        For each load case, the stiffness at the axial position that the user asked for; None if there is no such position.
     at_nut
-        Stiffness of each at the nut's centre; None where it was not computed.
+        For each load case, the stiffness at the nut's centre; None if it was not computed.
     cycle
         Duty cycle of the load cases; None for a single scene.
     together
-        Sums over the load cases, such as their life; None for a single scene.
+        Totals over the load cases, such as the life; None for a single scene.
 
     Returns
     -------
     Result
-        The result, with each load case in ``cases``.
+        The result, with the result of each load case in ``cases``.
     """
-    each = [_of_one(*one) for one in zip(solved, tangents, at_nut, strict=True)]
+    each = [_load_case_result(*one) for one in zip(solved, tangents, at_nut, strict=True)]
     if cycle is None or together is None:
         return each[0]
     lost = next((one for one in each if not one.converged), each[0])
@@ -519,8 +531,8 @@ def make_result(
     )
 
 
-def _of_one(one: Solved | SolvedAxis, tangent: Tangent | None, at_nut: Tangent | None) -> Result:
-    """Make the result of one load case."""
+def _load_case_result(one: Solved | SolvedAxis, tangent: Tangent | None, at_nut: Tangent | None) -> Result:
+    """Convert the solver's record of one load case to a result."""
     found = one.result
     head = Result(
         scene=one.scene.name,
@@ -534,11 +546,11 @@ def _of_one(one: Solved | SolvedAxis, tangent: Tangent | None, at_nut: Tangent |
         solved=(one,),
         tangents=(tangent,),
     )
-    return _of_set(head, one, tangent, at_nut) if isinstance(one, Solved) else _of_axis(head, one)
+    return _fill_in_single_set(head, one, tangent, at_nut) if isinstance(one, Solved) else _fill_in_axis(head, one)
 
 
-def _of_set(head: Result, one: Solved, tangent: Tangent | None, at_nut: Tangent | None) -> Result:
-    """Return a result with the answers of a scene with one set filled in."""
+def _fill_in_single_set(head: Result, one: Solved, tangent: Tangent | None, at_nut: Tangent | None) -> Result:
+    """Return ``head`` with the results of a scene that has a single nut or bearing filled in."""
     answers = one.answers
     balls = _ball_rows(one.scene, one.result, solved=answers is not None)
     if answers is None:
@@ -564,8 +576,8 @@ def _of_set(head: Result, one: Solved, tangent: Tangent | None, at_nut: Tangent 
     )
 
 
-def _of_axis(head: Result, one: SolvedAxis) -> Result:
-    """Return a result with the answers of several sets on one shaft filled in."""
+def _fill_in_axis(head: Result, one: SolvedAxis) -> Result:
+    """Return ``head`` with the results of several nuts or bearings on one shaft filled in."""
     found, answers = one.result, one.answers
     speed = None if one.scene.motion is None else one.scene.motion.speed
     each = [None] * len(found.sets) if answers is None else [*answers.sets]
@@ -596,7 +608,7 @@ def _of_axis(head: Result, one: SolvedAxis) -> Result:
 
 
 def _set_result(s: SolvedSet, answers: SetAnswers | None, speed: float | None) -> SetResult:
-    """Make the result of one of several sets on a shaft."""
+    """Convert the solver's record of one nut or bearing on a shaft to a result."""
     known = answers is not None
     balls = (
         _ball_rows(answers.parts, s.balls, solved=True)
@@ -624,7 +636,7 @@ def _set_result(s: SolvedSet, answers: SetAnswers | None, speed: float | None) -
 
 
 def _ball_rows(scene: Scene, found: StaticResult, *, solved: bool) -> Balls:
-    """Return positions, loads, angles and pressures of the balls of a set; only positions unless ``solved``."""
+    """Return positions, loads, angles and pressures of the balls of a nut or bearing; only positions unless ``solved``."""
     if not solved:
         return Balls(azimuth=found.azimuth, z=found.z)
     angles = np.where(found.load > 0.0, found.contact_angle, np.nan)
@@ -633,7 +645,7 @@ def _ball_rows(scene: Scene, found: StaticResult, *, solved: bool) -> Balls:
 
 
 def _worst_contact(name: str, answers: LoadAnswers | RollerAnswers) -> WorstContact | None:
-    """Return the contact with the highest pressure, under the name of its set; None without load."""
+    """Return the contact with the highest pressure in the nut or bearing called ``name``; None if no contact is loaded."""
     w, safety = answers.worst, answers.safety
     if w is None or safety is None:
         return None
@@ -643,7 +655,7 @@ def _worst_contact(name: str, answers: LoadAnswers | RollerAnswers) -> WorstCont
 
 
 def _life_result(known: rating.Life | None, speed: float | None) -> Life | None:
-    """Convert a rated life to the record of the library; None without one."""
+    """Convert a computed life to the record that users get, with the running time at ``speed``; None without a life."""
     if known is None:
         return None
     seconds = 3600.0 * known.hours(speed) if speed else None
@@ -651,17 +663,17 @@ def _life_result(known: rating.Life | None, speed: float | None) -> Life | None:
 
 
 def _preload_result(known: loading.Preload | None) -> Preload | None:
-    """Convert a preload to the record of the library; None without one."""
+    """Convert a computed preload to the record that users get; None if there is no preload."""
     return None if known is None else Preload(known.mean, known.largest, known.axial, known.loaded)
 
 
 def expected_error(m: ModelForm | None) -> ExpectedError | None:
-    """Convert an estimate of the model's error to the record that results show.
+    """Convert the estimate of a model's error to the record that users get.
 
     Parameters
     ----------
     m
-        Estimate by `rollbench.compare.models.model_form`; None where there is none.
+        Estimate that `rollbench.compare.models.model_form` computed; None if no estimate was possible.
 
     Returns
     -------
@@ -675,7 +687,7 @@ def expected_error(m: ModelForm | None) -> ExpectedError | None:
 
 
 def _contact_columns(one: Balls) -> dict[str, Array | list[str]]:
-    """Return the columns of `Result.columns` for the balls of one set; empty without loads."""
+    """Return the columns of `Result.columns` for the balls of one nut or bearing; empty if there are no loads."""
     if one.azimuth is None or one.z is None or one.loads is None or one.angles is None or one.pressure is None:
         return {}
     out: dict[str, Array | list[str]] = {"ball": np.arange(1.0, one.z.size + 1), "azimuth_rad": one.azimuth, "z_m": one.z}
@@ -685,7 +697,7 @@ def _contact_columns(one: Balls) -> dict[str, Array | list[str]]:
 
 
 def _stack_arrays(key: str, each: Mapping[str, Mapping[str, Array | list[str]]]) -> dict[str, Array | list[str]]:
-    """Stack columns of several sets or cases; the first column, ``key``, holds their names."""
+    """Stack the columns of several nuts, bearings or load cases; a new first column, ``key``, has their names."""
     known = {name: columns for name, columns in each.items() if columns}
     names = [name for name, columns in known.items() for _ in columns["ball"]]
     out: dict[str, Array | list[str]] = {key: names} if known else {}

@@ -1,4 +1,4 @@
-"""Result of `rollbench.table`: stiffness and other quantities over given values of keys, with the error to expect."""
+"""Records that `rollbench.table` returns: stiffness, preload, life and other quantities over values of scene parameters."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 CONVERGED = "converged"
 
-#: Quantities of a row besides the stiffness, with the field that holds the error to expect of each.
+#: Quantities of a row other than the stiffness matrix, each with the field of its expected error.
 ERROR_OF = {
     "axial_rigidity_N_per_um": "rigidity_error",
     "displacement_um": "displacement_error",
@@ -33,31 +33,32 @@ ERROR_OF = {
 
 @record
 class TableRow:
-    """Row of a table: quantities at one combination of values of the keys, in SI units; errors in per cent.
+    """Stiffness and other results for one combination of parameter values, in SI units; their errors are in per cent.
 
-    A field is None if it was not asked for or there is no equilibrium.
+    A field is None if the user did not ask for it, or if there is no equilibrium.
     """
 
     status: str = quantity("status")
     stiffness: Array | None = quantity(
         "stiffness",
-        "row by row: change of force [N] and moment [N m] for a unit displacement [m] or rotation [rad] of what "
-        "`stiffness_of` says, at `station_mm`, "
-        "at the set's centre where that is null, of a whole shaft where the scene asks for it",
+        "row by row: change of force [N] and moment [N m] for a unit displacement [m] or rotation [rad] of the body that "
+        "`stiffness_of` names, at the axial position `station_mm`, or if that is null at the centre of the nut or bearing; "
+        "for a whole shaft, at the position that the scene states",
         error="`expected_error_percent.rigidity`, on its axial term",
         parts="[][]",
         default=None,
     )
     rigidity: float | None = quantity(
         "axial_rigidity_N_per_um",
-        "force per axial displacement of that section, rotation about the axis held, all else free",
+        "axial force per axial displacement of this cross-section, with the rotation about the axis fixed and all other "
+        "degrees of freedom free",
         error="`expected_error_percent.rigidity`",
         heading="rigidity",
         default=None,
     )
     displacement: float | None = quantity(
         "displacement_um",
-        "displacement of the loaded stations along the forces there, from the nominal place",
+        "displacement of the loaded points along the forces, from their nominal position",
         error="`expected_error_percent.displacement`",
         default=None,
     )
@@ -65,9 +66,11 @@ class TableRow:
         "largest_load_N", "largest contact load", error="`expected_error_percent.load`, of the mean load", default=None
     )
     preload: float | None = quantity(
-        "preload_N", "axial force between the two pairs of flanks without the scene's loads", error="that of the loads",
+        "preload_N",
+        "axial force between the two pairs of groove flanks without the scene's external loads",
+        error="that of the loads",
         default=None,
-    )  # fmt: skip
+    )
     pressure: float | None = quantity(
         "largest_pressure_MPa",
         "largest Hertz pressure",
@@ -77,55 +80,63 @@ class TableRow:
     )
     life: float | None = quantity(
         "life_million_revolutions",
-        "life L10 of the load distribution",
-        error="some three times that of the loads",
+        "life L10 from the computed distribution of contact loads",
+        error="about three times that of the loads",
         heading="life L10",
         default=None,
     )
     load_error: float | None = quantity(
-        "expected_error_percent.load", "to expect of the worst contact load, in per cent of the mean load", default=None
+        "expected_error_percent.load",
+        "expected error of the worst contact load, in per cent of the mean load",
+        default=None,
     )
     rms_error: float | None = quantity(
-        "expected_error_percent.rms_load", "the same, root mean square of all contacts", default=None
+        "expected_error_percent.rms_load",
+        "expected root mean square error of the contact loads, in per cent of the mean load",
+        default=None,
     )
     displacement_error: float | None = quantity(
-        "expected_error_percent.displacement", "of the axial displacement", default=None
+        "expected_error_percent.displacement", "expected error of the axial displacement", default=None
     )
-    rigidity_error: float | None = quantity("expected_error_percent.rigidity", "of the axial rigidity", default=None)
-    pressure_error: float | None = quantity("expected_error_percent.pressure", "of the largest pressure", default=None)
+    rigidity_error: float | None = quantity(
+        "expected_error_percent.rigidity", "expected error of the axial rigidity", default=None
+    )
+    pressure_error: float | None = quantity(
+        "expected_error_percent.pressure", "expected error of the largest pressure", default=None
+    )
     error_words: str = quantity("expected_error_words", default="")
 
     @property
     def converged(self) -> bool:
-        """Whether there is an equilibrium."""
+        """Whether an equilibrium was found."""
         return self.status == CONVERGED
 
 
 @dataclass(frozen=True)
 class Over:
-    """A key of a table, with its values."""
+    """A parameter of the scene that a table varies, with its values."""
 
     key: str
-    """Key of the scene, as it was given."""
+    """Key of the parameter in the scene file, as the user wrote it."""
     column: str
-    """Name of its column, which ends with the unit of the values."""
+    """Name of the table's column with its values, which ends with their unit."""
     values: tuple[float | str, ...]
-    """Values in the order of the rows; numbers in the unit of the column."""
+    """Values in the order of the rows; numbers are in the unit of the column."""
 
     @property
     def unit(self) -> str:
-        """Unit at the end of the column's name; empty if it has none."""
+        """Unit of the values, from the end of the column's name; empty if they have none."""
         return self.column.removeprefix(self.key).lstrip("_")
 
     @property
     def numbers(self) -> list[float] | None:
-        """Values as numbers; None if one of them is text."""
+        """Values as numbers; None if one of them is a text."""
         return [float(x) for x in self.values] if all(isinstance(x, int | float) for x in self.values) else None
 
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
 class Table(Data):
-    """Quantities of a scene for all combinations of values of its keys.
+    """Stiffness and other results of a scene for all combinations of the values of some of its parameters.
 
     Examples
     --------
@@ -143,11 +154,11 @@ class Table(Data):
     model: str
     """Name of the model."""
     over: tuple[Over, ...]
-    """Keys with their values; that of the last key changes fastest from row to row."""
+    """Varied parameters with their values; the value of the last one changes fastest from row to row."""
     stiffness_of: str
-    """Body and station whose stiffness the rows give, in words."""
+    """Text that names the body, and its axial position, whose stiffness the rows contain."""
     rows: tuple[TableRow, ...]
-    """A row for each combination; without equilibrium its status says why."""
+    """A row for each combination of values. If there is no equilibrium, its status says why."""
 
     @property
     def converged(self) -> int:
@@ -156,44 +167,44 @@ class Table(Data):
 
     @property
     def places(self) -> list[dict[str, float | str]]:
-        """Values of the keys for each row, by column."""
+        """Values of the varied parameters for each row, by the name of the column."""
         columns = [x.column for x in self.over]
         return [dict(zip(columns, values, strict=True)) for values in product(*(x.values for x in self.over))]
 
     @property
     def failures(self) -> dict[str, list[str]]:
-        """Texts of the combinations of key values without equilibrium, by reason."""
+        """Texts with the parameter values for which there is no equilibrium, by the reason."""
         out: dict[str, list[str]] = {}
         for row, place in zip(self.rows, self.places, strict=True):
             if not row.converged:
-                out.setdefault(row.status, []).append(place_words(self.over, place))
+                out.setdefault(row.status, []).append(parameter_values_text(self.over, place))
         return out
 
     @property
     def stiffness(self) -> Array:
-        """Tangent stiffness of all rows, (n, 6, 6) [N/m, N/rad, N m/rad]; nan where there is none."""
+        """Tangent stiffness of all rows, (n, 6, 6) [N/m, N/rad, N m/rad]; nan in rows without a stiffness."""
         return np.array([np.full((6, 6), np.nan) if x.stiffness is None else x.stiffness for x in self.rows])
 
     def columns(self) -> dict[str, list[float | str | None]]:
-        """Return the columns of a flat table, named as the keys of the JSON.
+        """Return the table as lists of equal length, one for each number of a row, by the names of the JSON keys.
 
         Returns
         -------
         dict
-            Lists by column: values of the keys, status, ``K_ux_ux`` to ``K_rz_rz`` in N, m and rad, the other quantities
-            and the errors to expect.
+            List of each column, by its name: values of the varied parameters, status, stiffness terms ``K_ux_ux`` to
+            ``K_rz_rz`` in N, m and rad, the other quantities, and the expected errors.
         """
         flat = [dict(_flatten_row(row)) for row in self.values["rows"]]  # type: ignore[arg-type, union-attr]
         names = dict.fromkeys(name for row in flat for name in row)
         return {name: [row.get(name) for row in flat] for name in names}
 
     def to_dataframe(self) -> pandas.DataFrame:
-        """Return `columns` as a data frame, which needs the package pandas.
+        """Return the table as a pandas data frame with the columns of `columns`.
 
         Returns
         -------
         pandas.DataFrame
-            A row for each combination.
+            A row for each combination of parameter values.
 
         Raises
         ------
@@ -206,7 +217,7 @@ class Table(Data):
 
 
 def _flatten_row(row: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
-    """Yield keys and values of a row's JSON with inner tables flattened; the stiffness as 36 terms."""
+    """Yield keys and single values of the JSON of a row; the stiffness gives 36 values, an inner table one for each key."""
     for key, value in row.items():
         if key == "stiffness":
             matrix = [[None] * 6] * 6 if value is None else value
@@ -228,12 +239,12 @@ def table_from_json(data: Mapping[str, Any]) -> Table:
     Returns
     -------
     Table
-        The record.
+        The table, with numbers in SI units.
 
     Raises
     ------
     KeyError, TypeError
-        If the JSON is of another kind.
+        If the JSON was written by another command.
     """
     rows = [TableRow(**from_json(TableRow, row)) for row in data["rows"]]
     return Table(
@@ -246,20 +257,20 @@ def table_from_json(data: Mapping[str, Any]) -> Table:
     )
 
 
-def place_words(over: Sequence[Over], row: Mapping[str, Any]) -> str:
-    """Return a text with a row's values of the table's keys.
+def parameter_values_text(over: Sequence[Over], row: Mapping[str, Any]) -> str:
+    """Return a text that names the parameter values of a row of a table.
 
     Parameters
     ----------
     over
-        The keys.
+        The varied parameters.
     row
-        Values by column.
+        Values of the parameters, by the name of the column.
 
     Returns
     -------
     str
-        Such as ``load 2 kN``; ``as it stands`` without keys.
+        Text such as ``load 2 kN``; ``as it stands`` if no parameter is varied.
     """
     values = [row[x.column] for x in over]
     texts = [f"{value:g}" if isinstance(value, float) else str(value) for value in values]

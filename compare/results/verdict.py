@@ -1,4 +1,4 @@
-"""Result of `rollbench.check`: a `Verdict` with a row for each judged quantity."""
+"""Records that `rollbench.check` returns: whether the contact loads of a scene agree with a reference within a limit."""
 
 from __future__ import annotations
 
@@ -18,71 +18,72 @@ from rollbench.compare.scenes.scene_file import each_case
 
 
 class Judgement(StrEnum):
-    """Judgement of a quantity from its error e, the uncertainty u of the reference and the limit."""
+    """Judgement of a quantity, from its error e, the uncertainty u of the reference, and the limit of the error."""
 
     PASS = "pass"
-    """e + u is within the limit."""
+    """The error is within the limit even with the uncertainty added: e + u <= limit."""
     FAIL = "fail"
-    """e - u is beyond the limit."""
+    """The error is beyond the limit even with the uncertainty subtracted: e - u > limit."""
     NOT_CONVERGED = "not converged"
     """The model found no equilibrium in this load case."""
     UNDECIDED = "undecided"
     """The limit lies between e - u and e + u: the reference is not accurate enough to decide."""
     NOT_COVERED = "not covered"
-    """The reference has no such quantity."""
+    """The reference has no value of this quantity."""
 
 
-#: What to do about a verdict that is not "pass".
+#: Advice to the user for each judgement that is not "pass".
 ADVICE = {
-    "fail": "every contact with its reference: rollbench compare SCENE --balls",
-    "not converged": "why: rollbench solve SCENE",
-    "undecided": "further mesh levels make the reference more certain: --levels 3",
+    "fail": "compare every contact with its reference: rollbench compare SCENE --balls",
+    "not converged": "see why there is no equilibrium: rollbench solve SCENE",
+    "undecided": "reduce the uncertainty of the reference by more mesh levels: --levels 3",
     "not covered": "compute the 3D reference: --levels 2",
 }
 
 
 @dataclass(frozen=True)
 class VerdictRow:
-    """Judgement of one quantity of a scene, a load case or one of several sets."""
+    """Judgement of one quantity of a scene, of a load case, or of one nut or bearing out of several."""
 
     scene: str
     """Name of the scene."""
     case: str | None
     """Name of the load case; None without load cases."""
     set: str | None
-    """Name of the set; None if there is only one."""
+    """Name of the nut or bearing; None if the scene has only one."""
     judged: str
-    """Origin of the judged values: name of a model or of a file."""
+    """Name of the model or of the file whose values are judged."""
     quantity: str
     """Name of the judged quantity."""
     judgement: Judgement
     """Judgement of the quantity."""
     unit: str
-    """Unit of error, uncertainty and limit: ``%`` of the reference (for small contact loads, of the mean load), or the unit
-    of the limit, such as ``deg``."""
+    """Unit of error, uncertainty and limit: ``%`` of the reference value (for small contact loads, of the mean load), or
+    the unit in which the limit is stated, such as ``deg``."""
     error: float | None
-    """Error of the contact that decides [unit]; None if nothing could be compared."""
+    """Error of the quantity, or of the contact that determines the judgement [unit]; None if nothing could be compared."""
     uncertainty: float | None
-    """Uncertainty of the reference at this contact [unit]; None if not known."""
+    """Uncertainty of the reference for this quantity or contact [unit]; None if not known."""
     limit: float
-    """Largest error that passes [unit]."""
+    """Largest permitted error [unit]."""
     ball: int | None
-    """Ball of the contact that decides, from 1; None for values of the whole scene."""
+    """Number of the ball, from 1, of the contact that determines the judgement; None for quantities of the whole scene."""
     side: str | None
-    """Flank of the contact that decides: SL, SR, NL, NR."""
+    """Groove flank of the contact that determines the judgement: SL, SR, NL or NR; None for quantities of the whole
+    scene."""
     contacts: int
     """Number of judged contacts."""
     levels: tuple[int, ...]
-    """Mesh levels of the reference."""
+    """Mesh levels of the 3D reference."""
     detail: str
     """Further explanation; may be empty."""
     line: str
-    """The row as one line of text."""
+    """The judgement as one line of text."""
 
 
 @dataclass(frozen=True, repr=False, eq=False)
 class Verdict(Record):
-    """Judgement of contact loads and other values of scenes against their reference: a row for each quantity.
+    """Judgement of contact loads and other quantities of scenes against their reference, with a row for each quantity.
 
     Examples
     --------
@@ -93,13 +94,13 @@ class Verdict(Record):
     """
 
     rows: tuple[VerdictRow, ...]
-    """Every judged quantity, in the order of scenes, load cases and sets."""
+    """Judgement of every quantity, in the order of scenes, load cases, and nuts and bearings."""
     warnings: tuple[str, ...]
-    """Warnings, such as unknown columns of a file."""
+    """Warnings, such as those about unknown columns of a file."""
     not_judged: tuple[str, ...]
-    """Quantities that are not judged: not given, or not in the reference."""
+    """Quantities that are not judged, because the user's file or the reference does not contain them."""
     judged: tuple[gate.Verdict, ...]
-    """Records of the gate with further details, one for each row."""
+    """Judgements with further details, one for each row."""
     described: tuple[Described, ...]
     """The judged scenes."""
 
@@ -115,17 +116,20 @@ class Verdict(Record):
 
     @property
     def worst(self) -> VerdictRow | None:
-        """Decisive row: of the rows with the worst judgement, the largest error over limit; None without rows."""
+        """Row that determines the verdict; None without rows.
+
+        Of the rows with the worst judgement, it is the one with the largest ratio of error to limit.
+        """
         gravest = [row for row in self.rows if row.judgement is self.judgement]
         return max(gravest, key=lambda row: abs(row.error or 0.0) / row.limit, default=None)
 
     @property
     def word(self) -> str:
-        """Worst judgement of all rows, as text."""
+        """Worst judgement of all rows as text, such as "undecided"."""
         return self.judgement.value
 
     def to_dict(self) -> dict[str, JSON]:
-        """Return the JSON that ``rollbench check SCENE --json`` prints.
+        """Return the verdict as a dictionary, as ``rollbench check SCENE --json`` prints it.
 
         Returns
         -------
@@ -138,9 +142,9 @@ class Verdict(Record):
     headings = ("verdict", "of", "judged", "quantity", "error", "uncertainty", "limit", "note")
 
     def table(self) -> Sequence[Sequence[str]]:
-        """Return one row for each quantity that was judged.
+        """Return a row of texts for each quantity that was judged.
 
-        Scene and model are left out of the rows if they are the same in all; `answer` names them.
+        If all rows have the same scene or the same model, its cells are empty; `answer` names both.
 
         Returns
         -------
@@ -158,7 +162,7 @@ class Verdict(Record):
 
     @property
     def answer(self) -> str:
-        """One line: worst judgement, scenes, models, largest load error [% of the mean load], counts."""
+        """Verdict in one line: worst judgement, scenes, models, largest error of a contact load, and counts."""
         counts = ", ".join(f"{n} {word}" for word in CODES if (n := sum(v.word == word for v in self.judged)))
         of = [
             ", ".join(dict.fromkeys(texts)) for texts in ([v.subject for v in self.judged], [v.judged for v in self.judged])
@@ -170,18 +174,12 @@ class Verdict(Record):
 
     @property
     def advice(self) -> list[str]:
-        """Sentences: to what the errors of loads are relative, and what to do if a quantity does not pass."""
+        """Sentences that state to what load the errors are relative, and what to do if a quantity does not pass."""
         words = {v.word for v in self.judged}
         loads = any(v.quantity == LARGEST for v in self.judged)
         return [
             *([f"errors of contact loads: {RULE}"] if loads else []),
-            *(["fail: every contact with its reference: rollbench compare SCENE --balls"] if "fail" in words else []),
-            *(
-                ["undecided: further mesh levels make the reference more certain: --levels 3"]
-                if "undecided" in words
-                else []
-            ),
-            *(["not covered: compute the 3D reference: --levels 2"] if "not covered" in words else []),
+            *(f"{word}: {ADVICE[word]}" for word in ("fail", "undecided", "not covered") if word in words),
         ]
 
     @property
@@ -189,7 +187,7 @@ class Verdict(Record):
         return (*(f"WARNING: {words}" for words in self.warnings), *(row.line for row in self.rows))
 
     def __repr__(self) -> str:
-        """Return the worst judgement, then a line for each warning and row."""
+        """Return lines of text: the worst judgement, then each warning, then each row."""
         return "\n".join([f"verdict: {self.word}", *self._notes])
 
 
@@ -203,13 +201,13 @@ def judge_request(
     described
         The scenes.
     names
-        File or name of each scene, for errors.
+        File or name of each scene, for error messages.
     request
-        What is judged, by which limits and references.
+        The user's request: which values are judged, by which limits, against which reference.
     engine
-        Runs computations of the 3D reference.
+        Engine that computes runs of the 3D reference.
     step
-        Called with lines of progress.
+        Function that is called with each line of progress.
 
     Returns
     -------
@@ -228,7 +226,7 @@ def judge_request(
 
 
 def _verdict_row(v: gate.Verdict) -> VerdictRow:
-    """Convert a verdict of the gate to a row of the library."""
+    """Convert the judgement of one quantity to the row that users get."""
     return VerdictRow(
         scene=v.scene,
         case=v.case,
@@ -257,19 +255,20 @@ def judged_cases(
     step: Callable[[str], None],
     warn: Callable[[str], None],
 ) -> list[gate.Verdict]:
-    """Judge scenes and their load cases, as records of the gate.
+    """Judge scenes and their load cases, and return a detailed record for each quantity.
 
     Parameters
     ----------
     described, names, request, engine, step
         As for `judge_request`.
     warn
-        Called with warnings.
+        Function that is called with each warning.
 
     Returns
     -------
     list of rollbench.compare.gate.verdict.Verdict
-        A record for each quantity, with the name of its load case; "not converged" where the model has no loads.
+        A record for each quantity, with the name of its load case. Its judgement is "not converged" if the model found no
+        equilibrium in that load case.
 
     Raises
     ------
@@ -288,19 +287,20 @@ def judged_cases(
 
 
 def verdicts_json(described: Sequence[Described], verdicts: Sequence[gate.Verdict]) -> dict[str, Any]:
-    """Return all judgements as JSON.
+    """Convert all judgements to JSON values.
 
     Parameters
     ----------
     described
-        The scenes.
+        The judged scenes.
     verdicts
-        Records of the gate, of all scenes and load cases.
+        Judgements of all scenes and load cases.
 
     Returns
     -------
     dict
-        The judgements and the worst of them; with load cases also the judgements of each case, and the decisive case.
+        The judgements and the worst of them. With load cases, also the judgements of each case, and the case that
+        determines the verdict of each scene.
     """
     gravest = worst_verdict([v.word for v in verdicts])
     data: dict[str, Any] = {"verdict": gravest, "passed": gravest == "pass", "verdicts": [v.as_json() for v in verdicts]}

@@ -1,4 +1,4 @@
-"""Data of the 3D view of a solved scene: sets with contacts, geometric errors, and errors of the loads."""
+"""Data of the 3D view of a solved scene: contacts of nuts and bearings, geometric errors, and errors of the loads."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def make_view(
     stores: Sequence[Path] | None = None,
     given: Reference | None = None,
 ) -> View:
-    """Return the data of the 3D view of a solved scene, or of its load cases.
+    """Collect the data that the 3D view of a solved scene, or of its load cases, shows.
 
     Parameters
     ----------
@@ -40,18 +40,18 @@ def make_view(
     solved
         Solution of each load case.
     results
-        Results as JSON.
+        Results of the scene as JSON.
     cases
         Names of the load cases; empty for a single one.
     stores
-        Folders with runs of the 3D reference; None: that of the package.
+        Folders with runs of the 3D reference; None: the runs shipped with rollbench.
     given
-        A user's reference, in place of the stored runs.
+        Reference of the user that replaces the stored runs; None: no such reference.
 
     Returns
     -------
     View
-        The data.
+        Data of the view.
     """
     each = [_view_case(name, one, stores, given) for name, one in zip(cases or [""], solved, strict=True)]
     words = [count_of(len(cases), "load case")] if cases else []
@@ -66,7 +66,7 @@ def make_view(
 
 
 def _view_case(name: str, one: Solved | SolvedAxis, stores: Sequence[Path] | None, given: Reference | None) -> CaseView:
-    """Return the data of a load case for the 3D view."""
+    """Return the data of the load case ``name`` for the 3D view; see `make_view` for the other arguments."""
     if isinstance(one, Solved):
         known = given or reference(one.scene, stores)
         expected = None if one.expected is None or one.expected.percent is None else 0.01 * one.expected.percent
@@ -95,7 +95,11 @@ def _view_balls(
     known: Reference | None = None,
     expected: float | None = None,
 ) -> SetView:
-    """Return the view of a set of balls; ``known``: its 3D reference; ``expected``: error of its loads [N]."""
+    """Return the data of one ball nut or ball bearing for the 3D view.
+
+    ``found``: its solution. ``solved``: whether there is an equilibrium. ``known``: its 3D reference. ``expected``: error
+    to expect of the contact loads [N].
+    """
     closer = closer_than_perfect(parts, found.member)
     if not solved:
         return SetView(name, kind, parts, position, closer=closer)
@@ -119,10 +123,11 @@ def _view_balls(
 
 
 def closer_than_perfect(scene: Scene, member: int = 0) -> Array:
-    """Return the approach of each ball to its flanks due to geometric errors, along the nominal normals, (n, 4) [m].
+    """Return by how much geometric errors bring each ball closer to its groove flanks, (n, 4) [m].
 
-    With the normal n of a flank, delta = (r_B - r_B0) - ((c - c_0) n + rho - r_G0): ball radius r_B, groove centre c
-    and radius rho at the nominal contact angle, nominal values with a 0. First order in the errors.
+    The distance is measured along the nominal contact normal n: delta = (r_B - r_B0) - ((c - c_0) n + rho - r_G0), with
+    ball radius r_B, groove centre c, and groove radius rho at the nominal contact angle; nominal values have a 0. The
+    formula is of first order in the errors.
     """
     drawn, beta = specimen(scene, ball_layout(scene), member), scene.track.contact_angle
     normal = np.array(SIDE_SIGNS) * np.array([np.cos(beta), np.sin(beta)])

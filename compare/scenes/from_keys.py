@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
-from rollbench.compare.errors import escaped
+from rollbench.compare.errors import escape_unprintable
 from rollbench.compare.measure import error_percent
 from rollbench.compare.scenes import schema
 from rollbench.compare.scenes.duty_cycle import DutyCycle, LoadCase
@@ -37,7 +37,7 @@ def scene_of(keys: schema.SceneKeys, name: str) -> parts.Scene:
     former = () if held is None else (f'The former key solid.nut_held = "{held}" is read as nut.held.at.',)
     return parts.Scene(
         name=name,
-        title=escaped(keys.title),
+        title=escape_unprintable(keys.title),
         track=_track_record(keys),
         screw=parts.Screw(bore=keys.screw.bore, **_shared_fields(keys, keys.screw)),
         nut=parts.Nut(position=nut.position, azimuth=nut.azimuth, flange=_flange_record(nut), **_shared_fields(keys, nut)),
@@ -52,8 +52,8 @@ def scene_of(keys: schema.SceneKeys, name: str) -> parts.Scene:
         loads=tuple(keys.loads),
         ingredients=keys.ingredients,
         solid=replace(keys.solid, nut_held=nut.held.at or held),
-        source=escaped(keys.source),
-        assumed=(*map(escaped, keys.assumed), *former),
+        source=escape_unprintable(keys.source),
+        assumed=(*map(escape_unprintable, keys.assumed), *former),
         members=keys.members,
         friction=None if keys.friction is None else friction_of(keys.friction),
         motion=keys.motion,
@@ -112,7 +112,7 @@ def friction_of(keys: schema.FrictionKeys) -> parts.Friction:
     screw, nut = (keys.coefficient if given is None else given for given in (keys.screw, keys.nut))
     if screw is None or nut is None:  # choice_faults has refused this
         raise AssertionError("a groove without a coefficient")
-    assumed, feedback, neighbours = tuple(map(escaped, keys.assumed)), keys.feedback, keys.neighbours
+    assumed, feedback, neighbours = tuple(map(escape_unprintable, keys.assumed)), keys.feedback, keys.neighbours
     if keys.coupling is not None:
         feedback, neighbours = keys.coupling == "ball", keys.coupling == "balls"
         assumed += (

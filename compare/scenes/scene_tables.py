@@ -6,7 +6,7 @@ import difflib
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from rollbench.compare.errors import SceneError, escaped
+from rollbench.compare.errors import SceneError, escape_unprintable
 from rollbench.compare.scenes.body_checks import contact_faults, geometry_faults
 from rollbench.compare.scenes.duty_cycle import AXIS, KINDS, WHOLE, Described, DutyCycle
 from rollbench.compare.scenes.fault import (
@@ -68,7 +68,7 @@ def read_tables(raw: dict[str, Any], origin: str) -> Described:
     of = kind_named(kind)
     keys = validate_or_raise(raw, of.keys, origin)
     raise_faults(origin, raw, list(of.faults(keys)))
-    return of.record(keys, escaped(Path(origin).stem))
+    return of.record(keys, escape_unprintable(Path(origin).stem))
 
 
 def keys_of(raw: dict[str, Any], origin: str) -> SceneKeys | AxisKeys:
@@ -100,7 +100,7 @@ def single_set_scene(raw: dict[str, Any], origin: str) -> Scene | DutyCycle:
         texts += fault_texts(raw, [fault for fault in faults if key_faults.stem_from_file(fault.keys)])
     if keys is None or not key_faults.bodies_unchanged or len(texts) > len(key_faults.texts):
         raise scene_error(origin, texts)
-    scene = scene_of(keys, escaped(Path(origin).stem))
+    scene = scene_of(keys, escape_unprintable(Path(origin).stem))
     texts += fault_texts(raw, _build_faults(scene))
     if texts:
         raise scene_error(origin, texts)

@@ -18,7 +18,7 @@ import numpy as np
 from rollbench.compare.errors import ArgumentError, InputError, one_line
 from rollbench.compare.files import os_errors_as_input_errors, replace_file, write_csv
 from rollbench.compare.quantities import count_of, quantities
-from rollbench.compare.results.table import ERROR_OF, Table, TableRow, place_words, table_from_json
+from rollbench.compare.results.table import ERROR_OF, Table, TableRow, parameter_values_text, table_from_json
 from rollbench.compare.scenes.scene_file import read_text
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.libraries import import_fault, pip_command
@@ -98,7 +98,7 @@ def table_figure(table: Table) -> Figure | None:
     rest = [x for k, x in enumerate(table.over) if k != along]
     curves: dict[str, list[int]] = {}
     for k, place in enumerate(table.places):
-        curves.setdefault(place_words(rest, place) if rest else "", []).append(k)
+        curves.setdefault(parameter_values_text(rest, place) if rest else "", []).append(k)
     x = cast("list[float]", columns[table.over[along].column])
     xlabel = " / ".join(filter(None, (table.over[along].key, table.over[along].unit)))
     panels = []
@@ -154,7 +154,7 @@ def ross_text(table: Table) -> str:
     places, lines = table.places, []
     for k in kept:
         terms = {name: float(f"{matrices[k][at]:.9e}") for name, at in ROSS_TERMS.items()}
-        lines.append(f"    ({place_words(table.over, places[k])!r}, {terms!r}),")
+        lines.append(f"    ({parameter_values_text(table.over, places[k])!r}, {terms!r}),")
     head = [
         f"Stiffness of {table.scene} by rollbench (model {table.model}) for ROSS, in N/m; z is the axis of rotation.",
         f"It is that of: {table.stiffness_of}.",

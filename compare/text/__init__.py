@@ -1,1 +1,1 @@
-"""Answers as text and tables for the terminal and pages."""
+"""Conversion of results to text and tables for the terminal."""

@@ -1,4 +1,4 @@
-"""The answer of a command, and its output: text and tables as wide as the terminal, or one JSON value."""
+"""Output of a command: text and tables that fit the width of the terminal, or one JSON value."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
-from rollbench.compare.errors import escaped
+from rollbench.compare.errors import escape_unprintable
 from rollbench.compare.running import clear_progress_line
 
 if TYPE_CHECKING:
@@ -20,16 +20,17 @@ if TYPE_CHECKING:
     from rich.table import Table
 
 
-#: A column of a table on the terminal: key of the row, heading, format.
+#: Description of a column of a table on the terminal: key of its value in a row, heading, number format.
 Column = tuple[str, str, str]
 
 
 @dataclass(frozen=True)
 class Answer:
-    """What a command prints.
+    """Output of a command, with its exit code.
 
-    data: JSON-ready value, or a function that returns it, called only for JSON; parts: texts and tables of rich,
-    printed in this order; code: exit code; folded: whether texts are wrapped to `text_width` even without a terminal.
+    data: value to print as JSON, or a function that returns it, which is called only for JSON output. parts: texts and
+    tables (of the package rich), printed in this order. code: exit code. folded: whether texts are wrapped to `text_width`
+    even if the output is no terminal.
     """
 
     data: Any = None
@@ -39,7 +40,7 @@ class Answer:
 
 
 def print_answer(answer: Answer, as_json: bool = False) -> int:
-    """Print an answer on standard output and return its exit code. Raises OutputLost."""
+    """Print the output of a command on standard output, and return its exit code; OutputLost if it cannot be written."""
     clear_progress_line()
     if as_json:
         print_json(answer.data() if callable(answer.data) else answer.data)
@@ -49,12 +50,15 @@ def print_answer(answer: Answer, as_json: bool = False) -> int:
 
 
 class OutputLost(Exception):
-    """Standard output cannot be written: disc full, or closed."""
+    """Error for a standard output that cannot be written, because the disc is full or the output is closed."""
 
 
 @contextmanager
 def guard_standard_output() -> Iterator[None]:
-    """Raise OutputLost for a failure to write to standard output, except for a pipe without reader."""
+    """Raise OutputLost if the block under this context manager cannot write to standard output.
+
+    A pipe whose reader has ended still raises BrokenPipeError.
+    """
     try:
         yield
     except BrokenPipeError:
@@ -64,17 +68,17 @@ def guard_standard_output() -> Iterator[None]:
 
 
 def print_json(value: Any) -> None:
-    """Print one JSON value on standard output. Raises ValueError for a number that is not finite, OutputLost."""
+    """Print one JSON value on standard output; ValueError for a number that is not finite, OutputLost if not writable."""
     text = json.dumps(value, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
     with guard_standard_output():
         sys.stdout.write(text)
 
 
 def _print_parts(parts: Iterable[Any], *, folded: bool) -> None:
-    """Print texts and tables, at the width of a terminal if there is one.
+    """Print texts and tables, wrapped to the width of the terminal.
 
-    Elsewhere texts are printed as they are unless ``folded``, and tables without rules, 160 columns wide or wider if a
-    word needs it.
+    If the output is no terminal, texts are not wrapped unless ``folded``, and tables are printed without rules, at least
+    160 characters wide.
     """
     terminal = sys.stdout.isatty()
     for part in parts:
@@ -82,13 +86,13 @@ def _print_parts(parts: Iterable[Any], *, folded: bool) -> None:
             _show_table(part, terminal)
             continue
         text = wrap_lines(part, text_width()) if folded else part
-        text = "\n".join(map(escaped, text.split("\n")))  # names of files
+        text = "\n".join(map(escape_unprintable, text.split("\n")))  # file names may contain control characters
         with guard_standard_output():
             print(wrap_lines(text, text_width()) if terminal else text)
 
 
 def _show_table(table: Any, terminal: bool) -> None:
-    """Print a table of rich, which is imported here only."""
+    """Print a table of the package rich; on a terminal, it is split into tables that fit the width."""
     from rich.console import Console
 
     console = Console(width=None if terminal else 160, soft_wrap=True, highlight=False, markup=False)
@@ -101,12 +105,12 @@ def _show_table(table: Any, terminal: bool) -> None:
 
 
 def text_width() -> int:
-    """Return the width of running text: that of the terminal, else 100."""
+    """Return the width to which texts are wrapped [characters]: the width of the terminal, or 100 without one."""
     return shutil.get_terminal_size((100, 24)).columns if sys.stdout.isatty() else 100
 
 
 def cell(value: Any, form: str) -> str:
-    """Return a value as text; a number rounded to zero has no minus sign.
+    """Format a value as the text of a table cell; a number that is rounded to zero gets no minus sign.
 
     Examples
     --------
@@ -123,20 +127,20 @@ def cell(value: Any, form: str) -> str:
     return format(value, f"{sign}z{form.removeprefix(sign)}")
 
 
-#: Width below which lines are not wrapped, and that of a column whose words may be broken.
+#: Smallest width to which lines are wrapped, and width of a column in which words may be broken [characters].
 LEAST, FOLDED = 40, 8
 
-#: A command at the end of a line, to be copied.
+#: Pattern of a command at the end of a line, which must stay on one line so that users can copy it.
 COMMAND = re.compile(
     r"(?<= )(rollbench (solve .*--condensed|check SCENE --loads) (\S*'.*'|\S+)|(apt-get|pip) install [\w .+-]+)$"
 )
 
 
 def wrap_lines(text: str, width: int) -> str:
-    """Return a text with its lines wrapped at words.
+    """Wrap the lines of a text at words, to a width in characters.
 
-    Continuation lines are indented to the text after a label, or by two. Paths, and a command at the end of a line, are
-    not broken, so that they can be copied.
+    Continuation lines are indented by two, or as far as the text after a label. Paths, and a command at the end of a line,
+    are not broken, so that users can copy them.
 
     Examples
     --------
@@ -148,7 +152,7 @@ def wrap_lines(text: str, width: int) -> str:
 
 
 def _wrap_one_line(line: str, width: int) -> str:
-    """Return one line wrapped at words, for `wrap_lines`."""
+    """Wrap one line at words; see `wrap_lines`."""
     if len(line) <= width:
         return line
     label = re.match(r" *\S+  +(?=\S)", line)
@@ -161,9 +165,9 @@ def _wrap_one_line(line: str, width: int) -> str:
 
 
 def split_to_width(table: Table, width: int) -> list[Table]:
-    """Split a table of texts into tables no wider than ``width``, without cutting a number.
+    """Split a table of texts into tables that are at most ``width`` characters wide, without breaking a number.
 
-    Columns that do not fit go to a further table, which repeats the columns that identify a row.
+    Columns that do not fit are moved to a further table, which repeats the columns that identify a row.
     """
     limits = [_column_widths(column, _padding_width(table)) for column in table.columns]
     if sum(natural for _, natural in limits) + 1 <= width:
@@ -182,7 +186,7 @@ def split_to_width(table: Table, width: int) -> list[Table]:
 
 
 def unbroken_width(table: Table) -> int:
-    """Return the width at which no word is broken; see `split_to_width` for columns that it may break."""
+    """Return the width [characters] that a table needs so that no word is broken."""
     widths = []
     for column in table.columns:
         column.no_wrap = column.no_wrap or column.overflow == "fold"
@@ -192,13 +196,16 @@ def unbroken_width(table: Table) -> int:
 
 
 def _padding_width(table: Table) -> int:
-    """Return the width that a column needs in addition to its text: padding and rule."""
+    """Return the width [characters] that each column needs in addition to its text, for padding and rule."""
     _, right, _, left = table.padding
     return int(left) + int(right) + (table.box is not None)
 
 
 def _column_widths(column: RichColumn, around: int) -> tuple[int, int]:
-    """Return two widths of a column: below the first words are cut, from the second on no text is wrapped."""
+    """Return the smallest width of a column that breaks no word, and the width at which no text is wrapped.
+
+    ``around``: width of padding and rule, which is added to both [characters].
+    """
     texts = [str(column.header), *map(str, column.cells)]
     natural = max(map(len, texts))
     least = natural if column.no_wrap else max((len(word) for text in texts for word in text.split()), default=0)
@@ -208,7 +215,11 @@ def _column_widths(column: RichColumn, around: int) -> tuple[int, int]:
 def _table_part(
     table: Table, columns: Sequence[int], rows: Sequence[tuple[str, ...]], limits: Sequence[tuple[int, int]], width: int
 ) -> Table:
-    """Return some columns of a table, each wide enough for its words; the remaining width goes to the longest texts."""
+    """Return a table with the ``columns`` (numbers) of another one, at most ``width`` characters wide.
+
+    Each column is wide enough for its words; the remaining width is given to the columns with the longest texts.
+    ``limits``: the two widths of each column, see `_column_widths`.
+    """
     from rich.table import Table as Made
 
     wide = [limits[k][0] for k in columns]
@@ -225,14 +236,17 @@ def _table_part(
 
 
 def ruled_table(title: str, headings: Iterable[str], rows: Iterable[Iterable[str]], left: Collection[str] = ()) -> Table:
-    """Return texts as a table with title and rules, right-aligned but for the columns with the headings ``left``."""
+    """Return a table of texts with title and rules; columns are right-aligned, except those with the headings ``left``."""
     return _fill_table(headings, rows, left, title=title)
 
 
 def plain_table(
     headings: Sequence[str], rows: Iterable[Iterable[str]], left: Collection[str] = (), *, apart: int = 1
 ) -> Table:
-    """Return texts as a table without rules and without wrapping, ``apart`` blanks between columns; see `ruled_table`."""
+    """Return a table of texts without rules and without wrapping, with ``apart`` blanks between columns.
+
+    Columns are right-aligned, except those with the headings ``left``.
+    """
     out = _fill_table(headings, rows, left, box=None, pad_edge=False, padding=(0, apart, 0, 0))
     for column in out.columns:
         column.no_wrap = True
@@ -240,7 +254,10 @@ def plain_table(
 
 
 def aligned_table(rows: Sequence[Mapping[str, Any]], digits: str = ".4g", title: str | None = None) -> Table:
-    """Return rows as a table without rules, numbers right-aligned; columns without a value are dropped."""
+    """Return a table without rules from rows of values, whose keys become the headings.
+
+    Columns without values are left out. ``digits``: format of numbers.
+    """
     kept = {k: k.replace("_", " ").replace("percent", "%") for k in rows[0] if any(row[k] is not None for row in rows)}
     left = [heading for key, heading in kept.items() if isinstance(rows[0][key], str)]
     texts = ([cell(row[k], digits if isinstance(row[k], float) else "s") for k in kept] for row in rows)
@@ -248,7 +265,7 @@ def aligned_table(rows: Sequence[Mapping[str, Any]], digits: str = ".4g", title:
 
 
 def _fill_table(headings: Iterable[str], rows: Iterable[Iterable[str]], left: Collection[str], **look: Any) -> Table:
-    """Return a table with headings and rows; ``look``: further arguments of the table of rich."""
+    """Return a table with headings and rows of texts; ``look``: further arguments for the table class of rich."""
     from rich.table import Table as Made
 
     out = Made(title_justify="left", **look)
@@ -260,6 +277,6 @@ def _fill_table(headings: Iterable[str], rows: Iterable[Iterable[str]], left: Co
 
 
 def listed_table(title: str, columns: Sequence[Column], rows: Iterable[Mapping[str, Any]]) -> Table:
-    """Return rows as a table with title and rules; columns: key of the row, heading, format."""
+    """Return a table with title and rules from rows of values; ``columns`` selects, names and formats the values."""
     texts = ([cell(row[name], form) for name, _, form in columns] for row in rows)
     return ruled_table(title, [heading for _, heading, _ in columns], texts)

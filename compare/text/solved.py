@@ -1,4 +1,4 @@
-"""Text and tables for the terminal: a solved scene of one set or several, load curves, and load cases of a duty cycle."""
+"""Text and tables that the terminal shows for solved scenes, load curves, and load cases of a duty cycle."""
 
 from __future__ import annotations
 
@@ -15,7 +15,13 @@ from rollbench.compare.quantities import as_json, count_of, quantities, shown
 from rollbench.compare.results.base import as_text
 from rollbench.compare.results.load_curve import LoadCurve
 from rollbench.compare.results.rows import answer_rows, expected_words, set_rows, together_rows
-from rollbench.compare.results.scene_json import cases_json, discretisation_percent, roller_rows, set_balls, sides_json
+from rollbench.compare.results.scene_json import (
+    ball_rows_of_axis,
+    cases_json,
+    discretisation_percent,
+    roller_rows,
+    sides_json,
+)
 from rollbench.compare.results.side_by_side import NUMBERS, Alternative, SideBySide
 from rollbench.compare.scenes.duty_cycle import DutyCycle
 from rollbench.compare.text.printing import Column, aligned_table, listed_table, plain_table, ruled_table, text_width
@@ -31,7 +37,7 @@ if TYPE_CHECKING:
     from rich.console import RenderableType
 
 
-#: Columns of a load curve: key of the point, heading, format.
+#: Columns of the table of a load curve: key in the JSON of a point, heading, number format.
 CURVE_COLUMNS: tuple[Column, ...] = (
     ("load_factor", "factor", ".3g"),
     ("load_N", "load N", ".5g"),
@@ -43,17 +49,18 @@ CURVE_COLUMNS: tuple[Column, ...] = (
 )
 
 
-#: Part of the largest component of a force below which another one is round-off.
+#: Ratio to the largest component of a force below which another component is treated as round-off.
 ROUND_OFF = 1e-9
 
 
 def case_table(
     one: Solved | SolvedAxis, *, balls: bool = False, details: bool = False, stiffness: bool = False
 ) -> list[Any]:
-    """Return a solved scene for the terminal: status, warnings, answers, tables of sets and balls, expected errors, advice.
+    """Return the texts and tables that the terminal shows for a solved scene.
 
-    balls: also the table of every ball; details: also further quantities, balance, solver, assumptions and neglected
-    effects (always where there are no answers).
+    These are the status, warnings, results, and the error to expect. ``balls``: also a table of all balls. ``details``:
+    also further quantities, force balance, solver, assumptions and neglected effects, which are always shown without
+    equilibrium. ``stiffness``: also the stiffness of a shaft with several nuts or bearings.
     """
     result, title = one.result, []
     above_all, measured = warning_line(result.warnings), ""
@@ -63,7 +70,7 @@ def case_table(
         drawn, title = f", {count_of(len(one.scene.sets), 'set')}", [one.scene.title]
         tables = _set_tables(one, balls=balls, stiffness=details or stiffness)
     else:
-        drawn = f", member {result.member} of its random errors" if random_errors(one.scene) else ""
+        drawn = f", specimen {result.member} of its random errors" if random_errors(one.scene) else ""
         tables = _ball_tables(one) if balls and (one.result.load > 0.0).any() else []
         grid = discretisation_percent(one.scene, one.result)
         measured = "" if grid is None else f" (discretisation error {grid:.1e} % of the mean load)"
@@ -90,19 +97,26 @@ def closing_lines(
     details: bool,
     notes: Sequence[str] = (),
 ) -> list[str]:
-    """Return warnings, then the details: balance, solver, notes, assumptions, neglected effects; or how to see them."""
+    """Return the last lines on a solution: warnings, then force balance, solver, notes, assumptions and neglected effects.
+
+    Without ``details``, one line that names the option which shows them replaces all but the warnings. ``behind``: lines on
+    force balance and solver.
+    """
     warned = [f"warning: {line}" for line in warnings]
     if not details:
-        counted = f"{count_of(len(assumed), 'assumption')}, {count_of(len(left_out), 'thing')} left out"
-        return [*warned, f"--verbose: {counted}, balance, solver, further quantities"]
+        counted = f"{count_of(len(assumed), 'assumption')}, {count_of(len(left_out), 'neglected effect')}"
+        return [*warned, f"--verbose also shows: {counted}, force balance, solver, further quantities"]
     headed = ("assumed", assumed), ("left out", left_out)
     return [*behind, *warned, *notes, *(f"{heading}: {line}" for heading, lines in headed for line in lines)]
 
 
 def solver_lines(s: SolverReport, measured: str = "") -> list[str]:
-    """Return a line on the solver; only the time where nothing was solved. measured: text on the discretisation error."""
+    """Return a line on solver, iterations and size of the system; only the time if the solution was not attempted.
+
+    ``measured``: text on the discretisation error.
+    """
     if not math.isfinite(s.residual):
-        return [f"refused before anything was solved for, in {s.seconds:.3g} s"]
+        return [f"solver: the scene was rejected before a solution was attempted, in {s.seconds:.3g} s"]
     return [
         f"solver: {s.formulation}, {s.engine}; {count_of(s.iterations, 'iteration')}, residual {s.residual:.1e}, "
         f"{count_of(s.unknowns, 'unknown')}, {count_of(s.elements, 'beam element')}{measured}, {s.seconds:.3g} s"
@@ -110,14 +124,17 @@ def solver_lines(s: SolverReport, measured: str = "") -> list[str]:
 
 
 def curve_lines(curve: LoadCurve, *, details: bool = False) -> list[Any]:
-    """Return a load curve for the terminal: lash, stiffness, points; details: also the assumptions."""
+    """Return the texts and the table that the terminal shows for a load curve: backlash, stiffness, and the points.
+
+    ``details``: also the assumptions.
+    """
     x, y, z = curve.direction
     way = next((name for name, on in zip("xyz", curve.direction, strict=True) if on == 1.0), f"({x:.3g}, {y:.3g}, {z:.3g})")
 
     def size(value: float | None, factor: float, unit: str) -> str:
         return "unknown" if value is None else f"{shown(factor * value)} {unit}"
 
-    lash = f"none: {curve.lash_words}" if curve.lash_words else size(curve.lash, 1e6, "um")
+    lash = f"not known: {curve.lash_words}" if curve.lash_words else size(curve.lash, 1e6, "um")
     stiff = " and ".join(
         f"{size(value, 1e-6, 'N/um')} {words}"
         for value, words in ((curve.backward, "below"), (curve.forward, "above"))
@@ -130,8 +147,9 @@ def curve_lines(curve: LoadCurve, *, details: bool = False) -> list[Any]:
     return [
         f"{curve.scene}, model {title_of(curve.model)}: load along {way} at {curve.at}, {len(rows)} points",
         *([curve.above] if curve.above else []),
-        f"lash (dead zone between the signs): {lash}; from end to end {size(curve.peak_to_peak, 1e6, 'um')}",
-        *([f"stiffness outside the lash, to the ends: {stiff}"] if stiff else []),
+        f"lash (backlash between loads of both signs): {lash}; displacement from end to end of the curve "
+        f"{size(curve.peak_to_peak, 1e6, 'um')}",
+        *([f"stiffness from the ends of the lash to the ends of the curve: {stiff}"] if stiff else []),
         listed_table("", used, rows),
         *(f"warning: {line}" for line in curve.warnings),
         *([f"assumed: {line}" for line in curve.assumed] if details else []),
@@ -139,33 +157,37 @@ def curve_lines(curve: LoadCurve, *, details: bool = False) -> list[Any]:
 
 
 def side_by_side_lines(found: SideBySide) -> list[Any]:
-    """Return a table of scenes for the terminal: a column each, with the difference from the first."""
+    """Return the texts and the table that the terminal shows for scenes side by side.
+
+    The table has a column for each scene, with the difference from the first in per cent.
+    """
     rows, of = [], quantities(Alternative)
     answers = [as_json(one) or {} for one in found.scenes]
     for key in (k for k in NUMBERS if any(a[k] is not None for a in answers)):
         off = found.difference_percent(key)
         cells = [
-            _number_with_unit(a[key]) + ("" if k == 0 or x is None else f"  {x:+.1f} %")
+            _text_of_value(a[key]) + ("" if k == 0 or x is None else f"  {x:+.1f} %")
             for k, (a, x) in enumerate(zip(answers, off, strict=True))
         ]
         rows.append([f"{of[key].label} [{of[key].unit}]" if of[key].unit else of[key].label, *cells])
     if any(one.shortest for one in found.scenes):
-        rows.append(["shortest set", *(one.shortest or "–" for one in found.scenes)])
+        rows.append(["set with the shortest life", *(one.shortest or "–" for one in found.scenes)])
     warned = [(one.scene, warning_line(one.warnings)) for one in found.scenes]
     unknown = [f"{of[key].label} [{of[key].unit}]" for key in NUMBERS if all(a[key] is None for a in answers)]
     return [
         *(f"{name}: {line}" for name, line in warned if line),
         *(f"{one.scene}: {one.status}" for one in found.scenes if one.status != "converged"),
         ruled_table(f"model {found.model}: scenes side by side", ["", *(one.scene for one in found.scenes)], rows, [""]),
-        f"not the same in all: {', '.join(found.differ)}"
+        f"not the same in all scenes: {', '.join(found.differ)}"
         if found.differ
-        else "shaft, loads and operation are the same in all",
-        *([f"not answered: {', '.join(unknown)}; why: rollbench solve SCENE"] if unknown else []),
-        "in per cent: difference from the first; all answers: rollbench solve SCENE",
+        else "shaft, loads and operation are the same in all scenes",
+        *([f"not computed: {', '.join(unknown)}; rollbench solve SCENE shows why"] if unknown else []),
+        "per cent: difference from the first scene; rollbench solve SCENE shows all results",
     ]
 
 
-def _number_with_unit(value: Any) -> str:
+def _text_of_value(value: Any) -> str:
+    """Format a number, or a pair of numbers as a range; a dash for None."""
     if value is None:
         return "–"
     if not isinstance(value, list):
@@ -175,22 +197,25 @@ def _number_with_unit(value: Any) -> str:
 
 
 def _balance_lines(e: Equilibrium, *, several: bool) -> list[str]:
-    """Return lines on the residuals of force and moment balance."""
+    """Return lines on the residuals of the force and moment balance; ``several``: whether a shaft has several bearings."""
     sums = f"force {e.force_residual:.1e}, moment {e.moment_residual:.1e}"
     if several:
         return [f"balance of the shaft: {sums} (relative)"]
-    of_parts = f"(relative, sums over loads, reactions and contact points); of the balls: {e.ball_residual:.1e}"
+    of_parts = f"(relative, summed over loads, reactions and contacts); balance of the balls: {e.ball_residual:.1e}"
     lines = [f"balance of the screw: {sums} {of_parts}"]
     if e.pin_share > 0.0:
         lines.append(
-            f"no support of the scene holds a free motion: its pin takes {100.0 * e.pin_share:.2g} % of the largest "
-            "force or moment, by which the balance of what the supports can carry is open"
+            f"no support of the scene prevents one motion: an added pin does, and carries {100.0 * e.pin_share:.2g} % of "
+            "the largest force or moment, by which loads and supports are not in balance"
         )
     return lines
 
 
 def _ball_tables(one: Solved) -> list[RenderableType]:
-    """Return the table of every ball and that of each flank; loads have the digits that their error warrants."""
+    """Return a table with a row for every ball, and one with a row for each groove flank.
+
+    Loads are rounded to the digits that their expected error justifies.
+    """
     result = one.result
     percent = None if one.expected is None else one.expected.percent
     error = None if percent is None else mean_load(result.load, nominal_contacts(one.scene, result)) * percent / 100.0
@@ -211,19 +236,19 @@ def _ball_tables(one: Solved) -> list[RenderableType]:
 
 
 def stiffness_lines(tangent: Tangent) -> list[RenderableType]:
-    """Return lines and table of the 6 x 6 stiffness at a section, in N, m and rad."""
+    """Return the text and the table that show the 6 x 6 stiffness at a cross-section of the screw, in N, m and rad."""
     if tangent.status != "converged":
         return [f"stiffness at {1e3 * tangent.station:.6g} mm: {tangent.status}"]
     rows = ((name, *(f"{x:.4g}" for x in row)) for name, row in zip(FREEDOMS, tangent.matrix, strict=True))
     head = (
-        f"tangent stiffness of the screw's section at {1e3 * tangent.station:.6g} mm against the held nut, without the "
-        "screw's supports; forces and moments over displacements and rotations, N, m, rad"
+        f"tangent stiffness of the screw's cross-section at {1e3 * tangent.station:.6g} mm with the nut fixed, without the "
+        "screw's supports: forces and moments (rows) by displacements and rotations (columns), in N, m, rad"
     )
     return ["", head, plain_table(("", *FREEDOMS), rows)]
 
 
 def _set_tables(one: SolvedAxis, *, balls: bool, stiffness: bool) -> list[Any]:
-    """Return the tables of sets and housings and, if asked for, those of balls and rollers, and the stiffness."""
+    """Return the tables of nuts, bearings and housings and, if asked for, of balls, rollers and the stiffness."""
     result, rows = one.result, set_rows(one)
     if not rows:
         return []
@@ -232,14 +257,15 @@ def _set_tables(one: SolvedAxis, *, balls: bool, stiffness: bool) -> list[Any]:
     for h in result.housings:
         moved = ", ".join(f"{n.split('_')[0]} {x:.4g} {n.split('_')[1]}" for n, x in by_freedoms(h.motion).items() if x)
         force = ", ".join(shown(x) if abs(x) > ROUND_OFF * np.abs(h.wrench[:3]).max() else "0" for x in h.wrench[:3])
-        out.append(f"{h.name}: {moved or 'does not move'}; the frame holds it with ({force}) N; balance {h.residual:.1e}")
-    return [*out, *(_stiffness_lines(result) if stiffness else [])]
+        reaction = f"force of the frame on it ({force}) N; relative residual of its balance {h.residual:.1e}"
+        out.append(f"{h.name}: {moved or 'does not move'}; {reaction}")
+    return [*out, *(_axis_stiffness_lines(result) if stiffness else [])]
 
 
 def _element_tables(result: AxisResult) -> list[RenderableType]:
-    """Return the tables of all balls with their loaded flanks, and of all rollers."""
+    """Return the table of all balls, with loads and angles on the loaded groove flanks, and the table of all rollers."""
     out: list[RenderableType] = []
-    rows = set_balls(result)
+    rows = ball_rows_of_axis(result)
     loaded = [s for s in SIDES if any((r["load_N"][s] or 0.0) > 0.0 for r in rows)]
     if loaded:
         columns: list[Column] = [("set", "set", "s"), ("index", "ball", "s"), ("azimuth_deg", "azimuth deg", ".2f")]
@@ -260,8 +286,8 @@ def _element_tables(result: AxisResult) -> list[RenderableType]:
     return out
 
 
-def _stiffness_lines(result: AxisResult) -> list[str]:
-    """Return lines on the stiffness of the whole shaft, with other freedoms fixed or free."""
+def _axis_stiffness_lines(result: AxisResult) -> list[str]:
+    """Return lines on the stiffness of the whole shaft, first with the other degrees of freedom fixed, then free."""
     if result.stiffness is None:
         return []
     d = np.diag(result.stiffness)
@@ -273,12 +299,12 @@ def _stiffness_lines(result: AxisResult) -> list[str]:
     alone = dict(zip(np.array(FREEDOMS)[free], 1.0 / np.diag(C), strict=True))
     lone = [f"{n} {1e-6 * alone[n]:.5g} N/um" for n in FREEDOMS[:3] if n in alone]
     return [
-        f"tangent stiffness of the whole, {result.stiffness_at}, the other freedoms held: {', '.join(words)}",
-        f"the same, the other freedoms following: {', '.join(lone)}",
+        f"tangent stiffness of the whole axis, {result.stiffness_at}, other degrees of freedom fixed: {', '.join(words)}",
+        f"tangent stiffness of the whole axis, other degrees of freedom free: {', '.join(lone)}",
     ]
 
 
-#: Columns of the table of cases: heading, group of a case's summary, and key.
+#: Columns of the table of load cases: heading, group in the summary of a case, key in this group.
 COLUMNS = (
     ("largest load N", "loads", "max_N"),
     ("axial N", "axial", "force_N"),
@@ -298,7 +324,7 @@ def cases_table(
     details: bool = False,
     stiffness: bool = False,
 ) -> list[Any]:
-    """Return load cases for the terminal: answers of all together, a table, then each case."""
+    """Return the texts and tables for a duty cycle: results over all load cases, a table of cases, then each case."""
     data = cases_json(cycle, solved, whole)
     parts: list[Any] = [f"{cycle.name}, model {data['model']}: {count_of(len(solved), 'load case')}, {data['status']}", ""]
     parts += [as_text(together_rows(whole), text_width()), ""]
@@ -316,7 +342,7 @@ def cases_table(
 
 
 def case_rows(cases: Sequence[dict[str, Any]]) -> Iterator[dict[str, Any]]:
-    """Yield a table row for each load case of `cases_json`."""
+    """Yield a table row, by headings, for each load case in the JSON list ``cases``."""
     for one in cases:
         row: dict[str, Any] = {"case": one["case"], "share": one["share"]}
         groups = ((heading, key, one["summary"].get(group)) for heading, group, key in COLUMNS)

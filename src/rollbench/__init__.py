@@ -1,15 +1,16 @@
-"""rollbench as a library.
+"""Python library of rollbench: finite-element validation of models for ball screws and rolling bearings.
 
 >>> import rollbench
 >>> result = rollbench.solve("lin-case1")
 >>> result.loads.shape, result.worst.element
 ((32, 4), 12)
 
-``read`` a scene, or begin a ``new`` one; ``solve`` it with a low-order model, several ``side_by_side``, its
-``load_curve`` and ``friction``; ``compare_models`` with the 3D reference, which ``mesh_study`` computes on several meshes;
-``check`` loads against it; ``sweep`` over keys of a scene, ``table`` of its stiffness over them, ``survey`` of a model on
-drawn screws; write a ``report``. Results are frozen records in SI units, tables in a notebook, and the JSON of the commands
-by ``to_dict()``. ``python -m rollbench`` is the command line.
+``read`` reads a scene, and ``new`` makes one. ``solve`` solves a scene with a low-order model, ``side_by_side`` compares
+several scenes, ``load_curve`` solves a range of loads, and ``friction`` computes torque and efficiency. ``compare_models``
+compares models with the 3D reference, which ``mesh_study`` solves on several meshes, and ``check`` judges loads against it.
+``ensemble`` solves many specimens with random errors. ``sweep`` and ``table`` vary parameters of a scene, ``survey`` judges
+a model on randomly drawn screws, and ``report`` writes a report. Results are immutable records in SI units. Notebooks show
+them as tables, and ``to_dict()`` gives the JSON that the commands print. ``python -m rollbench`` is the command line.
 
 The folders compare, lowfi, hifi, meshes and reports of the repository are subpackages of this package.
 """
@@ -84,7 +85,7 @@ __all__ = [
     "sweep",
     "table",
 ]
-#: Module of each public name that is not in the package ``rollbench.compare.api``.
+#: Modules of those public names that are not in the package ``rollbench.compare.api``.
 _ELSEWHERE = {
     "InputError": "rollbench.compare.errors",
     "Comparison": "rollbench.compare.results.comparison",
@@ -100,7 +101,7 @@ _ELSEWHERE = {
     **dict.fromkeys(("Result", "Status"), "rollbench.compare.results.solved"),
     **dict.fromkeys(("Judgement", "Verdict"), "rollbench.compare.results.verdict"),
 }
-#: Former names, and what they are now.
+#: Present names, by the former names that still work.
 _FORMER = {"Solution": "Result", "Judged": "Verdict"}
 
 
@@ -110,7 +111,7 @@ def __getattr__(name: str) -> object:
         return import_module("rollbench.compare")
     if name in _FORMER:
         warn(
-            f"rollbench.{name} is rollbench.{_FORMER[name]} now; the former name goes in the next version",
+            f"rollbench.{name} will be removed in the next version: use its new name rollbench.{_FORMER[name]}",
             DeprecationWarning,
             2,
         )
@@ -123,4 +124,5 @@ def __getattr__(name: str) -> object:
 
 
 def __dir__() -> list[str]:
+    """Return all public names, also those that are not imported yet."""
     return list(__all__)

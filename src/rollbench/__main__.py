@@ -1,4 +1,4 @@
-"""``python -m rollbench`` is ``rollbench``."""
+"""Entry point of ``python -m rollbench``, which is the same as the command ``rollbench``."""
 
 from rollbench.compare.cli import main
 

@@ -1,4 +1,4 @@
-"""Pytest plug-in of rollbench: the fixture ``rollbench`` judges scenes by their 3D reference."""
+"""Pytest plug-in of rollbench, whose fixture ``rollbench`` judges scenes against their 3D reference inside tests."""
 
 from __future__ import annotations
 
@@ -12,7 +12,10 @@ if TYPE_CHECKING:
 
 @pytest.fixture
 def rollbench(request: pytest.FixtureRequest) -> Rollbench:
-    """Fixture to judge scenes, with paths relative to the test file: ``rollbench.check("my.toml", max_error=7)``."""
+    """Return an object whose method ``check`` judges a scene: ``rollbench.check("my.toml", max_error=7)``.
+
+    Paths of scene files are relative to the test file.
+    """
     from rollbench.compare.gate.pytest_plugin import Rollbench
 
     return Rollbench(request.path.parent)

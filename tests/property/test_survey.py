@@ -118,7 +118,7 @@ def test_the_command_prints_what_has_no_answer_and_keeps_the_record(
     keep = tmp_path / "survey.json"
     found = run_drawn(2, tmp_path, 1, keep)
     assert found.code == 1
-    assert list(found.parts)[-2:] == ["1 of 2 scenes have an answer", "scene 1: not settled: 1 N"]
+    assert list(found.parts)[-2:] == ["1 of 2 scenes have a result", "scene 1: not settled: 1 N"]
     assert json.loads(keep.read_text())["scenes"] == records
     with pytest.raises(InputError, match="survey: "):
         run_drawn(SCENES + 1, tmp_path, 1, None)

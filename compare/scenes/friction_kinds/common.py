@@ -8,7 +8,7 @@ from typing import Annotated, Any, ClassVar, Literal, Protocol
 
 import numpy as np
 
-from rollbench.compare.errors import escaped
+from rollbench.compare.errors import escape_unprintable
 from rollbench.compare.scenes.fault import Fault, mm
 from rollbench.compare.scenes.key_checks import groove_choice_faults
 from rollbench.compare.scenes.keys import (
@@ -60,7 +60,8 @@ Head = tuple[str, str, str, tuple[str, ...]]
 
 def head_fields(keys: KindKeys, name: str) -> Head:
     """Return the first fields of a scene's record: name, title, source, assumptions."""
-    return name, escaped(keys.title), escaped(keys.source), tuple(map(escaped, keys.assumed))
+    assumed = tuple(map(escape_unprintable, keys.assumed))
+    return name, escape_unprintable(keys.title), escape_unprintable(keys.source), assumed
 
 
 @dataclass(frozen=True)

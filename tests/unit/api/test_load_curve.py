@@ -67,7 +67,7 @@ def test_factors_are_on_all_loads_and_their_curve_passes_the_scene_as_it_is() ->
     at = found.points[2]
     assert (at.factor, at.largest) == (1.0, pytest.approx(solved.loads.max()))
     assert at.displacement == pytest.approx(np.dot(solved.displacement[:3], found.direction))
-    assert (found.lash, found.lash_words) == (None, "the loads have one sign")
+    assert (found.lash, found.lash_words) == (None, "all loads have the same sign")
 
 
 def test_a_load_without_equilibrium_is_a_point_with_its_reason() -> None:
@@ -98,4 +98,4 @@ def test_the_command_prints_the_record(command) -> None:
     data = command.answer(*words)
     assert data == rollbench.load_curve("bearing-9", "-3000N:3000N:3", "lin").to_dict()
     assert [p["load_N"] for p in data["points"]] == [-3000.0, 0.0, 3000.0]
-    assert "stiffness outside the lash" in command.said(*words)
+    assert "stiffness from the ends of the lash" in command.said(*words)

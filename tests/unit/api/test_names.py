@@ -19,11 +19,11 @@ def test_the_former_name_gives_the_same_modules_with_a_warning():
         "from rollbench.compare.models.registry import MODELS\n"
         "import rollbench.compare\n"
         "assert former is MODELS and rollbench.comparison is rollbench.compare\n"
-        "print([str(w.message) for w in seen if 'rollbench.compare now' in str(w.message)])"
+        "print([str(w.message) for w in seen if 'will be removed' in str(w.message)])"
     )
     done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
-    assert done.stdout.count("rollbench.comparison is rollbench.compare now") == 1
+    assert done.stdout.count("rollbench.comparison will be removed in the next version") == 1
 
 
 def test_the_former_function_names_its_successor():

@@ -93,7 +93,7 @@ def test_a_scene_without_equilibrium_has_its_reason_and_no_numbers() -> None:
 
 
 def test_one_scene_is_not_side_by_side() -> None:
-    with pytest.raises(InputError, match="two scenes or more"):
+    with pytest.raises(InputError, match="at least two scenes"):
         rollbench.side_by_side(["lin-case1"])
 
 
@@ -111,7 +111,7 @@ def test_the_command_prints_the_record(command, smith: rollbench.SideBySide) -> 
         known = [x for x in values if x is not None]
         assert known == pytest.approx([x for x in record["difference_percent"][key] if x is not None], rel=1e-6, abs=1e-9)
     text = command.said(*words)
-    for words_of in ("axial stiffness", "starting torque", "L10", "the same in all", "not answered: running torque"):
+    for words_of in ("axial stiffness", "starting torque", "L10", "the same in all", "not computed: running torque"):
         assert words_of in text
 
 

@@ -23,7 +23,7 @@ CASES = [
     ("gmsh", CHECK, 0, "1 pass"),
     ("scikit-fem", COMPARE, 0, "compare.svg"),
     ("matplotlib", SWEEP, 0, "and no figure (matplotlib is not installed: pip install 'rollbench[report]')"),
-    ("matplotlib", PAGE, 2, "this machine: matplotlib: got matplotlib is not installed"),
+    ("matplotlib", PAGE, 2, "this computer: matplotlib: got matplotlib is not installed"),
     ("matplotlib", CHECK, 0, "1 pass"),
     ("matplotlib", COMPARE, 0, "no figure (matplotlib is not installed"),
     ("scikit-fem", CHECK, 0, "1 pass"),

@@ -60,7 +60,7 @@ def test_answers_come_first_and_the_last_line_says_where_assumptions_are(command
     assert not any(text in out for text in behind)
     assert all(text in whole for text in behind)
     count = whole.count("\nassumed: "), whole.count("\nleft out: ")
-    assert out.splitlines()[-1].startswith("--verbose: {} assumptions, {} things left out".format(*count))
+    assert out.splitlines()[-1].startswith("--verbose also shows: {} assumptions, {} neglected effects".format(*count))
 
 
 def test_a_scene_without_equilibrium_is_said_and_exits_1(command, tmp_path: Path) -> None:

@@ -54,7 +54,7 @@ def test_a_contact_of_nearly_nothing_does_not_head_the_comparison(case) -> None:
     one = found_by.model_errors(scene, answer, replace(found, load=small))
     text = found_by.comparison_verdict(found_by.Compared((one,), one, None, TOTAL), found)
     assert one.error.own_max_percent > 800.0
-    assert ", 1.00 % by the gate's rule" in text
+    assert ", 1.00 % as judged by rollbench check" in text
 
 
 def test_every_contact_is_written_beside_its_reference(case, tmp_path) -> None:
@@ -78,7 +78,7 @@ def test_compare_measures_what_solve_expects_by_every_kind_of_model(tmp_path) ->
     wanted = estimate(scene, result, [p for p in shipped_points() if p.scene != scene.name])
     assert (whole.expected.percent, whole.expected.distance) == pytest.approx((wanted.percent, wanted.distance), rel=1e-9)
     assert whole.expected.distance > estimate(scene, result).distance, "not expected of itself"
-    assert f"expected: {whole.expected.percent:.2f} %" in found_by.comparison_verdict(whole, found)
+    assert f"expected error: {whole.expected.percent:.2f} %" in found_by.comparison_verdict(whole, found)
     assert f"uncertain by {whole.total.percent:.2f} %" in found_by.comparison_verdict(whole, found)
     assert whole.total.choices.scene == "lin-case3", "not varied on these parts: the choices with the largest effect"
     assert condensed.error.max_percent < 0.5 * refined.error.max_percent

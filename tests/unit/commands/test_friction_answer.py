@@ -8,7 +8,7 @@ import pytest
 from tests.feed_drive import MINE, answer, mine
 from tests.helpers import small_screw
 
-from rollbench.compare.commands.friction import as_table, run_friction
+from rollbench.compare.commands.friction import friction_table, run_friction
 from rollbench.compare.errors import InputError, SceneError
 from rollbench.compare.results.rows import friction_rows
 from rollbench.compare.scenes import catalogue
@@ -100,14 +100,15 @@ def test_shipped_case_and_a_bearing_answer(command):
 def test_terminal_shows_torques_losses_and_what_is_left_out():
     found = answer(mine())
     brief, full = (
-        " ".join("\n".join(part for part in as_table(found, details=d) if isinstance(part, str)).split()) for d in (0, 1)
+        " ".join("\n".join(part for part in friction_table(found, details=d) if isinstance(part, str)).split())
+        for d in (0, 1)
     )
     torques = ("friction torque", "drag torque", "efficiency against the load", "power lost")
     others = ("left out: lubric", "assumed: ", "solver contact loads with a residual of ")
     assert [words for words in (*torques, *others) if words in brief] == [*torques]
     assert [words for words in (*torques, *others) if words not in full] == []
-    count = f"{len(found.data['assumed'])} assumptions, {len(found.data['left_out'])} things left out"
-    assert f"--verbose: {count}" in brief
+    count = f"{len(found.data['assumed'])} assumptions, {len(found.data['left_out'])} neglected effects"
+    assert f"--verbose also shows: {count}" in brief
     assert "--verbose" not in full
     assert "which a motor must give the nut at 157.08 rad/s, which moves against the load" in full
     locked = mine(("coefficient = 0.06", "coefficient = 0.5"), ("nut = 0.07", "nut = 0.5"), ("-3 kN", "-0.1 kN"))
@@ -150,7 +151,7 @@ def test_member_draws_the_specimen_of_loads_and_friction():
     first, second = (a.data["torque"]["friction_torque_Nmm"] for a in found)
     assert abs(first - second) > 1e-6 * first
     assert [a.data["member"] for a in found] == [0, 1]
-    assert ", member 1 of its random errors, " in str(as_table(found[1])[0])
+    assert ", specimen 1 of its random errors, " in str(friction_table(found[1])[0])
     assert answer(mine()).data["member"] is None
     with pytest.raises(InputError, match="no random errors"):
         answer(mine(), member=1)

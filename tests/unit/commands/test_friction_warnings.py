@@ -7,7 +7,7 @@ import pytest
 from tests.feed_drive import answer
 from tests.helpers import small_screw
 
-from rollbench.compare.commands.friction import as_table
+from rollbench.compare.commands.friction import friction_table
 from rollbench.compare.scenes import catalogue
 from rollbench.compare.studies.friction import solve as friction_answer
 from rollbench.compare.studies.friction.whole import Choices, solve_scene
@@ -73,7 +73,7 @@ def test_a_scene_that_states_no_play_says_what_play_does():
     assert played["friction_torque_Nmm"] == pytest.approx(stated.data["torque"]["friction_torque_Nmm"], rel=1e-9)
     assert found.warning.startswith("WARNING: no preload and no play are stated")
     assert all(f"{played[key]:.4g} N mm" in found.warning for key in played if key.startswith("friction"))
-    shown = [part for part in as_table(found) if isinstance(part, str)]
+    shown = [part for part in friction_table(found) if isinstance(part, str)]
     assert (shown[2], sum("no preload and no play" in part for part in shown)) == (found.warning, 1)
     assert (stated.data["play"], stated.warning) == (None, "")
     assert answer(replace(scene, errors=Errors(balls=BallErrors(oversize=3e-6)))).data["play"] is None

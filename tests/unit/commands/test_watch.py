@@ -15,7 +15,7 @@ from rollbench.compare import running
 def test_a_limit_of_time_ends_a_solution_in_one_line(words):
     done = ran(*COMMAND, *words, "--time-limit", "0.05", "--json", timeout=120)
     assert (done.returncode, done.stdout) == (1, "")
-    assert done.stderr.splitlines()[-1].endswith("stopped: the limit of time, 0.05 s, is reached")
+    assert done.stderr.splitlines()[-1].endswith("stopped, because the time limit of 0.05 s is reached")
     assert "Traceback" not in done.stderr
 
 

@@ -46,8 +46,9 @@ def test_every_entry_has_an_expected_verdict_and_what_contradicts_an_open_one_a_
 
 def test_a_verdict_other_than_the_expected_is_named():
     right, wrong = (Evidence(replace(PLAIN, verdict="reproduced"), value=value) for value in (1.0, 2.0))
-    assert (right.change, wrong.change) == ("", "lin-x:a: expected reproduced, came out contradicted")
-    assert Evidence(PLAIN, value=1.0).change == "lin-x:a: no verdict is expected, came out reproduced"
+    said = "lin-x:a: the expected verdict is reproduced, the actual verdict is contradicted"
+    assert (right.change, wrong.change) == ("", said)
+    assert Evidence(PLAIN, value=1.0).change == "lin-x:a: no expected verdict is stored, the actual verdict is reproduced"
 
 
 def test_counts_by_source_add_up():

@@ -23,7 +23,10 @@ def test_a_verdict_that_differs_from_the_expected_is_shown_and_fails(command, mo
     rows = [replace(row, verdict="identity") if row.key == "e_S" else row for row in printed.load_table("lin-B1")]
     monkeypatch.setattr("rollbench.compare.evidence.load_table", lambda _: tuple(rows))
     code, data = command.json(*HERE, "--only", "lin-B1:e_S", "--json")
-    assert (code, data["changed_verdicts"]) == (1, ["lin-B1:e_S: expected identity, came out only as printed"])
+    assert (code, data["changed_verdicts"]) == (
+        1,
+        ["lin-B1:e_S: the expected verdict is identity, the actual verdict is only as printed"],
+    )
     code, out, _ = command(*HERE, "--only", "lin-B1")
     assert (code, "changed: lin-B1:e_S" in out) == (1, True)
     assert command(*HERE, "--only", "lin-B1:rho_eq_S").code == 0

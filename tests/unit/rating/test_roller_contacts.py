@@ -11,7 +11,7 @@ from tests.shipped_texts import own_text
 from rollbench.compare.models.load_cases import solve_axis
 from rollbench.compare.models.registry import Options
 from rollbench.compare.results.rows import answer_rows, set_rows
-from rollbench.compare.results.scene_json import whole_json
+from rollbench.compare.results.scene_json import axis_summary_json
 from rollbench.compare.scenes import catalogue
 from rollbench.lowfi.hertz import hertz_constants
 from rollbench.lowfi.rating.contacts import roller_safety, worst_roller
@@ -187,7 +187,7 @@ def test_the_table_is_of_the_worst_set_and_that_of_sets_has_all():
     one = solve_axis(replace(axis, sets=(*rows, *axis.sets[2:])), "lin", Options())
     found = [x.loads for x in one.answers.sets]
     shares = [x.worst.pressure / (4.2e9 if i > 1 else 4.0e9) for i, x in enumerate(found)]
-    first = whole_json(one)["worst_set"] - 1
+    first = axis_summary_json(one)["worst_set"] - 1
     assert shares[first] == max(shares)
     answers, sets = {row.quantity: row.value for row in answer_rows(one)}, set_rows(one)
     assert answers["set with the worst contact"] == one.scene.sets[first].name

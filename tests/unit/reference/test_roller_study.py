@@ -82,7 +82,7 @@ def test_sharp_straight_rollers_are_refused(kind, tmp_path):
 
 @pytest.mark.parametrize(
     ("arguments", "word"),
-    [([TAPER, "two-balls"], "name them apart"), ([TAPER, "--spread"], "spread"), ([TAPER, "--levels", "4"], "1 to 3")],
+    [([TAPER, "two-balls"], "separate runs"), ([TAPER, "--spread"], "spread"), ([TAPER, "--levels", "4"], "1 to 3")],
 )
 def test_what_rollers_do_not_know_is_refused(arguments, word, capsys):
     with pytest.raises(SystemExit, match="2"):

@@ -101,7 +101,7 @@ def test_further_faults_and_bodies_that_cannot_be_built_are_counted(tmp_path, ch
 
 def test_binary_file(tmp_path):
     for content in (b"\x89PNG\r\n\x1a\n\x00\x00", b"title = \x00", bytes(range(128, 256))):
-        assert refused(tmp_path, content, "file", "a binary file", "").value == "a binary file"
+        assert refused(tmp_path, content, "file", "a binary file", "").value.startswith("a binary file (line 1, ")
 
 
 def test_names_that_do_not_exist_and_an_empty_file(tmp_path):

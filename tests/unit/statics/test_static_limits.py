@@ -136,7 +136,7 @@ def test_a_result_says_which_member_it_is():
     options = Options(member=3, discretisation=False)
     result = run_model(scene, "lin", options)
     assert case_json(Solved(scene, result))["member"] == 3
-    assert "member 3 of its random errors" in str(case_table(Solved(scene, result))[0])
+    assert "specimen 3 of its random errors" in str(case_table(Solved(scene, result))[0])
     plain = catalogue.scene("lin-case1")
     assert case_json(Solved(plain, run_model(plain, "lin", replace(options, member=0))))["member"] is None
 

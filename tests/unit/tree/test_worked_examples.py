@@ -106,7 +106,7 @@ def test_a_paper_takes_two_folders_and_its_record(tree, tmp_path):
     assert [row["verdict"] for row in judged["entries"]] == ["reproduced"] * 2
     change(tree, "compare/cases/acme/printed/acme-1.toml", 'verdict = "reproduced"\n', "")
     judged = found(rollbench(tree, "check", "--printed", "--only", "acme-1", "--json", cwd=tmp_path), 1)
-    assert judged["changed_verdicts"] == ["acme-1:modulus: no verdict is expected, came out reproduced"]
+    assert judged["changed_verdicts"] == ["acme-1:modulus: no expected verdict is stored, the actual verdict is reproduced"]
     change(tree, "compare/cases/acme/printed/acme-1.toml", 'class = "hard"\n', 'class = "hard"\nverdict = "reproduced"\n')
     row = found(rollbench(tree, "list", "--table", "acme-1", "--json", cwd=tmp_path))[0]
     assert row["test"] == "tests/sources/acme/literature/test_acme.py::test_entry[acme-1:modulus]"

@@ -13,7 +13,7 @@ from rollbench.compare.evidence import Findings
 from rollbench.compare.measure import error_percent
 from rollbench.compare.models.registry import Options, run_model
 from rollbench.compare.models.study import Study
-from rollbench.compare.results.load_curve import LoadCurve, load_curve, read_course
+from rollbench.compare.results.load_curve import LoadCurve, load_curve, read_load_range
 from rollbench.compare.scenes import catalogue
 from rollbench.lowfi.statics.result import AxisResult
 from rollbench.meshes.arrays import Array
@@ -98,7 +98,7 @@ def solve_conical_lash(
 def _solve_lash_test(scene: Scene, course: str, held: Sequence[str]) -> LoadCurve:
     """Return the load curve of a lash test with some freedoms of the screw's left end restrained."""
     scene = replace(scene, supports=(Support(0.0, tuple((name, 0.0) for name in held)),))
-    return load_curve(scene, read_course(course), "lin", Options(engine="compiled"))
+    return load_curve(scene, read_load_range(course), "lin", Options(engine="compiled"))
 
 
 def peak_to_peak(test: LoadCurve) -> float:
