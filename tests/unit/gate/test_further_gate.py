@@ -147,7 +147,7 @@ def test_a_rigidity_curve_is_judged_load_by_load(tmp_path) -> None:
     assert (whole.word, less.quantity) == ("pass", "rigidity at 2.5 kN")
     assert less.pair[2] == pytest.approx(2.5e-3 / float(np.interp(GIVEN.nut.position, line[:, 0], line[:, 3])), rel=1e-3)
     assert (less.word, less.uncertainty) == ("undecided", None), "one mesh level leaves it open"
-    none = "no stored run of its 3D reference, and none is to be computed"
+    none = "no run of its 3D reference is stored, and none is to be computed"
     assert least.line() == f"NOT COVERED: lin-case1, v.csv: rigidity at 1 kN: {none}"
 
 
