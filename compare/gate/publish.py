@@ -133,8 +133,8 @@ def junit_xml(outcomes: Sequence[Outcome], notes: Sequence[str] = ()) -> str:
 def markdown_text(outcomes: Sequence[Outcome], notes: Sequence[str] = ()) -> str:
     """Return verdicts as Markdown: counts, notes, a table, and a chart of the loads around the worst ball.
 
-    Rows that did not pass come first. The chart is written in Mermaid, which GitHub, GitLab, Forgejo and Gitea draw, because
-    a comment there cannot contain an image file.
+    Rows that did not pass come first. The chart is written in Mermaid, which GitHub, GitLab, Forgejo and Gitea draw,
+    because a comment there cannot contain an image file.
     """
     counts: dict[str, int] = {}
     for o in outcomes:
@@ -181,7 +181,7 @@ def _load_chart_lines(o: Outcome | None) -> list[str]:
 
 
 def worst_ball_figure(o: Outcome) -> Figure:
-    """Return a figure of the judged loads and the reference loads around the worst ball, with the reference's uncertainty."""
+    """Return a figure of judged loads, reference loads and the reference's uncertainty around the worst ball."""
     from rollbench.reports.content import Figure, Panel, Series
 
     balls, loads, reference, bars = (list(x) for x in zip(*o.near, strict=True))

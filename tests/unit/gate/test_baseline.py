@@ -26,7 +26,7 @@ def test_what_changed_is_said(tmp_path) -> None:
     assert found == [
         "mine: largest error 5.10 -> 6.80 %, limit 7, pass -> undecided",
         "mine: contact angle 0.20 deg -> 1.30 deg, limit 1 deg, pass -> fail",
-        "mine: life: no more, pass",
+        "mine: life: removed, was pass",
         "mine: torque: new, pass",
     ]
     assert changes_against_file(tmp_path / "old.csv", [*before, row("pass", 2, "life")]) == []

@@ -116,7 +116,7 @@ def test_values_of_the_whole_are_judged_with_the_uncertainty_of_each(tmp_path) -
     assert there.error == pytest.approx(100.0 * (22.5e-6 / at - 1.0))
     assert stiff.pair == ("rigidity_N_per_um", pytest.approx(230.0), pytest.approx(5e-3 / place, rel=1e-4))
     assert (stiff.limit, life.limit, life.word) == (10.0, 21.0, "fail")
-    assert "this project's formula on the reference's loads" in life.detail
+    assert "formula from the reference's loads" in life.detail
     assert not_judged([moved, there, stiff, life]) == ["contact angle", "approach", "pressure", "torque"]
 
 
