@@ -482,7 +482,9 @@ def value_verdict(judged: str, given: GivenValue, scene: Scene, ref: Reference, 
     limit = error_limit_of(q, limits.others, limits.largest)
     reference, bar = whole.reference(q, ref, given.station)
     if not reference:
-        return verdict_without_reference(ref, judged, given.name, limit, f"no {q.name}: {whole.reason_without_value(q, ref)}")
+        return verdict_without_reference(
+            ref, judged, given.name, limit, f"no {q.name}: {whole.reason_without_value(q, ref)}"
+        )
     error = float(error_percent(given.value, reference))
     share = None if bar is None else float(error_percent(bar, 0.0, reference))
     detail = "; ".join(filter(None, (whole.note_on(q), reference_notes(ref))))

@@ -187,7 +187,9 @@ class LeftOut:
         return f"{', '.join(self.names)}: {self.why}; {self.remedy}"
 
 
-def parts_that_can_run(parts: Sequence[ReportPart], *, named: bool, everything: bool) -> tuple[list[ReportPart], list[LeftOut]]:
+def parts_that_can_run(
+    parts: Sequence[ReportPart], *, named: bool, everything: bool
+) -> tuple[list[ReportPart], list[LeftOut]]:
     """Return the parts of the report that are made, and those that are left out.
 
     Parts that take long are left out unless the user names parts or requests all. Parts that generate meshes are left out

@@ -252,7 +252,7 @@ def run_pages(
 
 
 def _manifest_inputs(manifest: dict[str, Any]) -> dict[str, Any]:
-    """Return a page's manifest without the entries that differ in every run: date, hash of the page, hash of the results."""
+    """Return a page's manifest without the entries that differ in every run: date and hashes of page and results."""
     kept = {key: value for key, value in manifest.items() if key not in ("page", "results")}
     return kept | {"provenance": {k: v for k, v in manifest["provenance"].items() if k != "date"}}
 

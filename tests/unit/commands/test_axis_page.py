@@ -28,7 +28,7 @@ def folder(tmp_path_factory):
 def test_the_page_of_an_axis_has_the_numbers_of_its_results():
     page = scene_page.make_page("smith-axis-taper", STORES)
     html, solved = render_page(page), rollbench.solve("smith-axis-taper")
-    assert page.verdict.startswith("The most pressed contact, in right 1, carries")
+    assert page.verdict.startswith("The contact with the highest pressure, in right 1, carries")
     tables = {item.name: item.rows for part in page.parts for item in part.items if hasattr(item, "rows")}
     assert [row["load"] for row in tables["rollers"]] == pytest.approx(
         [load for s in solved.sets.values() for load in s.roller_loads]
