@@ -309,7 +309,8 @@ def make_section(study: Study, step: Callable[[str], None]) -> Section:  # noqa:
                     "Cases with one set of balls are also solved by Lin's plain Newton method from three start vectors. "
                     "Shafts with several sets have nuts, ball bearings and tapered roller bearings. A case without "
                     "equilibrium counts as solved if the solver names the mechanism. The residual is the largest "
-                    "unbalanced force over the largest force; its bound is the smallest residual that double precision allows.",
+                    "unbalanced force over the largest force; its bound is the smallest residual that double precision "
+                    "allows.",
                 )
             ),
             Table.of("stability-summary", "Number of cases solved by each formulation", summary),
