@@ -19,8 +19,8 @@ from rollbench.compare.models.study import Study
 from rollbench.compare.models.uncertainty import CONTACTS, scatter, total
 from rollbench.compare.reference.estimate import Reference, uncertainty_percent
 from rollbench.compare.sections.reference_time import FLOOR, Largest, TimePoint, all_points, when_measured
-from rollbench.compare.sections.source_tables import by_place
-from rollbench.compare.sections.u_val import rows_of
+from rollbench.compare.sections.source_tables import counts_by_place
+from rollbench.compare.sections.u_val import validation_rows
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.parts import SIDES, Scene
 from rollbench.reports.content import Figure, Panel, Quantity, Row, Section, Series, Summary, Table, Text
@@ -484,7 +484,7 @@ def make_section(study: Study, step: Callable[[str], None]) -> Section:
     step("every model on every quantity")
     step("printed values by table and section")
     laid = [f for f in audit(study) if (computations()[f.printed.table].case.folder / "layout.toml").is_file()]
-    items = (quantity_table(study), contact_figure(study, found), by_place(laid, "printed-values", unfolded=True))
+    items = (quantity_table(study), contact_figure(study, found), counts_by_place(laid, "printed-values", unfolded=True))
     summary = Summary(QUESTION, sentence, wide, narrow, covered, limits, table, items)
     shown = (models_figure(median_errors(points)), table, further_figure(points))
     return Section("overview", title, shown, conclusion=sentence, summary=summary)
@@ -505,7 +505,7 @@ def quantity_table(study: Study) -> Table:
     Errors are against the 3D reference, and against values that others have printed or measured.
     """
     rungs = study.once(ladder)
-    rows = rows_of(study, rungs)
+    rows = validation_rows(study, rungs)
     from rollbench.compare.cases.makers.page import first_page
 
     outside = first_page(study)

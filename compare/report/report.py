@@ -27,9 +27,9 @@ from rollbench.compare.report.pages import (
     SECTIONS,
     ReportPart,
     arrange_pages,
-    parts_that_can_run,
     live_check,
     missing_features,
+    parts_that_can_run,
 )
 from rollbench.compare.report.scene_page import writing_to_folder
 from rollbench.compare.report.verify import moved_tables, read_tables
