@@ -340,7 +340,7 @@ def bounds_table(study: Study, rungs: Sequence[Rung]) -> Table:
     ]
     bars = [h for h in coverage(study) if h.level > min(LEVELS)]
     if bars:
-        words = f"mesh uncertainty of coarser levels, contact loads of {len({h.scene for h in bars})} scenes on the finest level"
+        words = f"mesh uncertainty of coarser levels: loads of {len({h.scene for h in bars})} scenes on their finest level"
         counts.append((words, sum(h.held for h in bars), sum(h.contacts for h in bars)))
     cells: list[Row] = [
         {
