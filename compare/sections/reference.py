@@ -226,7 +226,7 @@ def line_figure(study: Study, found: References) -> Figure:
 
 
 def gate_text(found: References, study: Study) -> str:
-    """Return the paragraph on the errors of Lin's model by the gate's rule: the largest, and the contacts beyond the limit."""
+    """Return the paragraph on the errors of Lin's model by the gate's rule: largest error, contacts beyond the limit."""
     worst = []
     for name, ref in found.items():
         points = gate_points(name, ref, LIMIT, study.solve(name, "lin").load)

@@ -30,7 +30,7 @@ def printed_table(
 ) -> Table:
     """Return the table of printed numbers and claims, each with computed values, error, class, verdict and remark.
 
-    Values with the errors of the publication repeated, and values under an inferred assumption, get columns if there are any.
+    Values computed with the errors of the publication, or under an inferred assumption, get columns if there are any.
 
     Parameters
     ----------

@@ -22,12 +22,12 @@ from rollbench.compare.scenes.friction_kinds.common import KindScene
 from rollbench.compare.sections.curves import load_curve, load_panel
 from rollbench.compare.sections.source_tables import (
     Layout,
-    counts_by_place,
     compared_table,
     computation_tables,
-    table_in_printed_layout,
+    counts_by_place,
     inputs_table,
     read_layouts,
+    table_in_printed_layout,
 )
 from rollbench.compare.sections.verdicts import printed_table
 from rollbench.compare.studies.rolling import runs as rolling
