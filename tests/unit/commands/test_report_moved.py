@@ -37,7 +37,7 @@ def test_what_moved_but_measured_seconds_is_listed_by_the_texts_of_its_row(tmp_p
     ]
     damaged = tmp_path / "c" / "tables" / "errors.csv"
     damaged.write_text(damaged.read_text(encoding="utf-8") + "lin,6,1,7\n", encoding="utf-8")
-    with pytest.raises(InputError, match="a cell for each heading"):
+    with pytest.raises(InputError, match="one cell for each column heading"):
         read_tables(tmp_path / "c")
     assert list(moved_tables({"a": []}, {"b": []})) == ["a: table removed", "b: new table"]
     many = [{"m": f"model {k}", "x": 1.0} for k in range(20)]
