@@ -83,7 +83,7 @@ def run_source(source: str, store: Path | None) -> Answer:
     if source not in timed:
         raise ArgumentError("source", f'"{source}"', ", ".join(timed), "choose a publication whose page shows times")
     study = Study(None if store is None else (store, shipped_store()))
-    kept = timed[source].import_object("times:measured_now")(study, on_terminal)
+    kept = timed[source].import_object("times:measure_run_times")(study, on_terminal)
     if store is not None:
         save_times(store, kept, source)
     note = "new process, empty caches; a further load case {:.3g} s"
@@ -125,12 +125,12 @@ def run_bench(names: Sequence[str], store: Path | None, *, long: bool) -> Answer
     ``names``: scenes; if empty, the default scenes. ``store``: folder in which the times are stored; None: not stored.
     ``long``: also time the levels of the 3D reference. Raises InputError for a scene without a 3D reference.
     """
-    from rollbench.compare.sections.reference_time import typed_now
+    from rollbench.compare.sections.reference_time import measure_commands
     from rollbench.compare.studies.run_times import TYPED, save_times, time_threads
 
     jobs = [*time_models(names, store if long else None, long=long)]
     if not long:
-        kept = typed_now(on_terminal)
+        kept = measure_commands(on_terminal)
         if store is not None:
             save_times(store, kept, TYPED)
         jobs += [*(command.job for command in kept.typed), *time_threads()]
@@ -144,7 +144,7 @@ def time_models(names: Sequence[str], store: Path | None, *, long: bool) -> Iter
     """
     from rollbench.compare.models.study import Study
     from rollbench.compare.reference.store import shipped_store
-    from rollbench.compare.sections.reference_time import compared_scenes, measured_now, measuring_run, time_points
+    from rollbench.compare.sections.reference_time import compared_scenes, measure_run_times, measuring_run, time_points
     from rollbench.compare.studies.run_times import save_times
 
     study = Study(None if store is None else (store, shipped_store()))
@@ -153,7 +153,7 @@ def time_models(names: Sequence[str], store: Path | None, *, long: bool) -> Iter
         if name not in known:
             raise ArgumentError("names", name, ", ".join(known), "choose scenes that have a 3D reference")
     wanted = names or (tuple(known) if long else (FIRST,))
-    kept = measured_now(study, wanted, on_terminal, levels=long)
+    kept = measure_run_times(study, wanted, on_terminal, levels=long)
     if store is not None:
         save_times(store, kept)
     study.computed[measuring_run, on_terminal] = kept

@@ -79,10 +79,10 @@ def report(
         from rollbench.meshes.libraries import PAGES
 
         need_packages(*PAGES)  # the next line imports some of them
-        from rollbench.compare.report.report import one_scene
+        from rollbench.compare.report.report import require_single_scene
         from rollbench.compare.report.verify import run_pages
 
-        one_scene(scene, against=against, reference=reference)
+        require_single_scene(scene, against=against, reference=reference)
         given: dict[str, Any] = {"only": only, "source": source, "quick": quick, "stored": stored, "fresh": fresh}
         given["scheduler"] = where and where.scheduler
         for name, value in given.items():

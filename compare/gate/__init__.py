@@ -1,1 +1,1 @@
-"""The gate: verdicts on users' scenes and on the shipped ones, for continuous integration."""
+"""The gate: pass or fail verdicts on models and on users' loads, against the 3D reference and printed numbers."""

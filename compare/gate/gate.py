@@ -1,6 +1,7 @@
-"""Gate of the shipped scenes: checks printed values, closed forms, equilibrium, two solvers, and the 3D reference.
+"""Gate of the shipped scenes: checks the models against printed values, closed forms and the 3D reference.
 
-Closed forms are computed here independently of the solvers, for the gate and the report.
+It also checks the equilibrium of every solution, and one solver against another. Closed forms are computed here
+independently of the solvers, for the gate and for the report.
 """
 
 from __future__ import annotations
@@ -30,13 +31,20 @@ from rollbench.meshes.parts import Errors, Ingredients, Load, Scene, Support
 from rollbench.meshes.section import screw_section
 
 
-def sphere_on_flat(scene: Scene, force: float) -> list[tuple[str, str, float, float]]:
-    """Compute approach, radius and largest pressure of the scene's ball on a flat, as solved and by Hertz (1881).
+def hertz_sphere_on_flat(scene: Scene, force: float) -> list[tuple[str, str, float, float]]:
+    """Compute the contact of the scene's ball with a flat of the same material, by the program and by Hertz (1881).
+
+    Parameters
+    ----------
+    scene
+        Scene that gives radius and material of the ball.
+    force
+        Contact load [N].
 
     Returns
     -------
     list of tuple
-        Name, unit, computed value, closed form.
+        Name, unit, value by the program and value by the closed form, of approach, contact radius and largest pressure.
     """
     m = scene.balls.material
     modulus = contact_modulus(m.youngs_modulus, m.poissons_ratio, m.youngs_modulus, m.poissons_ratio)
@@ -55,11 +63,13 @@ def sphere_on_flat(scene: Scene, force: float) -> list[tuple[str, str, float, fl
     ]
 
 
-def rigid_axial(scene: Scene) -> tuple[float, float]:
-    """Compute the ball load of an error-free rigid screw under its axial load, as solved and in closed form [N].
+def ball_load_of_rigid_screw(scene: Scene) -> tuple[float, float]:
+    """Compute the ball load of an error-free rigid screw under its axial load, by the solver and in closed form [N].
 
-    Closed form: shifting the screw by s lengthens the line between the groove centres of each ball from d to
-    D = |(d cos beta, d sin beta + s cos alpha)|; F = ((D - d)/(C_S + C_N))^(3/2) acts along that line.
+    Closed form: an axial displacement s of the screw lengthens the distance between the two groove centres of each ball
+    from d to D = |(d cos beta, d sin beta + s cos alpha)|, where beta is the contact angle and alpha the lead angle. The
+    ball load F = ((D - d)/(C_S + C_N))^(3/2) acts along the line of the centres; C_S and C_N are the Hertz constants on
+    screw and nut.
     """
     rigid = replace(
         scene,
@@ -86,10 +96,11 @@ def rigid_axial(scene: Scene) -> tuple[float, float]:
     return float(solve_static(rigid).load[:, 0].mean()), ball(s)[0]
 
 
-def cantilever(scene: Scene) -> tuple[float, float]:
-    """Compute the tip deflection of the scene's shaft as a cantilever under 1 N, as solved and in closed form [m].
+def cantilever_deflection(scene: Scene) -> tuple[float, float]:
+    """Compute the tip deflection of the scene's shaft as a cantilever under 1 N, by the solver and in closed form [m].
 
-    Closed form: L^3/(3 E I) + L/(kappa G A) (Timoshenko); clearance keeps the ball contacts unloaded.
+    Closed form of a Timoshenko beam: L^3/(3 E I) + L/(kappa G A). In the solved scene small balls with clearance keep the
+    ball contacts unloaded.
     """
     length = scene.screw.length
     alone = replace(
@@ -103,8 +114,11 @@ def cantilever(scene: Scene) -> tuple[float, float]:
     return float(result.centreline[-1, 0]), length**3 / (3.0 * section.EI) + length / section.kGA
 
 
-def two_opposite_balls(scene: Scene) -> tuple[float, float]:
-    """Compute the load of one of two opposite balls under an axial load F, as solved and as F / (2 sin gamma) [N]."""
+def load_of_two_opposite_balls(scene: Scene) -> tuple[float, float]:
+    """Compute the load of each of two opposite balls under an axial load F, by the solver and in closed form [N].
+
+    Closed form: F / (2 sin gamma), where gamma is the contact angle under load.
+    """
     ring = replace(
         scene,
         errors=Errors(),
@@ -119,11 +133,13 @@ def two_opposite_balls(scene: Scene) -> tuple[float, float]:
     return float(result.load[0, 0]), 100.0 / (2.0 * sin(gamma))
 
 
-def preload(scene: Scene, oversize: float) -> tuple[float, float]:
-    """Compute the screw contact load of an unloaded rigid screw with oversized balls, as solved and in closed form [N].
+def preload_by_oversize(scene: Scene, oversize: float) -> tuple[float, float]:
+    """Compute the preload on a screw contact due to oversized balls, by the solver and in closed form [N].
 
-    By symmetry a ball only shifts radially, by x: each screw flank closes by e + |(x - d cos beta, d sin beta)| - d,
-    each nut flank likewise with x + d cos beta, d the groove centre's distance from the ball; radial forces balance.
+    The screw is rigid and carries no external load. By symmetry a ball moves only radially, by x. Its approach to each
+    screw flank is e + |(x - d cos beta, d sin beta)| - d, to each nut flank the same with x + d cos beta. Here e is the
+    oversize [m], beta the contact angle, and d the distance of the groove centre from the ball centre. The closed form is
+    the x at which the radial forces on the ball balance.
     """
     squeezed = replace(
         scene,
@@ -149,10 +165,10 @@ def preload(scene: Scene, oversize: float) -> tuple[float, float]:
     return float(solve_static(squeezed).load[:, :2].mean()), contact(x, screw, -1.0, float(constants[0]))[0]
 
 
-#: Limit of the default model's largest error [% of the mean load], which detects regressions.
+#: Limit of the default model's largest error [% of the mean load], by which regressions are detected.
 TIGHT = 2.0
 
-#: Scenes with a higher limit [%], and why.
+#: Scenes with a higher limit [%], with the reason.
 WIDER = {"unseen-thin-nut": (2.4, "the wall under the nut's groove is thin, and the model's nut a smooth tube")}
 
 #: Limit [%] of checks that are exact except for round-off and the tolerance of a root search.
@@ -161,44 +177,50 @@ EXACT = 1e-6
 
 @dataclass(frozen=True)
 class GateRow:
-    """Result of one check of the gate; numbers are None for a claim in words."""
+    """Result of one check of the gate: a computed number against a reference, or a printed claim in words.
+
+    Numbers are None for a claim.
+    """
 
     #: Name of the checked quantity.
     name: str
-    #: Kind of the reference: printed, closed form, 3D and so on.
+    #: Kind of the reference: printed value, closed form, 3D reference and so on.
     kind: str
     #: Computed value.
     value: float | None
-    #: Value to compare with.
+    #: Reference value.
     reference: float | None
     #: Error [%].
     error_percent: float | None
     #: Limit [%].
     limit_percent: float | None
-    #: Whether the error less the uncertainty is within the limit.
+    #: Whether the absolute error minus the uncertainty of the reference is within the limit.
     passed: bool
     #: Further explanation.
     detail: str = ""
     #: Uncertainty of the reference [%].
     uncertainty_percent: float | None = None
-    #: Whether a failed row fails the gate; else it is only reported.
+    #: Whether the gate fails if this check fails; if not, the check is only reported.
     gated: bool = True
 
     @property
     def verdict(self) -> str:
-        """``ok``, ``FAIL``, ``undecided`` (beyond the limit by less than the uncertainty) or ``reported`` (not gated)."""
+        """Verdict as text: ``ok``, ``FAIL``, ``undecided`` or ``reported``.
+
+        ``undecided``: the error exceeds the limit by less than the uncertainty. ``reported``: cannot fail the gate.
+        """
         if not self.passed:
             return "FAIL"
         over = self.limit_percent is not None and abs(self.error_percent or 0.0) > self.limit_percent
         return "reported" if not self.gated else "undecided" if over else "ok"
 
     def as_json(self) -> dict[str, Any]:
-        """Return the check as JSON values, with its verdict."""
+        """Return the check as a dictionary for JSON, with its verdict."""
         return asdict(self) | {"verdict": self.verdict}
 
 
 def number_row(name: str, kind: str, value: float, reference: float, limit: float) -> GateRow:
-    """Return the check of a number against a reference value, with a limit [%]."""
+    """Return the check of a computed number against a reference value, with a limit of the error [%]."""
     error = float(error_percent(value, reference))
     return GateRow(name, kind, value, reference, error, limit, abs(error) <= limit)
 
@@ -206,20 +228,23 @@ def number_row(name: str, kind: str, value: float, reference: float, limit: floa
 def error_row(
     name: str, kind: str, error: float | None, limit: float, passed: bool, detail: str = "", bar: float | None = None
 ) -> GateRow:
-    """Return a check that has an error and the uncertainty ``bar`` of its reference [%], but no values."""
+    """Return a check for which only the error and the reference's uncertainty ``bar`` [%] are known, not the values."""
     return GateRow(name, kind, None, None, error, limit, passed, detail, bar)
 
 
 def evidence_row(entry: Evidence, max_error: float) -> GateRow:
-    """Return the check of a printed entry; the limit is its tolerance, at most ``max_error`` [%]."""
+    """Return the check of a printed number or claim of a publication against the computed value.
+
+    The limit of the error is the tolerance of the printed number, at most ``max_error`` [%].
+    """
     p = entry.printed
     if p.value is None:
         return GateRow(
             f"{p.place}: {p.claim}", f"claim, {p.cls}", None, None, None, None, entry.agrees is not False, entry.words
         )
     label = f"{p.place}: {p.label}"
-    kind = f"printed, {p.cls}" if p.cls != "input" else "input, held by its scene"
-    if p.value == 0.0:  # no per cent of it: within its own tolerance or not
+    kind = f"printed, {p.cls}" if p.cls != "input" else "input, used by its scene"
+    if p.value == 0.0:  # an error in per cent of 0 is not defined: judged by the printed tolerance
         return GateRow(label, kind, entry.compared, 0.0, None, None, entry.agrees is True)
     error = entry.error_percent
     limit = min(max_error, abs(float(error_percent(p.value + p.tolerance, p.value))))
@@ -228,22 +253,22 @@ def evidence_row(entry: Evidence, max_error: float) -> GateRow:
 
 
 def printed_rows(study: Study, max_error: float) -> list[GateRow]:
-    """Check every entry of the printed tables of class hard, as-printed or input for which a value is computed."""
+    """Check every printed number or claim of class hard, as-printed or input for which the program computes a value."""
     gated = [e for e in evidence(study) if e.printed.cls in ("hard", "as-printed", "input") and e.agrees is not None]
     return [evidence_row(e, max_error) for e in gated]
 
 
 def band_rows(study: Study) -> list[GateRow]:
-    """Check every number and claim of other programs, makers and textbooks that has a tolerance band.
+    """Check every number and claim with a tolerance band that other programs, makers or textbooks publish.
 
-    The limit is the distance of the printed number from the end of the band on the computed value's side.
+    The limit of the error is the distance from the printed number to the end of the band on the computed value's side.
     """
     tables = [name for name, one in computations_by_table().items() if one.case.name == "external"]
     return [band_row(e) for e in evidence(study, *tables) if e.printed.cls == "band"]
 
 
 def band_row(found: Evidence) -> GateRow:
-    """Return the check of a printed entry with a tolerance band."""
+    """Return the check of the computed value against one printed number or claim that has a tolerance band."""
     p, value = found.printed, found.compared
     label, passed = f"{p.place}: {p.claim or p.label}", found.agrees is True
     if p.value is None or value is None or p.low is None or p.high is None:
@@ -253,25 +278,25 @@ def band_row(found: Evidence) -> GateRow:
 
 
 def closed_form_rows(study: Study, max_error: float) -> list[GateRow]:
-    """Check solutions on the source's screw against closed forms."""
+    """Check solutions of the screw of Lin's thesis (scene lin-case1) against closed forms."""
     scene = study.scene("lin-case1")
     limit = min(EXACT, max_error)
     rows = [
         number_row(f"{name} [{unit}]", "closed form", value, reference, limit)
-        for name, unit, value, reference in sphere_on_flat(scene, 225.0)
+        for name, unit, value, reference in hertz_sphere_on_flat(scene, 225.0)
     ]
     for name, (value, reference) in (
-        ("rigid screw, axial load: load of every ball [N]", rigid_axial(scene)),
-        ("shaft as a cantilever: tip deflection [m]", cantilever(scene)),
-        ("two opposite balls, no lead: load [N]", two_opposite_balls(scene)),
-        ("7 um oversize, no load, rigid screw: load of a screw contact [N]", preload(scene, 7e-6)),
+        ("rigid screw, axial load: load of every ball [N]", ball_load_of_rigid_screw(scene)),
+        ("shaft as a cantilever: tip deflection [m]", cantilever_deflection(scene)),
+        ("two opposite balls, no lead: load [N]", load_of_two_opposite_balls(scene)),
+        ("7 um oversize, no load, rigid screw: load of a screw contact [N]", preload_by_oversize(scene, 7e-6)),
     ):
         rows.append(number_row(name, "closed form", value, reference, limit))
     return rows
 
 
 def solver_rows(study: Study, max_error: float) -> list[GateRow]:
-    """Check the equilibrium of every shipped scene, and the agreement of both solvers of the beam model."""
+    """Check the equilibrium of every shipped scene's solution, and the agreement of both solvers of the beam model."""
     rows = []
     limit = min(EXACT, max_error)
     for name in catalogue.single_set_names():
@@ -286,7 +311,7 @@ def solver_rows(study: Study, max_error: float) -> list[GateRow]:
         e2 = load_error(study.solve(name).load, by_source.load)
         passed, label = (
             by_source.converged and e2.max_percent <= limit,
-            f"{name}: energy solver against the source's Newton",
+            f"{name}: energy solver against Lin's Newton method",
         )
         words = f"worst at ball {e2.ball} {e2.side}; {by_source.status}"
         rows.append(error_row(f"{label}, same equations", "two solvers", e2.max_percent, limit, passed, words))
@@ -296,15 +321,16 @@ def solver_rows(study: Study, max_error: float) -> list[GateRow]:
 def reference_rows(study: Study, max_error: float) -> list[GateRow]:
     """Check the default model against the stored 3D references of case studies and of screws not used in development.
 
-    The error of the worst contact has the limit ``max_error``, the largest error of the mean load ``TIGHT`` or the limit in
-    ``WIDER``. Errors of a contact are in per cent of its reference load (of the mean for small loads). The uncertainty of
-    the reference is deducted, at ``TIGHT`` at most the limit: a coarse reference must not excuse everything.
+    Two limits apply to each scene. The error of the worst contact, in per cent of its reference load (of the mean load for
+    small loads), has the limit ``max_error``. The largest error in per cent of the mean load has the limit ``TIGHT``, or
+    that in ``WIDER``. The uncertainty of the reference is subtracted from each error; for the second limit at most the
+    limit itself, so that a coarse reference cannot excuse every error.
     """
     rows: list[GateRow] = []
     for name in (*REFERENCED, *UNSEEN):
         reference, kind = study.reference(name), "3D reference"
         if reference is None:
-            text = "no stored run of the 3D reference: run rollbench mesh-study"
+            text = "no run of the 3D reference is stored: run rollbench mesh-study"
             rows.append(error_row(f"{name}: 3D reference", kind, None, max_error, False, text))
             continue
         load = study.solve(name, DEFAULT).load
@@ -330,9 +356,10 @@ def reference_rows(study: Study, max_error: float) -> list[GateRow]:
 
 
 def source_rows(study: Study, max_error: float) -> list[GateRow]:
-    """Check the source's model (lin) on every scene with a reference; the worst contact is reported, not gated.
+    """Check Lin's model on every scene with a 3D reference, and report its worst contact.
 
-    The contacts beyond the limit are listed in the gate's data with their cause; a row fails only if that list is wrong.
+    Errors of this model beyond the limit do not fail the gate: the contacts with such errors are listed in
+    ``known_exceedances.toml`` with their cause. A check fails only if this list is wrong.
     """
     rows: list[GateRow] = []
     known = {(x.scene, x.ball, x.side) for x in known_exceedances()}
@@ -344,11 +371,11 @@ def source_rows(study: Study, max_error: float) -> list[GateRow]:
         over = {(p.scene, p.ball, p.side) for p in points if p.exceeds}
         top = max(points, key=lambda p: abs(p.error_percent))
         named = {k for k in known if k[0] == name}
-        wrong = [f"ball {b} {side} is beyond the line and not named" for _, b, side in sorted(over - named)]
-        wrong += [f"ball {b} {side} is named and no longer beyond the line" for _, b, side in sorted(named - over)]
+        wrong = [f"ball {b} {side} is beyond the limit but not listed" for _, b, side in sorted(over - named)]
+        wrong += [f"ball {b} {side} is listed but no longer beyond the limit" for _, b, side in sorted(named - over)]
         side = "over" if over else "under"
         label = (
-            f"{name}: the source's model, reported: {side} the line ({len(over)} of {len(points)} contacts beyond; worst "
+            f"{name}: Lin's model, reported only: {side} the limit ({len(over)} of {len(points)} contacts beyond; worst: "
             f"ball {top.ball} {top.side})"
         )
         error, words = top.error_percent, "; ".join(wrong[:3])

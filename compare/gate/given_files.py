@@ -1,4 +1,4 @@
-"""Reading of users' CSV files with values of the whole screw to be judged: quantity, value, unit, place or load."""
+"""Reads users' CSV files with values of the whole screw that the gate judges, such as rigidity or life."""
 
 from __future__ import annotations
 
@@ -14,29 +14,29 @@ VALUE_COLUMNS = ("quantity", "value", "unit")
 
 WHERE = "where"
 
-VALUE_EXAMPLE = "write a first line quantity,value,unit,where and rows such as rigidity,540,N/um,5 kN"
+VALUE_EXAMPLE = "begin with the line quantity,value,unit,where and add rows such as rigidity,540,N/um,5 kN"
 
 DIMENSIONS = {DISPLACEMENT: "length", RIGIDITY: "stiffness", TORQUE: "moment"}
 
-#: Units of life, in million revolutions.
+#: Accepted units of life, each with its size in million revolutions.
 LIVES = {"million revolutions": 1.0, "1e6 revolutions": 1.0, "revolutions": 1e-6}
 
 
 @dataclass(frozen=True)
 class GivenValue:
-    """One value of the whole screw from a user's file."""
+    """Value of one quantity of the whole screw (such as rigidity or life) from a user's file."""
 
-    #: The quantity.
+    #: Quantity that the value belongs to.
     quantity: JudgedQuantity
-    #: Value in SI; a life in million revolutions.
+    #: Value in SI units; a life in million revolutions.
     value: float
-    #: Axial load at which it applies [N]; None: the loads of the scene.
+    #: Axial load at which the value applies [N]; None: the loads of the scene.
     force: float | None = None
     #: Axial position of a displacement [m]; None: the nut's centre.
     station: float | None = None
-    #: Load or position as written.
+    #: Load or position as written in the file.
     where: str = ""
-    #: Set on the shaft, by number or name.
+    #: Number or name of the set of balls on the shaft, as written in the file.
     set: str = ""
 
     @property
@@ -46,26 +46,26 @@ class GivenValue:
 
 
 def read_values(path: Path, case: str | None = None) -> tuple[list[GivenValue], tuple[str, ...]]:
-    """Read the values to be judged from a CSV file.
+    """Read from a CSV file the values of the whole screw that the gate judges.
 
     Parameters
     ----------
     path
-        The file.
+        Path of the file, with the columns quantity, value and unit, and optionally where, set and case.
     case
-        Load case whose rows are read, by the column case; None: all rows.
+        Load case whose rows are read, as named in the column ``case``; None: all rows.
 
     Returns
     -------
     list of GivenValue
-        The values.
+        Values in the order of the rows.
     tuple of str
-        Headings that are not known.
+        Column headings of the file that are not known.
 
     Raises
     ------
     InputError
-        If the file cannot be read, or a value or unit is not valid.
+        If the file cannot be read, a value or unit is not valid, or a value is stated twice.
     """
     needed = (*VALUE_COLUMNS, *(("case",) if case else ()))
     optional = (WHERE, "set")
@@ -77,20 +77,22 @@ def read_values(path: Path, case: str | None = None) -> tuple[list[GivenValue], 
         given = _value_in_row(path, f"line {number}", cells, decimal_comma=table.decimal_comma)
         key = (given.name, given.set)
         if key in out:
-            raise InputError(str(path), f"line {number}", f"{given.name} again", "each once", "keep one of the rows")
+            allowed = "each quantity once, at each load or position"
+            raise InputError(str(path), f"line {number}", f"{given.name} again", allowed, "delete one of the rows")
         out[key] = given
     if not out and case is None:
-        raise InputError(str(path), "file", "no values", "a row for every value", VALUE_EXAMPLE)
+        raise InputError(str(path), "file", "no values", "a row for each value", VALUE_EXAMPLE)
     return list(out.values()), tuple(f'"{title}"' for title in table.titles if title.lower() not in (*needed, *optional))
 
 
 def _value_in_row(path: Path, line: str, cells: dict[str, str], *, decimal_comma: bool) -> GivenValue:
-    """Return the value in a row of a file; InputError if quantity, number, unit or place is not valid."""
+    """Return the value in one row of a user's file; InputError if quantity, number, unit, load or position is invalid."""
     name, number, unit = (cells.get(column, "") for column in VALUE_COLUMNS)
     quantity = next((q for q in OF_WHOLE if q.name == name.lower()), None)
     if quantity is None:
         allowed = ", ".join(q.name for q in OF_WHOLE)
-        raise InputError(str(path), f"{line}: quantity", name or "nothing", allowed, "values of contacts go to `loads`")
+        advice = "choose one of these quantities; put values of single contacts into the file of `loads`"
+        raise InputError(str(path), f"{line}: quantity", name or "nothing", allowed, advice)
     text = f"{number.replace(',', '.') if decimal_comma else number} {unit}"
     try:
         value = (
@@ -107,14 +109,15 @@ def _value_in_row(path: Path, line: str, cells: dict[str, str], *, decimal_comma
     where = cells.get(WHERE, "")
     force, station = (_number_in_si(where.replace(",", ".") if decimal_comma else where, of) for of in ("force", "length"))
     if where and force is None and (station is None or quantity is not DISPLACEMENT):
-        allowed = "an axial load, e.g. 5 kN" + (", or a station, e.g. 400 mm" if quantity is DISPLACEMENT else "")
+        position = ", or an axial position such as 400 mm" if quantity is DISPLACEMENT else ""
+        allowed = f"an axial load such as 5 kN{position}"
         advice = decimal_comma_advice("leave it empty for the loads of the scene", where)
         raise InputError(str(path), f"{line}: {WHERE}", where, allowed, advice)
     return GivenValue(quantity, value, force, station, where, cells.get("set", ""))
 
 
 def _life_in_revolutions(number: str, unit: str) -> float:
-    """Return a life in million revolutions; ValueError for a number or unit that is not valid."""
+    """Return a life, written as a number and a unit, in million revolutions; ValueError if either is not valid."""
     value = float(number) * LIVES.get(unit.lower(), float("nan"))
     if not 0.0 < value < float("inf"):
         raise ValueError(unit)
@@ -122,7 +125,10 @@ def _life_in_revolutions(number: str, unit: str) -> float:
 
 
 def _number_in_si(where: str, dimension: str) -> float | None:
-    """Return a text such as ``5 kN`` as a number in SI; None if its unit is not of the dimension."""
+    """Parse a load or length such as ``5 kN`` and return it in SI units; None if its unit is not of the dimension.
+
+    Loads that are not positive also give None.
+    """
     try:
         value = parse_quantity(where, dimension)
     except UnitError:

@@ -1,7 +1,8 @@
-"""Judged quantities other than contact loads: of every contact and of the whole screw.
+"""Quantities other than contact loads that the gate judges, with their limits, values and uncertainties.
 
-Hertz' approach of a contact, as `lowfi.hertz` defines it, goes as F^(2/3), its largest pressure as F^(1/3), and life as
-F^-3: unless a limit is given, the limit of the loads is multiplied by these powers. A contact angle is judged in degrees.
+Contact angle, approach and pressure are judged on every contact; displacement, rigidity, torque and life of the whole
+screw. By Hertz the approach of a contact is proportional to F^(2/3) and its largest pressure to F^(1/3); life is
+proportional to F^-3. The default limit of these quantities is therefore the limit of the loads times 2/3, 1/3 and 3.
 """
 
 from __future__ import annotations
@@ -29,33 +30,33 @@ from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import Scene
 from rollbench.meshes.units import COMMA, has_comma
 
-#: Options of the solution that gives the unloaded position, and the contacts for friction.
+#: Options of the default model's solutions that give the unloaded position and the contacts for friction.
 INTERPRETED = Options(discretisation=False, engine="interpreted")
 #: Note on quantities that are computed from loads.
-BY_FORMULA = "this project's formula on the reference's loads"
+BY_FORMULA = "reference value computed by rollbench's formula from the reference's loads"
 
 
 @dataclass(frozen=True)
 class JudgedQuantity:
-    """Quantity, other than contact loads, that the gate judges."""
+    """Quantity that the gate judges besides contact loads, such as the life of the screw."""
 
-    #: Key, which ends with the unit.
+    #: Key in JSON, which ends with the unit.
     key: str
     #: Name in tables, files and options.
     name: str
-    #: Limit over that of the loads, unless a limit is given.
+    #: Ratio of the default limit of this quantity to the limit of the loads.
     times: float = 1.0
-    #: Default limit in the unit of the quantity; None: ``times`` that of the loads.
+    #: Default limit of the error, in the unit of the quantity; None: ``times`` the limit of the loads.
     limit: float | None = None
 
     @property
     def unit(self) -> str:
-        """Unit as shown in texts."""
+        """Unit in which values of the quantity are shown."""
         return split_unit(self.key)[1]
 
     @property
     def factor(self) -> float:
-        """Factor from SI to the shown unit; 1 for a life."""
+        """Factor by which a value in SI units is multiplied to obtain it in the shown unit; 1 for a life."""
         unit = unit_of(self.key)[1]
         return 1.0 if unit is None else unit.factor
 
@@ -67,37 +68,40 @@ DISPLACEMENT = JudgedQuantity("displacement_um", "displacement")
 RIGIDITY = JudgedQuantity("rigidity_N_per_um", "rigidity")
 TORQUE = JudgedQuantity("torque_Nmm", "torque")
 LIFE = JudgedQuantity("life_million_revolutions", "life", 3.0)
-#: Quantities of every contact, by their columns, and of the whole screw.
+#: Quantities of every contact by their columns, quantities of the whole screw, and all of them by name.
 OF_CONTACTS = {"angle": ANGLE, "approach": APPROACH, "pressure": PRESSURE}
 OF_WHOLE = (DISPLACEMENT, RIGIDITY, TORQUE, LIFE)
 QUANTITIES = {q.name: q for q in (*OF_CONTACTS.values(), *OF_WHOLE)}
 
 
 def parse_limits(texts: Sequence[str]) -> dict[str, float]:
-    """Parse limits ``NAME=NUMBER``, in per cent, or degrees for the contact angle.
+    """Parse the user's error limits for quantities other than contact loads.
 
     Parameters
     ----------
     texts
-        The limits.
+        Limits as ``NAME=NUMBER``, in per cent, or in degrees for the contact angle.
 
     Returns
     -------
     dict
-        Limits by quantity.
+        Limit of the error by name of the quantity.
 
     Raises
     ------
     InputError
-        If a quantity is unknown or a number not valid.
+        If a quantity is unknown or stated twice, or a number is not valid.
     """
     out: dict[str, float] = {}
     for text in texts:
         name, _, number = text.partition("=")
         name = name.strip().lower().replace("_", " ")
         name = ANGLE.name if name == "angle" else name
-        allowed = f"{', '.join(QUANTITIES)}, each once, = a number above 0"
-        advice = "in per cent, of the contact angle in degrees, such as rigidity=10; of the loads it is `max_error`"
+        allowed = f"NAME=NUMBER with a number above 0 and, each once, one of the names {', '.join(QUANTITIES)}"
+        advice = (
+            "state the limit in per cent, of the contact angle in degrees, such as rigidity=10; set the limit of the loads "
+            "with `max_error`"
+        )
         try:
             value = float(number)
         except ValueError:
@@ -109,32 +113,38 @@ def parse_limits(texts: Sequence[str]) -> dict[str, float]:
 
 
 def error_limit_of(quantity: JudgedQuantity, given: Mapping[str, float], of_loads: float) -> float:
-    """Return a quantity's limit [%; deg for angles]: the given one, else derived from the limit of the loads [%]."""
+    """Return the error limit of a quantity [%; deg for angles].
+
+    It is the limit in ``given`` if the quantity has one there; otherwise the default, which for most quantities is derived
+    from the limit of the loads ``of_loads`` [%].
+    """
     return given.get(quantity.name, quantity.times * of_loads if quantity.limit is None else quantity.limit)
 
 
 def hertz_approach_or_pressure(scene: Scene, quantity: JudgedQuantity, load: Array) -> Array:
-    """Return the contacts' approach [m] or largest pressure [Pa], (n, 4), by Hertz from loads (n, 4) [N]."""
+    """Return the approach [m] or the largest pressure [Pa] of all contacts, (n, 4), by Hertz from loads (n, 4) [N]."""
     h = own_hertz(scene, specimen(scene, ball_layout(scene)))
     return h.pressure(load) if quantity is PRESSURE else np.asarray(h.C * np.cbrt(load) ** 2)
 
 
 def uncertainty_from_loads(of: Callable[[Array], Array | float | None], load: Array, bar: Array) -> Array | float | None:
-    """Return a quantity's uncertainty due to the loads', by raising or lowering all loads together.
+    """Return the uncertainty of a quantity that follows from the uncertainty of the contact loads.
+
+    All loads are raised together, then lowered together, by their uncertainty.
 
     Parameters
     ----------
     of
-        Function of the loads that gives the quantity; monotone in each load.
+        Function that computes the quantity from the loads; monotone in each load.
     load
         Contact loads, (n, 4) [N].
     bar
-        Their uncertainty, (n, 4) [N].
+        Uncertainty of the loads, (n, 4) [N].
 
     Returns
     -------
     Array, float or None
-        The larger change; None if the quantity has no value.
+        Larger of the two changes of the quantity; None if the quantity has no value.
     """
     bars = np.where(load > 0.0, bar, 0.0)
     value, *ends = (of(x) for x in (load, load + bars, np.maximum(load - bars, 0.0)))
@@ -144,7 +154,10 @@ def uncertainty_from_loads(of: Callable[[Array], Array | float | None], load: Ar
 
 
 def contact_quantity_of_reference(scene: Scene, reference: Reference, quantity: JudgedQuantity) -> tuple[Array, Array]:
-    """Return a reference's values of a contact quantity, (n, 4) in SI, and their uncertainty (nan: not known)."""
+    """Return the reference's contact angles, approaches or pressures, and their uncertainty.
+
+    Both are (n, 4) in SI units; an uncertainty of nan is not known.
+    """
     given = reference.further.get(quantity.name)
     if quantity is ANGLE:
         bars = np.zeros_like(reference.load) if reference.stated else uncertainties_of(reference, lambda run: run.angle)
@@ -157,17 +170,24 @@ def contact_quantity_of_reference(scene: Scene, reference: Reference, quantity: 
 
 @dataclass(frozen=True)
 class WholeScrewQuantities:
-    """Computes quantities of the whole screw (displacement, rigidity, torque, life) for a scene."""
+    """Computes quantities of the whole screw (displacement, rigidity, torque, life) from the contact loads of a scene."""
 
+    #: Scene whose screw is evaluated.
     scene: Scene
 
     @cached_property
     def start(self) -> float:
-        """Axial displacement of the unloaded screw by the default model [m]; no run of the reference gives it."""
+        """Axial displacement of the screw without external loads by the default model [m].
+
+        The 3D reference has no run of the unloaded screw.
+        """
         return axial_place_without_loads(self.scene, solve_scaled(self.scene, 0.0, DEFAULT, INTERPRETED))
 
     def value_of(self, quantity: JudgedQuantity, answer: Loads, station: float | None = None) -> float | None:
-        """Return a quantity in SI from an answer's loads and displacements at ``station`` [m]; None if undefined."""
+        """Return a quantity in SI units from a solution's contact loads and displacements; None if it is not defined.
+
+        A displacement is taken at the axial position ``station`` [m]; None: at the nut's centre.
+        """
         angle = np.radians(answer.angle)
         if quantity is LIFE:
             life = load_answers(self.scene, answer.load, angle).life
@@ -186,7 +206,7 @@ class WholeScrewQuantities:
     def reference(
         self, quantity: JudgedQuantity, ref: Reference, station: float | None = None
     ) -> tuple[float | None, float | None]:
-        """Return a reference's value of a quantity and its uncertainty, in SI; None if not known."""
+        """Return the reference's value of a quantity and its uncertainty, both in SI units; None if not known."""
         answers = [from_run(run, "") for run in ref.runs]
         if quantity in (TORQUE, LIFE):
             best = answers[-1]
@@ -199,32 +219,39 @@ class WholeScrewQuantities:
             return None, None
         return values[-1], grid_convergence(values, ref.sizes).uncertainty
 
-    def why_not(self, quantity: JudgedQuantity, ref: Reference) -> str:
+    def reason_without_value(self, quantity: JudgedQuantity, ref: Reference) -> str:
         """Return the reason why a reference has no value of a quantity."""
         if quantity is TORQUE:
-            return "the scene has no [friction]" if self.scene.friction is None else "friction finds none"
+            return "the scene has no [friction]" if self.scene.friction is None else "the friction model finds none"
         if quantity is LIFE:
             return load_answers(self.scene, ref.load, np.radians(ref.best.angle)).words or "no contact carries load"
-        return f"{ref.label} holds none" if ref.stated else "the screw does not move with its load"
+        return f"{ref.label} contains none" if ref.stated else "the screw does not move in the direction of its load"
 
     def note_on(self, quantity: JudgedQuantity) -> str:
-        """Return a note on how a quantity of the reference is obtained; may be empty."""
+        """Return a note on how the reference's value of a quantity is computed; empty if there is nothing to note."""
         if quantity in (TORQUE, LIFE):
             return BY_FORMULA
-        return f"from the place without loads, by {DEFAULT} {1e6 * self.start:.3g} um" if self.start else ""
+        return (
+            f"measured from the position without loads, which is {1e6 * self.start:.3g} um by the model {DEFAULT}"
+            if self.start
+            else ""
+        )
 
     def _torque(self, load: Array, angle: Array) -> float | None:
-        """Return the friction torque [N m] for contact loads (n, 4) [N] and angles (n, 4) [rad]; nan: the model's."""
-        lent = self._lent
-        if self.scene.friction is None or not lent.converged:
+        """Return the friction torque [N m] for contact loads (n, 4) [N] and contact angles (n, 4) [rad]; None if undefined.
+
+        Angles that are nan are replaced by those of the default model.
+        """
+        solved = self._default_solution
+        if self.scene.friction is None or not solved.converged:
             return None
-        result = replace(lent, load=load, contact_angle=np.where(np.isfinite(angle), angle, lent.contact_angle))
+        result = replace(solved, load=load, contact_angle=np.where(np.isfinite(angle), angle, solved.contact_angle))
         from rollbench.compare.models.friction_sums import torque
 
         value = torque([(self.scene, result)], self.scene.friction, self.scene.motion, INTERPRETED)
         return None if value is None else 1e-3 * value
 
     @cached_property
-    def _lent(self) -> StaticResult:
-        """Result of the default model, in which other loads are put to compute their friction."""
+    def _default_solution(self) -> StaticResult:
+        """Solution of the default model, whose loads and angles are replaced by others to compute their friction."""
         return run_model(self.scene, DEFAULT, INTERPRETED)

@@ -1,6 +1,6 @@
-"""Writes verdicts as files: JUnit XML for test servers, Markdown for summaries, CSV for spreadsheets.
+"""Writes verdicts of the gate to files: JUnit XML for test servers, Markdown for summaries, CSV for spreadsheets.
 
-Also finds changes against an earlier file of ``rollbench check --csv`` or ``--json``.
+Also lists the verdicts that changed since an earlier file of ``rollbench check --csv`` or ``--json``.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from rollbench.reports.content import Figure
 
 
-#: Environment variables in which services of continuous integration give the file of a job's summary.
+#: Environment variables by which continuous-integration services pass the path of a job's summary file.
 SUMMARIES = ("GITHUB_STEP_SUMMARY",)
 
 HEADINGS = (
@@ -45,11 +45,11 @@ HEADINGS = (
 
 @dataclass(frozen=True)
 class Outcome:
-    """One row of a published table of verdicts, from a user's scene or the shipped gate."""
+    """Row of a published table of verdicts: a verdict on a user's scene, or a check of the shipped scenes."""
 
     #: Whether the row is shown as passed.
     good: bool
-    #: Verdict.
+    #: Verdict as text, such as "pass".
     word: str
     #: Name of the scene or check.
     scene: str
@@ -61,50 +61,52 @@ class Outcome:
     error: float | None
     #: Uncertainty of the reference in ``unit``; None if not known.
     uncertainty: float | None
-    #: Limit in ``unit``; None if there is none.
+    #: Limit of the error in ``unit``; None if there is none.
     limit: float | None
+    #: Unit of error, uncertainty and limit.
     unit: str = "%"
-    #: Ball that decides, from 1.
+    #: Number (from 1) of the ball of the decisive contact.
     ball: int | None = None
-    #: Flank that decides.
+    #: Flank of the decisive contact.
     flank: str = ""
+    #: Further explanation.
     note: str = ""
-    #: Neighbouring balls, as in `Verdict`.
+    #: Number, load, reference load and its uncertainty [N] of the balls next to the decisive one, as in `Verdict`.
     near: tuple[tuple[int, float, float, float], ...] = ()
 
     @property
     def cells(self) -> tuple[str, ...]:
-        """Return the texts of the row, in the order of HEADINGS; units other than per cent follow the number."""
+        """Texts of the cells of the row, in the order of HEADINGS; a unit other than per cent follows the number."""
         numbers = (cell_text(x, self.unit) for x in (self.error, self.uncertainty, self.limit))
         ball = "" if self.ball is None else str(self.ball)
         cells = (self.word, self.scene, self.judged, self.quantity, *numbers, ball, self.flank, self.note)
         return tuple(one_line(cell, 2000) for cell in cells)
 
     def text(self) -> str:
-        """Return all cells but the verdict as ``heading: cell``, joined by semicolons; empty cells are left out."""
+        """Return the row without its verdict as one line: ``heading: cell`` of each cell that is not empty."""
         return "; ".join(f"{head}: {cell}" for head, cell in zip(HEADINGS[1:], self.cells[1:], strict=True) if cell)
 
 
 def cell_text(value: float | None, unit: str) -> str:
-    """Return a number as the text of a cell, with its unit unless that is per cent; empty for None."""
+    """Return a number as text with four digits for a table cell, with its unit unless that is per cent; empty for None."""
     return "" if value is None else f"{value:.4g}{'' if unit == '%' else f' {unit}'}"
 
 
 def outcome_of_verdict(v: Verdict) -> Outcome:
-    """Return the published row for a verdict on a user's scene."""
+    """Return the row to be published for a verdict on a user's scene."""
     note = "; ".join(filter(None, (v.pair_text.strip(", "), v.detail)))
     numbers = v.error, v.uncertainty, v.limit, v.unit
     return Outcome(v.word == "pass", v.word, v.subject, v.judged, v.quantity, *numbers, v.ball, v.flank or "", note, v.near)
 
 
 def outcome_of_check(row: GateRow) -> Outcome:
-    """Return the published row for a check of the shipped gate."""
+    """Return the row to be published for a check of the gate on the shipped scenes."""
     numbers = (row.error_percent, row.uncertainty_percent, row.limit_percent)
     return Outcome(row.passed, row.verdict, row.name, "", row.kind, *numbers, note=row.detail)
 
 
 def junit_xml(outcomes: Sequence[Outcome], notes: Sequence[str] = ()) -> str:
-    """Return JUnit XML with a test case for each row and notes as properties.
+    """Return verdicts as JUnit XML: a test case for each row, and the notes as properties.
 
     A row that did not pass is a failure, whose type is its verdict.
     """
@@ -129,10 +131,10 @@ def junit_xml(outcomes: Sequence[Outcome], notes: Sequence[str] = ()) -> str:
 
 
 def markdown_text(outcomes: Sequence[Outcome], notes: Sequence[str] = ()) -> str:
-    """Return Markdown: a heading with the counts, notes, a table and a chart of the worst ball and its neighbours.
+    """Return verdicts as Markdown: counts, notes, a table, and a chart of the loads around the worst ball.
 
-    Rows that did not pass come first. The chart is Mermaid, which GitHub, GitLab, Forgejo and Gitea draw, because a
-    comment cannot show an image file.
+    Rows that did not pass come first. The chart is written in Mermaid, which GitHub, GitLab, Forgejo and Gitea draw,
+    because a comment there cannot contain an image file.
     """
     counts: dict[str, int] = {}
     for o in outcomes:
@@ -145,19 +147,19 @@ def markdown_text(outcomes: Sequence[Outcome], notes: Sequence[str] = ()) -> str
 
 
 def worst_outcome(outcomes: Sequence[Outcome]) -> Outcome | None:
-    """Return the row whose ball the picture shows: rows that did not pass first, then by error; None without any."""
+    """Return the row whose ball is drawn: the largest error among rows that did not pass, else among all; None if none."""
     shown = [o for o in outcomes if o.near]
     return min(shown, key=lambda o: (o.good, -abs(o.error or 0.0)), default=None)
 
 
 def _chart_title(o: Outcome) -> str:
-    """Return the title of chart or picture: scene, worst ball, its error and the limit."""
+    """Return the title of the chart of loads around the worst ball: scene, ball, error and limit."""
     name = one_line(o.scene, 2000).replace('"', "'")
     return f"{name}, ball {o.ball} {o.flank}: {abs(o.error or 0.0):.2f} {o.unit}, limit {o.limit:.4g} {o.unit}"
 
 
 def _load_chart_lines(o: Outcome | None) -> list[str]:
-    """Return the Markdown lines of a Mermaid chart of the loads around the worst ball; empty without a row."""
+    """Return the Markdown lines of a Mermaid chart of the contact loads around the worst ball; an empty list for None."""
     if o is None:
         return []
     balls, loads, reference, _ = zip(*o.near, strict=True)
@@ -165,7 +167,7 @@ def _load_chart_lines(o: Outcome | None) -> list[str]:
     series = [", ".join(f"{x:.4g}" for x in of) for of in (reference, loads)]
     return [
         "",
-        f"Worst ball: bars are the reference, the line is {_escape_markup(o.judged)}.",
+        f"Contact loads around the worst ball: bars show the reference, the line shows {_escape_markup(o.judged)}.",
         "",
         "```mermaid",
         "xychart-beta",
@@ -179,7 +181,7 @@ def _load_chart_lines(o: Outcome | None) -> list[str]:
 
 
 def worst_ball_figure(o: Outcome) -> Figure:
-    """Return a figure of judged and reference loads around a row's worst ball, with the reference's uncertainty."""
+    """Return a figure of judged loads, reference loads and the reference's uncertainty around the worst ball."""
     from rollbench.reports.content import Figure, Panel, Series
 
     balls, loads, reference, bars = (list(x) for x in zip(*o.near, strict=True))
@@ -193,17 +195,17 @@ def worst_ball_figure(o: Outcome) -> Figure:
 
 
 def _table_line(cells: Sequence[str]) -> str:
-    """Return cells as a row of a Markdown table."""
+    """Return texts as one row of a Markdown table."""
     return f"| {' | '.join(map(_escape_markup, cells))} |"
 
 
 def _escape_markup(text: str) -> str:
-    """Return a text with the characters escaped that are markup in a Markdown table."""
+    """Escape the characters of a text that are markup in a Markdown table (backslash, vertical bar, less-than sign)."""
     return text.replace("\\", "\\\\").replace("|", "\\|").replace("<", "&lt;")
 
 
 def verdicts_csv(outcomes: Sequence[Outcome]) -> str:
-    """Return the rows of verdicts as CSV text, with a line of headings."""
+    """Return verdicts as CSV text, with a line of column headings."""
     text = io.StringIO()
     writer = csv.writer(text)
     writer.writerow(HEADINGS)
@@ -220,25 +222,25 @@ def publish(
     csv_file: Path | None = None,
     environment: Mapping[str, str] | None = None,
 ) -> list[Path]:
-    """Write verdicts as files, and append the Markdown to the summary of a continuous-integration job.
+    """Write verdicts to files, and append the Markdown text to the summary of a continuous-integration job.
 
-    The picture of the worst ball is written next to the Markdown file as SVG.
+    A figure of the loads around the worst ball is written as SVG next to the Markdown file.
 
     Parameters
     ----------
     outcomes
-        Rows to publish.
+        Rows of verdicts.
     notes
-        Notes that belong to no row.
+        Notes that apply to the whole table.
     junit_file, markdown_file, csv_file
-        Files to write; None: none.
+        Path of the file of each format; None: this format is not written.
     environment
         Environment variables; None: those of the process.
 
     Returns
     -------
     list of Path
-        Files that were written.
+        Paths of the files that were written.
 
     Raises
     ------
@@ -267,17 +269,17 @@ def _append_to_file(path: Path, text: str) -> Path:
             file.write(text)
     except OSError as error:
         reason = error.strerror or str(error)
-        advice = f"the environment names it: {', '.join(SUMMARIES)}"
+        advice = f"check the path in the environment variable {', '.join(SUMMARIES)}"
         raise InputError(str(path), "summary", reason, "a file that can be written", advice) from None
     return path
 
 
-#: Identity of a row: scene or check, and quantity.
+#: Key that identifies a row of verdicts: name of the scene or check, and name of the quantity.
 Label = tuple[str, str]
 
 
 class RoundedVerdict(NamedTuple):
-    """Published row, for comparison with another file: verdict, error and limit to four digits, and their unit."""
+    """Verdict with error and limit rounded to four digits, as published, for comparison with an earlier file."""
 
     verdict: str
     error: float | None
@@ -286,24 +288,24 @@ class RoundedVerdict(NamedTuple):
 
     @property
     def size(self) -> str:
-        """Absolute error as text with two decimals, and its unit unless that is per cent; empty without error."""
+        """Absolute error as text with two decimals, with its unit unless that is per cent; empty if there is no error."""
         return "" if self.error is None else f"{abs(self.error):.2f}{'' if self.unit == '%' else f' {self.unit}'}"
 
 
 class Change(NamedTuple):
-    """Change of one published row against an earlier file."""
+    """Change of one verdict since an earlier file of verdicts."""
 
     #: Name of the scene or check.
     scene: str
     #: Name of the quantity.
     quantity: str
-    #: Earlier row; None if it is new.
+    #: Earlier verdict; None if the row is new.
     before: RoundedVerdict | None
-    #: Present row; None if it was removed.
+    #: Present verdict; None if the row was removed.
     after: RoundedVerdict | None
 
     def as_json(self) -> dict[str, Any]:
-        """Return the change as JSON: scene, quantity, verdict and error before and after, and the limit."""
+        """Return the change as a dictionary for JSON: scene, quantity, verdict and error before and after, limit."""
         rows = self.before, self.after
         limits = [cell_text(row.limit, row.unit) for row in reversed(rows) if row is not None and row.limit is not None]
         return {
@@ -315,13 +317,13 @@ class Change(NamedTuple):
         }
 
     def line(self) -> str:
-        """Return the change as a line of text.
+        """Return the change as one line of text.
 
-        Such as ``two-balls: largest error of a contact load 5.10 -> 6.80 %, limit 7, pass -> undecided``.
+        For example ``two-balls: largest error of a contact load 5.10 -> 6.80 %, limit 7, pass -> undecided``.
         """
         head, before, after = f"{self.scene}: {self.quantity}", self.before, self.after
         if after is None:
-            return f"{head}: no more, {before.verdict if before else ''}"
+            return f"{head}: removed, was {before.verdict if before else ''}"
         if before is None:
             return f"{head}: new, {after.verdict}"
         sizes = " -> ".join(dict.fromkeys(row.size or "no error" for row in (before, after)))
@@ -331,19 +333,19 @@ class Change(NamedTuple):
 
 
 def changes_against_file(path: Path, outcomes: Sequence[Outcome]) -> list[Change]:
-    """Return the changes of verdict or error against an earlier file, including new and removed rows.
+    """Return the verdicts that differ from those of an earlier file in verdict or error, are new, or were removed.
 
     Parameters
     ----------
     path
-        Earlier file, CSV or JSON.
+        Earlier file of verdicts, CSV or JSON.
     outcomes
-        Present rows.
+        Present rows of verdicts.
 
     Returns
     -------
     list of Change
-        The changes.
+        Earlier and present verdict of each row that changed.
 
     Raises
     ------
@@ -356,23 +358,26 @@ def changes_against_file(path: Path, outcomes: Sequence[Outcome]) -> list[Change
 
 
 def _compared_part(row: RoundedVerdict | None) -> tuple[str, str] | None:
-    """Return the part of a row that decides whether it changed: verdict and error with two decimals."""
+    """Return the two values by which rows are compared: the verdict, and the error with two decimals; None for no row."""
     return None if row is None else (row.verdict, row.size)
 
 
 def _rounded_verdict(verdict: str, error: float | None, limit: float | None, unit: str) -> RoundedVerdict:
-    """Return a row with error and limit rounded to four digits, as they are published."""
+    """Return a verdict with its error and limit rounded to four digits, as in published files."""
     error, limit = (None if x is None else float(f"{x:.4g}") for x in (error, limit))
     return RoundedVerdict(verdict, error, limit, unit)
 
 
 def _labelled_verdict(o: Outcome) -> tuple[Label, RoundedVerdict]:
-    """Return label and rounded row of a present outcome."""
+    """Return the key (scene, quantity) and the rounded verdict of a present row."""
     return (one_line(o.scene, 2000), one_line(o.quantity, 2000)), _rounded_verdict(o.word, o.error, o.limit, o.unit)
 
 
 def _read_earlier_verdicts(path: Path) -> dict[Label, RoundedVerdict]:
-    """Return the rows of an earlier file of verdicts, CSV or JSON, by label; InputError for anything else."""
+    """Read an earlier file of verdicts (CSV or JSON) and return its verdicts by scene and quantity.
+
+    Raises InputError for a file that does not contain verdicts.
+    """
     text = read_table(path)
     try:
         return dict(
@@ -381,12 +386,13 @@ def _read_earlier_verdicts(path: Path) -> dict[Label, RoundedVerdict]:
             else _verdicts_in_csv(text)
         )
     except (ValueError, TypeError, KeyError, AttributeError, RecursionError):
-        advice = "keep one of an earlier run: check with `csv=gate.csv`"
-        raise InputError(str(path), "file", "something else", "verdicts that check wrote as CSV or JSON", advice) from None
+        advice = "write a file of verdicts with `csv=gate.csv` and compare with that"
+        value = "contents that are no verdicts"
+        raise InputError(str(path), "file", value, "a CSV or JSON file written by rollbench check", advice) from None
 
 
 def _verdicts_in_csv(text: str) -> Iterator[tuple[Label, RoundedVerdict]]:
-    """Yield label and row for each line of a CSV text; ValueError for other headings."""
+    """Yield the key (scene, quantity) and the verdict of each line of a CSV text; ValueError for other headings."""
     headings, *rows = csv.reader(text.splitlines())
     if tuple(headings) != HEADINGS:
         raise ValueError(headings)
@@ -398,18 +404,18 @@ def _verdicts_in_csv(text: str) -> Iterator[tuple[Label, RoundedVerdict]]:
 
 
 def _number_and_unit(cell: str) -> tuple[float | None, str]:
-    """Return number (None if empty) and unit of a cell that `cell_text` wrote."""
+    """Split a table cell written by `cell_text` into its number (None if the cell is empty) and its unit."""
     number, _, unit = cell.partition(" ")
     return float(number) if number else None, unit
 
 
 def _verdicts_in_json(data: Mapping[str, Any]) -> list[Mapping[str, Any]]:
-    """Return the verdicts of scenes, or the checks of the gate, in the JSON of ``rollbench check``."""
+    """Return the list of verdicts on scenes, or of the gate's checks, from the JSON output of ``rollbench check``."""
     return list(data["verdicts"] if "verdicts" in data else data["rows"])
 
 
 def _verdict_from_json(row: Mapping[str, Any]) -> tuple[Label, RoundedVerdict]:
-    """Return label and row from the JSON of a verdict; the ending of the limit's key gives the unit."""
+    """Return the key (scene, quantity) and the verdict of one JSON record; the unit is the ending of the limit's key."""
     if "kind" in row:
         label, verdict = (row["name"], row["kind"]), row["verdict"]
     else:

@@ -1,4 +1,4 @@
-"""Fixture for users' pytest that judges scenes against their 3D reference (`rollbench.fixture`)."""
+"""Pytest fixture for users' tests that judges scenes against their 3D reference (`rollbench.fixture`)."""
 
 from __future__ import annotations
 
@@ -13,16 +13,16 @@ if TYPE_CHECKING:
 
 
 class Rollbench:
-    """Value of the pytest fixture ``rollbench``: judges scenes with paths relative to the test file.
+    """Value of the pytest fixture ``rollbench``, by which a user's test judges a scene against its 3D reference.
 
     Parameters
     ----------
     root
-        Folder from which paths start: that of the test file.
+        Folder of the test file, to which paths are relative.
     """
 
     def __init__(self, root: Path) -> None:
-        """Store the folder; the program is imported only when a scene is judged."""
+        """Store the folder of the test file."""
         self.root = root
 
     def check(
@@ -41,23 +41,23 @@ class Rollbench:
         store: str | Path = "rollbench-reference",
         compute: bool = True,
     ) -> list[Verdict]:
-        """Judge a scene, and fail the test unless it passes.
+        """Judge a scene by the gate, and fail the test unless every verdict is "pass".
 
-        A scene that is undecided or not covered fails too, and so does bad input.
+        The test also fails if a verdict is "undecided" or "not covered", and if an argument or a file is not valid.
 
         Parameters
         ----------
         scene
-            File, from the folder of the test, or name of a shipped scene.
+            Path of a scene file, relative to the folder of the test file, or name of a shipped scene.
         max_error, model, loads, values, limits, reference, strict, levels, store, compute
-            As for `rollbench.check`; paths start from the folder of the test.
+            As for `rollbench.check`; paths are relative to the folder of the test file.
         stored
-            Folder of stored runs, used in addition to the shipped runs; none is computed.
+            Folder with stored runs of the 3D reference, used in addition to the shipped runs; no run is computed.
 
         Returns
         -------
         list of Verdict
-            The verdicts.
+            Verdicts on the scene, all "pass".
         """
         from rollbench.compare.errors import InputError
         from rollbench.compare.gate.user import check_scenes, gate_request

@@ -1,6 +1,6 @@
-"""Verdicts on users' scenes: loads of a model, or of another program, against the 3D reference.
+"""Gate for users' scenes: compares contact loads of a model, or of another program, with the 3D reference.
 
-A file of loads, measured or from another 3D program, can replace the 3D reference.
+A user's file of contact loads, measured or from another 3D program, can replace the 3D reference.
 """
 
 from __future__ import annotations
@@ -56,35 +56,36 @@ from rollbench.meshes.loads import mean_load
 from rollbench.meshes.parts import SIDES, Scene
 from rollbench.meshes.units import parse_quantity
 
-#: Names of notes above the table of a reference file.
+#: Keys of the notes (``# key: text``) above the table of a reference file.
 UNCERTAINTY, PROVENANCE = "uncertainty", "provenance"
 
 
 def read_reference(
     path: Path, scene: Scene, only: Only = EVERY, contacts: int | None = None
 ) -> tuple[Reference, tuple[str, ...]]:
-    """Read a reference from a file with the columns of `loads_file`, for every flank.
+    """Read a user's reference loads from a file with the columns of `loads_file`, for every ball and flank.
 
-    Its uncertainty is a column (``uncertainty_N``, or ``uncertainty_percent`` of each load), or a note above the table, ``#
-    uncertainty: 0.5 %`` of the mean load or ``2 N``; without, zero is taken, with a note.
+    The file states the uncertainty of its loads in a column (``uncertainty_N``, or ``uncertainty_percent`` of each load) or
+    in a note above the table (``# uncertainty: 0.5 %`` of the mean load, or ``2 N``). If it states none, the uncertainty is
+    taken as zero, and the reference says so.
 
     Parameters
     ----------
     path
-        The file.
+        Path of the file.
     scene
-        Scene with one set.
+        Scene with a single set of balls.
     only
-        Filter for the rows, by the accepted texts of the columns case and set.
+        Filter for the rows of the file: accepted texts of the columns ``case`` and ``set``.
     contacts
-        Number of contacts that the nominal screw loads; None: computed.
+        Number of contacts that carry load in the screw without errors; None: computed from the scene.
 
     Returns
     -------
     Reference
-        The reference.
+        Reference with the loads and uncertainties of the file.
     tuple of str
-        Headings that are not known.
+        Column headings of the file that are not known.
 
     Raises
     ------
@@ -94,10 +95,12 @@ def read_reference(
     given = read_loads(path, scene.ball_count, scene, only)
     left = [side for side in SIDES if side not in given.flanks]
     if left:
-        advice = "write 0 for contacts that carry nothing: what is not known cannot judge"
-        raise InputError(str(path), "rows", f"no loads on {', '.join(left)}", "every ball on SL, SR, NL and NR", advice)
+        advice = "add the missing rows, with the load 0 for contacts that carry none"
+        allowed = "a load of every ball on the flanks SL, SR, NL and NR"
+        raise InputError(str(path), "rows", f"no loads on {', '.join(left)}", allowed, advice)
     if not given.load.any():
-        raise InputError(str(path), "file", "no loads but zero", "a load", "is this the scene's reference?")
+        advice = "check that the file holds the reference loads of this scene"
+        raise InputError(str(path), "file", "only loads of 0", "at least one contact load above 0", advice)
     contacts = nominal_contacts(scene) if contacts is None else contacts
     bars, words = _stated_uncertainty(path, given, mean_load(given.load, contacts))
     source = given.notes.get(PROVENANCE, "")
@@ -112,47 +115,54 @@ def read_reference(
 
 
 def uncertainty_warning(ref: Reference, limit: float) -> str:
-    """Return a warning if the uncertainty of a reference exceeds the limit [%] by which it judges; else empty."""
+    """Return a warning if the uncertainty of a reference exceeds the limit of the errors [%]; else an empty text."""
     worst = max(gate_points(ref.scene, ref, limit, ref.load), key=lambda p: p.uncertainty_percent)
     if worst.uncertainty_percent <= limit:
         return ""
     return (
         f"the uncertainty of {ref.label}, {worst.uncertainty_percent:.3g} % at ball {worst.ball} {worst.side}, exceeds "
-        f"the limit of {limit:g} % that it should judge"
+        f"the error limit of {limit:g} %: errors near the limit cannot be judged"
     )
 
 
 def _stated_uncertainty(path: Path, given: GivenLoads, mean: float) -> tuple[Array, str]:
-    """Return the uncertainty (n, 4) [N] stated in a reference file, and a description; InputError if not valid."""
+    """Return the load uncertainty (n, 4) [N] that a reference file states, and its description as text.
+
+    Raises InputError if the statement is not valid.
+    """
     on = given.load > 0.0
     stated = [name for name in ("uncertainty", "uncertain share") if name in given.further]
     note = given.notes.get(UNCERTAINTY)
     if len(stated) + (note is not None) > 1:
         allowed = "one column or one note"
-        raise InputError(str(path), "uncertainty", "several", allowed, "leave the others out")
+        raise InputError(str(path), "uncertainty", "several statements", allowed, "keep one of them and delete the others")
     if stated:
         values = given.further[stated[0]] * (given.load if stated[0] == "uncertain share" else 1.0)
         gaps = np.argwhere(np.isnan(values) & on)
         if gaps.size:
-            value = f"none of ball {gaps[0][0] + 1} {SIDES[gaps[0][1]]}"
-            raise InputError(str(path), "uncertainty", value, "one of every loaded contact", "fill the column, or drop it")
-        return np.nan_to_num(values), "with its uncertainty contact by contact"
+            value = f"no uncertainty of ball {gaps[0][0] + 1} {SIDES[gaps[0][1]]}"
+            advice = "fill the column, or delete it"
+            raise InputError(str(path), "uncertainty", value, "an uncertainty of every loaded contact", advice)
+        return np.nan_to_num(values), "with an uncertainty stated for each contact"
     if note is None:
-        return np.zeros_like(given.load), "whose uncertainty is taken as zero: it states none"
+        return np.zeros_like(given.load), "whose uncertainty is taken as zero because the file states none"
     share = re.fullmatch(r"([0-9.eE+-]+)\s*(?:%|percent)", note)
     try:
         size = 0.01 * float(share[1]) * mean if share else parse_quantity(note, "force")
     except ValueError:  # a UnitError too
         size = float("nan")
     if not 0.0 <= size < float("inf"):
-        allowed = "0.5 % (of the mean load), or a force such as 2 N"
+        allowed = "a share of the mean load such as 0.5 %, or a force such as 2 N"
         advice = decimal_comma_advice("or write a column uncertainty_N", note)
         raise InputError(str(path), f"note {UNCERTAINTY}", note or "nothing", allowed, advice)
     return np.full(given.load.shape, size), f"uncertain by {note}{' of the mean load' if share else ''}"
 
 
 def run_of_loads(scene: Scene, load: Array, angle: Array) -> Run:
-    """Return contact loads [N] and angles [deg], (n, 4), as a run of the 3D reference without mesh."""
+    """Wrap contact loads [N] and contact angles [deg], both (n, 4), in a run record without mesh.
+
+    Loads from a file can then be used wherever a run of the 3D reference is expected.
+    """
     return Run(
         scene=scene.name,
         level=0,
@@ -180,16 +190,16 @@ def run_of_loads(scene: Scene, load: Array, angle: Array) -> Run:
     )
 
 
-#: Number of mesh levels that are computed by default: the fewest that give an uncertainty.
+#: Number of mesh levels computed by default: the smallest number from which a mesh uncertainty can be estimated.
 ENOUGH = 2
 
-#: Limit [%] below which a share may be meant instead: no reference is that accurate.
+#: Limit [%] below which the user may have meant a fraction (0.07 for 7 %): no reference is that accurate.
 SHARE = 0.2
 
-#: Reason for a scene without reference.
-NONE_STORED = "no stored run of its 3D reference, and none is to be computed"
+#: Reason of a verdict "not covered" on a scene without reference.
+NONE_STORED = "no run of its 3D reference is stored, and none is to be computed"
 
-#: Known columns, in words.
+#: Known columns of a file of loads, as text for messages.
 KNOWN = "ball, flank, newton, azimuth_deg, z_mm, contact_angle_deg, approach_um, pressure_MPa, uncertainty_N in any unit"
 
 NO_OTHERS: Mapping[str, float] = {}
@@ -199,27 +209,27 @@ NO_CASES: Mapping[str, str] = {}
 
 @dataclass(frozen=True)
 class GateRequest:
-    """Request for verdicts: what is judged, by which limits and references."""
+    """Request to the gate: the model or file to be judged, the error limits and the reference."""
 
-    #: Folders of runs; the first takes those that are computed.
+    #: Folders with stored runs of the 3D reference; new runs are stored in the first.
     stores: tuple[Path, ...]
-    #: Model that is judged.
+    #: Name of the model whose loads are judged.
     model: str = DEFAULT
-    #: File of loads that are judged instead.
+    #: File of contact loads that are judged instead of a model's.
     loads: Path | None = None
-    #: Limit of the loads [%]; None: that of the scene, or `LIMIT`.
+    #: Limit of the errors of contact loads [%]; None: that of the scene, or `LIMIT`.
     max_error: float | None = None
-    #: Number of mesh levels to compute at least; None: the best stored run, `ENOUGH` if there are fewer.
+    #: Least number of mesh levels of the 3D reference; None: those that are stored, `ENOUGH` if there are fewer.
     levels: int | None = None
-    #: Whether missing runs are computed.
+    #: Whether missing runs of the 3D reference are computed.
     compute: bool = True
-    #: File of further values that are judged.
+    #: File of further values (such as stiffness or life) that are judged.
     values: Path | None = None
-    #: Limits of other quantities by name.
+    #: Error limits of quantities other than loads, by name of the quantity.
     limits: Mapping[str, float] = field(default_factory=dict)
-    #: File of loads instead of the 3D reference.
+    #: File of contact loads that replaces the 3D reference.
     reference: Path | None = None
-    #: Whether unknown headings are an error.
+    #: Whether unknown column headings are an error.
     strict: bool = False
 
 
@@ -237,23 +247,23 @@ def gate_request(
     stored: Path | None = None,
     compute: bool = True,
 ) -> GateRequest:
-    """Validate arguments and make a request for verdicts.
+    """Check the user's arguments and return them as a request to the gate.
 
     Parameters
     ----------
     model, loads, values, max_error, reference, strict, levels, compute
-        As in `GateRequest`; ``model`` may be empty for the default.
+        As in `GateRequest`; an empty ``model`` means the default model.
     limits
-        Limits of other quantities, ``NAME=NUMBER``.
+        Error limits of quantities other than loads, each as ``NAME=NUMBER``.
     store
-        Folder of runs that takes those that are computed.
+        Folder in which new runs of the 3D reference are stored.
     stored
-        Folder of runs from which the reference is taken without computing any.
+        Folder with stored runs of the 3D reference; if it is given, no new run is computed.
 
     Returns
     -------
-    Asked
-        The request.
+    GateRequest
+        Checked request.
 
     Raises
     ------
@@ -261,20 +271,23 @@ def gate_request(
         If arguments exclude each other or are out of range.
     """
     if max_error is not None and not 0.0 < max_error <= 100.0:
-        raise ArgumentError("max_error", str(max_error), "above 0 to 100 per cent", "the gate uses 7")
+        advice = "leave it out for the gate's default limit of 7 per cent"
+        raise ArgumentError("max_error", str(max_error), "above 0 to 100 per cent", advice)
     if levels is not None and not 1 <= levels <= len(LEVELS):
-        raise ArgumentError("levels", str(levels), f"1 to {len(LEVELS)}", "two give an uncertainty")
+        advice = "compute at least 2 mesh levels to estimate the mesh uncertainty"
+        raise ArgumentError("levels", str(levels), f"1 to {len(LEVELS)}", advice)
     if levels is not None and (stored is not None or not compute):
-        advice = "leave one out: stored runs are taken with all levels that are there"
-        raise ArgumentError("levels", str(levels), "without `stored` and `compute=False`", advice)
+        advice = "leave one of them out: stored runs are used with all mesh levels that are stored"
+        raise ArgumentError("levels", str(levels), "only without `stored` and `compute=False`", advice)
     if levels is not None and reference is not None:
-        raise ArgumentError("levels", str(levels), "without `reference`", "the file is the reference")
+        advice = "leave one of them out: a reference from a file needs no mesh levels"
+        raise ArgumentError("levels", str(levels), "only without `reference`", advice)
     for name, file in (("loads", loads), ("values", values)):
         if file is not None and model:
-            advice = "what the file holds is judged: leave one out"
-            raise ArgumentError(name, str(file), "without `model`", advice)
+            advice = "leave one of them out: the gate judges either the file or the model"
+            raise ArgumentError(name, str(file), "only without `model`", advice)
     if stored is not None and not stored.is_dir():
-        raise ArgumentError("stored", str(stored), "a folder of stored runs", "check the path")
+        raise ArgumentError("stored", str(stored), "a folder with stored runs of the 3D reference", "check the path")
     compared_models((model,) if model else (), "model")
     return GateRequest(
         (store if stored is None else stored, shipped_store()),
@@ -294,13 +307,13 @@ def gate_request(
 class UserFiles:
     """Contents of a user's files (loads, values, reference) for a scene or load case."""
 
-    #: Loads of another program, for each set.
+    #: Contact loads of another program, one record for each set of balls.
     loads: tuple[GivenLoads, ...] = ()
-    #: Values of the whole screw.
+    #: Values of the whole screw (such as stiffness or life).
     values: tuple[GivenValue, ...] = ()
-    #: The scene under the axial loads [N] of these values.
+    #: Scene scaled to the axial load [N] at which a value is given, by that load.
     at: Mapping[float, Scene] = field(default_factory=dict)
-    #: Reference of the user, for each set.
+    #: User's reference, one record for each set of balls.
     reference: tuple[Referenced, ...] = ()
 
 
@@ -312,33 +325,35 @@ def check_scenes(
     warn: Callable[[str], None] = lambda _: None,
     cases: Mapping[str, str] = NO_CASES,
 ) -> list[Verdict]:
-    """Judge scenes against their references; missing runs of the 3D reference are computed first.
+    """Judge a model's or a file's contact loads and other values on each scene, against the scene's reference.
+
+    Missing runs of the 3D reference are computed first, unless the request forbids it.
 
     Parameters
     ----------
     scenes
         Scenes with one load case each.
     request
-        What is judged, by which limits and references.
+        Model or file to be judged, error limits and reference.
     engine
-        Runs computations of the 3D reference.
+        Function that computes runs of the 3D reference.
     step
-        Called with lines of progress.
+        Called with each line of progress.
     warn
-        Called with warnings.
+        Called with each warning.
     cases
-        Name of the load case by name of the scene, if files hold the rows of several load cases.
+        Name of the load case by name of the scene, if a file holds rows of several load cases.
 
     Returns
     -------
     list of Verdict
-        For each scene, or each of its sets, one on the largest error of a load, one on the RMS error if that has a limit,
-        and one on each further quantity that a file gives or that has a limit.
+        Verdicts on each scene, or on each of its sets of balls: one on the largest error of a load, one on the RMS error if
+        that has a limit, and one on each further quantity that a file gives or that has a limit.
 
     Raises
     ------
     InputError
-        If a file does not fit the scene; as Refusal if the model does not cover it.
+        If a file does not fit the scene. If the model cannot describe a scene, the subclass Refusal.
     """
     warned: dict[str, None] = {}
     for scene in scenes:
@@ -376,7 +391,7 @@ def check_scenes(
 
 
 def _contact_verdicts_of_set(one: Referenced, files: UserFiles, limits: Limits, request: GateRequest) -> list[Verdict]:
-    """Return the verdicts on the contacts of a set, whose loads are those of a user's file or of a model."""
+    """Return the verdicts on the contact loads of one set of balls, taken from a user's file or from a model."""
     if request.loads is None:
         return _with_set_name(_verdicts_on_model(one, request.model, limits, request.stores), one)
     given, judged = files.loads[0 if one.of is None else one.of.number], request.loads.name
@@ -387,14 +402,14 @@ def _contact_verdicts_of_set(one: Referenced, files: UserFiles, limits: Limits, 
 
 
 def _with_set_name(verdicts: list[Verdict], one: Referenced) -> list[Verdict]:
-    """Return the verdicts with the names of assembly and set filled in; unchanged for a scene with one set."""
+    """Return the verdicts with the names of assembly and set of balls filled in; unchanged for a scene with one set."""
     return verdicts if one.of is None else [replace(v, scene=one.of.assembly.name, set=one.of.name) for v in verdicts]
 
 
 def _with_stored_verdict(
     verdicts: list[Verdict], given: GivenLoads, one: Referenced, limits: Limits, request: GateRequest
 ) -> list[Verdict]:
-    """Return the verdicts; with a user's reference, the first also states the verdict by the stored 3D reference."""
+    """Add the verdict by the stored 3D reference to the detail of the first verdict, if the user gave a reference."""
     ours = stored_reference(one, request.stores) if one.found.stated else None
     if ours is None:
         return verdicts
@@ -406,43 +421,49 @@ def _with_stored_verdict(
 def _verdict_on_value(
     value: GivenValue, each: Sequence[Referenced], scene: Solvable, limits: Limits, request: GateRequest, reason: str
 ) -> Verdict:
-    """Return the verdict on a user's value of the whole screw; with several sets only the life of a set is judged."""
+    """Return the verdict on a user's value of the whole screw (such as its life or stiffness).
+
+    Of several sets of balls on one shaft, only the life of each set is judged.
+    """
     assert request.values is not None
     one = next(iter(each), None)
     if one is None or (one.of is not None and value.quantity is not LIFE):
         limit = error_limit_of(value.quantity, limits.others, limits.largest)
-        reason = reason if one is None else "of several sets on one shaft only the life of each is judged"
+        reason = reason if one is None else "with several sets of balls on one shaft, only the life of each set is judged"
         return _not_covered_verdict(scene, request.values.name, value.name, limit, reason)
     return _with_set_name([value_verdict(request.values.name, value, one.scene, one.found, limits)], one)[0]
 
 
 def names_this_set(one: Referenced, word: str) -> bool:
-    """Return whether a text is the number (from 1) or name of a set; always true for a scene with one set."""
+    """Return whether a text is the number (from 1) or the name of a set of balls; always true for a scene with one set."""
     return one.of is None or word in _names_of_set(one.of.assembly, one.of.number)
 
 
 def _names_of_set(assembly: Assembly, k: int) -> tuple[str, str]:
-    """Return the texts that name a set in files: its number from 1, and its name."""
+    """Return the two texts that identify a set of balls in files: its number from 1, and its name."""
     return str(k + 1), assembly.sets[k].name
 
 
 def _not_covered_verdict(scene: Solvable, judged: str, quantity: str, limit: float, why: str) -> Verdict:
-    """Return the verdict "not covered" on a quantity of a scene without reference."""
+    """Return the verdict "not covered" on a quantity of a scene that has no reference; ``why`` states the reason."""
     return Verdict(scene.name, judged, quantity, "not covered", None, None, limit, detail=why)
 
 
 def _scenes_of_files(scenes: Sequence[Solvable], request: GateRequest, cases: Mapping[str, str]) -> Sequence[Solvable]:
-    """Return the scenes to which files apply, none without files; InputError for scenes that are not cases of one."""
+    """Return the scenes to which the user's files apply; an empty sequence if the request names no file.
+
+    Raises ArgumentError if there are several scenes that are not load cases of a single one.
+    """
     named = {"loads": request.loads, "values": request.values, "reference": request.reference}
     for argument, path in named.items():
         if path is not None and len(scenes) != 1 and len(cases) != len(scenes):
-            advice = "check the scenes one by one, each with its file"
-            raise ArgumentError(argument, str(path), f"one scene, not {len(scenes)}", advice)
+            advice = "check the scenes one by one, each with its own file"
+            raise ArgumentError(argument, str(path), f"a file for one scene, not {len(scenes)} scenes", advice)
     return scenes if any(named.values()) else ()
 
 
 def _read_user_files(scene: Solvable, request: GateRequest, warn: Callable[[str], None], case: str | None) -> UserFiles:
-    """Read the user's files for a scene or load case; InputError if they do not fit."""
+    """Read the user's files of loads, values and reference for a scene or load case; InputError if they do not fit it."""
     reference: list[Referenced] = []
     loads, values = [], list[GivenValue]()
     at: dict[float, Scene] = {}
@@ -462,14 +483,15 @@ def _read_user_files(scene: Solvable, request: GateRequest, warn: Callable[[str]
 
 
 def sets_with_row_filter(scene: Solvable, case: str | None) -> list[tuple[Scene, Only]]:
-    """Return each set of a scene with the filter for its rows in a file; InputError for rollers."""
+    """Return each set of balls of a scene, with the filter for its rows in a user's file; InputError for rollers."""
     of_case: Only = {} if case is None else {"case": (case,)}
     if isinstance(scene, Scene):
         return [(scene, of_case)]
     out: list[tuple[Scene, Only]] = []
     for k, s in enumerate(scene.sets):
         if not isinstance(s.parts, Scene):
-            raise InputError(scene.name, "sets", s.name, "sets of balls", "rollers have no flanks: judge a model instead")
+            advice = "judge a model instead of a file: rollers have no flanks to which loads could be assigned"
+            raise InputError(scene.name, "sets", s.name, "only sets of balls", advice)
         out.append((SetOfAssembly(scene, k).scene, {**of_case, "set": _names_of_set(scene, k)}))
     return out
 
@@ -483,27 +505,28 @@ def references_from_file(
     strict: bool = False,
     case: str | None = None,
 ) -> list[Referenced]:
-    """Read the user's reference file for each set of a scene.
+    """Read the user's reference file and return the reference loads of each set of balls of a scene.
 
     Parameters
     ----------
     path
-        The file.
+        Path of the file.
     scene
-        Scene with one set or several.
+        Scene with one set of balls or several.
     warn
-        Called with warnings.
+        Called with each warning.
     limit
-        Limit of the loads [%], for a warning if the reference is less accurate; None: that of the scene.
+        Limit of the errors of loads [%]: a warning is given if the uncertainty of the reference exceeds it. None: the limit
+        of the scene.
     strict
-        Whether unknown headings are an error.
+        Whether unknown column headings are an error.
     case
-        Load case whose rows are read.
+        Load case whose rows are read; None: all rows.
 
     Returns
     -------
     list of Referenced
-        Reference of each set.
+        Each set of balls with its reference.
 
     Raises
     ------
@@ -523,68 +546,72 @@ def references_from_file(
 
 
 def stored_reference(one: Referenced, stores: Sequence[Path]) -> Reference | None:
-    """Return the stored 3D reference of a set, shown next to a user's reference; None if there is none."""
+    """Return the stored 3D reference of a set of balls, to be shown next to a user's reference; None if none is stored."""
     references = stored_references(one.scene if one.of is None else one.of.assembly, stores)
     return references[0 if one.of is None else one.of.number].found if references else None
 
 
 def _check_sets(scene: Solvable, values: Sequence[GivenValue], path: Path) -> None:
-    """Raise InputError for a value whose set is missing or unknown; a scene with one set needs none."""
+    """Raise InputError if a value names no set of balls, or an unknown one; values of a scene with one set need no name."""
     if isinstance(scene, Scene):
         return
     known = [word for k in range(len(scene.sets)) for word in _names_of_set(scene, k)]
     for value in values:
         if value.set not in known:
-            advice = "name the set of every value in a column set"
+            advice = "add a column `set` that names the set of balls of every value"
             raise InputError(str(path), "set", value.set or "nothing", ", ".join(known), advice)
 
 
 def _scaled_to_load(scene: Solvable, value: GivenValue, path: Path) -> Scene:
-    """Return the scene with its loads scaled to a value's axial load; InputError if the scene has no axial load."""
+    """Return the scene with its loads scaled to the axial load at which a value is given.
+
+    Raises InputError if the scene has no axial load, or several sets of balls.
+    """
     assert value.force is not None
     if isinstance(scene, Assembly):
-        raise InputError(str(path), "where", value.where, "empty", "several sets are judged at the loads of the scene")
+        advice = "leave it empty: several sets of balls are judged only at the loads of the scene"
+        raise InputError(str(path), "where", value.where, "no entry", advice)
     axial = abs(sum(load.force[2] for load in scene.loads))
     if axial == 0.0:
-        advice = "leave it empty: loads are raised in proportion to the scene's"
-        raise InputError(str(path), "where", value.where, "of a scene with an axial load", advice)
+        advice = "leave it empty: the loads of the scene are scaled to this load, and it has no axial load"
+        raise InputError(str(path), "where", value.where, "an axial load only for a scene with an axial load", advice)
     return scaled(scene, value.force / axial)
 
 
 def _check_unknown_columns(path: Path, headings: Sequence[str], warn: Callable[[str], None], *, strict: bool) -> None:
-    """Warn about unknown columns of a file; InputError if ``strict``."""
+    """Warn that unknown columns of a user's file are not judged; InputError instead if ``strict``."""
     if not headings:
         return
     if strict:
-        raise InputError(str(path), "line 1", ", ".join(headings), KNOWN, "rename the columns or delete them")
-    warn(f"{path.name}: not judged, because the columns are not known: {', '.join(headings)}; known are {KNOWN}")
+        raise InputError(str(path), "line 1", ", ".join(headings), KNOWN, "rename the unknown columns or delete them")
+    warn(f"{path.name}: unknown columns are not judged: {', '.join(headings)}; known columns: {KNOWN}")
 
 
 def _notes_on_loads(given: GivenLoads, reference: Reference, limits: Limits) -> Iterator[str]:
-    """Yield notes on a user's loads: flanks not given, renumbered balls, suspected causes of large errors."""
+    """Yield notes on a user's loads: flanks without loads, renumbered balls, suspected causes of large errors."""
     left = [side for side in SIDES if side not in given.flanks]
-    yield f"not judged, because not given: {', '.join(left)}" if left else ""
+    yield f"flanks not judged because the file has no loads on them: {', '.join(left)}" if left else ""
     if given.renumbered:
-        yield f"{given.renumbered} balls are numbered otherwise in the file, and were matched by azimuth and z"
+        yield f"{given.renumbered} balls are numbered differently in the file, and were matched by azimuth and z"
     yield suspected_causes(given.load, reference.load, given.flanks, limits.largest)
 
 
 def limits_for_scene(scene: Solvable, max_error: float | None, others: Mapping[str, float] = NO_OTHERS) -> Limits:
-    """Return the limits for a scene: from the request, else from the scene, else `LIMIT`.
+    """Return the error limits for a scene: those of the request, else those of the scene, else `LIMIT`.
 
     Parameters
     ----------
     scene
-        Scene with one set or several.
+        Scene with one set of balls or several.
     max_error
-        Limit of the largest error of a load [%]; None: not given.
+        Limit of the largest error of a load [%] in the request; None: not stated there.
     others
-        Limits of other quantities by name.
+        Error limits of quantities other than loads, by name of the quantity.
 
     Returns
     -------
     Limits
-        The limits.
+        Limits by which the gate judges the scene.
     """
     if isinstance(scene, Assembly):
         return Limits(LIMIT if max_error is None else max_error, others=others)
@@ -593,14 +620,14 @@ def limits_for_scene(scene: Solvable, max_error: float | None, others: Mapping[s
 
 
 def fraction_warnings(limits: Limits) -> Iterator[str]:
-    """Yield a warning for each limit that looks like a fraction, such as 0.07 where 7 % may be meant."""
+    """Yield a warning for each limit that looks like a fraction, such as 0.07 % where 7 % may be meant."""
     for name, limit in {"loads": limits.largest, **limits.others}.items():
         if limit < SHARE and name != ANGLE.name:
-            yield f"the limit of {name} is {limit:g} %: are {100.0 * limit:g} % meant? limits are in per cent"
+            yield f"the limit of {name} is {limit:g} %: do you mean {100.0 * limit:g} %? Limits are in per cent"
 
 
 def _verdicts_on_model(one: Referenced, name: str, limits: Limits, stores: Sequence[Path]) -> list[Verdict]:
-    """Return the verdicts on a model's answers for a set; without equilibrium a single one, "fail"."""
+    """Return the verdicts on a model's results for one set of balls; a single "fail" if the model finds no equilibrium."""
     scene, ref, title = one.scene, one.found, title_of(name)
     if one.of is not None:
         answer = solution_of_set(one.of, name)
@@ -608,12 +635,12 @@ def _verdicts_on_model(one: Referenced, name: str, limits: Limits, stores: Seque
     else:
         model = known_model(name)
         if not model.suits(scene):
-            advice = "see rollbench list for what each model describes"
+            advice = "choose another model: `rollbench list` shows which scenes each model can describe"
             raise ArgumentError("model", f'"{name}"', f"a model that can describe {scene.name}", advice)
         solved = run_model(scene, name, options_for(model, scene, ref, stores))
         result, status = solved if solved.converged else None, solved.status
     if result is None:
-        detail = f"the model has no loads: {status}"
+        detail = f"the model computed no loads: {status}"
         return [Verdict(scene.name, title, LARGEST, "fail", None, None, limits.largest, levels=ref.levels, detail=detail)]
     loads = from_result(result)
     verdicts = judge(title, result.load, ref, limits) + contact_verdicts(
@@ -629,7 +656,10 @@ def _verdicts_on_model(one: Referenced, name: str, limits: Limits, stores: Seque
 def _compute_missing_runs(
     scenes: Sequence[Solvable], request: GateRequest, engine: Engine, step: Callable[[str], None]
 ) -> dict[str, str]:
-    """Compute missing runs; return, by scene, why a run failed. A refusal does not stop other geometries."""
+    """Compute missing runs of the 3D reference, and return the reason of each failure by name of the scene.
+
+    A scene that the 3D reference cannot represent does not stop the computation of the others.
+    """
     why: dict[str, str] = {}
     for group in groups(scenes):
         for levels, lacking in _missing_levels(group, request).items():
@@ -643,7 +673,7 @@ def _compute_missing_runs(
 
 
 def _missing_levels(scenes: Sequence[Solvable], request: GateRequest) -> dict[tuple[int, ...], list[Solvable]]:
-    """Return scenes by the mesh levels that have to be computed for them."""
+    """Return the scenes with missing runs of the 3D reference, grouped by the mesh levels still to be computed."""
     out: dict[tuple[int, ...], list[Solvable]] = {}
     for scene in scenes:
         stored = [k for k in LEVELS if load_run(scene, k, stores=request.stores) is not None]

@@ -1,4 +1,4 @@
-"""Verdict on loads and other quantities against a reference, with a limit and the uncertainty of the reference."""
+"""Verdicts of the gate on contact loads and other quantities: error against a reference, its uncertainty, and a limit."""
 
 from __future__ import annotations
 
@@ -30,19 +30,19 @@ from rollbench.meshes.quantity import quantity as stated
 
 Word = Literal["pass", "fail", "not converged", "undecided", "not covered"]
 
-#: Default limit [%].
+#: Default limit of the errors [%].
 LIMIT = 7.0
 
-#: Exit code of each verdict, the worst first; of several verdicts the worst counts.
+#: Exit code of each verdict, the worst verdict first; of several verdicts the worst determines the exit code.
 CODES: dict[Word, int] = {"fail": 1, "not converged": 1, "undecided": 3, "not covered": 4, "pass": 0}
 
-#: Number of balls on either side of the worst that a picture shows.
+#: Number of balls on either side of the decisive ball that a picture shows.
 NEAR = 6
 
 #: Other units of force, in newtons.
 UNITS = {"kilonewtons": 1e3, "pounds": 4.4482216152605, "kiloponds": 9.80665, "millinewtons": 1e-3}
 
-#: Relative deviation up to which a ratio of sums of loads is taken for a wrong unit.
+#: Relative deviation from a unit's factor up to which the ratio of two load sums is explained by that wrong unit.
 ALIKE = 0.2
 
 LARGEST = "largest error of a contact load"
@@ -55,24 +55,24 @@ ONE_LEVEL = "one mesh level: its uncertainty is estimated from other scenes; two
 
 @dataclass(frozen=True)
 class Limits:
-    """Limits of the errors of a scene [%]; of contact angles [deg]."""
+    """Error limits of a scene: in per cent, or in degrees for contact angles."""
 
-    #: Largest error of a contact load (of its reference load; of the mean load if that is small).
+    #: Limit of the largest error of a contact load [% of its reference load; of the mean load for small loads].
     largest: float = LIMIT
-    #: Root mean square error of the loads, of the mean load; None: not judged.
+    #: Limit of the root mean square error of the loads [% of the mean load]; None: not judged.
     rms: float | None = None
-    #: Limits of other quantities by name (`gate.judged`).
+    #: Limits of other quantities, by name of the quantity (`gate.judged`).
     others: Mapping[str, float] = field(default_factory=dict)
 
 
 def judged_subject(scene: str, case: str | None, set_: str | None) -> str:
-    """Return scene, load case and set as text, without those that are None."""
+    """Return the names of scene, load case and set of balls as one text, leaving out those that are None."""
     return ", ".join(filter(None, (scene, case, set_)))
 
 
 @record
 class Verdict:
-    """Verdict on one quantity of a scene, load case or set, with the error and limit that lead to it."""
+    """Verdict of the gate on one quantity of a scene, load case or set of balls, with the error and its limit."""
 
     #: Name of the scene.
     scene: str
@@ -80,9 +80,9 @@ class Verdict:
     judged: str
     #: Name of the quantity.
     quantity: str
-    #: Verdict.
+    #: Verdict as text, such as "pass".
     word: Word
-    #: Error of the contact that decides [unit].
+    #: Error on the decisive contact [unit].
     error: float | None = stated(
         "error_percent",
         "error of the judged quantity, in the rule of the gate: of its own value, of the mean load for contacts below a "
@@ -94,60 +94,65 @@ class Verdict:
         ),
         error="`uncertainty_percent` beside it",
     )
-    #: Uncertainty of the reference there [unit]; None: not known.
+    #: Uncertainty of the reference on the decisive contact [unit]; None: not known.
     uncertainty: float | None = stated("uncertainty_deg", "the reference's uncertainty of it, by discretisation")
-    #: Limit [unit].
+    #: Limit of the error [unit].
     limit: float = stated(
         "limit_percent", "limit of the scene or of the command line", Stated("limit_deg", "its limit, 1 deg unless given")
     )
-    #: Ball that decides, from 1.
+    #: Number (from 1) of the ball of the decisive contact.
     ball: int | None = None
-    #: Flank that decides.
+    #: Flank of the decisive contact.
     flank: str | None = None
     #: Mesh levels of the reference.
     levels: tuple[int, ...] = ()
     #: Number of judged contacts.
     contacts: int = 0
+    #: Further explanation.
     detail: str = ""
-    #: Errors in per cent of the mean load, which head every output.
+    #: Errors in per cent of the mean load, stated first in every output.
     of_mean: LoadError | None = stated(
         "max_percent_of_mean",
         "error of the worst contact load in per cent of the mean load",
         Stated("rms_percent_of_mean", "root mean square over all contacts, in per cent of the mean load"),
         default=None,
     )
-    #: Name of the set, if there are several.
+    #: Name of the set of balls, if there are several.
     set: str | None = None
     #: Name of the load case.
     case: str | None = None
+    #: Unit of error, uncertainty and limit.
     unit: str = "%"
-    #: Key of the quantity, its value and that of the reference, if it is no load.
+    #: Key of the quantity, its judged value and its value in the reference; None for contact loads.
     pair: tuple[str, float, float] | None = None
-    #: Ball, load, load of the reference and its uncertainty [N], of the balls next to the one that decides.
+    #: Number, load, reference load and its uncertainty [N] of the balls next to the decisive one.
     near: tuple[tuple[int, float, float, float], ...] = ()
 
     @property
     def error_percent(self) -> float | None:
-        """Error [%]; None if the unit is another."""
+        """Error on the decisive contact [%]; None if the quantity is judged in another unit."""
         return self.error if self.unit == "%" else None
 
     @property
     def uncertainty_percent(self) -> float | None:
-        """Uncertainty of the reference [%]; None if the unit is another."""
+        """Uncertainty of the reference [%]; None if it is not known or the quantity is judged in another unit."""
         return self.uncertainty if self.unit == "%" else None
 
     @property
     def limit_percent(self) -> float | None:
-        """Limit [%]; None if the unit is another."""
+        """Limit of the error [%]; None if the quantity is judged in another unit."""
         return self.limit if self.unit == "%" else None
 
     @property
     def subject(self) -> str:
-        """Text with scene, load case and set that are judged."""
+        """Names of the judged scene, load case and set of balls, as one text."""
         return judged_subject(self.scene, self.case and f"case {self.case}", self.set)
 
     def as_json(self) -> dict[str, Any]:
-        """Return JSON values; keys of numbers end with the unit, and keys in per cent are null for another unit."""
+        """Return the verdict as a dictionary for JSON, in which the keys of numbers end with their unit.
+
+        Keys that end with ``percent`` are null for a quantity that is judged in another unit.
+        """
         data: dict[str, Any] = {}
         for key, value in asdict(self).items():
             if key not in ("error", "uncertainty", "limit"):
@@ -167,7 +172,7 @@ class Verdict:
         return data if pair is None else data | dict(zip(("key", "value", "reference"), pair, strict=True))
 
     def line(self) -> str:
-        """Return the verdict as one line of text, with both errors and the limit."""
+        """Return the verdict as one line of text: judged scene and model, errors of the mean and own load, limit."""
         head = f"{self.word.upper()}: {self.subject}, {self.judged}"
         if self.error is None:
             of = "" if self.quantity == LARGEST else f"{self.quantity}: "
@@ -182,7 +187,7 @@ class Verdict:
 
     @property
     def pair_text(self) -> str:
-        """Text with the judged value, the reference's value and the unit; empty for loads."""
+        """Text that compares the judged value with the reference's value, with the unit; empty for contact loads."""
         if self.pair is None:
             return ""
         key, value, reference = self.pair
@@ -192,7 +197,7 @@ class Verdict:
         """Return error, uncertainty and limit as a comparison, such as ``1.4 % + 0.2 % <= 7 %``."""
         error, limit = f"{abs(self.error or 0.0):.2f} {self.unit}", f"{self.limit:.4g} {self.unit}"
         if self.uncertainty is None:
-            return f"{error}, uncertainty not known, limit {limit}"
+            return f"{error}, uncertainty unknown, limit {limit}"
         u = f"{self.uncertainty:.2f} {self.unit}"
         if self.word == "pass":
             return f"{error} + {u} <= {limit}"
@@ -200,22 +205,22 @@ class Verdict:
 
 
 def decide(error: float, uncertainty: float | None, limit: float) -> Word:
-    """Return the verdict on an error: pass, fail or undecided.
+    """Return the verdict on an error, given the uncertainty of the reference and a limit: pass, fail or undecided.
 
     Parameters
     ----------
     error
-        Error [%].
+        Error against the reference [%].
     uncertainty
         Uncertainty of the reference [%]; None: not known.
     limit
-        Limit [%].
+        Limit of the error [%].
 
     Returns
     -------
     str
-        Pass if error + uncertainty is within the limit, fail if error - uncertainty is beyond it; undecided between, and if
-        the uncertainty is not known.
+        "pass" if abs(error) + uncertainty is within the limit, "fail" if abs(error) - uncertainty exceeds it; otherwise, or
+        if the uncertainty is not known, "undecided".
 
     Examples
     --------
@@ -230,20 +235,23 @@ def decide(error: float, uncertainty: float | None, limit: float) -> Word:
 
 
 class ContactError(NamedTuple):
-    """Error of one judged contact, with the uncertainty of the reference."""
+    """Error on one judged contact, with the uncertainty of the reference."""
 
     #: Error [%].
     error: float
-    #: Uncertainty of the reference there [%]; None: not known.
+    #: Uncertainty of the reference on this contact [%]; None: not known.
     bar: float | None
-    #: Ball, from 1.
+    #: Number of the ball, from 1.
     ball: int
     #: Flank: SL, SR, NL, NR.
     side: str
 
 
 def decisive_contact(points: Sequence[ContactError], limit: float) -> tuple[Word, ContactError]:
-    """Return the worst verdict on contacts, and the decisive contact: furthest beyond, or nearest to, the limit."""
+    """Return the worst verdict on any contact, and the contact that decides it.
+
+    The decisive contact is the one furthest beyond the limit; if none exceeds it, the one nearest to the limit.
+    """
     each = [decide(p.error, p.bar, limit) for p in points]
     worst = worst_verdict(each)
     sign = -1.0 if worst == "fail" else 1.0
@@ -254,7 +262,7 @@ def decisive_contact(points: Sequence[ContactError], limit: float) -> tuple[Word
 def verdict_without_reference(
     reference: Reference, judged: str, quantity: str, limit: float, why: str, unit: str = "%"
 ) -> Verdict:
-    """Return the verdict "not covered" on a quantity that the reference does not have."""
+    """Return the verdict "not covered" on a quantity for which the reference has no value; ``why`` states the reason."""
     return Verdict(
         reference.scene, judged, quantity, "not covered", None, None, limit, levels=reference.levels, detail=why, unit=unit
     )
@@ -263,28 +271,28 @@ def verdict_without_reference(
 def judge(
     judged: str, load: Array, reference: Reference, limits: Limits, flanks: Sequence[str] = SIDES, detail: str = ""
 ) -> list[Verdict]:
-    """Judge contact loads against a reference.
+    """Judge the contact loads of a model or file against a reference: largest error and RMS error.
 
     Parameters
     ----------
     judged
-        Model or file whose loads are judged.
+        Name of the model or file whose loads are judged.
     load
         Contact loads, (n, 4) [N].
     reference
-        The reference.
+        Reference loads with their uncertainty.
     limits
-        Limits of the scene.
+        Error limits of the scene.
     flanks
-        Flanks that are judged. The others count in no error and no mean: their share of the contacts that the nominal screw
-        loads is taken as among those that bear load.
+        Flanks that are judged. The other flanks enter no error and no mean load. The number of contacts over which the mean
+        is taken is reduced in proportion to the loaded contacts on the judged flanks.
     detail
-        Further explanation.
+        Further explanation, added to the verdict.
 
     Returns
     -------
     list of Verdict
-        On the largest error, and on the RMS error if it has a limit.
+        Verdict on the largest error; also one on the RMS error if that has a limit.
     """
     chosen = np.array([side in flanks for side in SIDES])
     points = [
@@ -297,7 +305,7 @@ def judge(
     if not points:
         return [
             verdict_without_reference(
-                reference, judged, LARGEST, limits.largest, f"the reference carries no load on {', '.join(flanks)}"
+                reference, judged, LARGEST, limits.largest, f"the reference has no load on {', '.join(flanks)}"
             )
         ]
     reached = loaded_contacts(reference.load)
@@ -315,13 +323,13 @@ def judge(
 
 
 def _balls_near(load: Array, reference: Reference, at: ContactError) -> tuple[tuple[int, float, float, float], ...]:
-    """Return number, load, reference load and uncertainty of the balls around a contact, as in `Verdict.near`."""
+    """Return number, load, reference load and uncertainty [N] of the balls next to a contact, on the same flank."""
     s, balls = SIDES.index(at.side), range(max(at.ball - 1 - NEAR, 0), min(at.ball + NEAR, len(load)))
     return tuple((k + 1, float(load[k, s]), float(reference.load[k, s]), float(reference.uncertainty[k, s])) for k in balls)
 
 
 def reference_notes(reference: Reference) -> str:
-    """Return the notes on a reference: its origin, loads that did not converge, a single mesh level."""
+    """Return notes on a reference as text: its origin, loads that did not converge, a single mesh level."""
     single = ONE_LEVEL if reference.parts.by_experience and not reference.stated else ""
     return "; ".join(filter(None, (reference.stated, reference.unsettled, single)))
 
@@ -332,23 +340,23 @@ def worst_verdict(words: Sequence[Word]) -> Word:
 
 
 def suspected_causes(load: Array, reference: Array, flanks: Sequence[str], limit: float) -> str:
-    """Return a guess why loads exceed the limit: other unit, other numbering of balls, swapped flanks; empty if none.
+    """Return the likely cause of errors beyond the limit: wrong unit, different numbering of balls, or swapped flanks.
 
     Parameters
     ----------
     load
         Contact loads, (n, 4) [N].
     reference
-        Loads of the reference, (n, 4) [N].
+        Reference loads, (n, 4) [N].
     flanks
         Flanks that are judged.
     limit
-        Limit [%].
+        Limit of the largest error [% of the mean load].
 
     Returns
     -------
     str
-        A sentence, or empty.
+        Sentence with the likely cause; empty if the limit holds or no cause is recognised.
     """
     sides = [SIDES.index(side) for side in flanks]
     given, right = load[:, sides], reference[:, sides]
@@ -359,40 +367,40 @@ def suspected_causes(load: Array, reference: Array, flanks: Sequence[str], limit
         if abs(float(given.sum()) * newton / float(right.sum()) - 1.0) < ALIKE:
             return f"the loads look like {name}: in newtons they are {newton:g} times as large"
     if _largest_error(np.sort(given, axis=0), np.sort(right, axis=0), mean) <= limit:
-        reverse = "the other way round" if _largest_error(given[::-1], right, mean) <= limit else "otherwise"
+        reverse = "in reverse order" if _largest_error(given[::-1], right, mean) <= limit else "in another order"
         return (
-            f"the same loads stand on other balls, which look numbered {reverse}: add the columns azimuth_deg and z_mm, by "
-            "which balls are matched"
+            f"the same loads are on other balls, which look numbered {reverse}: add the columns azimuth_deg and z_mm, so "
+            "that balls are matched by position"
         )
     swapped = {"SL": "SR", "SR": "SL", "NL": "NR", "NR": "NL"}
     other = reference[:, [SIDES.index(swapped[side]) for side in flanks]]
     if other.any() and _largest_error(given, other, mean_load(other)) <= limit:
-        return "the loads look like those of the other flanks: left and right are seen along +z"
+        return "the loads look like those of the opposite flanks: check left and right, as seen along +z"
     return ""
 
 
 def _largest_error(given: Array, right: Array, mean: float) -> float:
-    """Return the largest absolute error of loads, in per cent of the mean load."""
+    """Return the largest absolute difference of loads from the reference loads, in per cent of the mean load."""
     return float(np.abs(error_percent(given, right, mean)).max())
 
 
 #: Note on approaches and pressures that are computed from the loads of the reference.
-BY_HERTZ = "the reference's by Hertz from its loads, each contact's own radii"
+BY_HERTZ = "reference value computed by Hertz theory from its contact loads and the radii of each contact"
 
 
 class ContactValues(NamedTuple):
-    """Judged values of every contact: loads and other quantities."""
+    """Values of every contact that are to be judged: loads and other contact quantities."""
 
     #: Contact loads, (n, 4) [N].
     load: Array
-    #: Other quantities (n, 4) in SI by the columns of `OF_CONTACTS`; nan where not given.
+    #: Other contact quantities (n, 4) in SI units, by the columns of `OF_CONTACTS`; nan: not stated.
     further: Mapping[str, Array]
-    #: Flanks that are given.
+    #: Flanks with values.
     flanks: Sequence[str] = SIDES
 
 
 def contact_values_by_model(scene: Scene, answer: Loads, limits: Mapping[str, float]) -> ContactValues:
-    """Return a model's loads, and those of its other contact quantities that have a limit."""
+    """Return a model's contact loads, and its contact angles, approaches and pressures if these have a limit."""
     limited = {name: q for name, q in OF_CONTACTS.items() if q.name in limits}
     further = {
         k: np.radians(answer.angle) if q is ANGLE else hertz_approach_or_pressure(scene, q, answer.load)
@@ -404,7 +412,7 @@ def contact_values_by_model(scene: Scene, answer: Loads, limits: Mapping[str, fl
 
 
 def screw_values_by_model(scene: Scene, answer: Loads, limits: Mapping[str, float]) -> list[GivenValue]:
-    """Return a model's values for those quantities of the whole screw that have a limit."""
+    """Return a model's values of the quantities of the whole screw (such as life or stiffness) that have a limit."""
     whole, limited = (
         WholeScrewQuantities(scene),
         [q for q in QUANTITIES.values() if q.name in limits and q not in OF_CONTACTS.values()],
@@ -414,7 +422,10 @@ def screw_values_by_model(scene: Scene, answer: Loads, limits: Mapping[str, floa
 
 
 def contact_verdicts(judged: str, given: ContactValues, scene: Scene, ref: Reference, limits: Limits) -> list[Verdict]:
-    """Judge each given contact quantity other than the loads that the reference has, by its decisive contact."""
+    """Judge contact angles, approaches and pressures against the reference, each by its decisive contact.
+
+    Quantities that are not stated, and angles that the reference does not have, are left out.
+    """
     without = {"angle"} if not np.isfinite(ref.best.angle).any() else set()
     names = [name for name in OF_CONTACTS if name in given.further.keys() - without]
     return [_contact_quantity_verdict(judged, given, name, scene, ref, limits) for name in names]
@@ -425,8 +436,9 @@ def _contact_quantity_verdict(
 ) -> Verdict:
     """Judge one contact quantity (angle, approach or pressure) by its decisive contact.
 
-    Errors are in per cent of the contact's value, or of that at the mean load for contacts below a tenth of it; of angles
-    in degrees, for contacts that bear load in both.
+    Errors of approach and pressure are in per cent of the reference value of the contact; for contacts with less than a
+    tenth of the mean load, in per cent of the value at the mean load. Errors of angles are in degrees, on contacts that
+    bear load both in the reference and in the judged values.
     """
     q, value = OF_CONTACTS[name], given.further[name]
     limit, unit = error_limit_of(q, limits.others, limits.largest), "deg" if q is ANGLE else "%"
@@ -462,12 +474,17 @@ def _contact_quantity_verdict(
 
 
 def value_verdict(judged: str, given: GivenValue, scene: Scene, ref: Reference, limits: Limits) -> Verdict:
-    """Judge a value of the whole screw against the reference's value, in per cent of the latter."""
+    """Judge a value of the whole screw (such as its life or stiffness) against that of the reference.
+
+    The error is in per cent of the reference value.
+    """
     whole, q = WholeScrewQuantities(scene), given.quantity
     limit = error_limit_of(q, limits.others, limits.largest)
     reference, bar = whole.reference(q, ref, given.station)
     if not reference:
-        return verdict_without_reference(ref, judged, given.name, limit, f"no {q.name}: {whole.why_not(q, ref)}")
+        return verdict_without_reference(
+            ref, judged, given.name, limit, f"no {q.name}: {whole.reason_without_value(q, ref)}"
+        )
     error = float(error_percent(given.value, reference))
     share = None if bar is None else float(error_percent(bar, 0.0, reference))
     detail = "; ".join(filter(None, (whole.note_on(q), reference_notes(ref))))

@@ -1,1 +1,1 @@
-"""The report and the page of a scene: their contents, and writing them."""
+"""Makes and writes the validation report, and the pages on single scenes."""

@@ -1,4 +1,4 @@
-"""``rollbench report SCENE`` of several sets on a shaft: the page on one load case."""
+"""``rollbench report SCENE`` for a shaft with several ball nuts or bearings: the page on one load case."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import numpy as np
 from rollbench.compare.errors import Refusal
 from rollbench.compare.models.answers import AxisAnswers
 from rollbench.compare.models.load_cases import SolvedAxis
-from rollbench.compare.report.parts import answers_table, notes_section, page_provenance, scene_text, source_files
+from rollbench.compare.report.parts import answers_table, notes_section, page_provenance, scene_text, source_code_hash
 from rollbench.compare.results.rows import answer_rows, expected_words, set_rows
 from rollbench.compare.results.scene_json import ball_rows_of_axis, case_json, roller_rows
 from rollbench.compare.results.view import make_view
@@ -22,21 +22,21 @@ from rollbench.reports.scene_page import ScenePage
 
 
 def page_of_axis(name: str, one: SolvedAxis, stores: Sequence[Path]) -> ScenePage:
-    """Return the page of several solved sets on a shaft.
+    """Return the page on the results of a shaft with several sets of balls or rollers (nuts and bearings).
 
     Parameters
     ----------
     name
         Path of the scene file, or name of a shipped scene.
     one
-        The solved shaft.
+        Solution of the shaft under one load case.
     stores
-        Folders with runs of the 3D reference.
+        Folders with stored runs of the 3D reference.
 
     Returns
     -------
     ScenePage
-        The page.
+        Page with the results.
 
     Raises
     ------
@@ -45,9 +45,12 @@ def page_of_axis(name: str, one: SolvedAxis, stores: Sequence[Path]) -> ScenePag
     """
     scene, result = one.scene, one.result
     if one.answers is None:
-        raise Refusal(name, "scene", result.status, "see: rollbench solve")
+        raise Refusal(name, "scene", result.status, "see the status of the solution: rollbench solve")
     text, data = scene_text(name), case_json(one)
-    parts = [Section("sets", "Sets", _sets_table(one)), Section("loads", "Loads and pressures", [*_contacts_table(result)])]
+    parts = [
+        Section("sets", "Forces and stiffness of nuts and bearings", _sets_table(one)),
+        Section("loads", "Contact loads and pressures", [*_contacts_table(result)]),
+    ]
     return ScenePage(
         scene.title,
         f"{scene.name}: contact loads, stiffness, pressure and life by rollbench, model {result.model}",
@@ -58,26 +61,26 @@ def page_of_axis(name: str, one: SolvedAxis, stores: Sequence[Path]) -> ScenePag
         page_provenance(name, scene, text, result.model),
         text,
         data,
-        source_files(),
+        source_code_hash(),
         view=make_view(scene.title, [one], data, (), stores),
-        table=answers_table(answer_rows(one), f"Answers of model {result.model}", expected_words(None)),
+        table=answers_table(answer_rows(one), f"Results by the model {result.model}", expected_words(None)),
     )
 
 
 def verdict_sentence(result: AxisResult, answers: AxisAnswers) -> str:
-    """Return one sentence on the contact with the highest pressure relative to its limit, of all sets.
+    """Return the main result as one sentence: the contact with the highest pressure relative to its limit.
 
     Parameters
     ----------
     result
-        Solution of the shaft.
+        Solution of a shaft with several sets of balls or rollers.
     answers
-        Its answers.
+        Results derived from the contact loads of this solution.
 
     Returns
     -------
     str
-        Load [N], pressure [MPa] and static safety of this contact, or that no contact carries load.
+        Sentence with load [N], pressure [MPa] and static safety of this contact, or that no contact carries load.
     """
     if not answers.by_pressure:
         return "No contact carries load."
@@ -86,32 +89,32 @@ def verdict_sentence(result: AxisResult, answers: AxisAnswers) -> str:
     assert worst is not None
     assert safety is not None
     return (
-        f"The most pressed contact, in {result.sets[k].of.name}, carries {worst.force:.0f} N at "
-        f"{1e-6 * worst.pressure:.0f} MPa, static safety {safety.factor:.2g}; no error of several sets is estimated."
+        f"The contact with the highest pressure, in {result.sets[k].of.name}, carries {worst.force:.0f} N at "
+        f"{1e-6 * worst.pressure:.0f} MPa, static safety {safety.factor:.2g}; errors are not estimated for several sets."
     )
 
 
 def _sets_table(one: SolvedAxis) -> list[Table]:
-    """Return the table of the sets and, if computed, that of the stiffness of the whole shaft."""
+    """Return the table of force and stiffness of each nut or bearing and, if computed, the stiffness of the whole shaft."""
     result = one.result
     rows: list[Row] = [
         {Quantity(head, head, "", "s" if head == "set" else "g4"): text for head, text in row.items()}
         for row in set_rows(one)
     ]
-    tables = [Table.of("sets", "Force on the shaft, and stiffness of each set alone", rows)]
+    tables = [Table.of("sets", "Force on the shaft and stiffness of each nut or bearing", rows)]
     if result.stiffness is not None:
         cells: list[Row] = []
         for freedom, line in zip(FREEDOMS, result.stiffness, strict=True):
             cell: Row = {Quantity("freedom", "force or moment", "", "s"): freedom}
             cell |= {Quantity(f, f): None if np.isnan(x) else float(x) for f, x in zip(FREEDOMS, line, strict=True)}
             cells.append(cell)
-        note = f"{result.stiffness_at}, tangent; a dash: held; rows and columns in N, N m, m and rad."
-        tables.append(Table.of("tangent", "Stiffness 6 x 6 of the whole", cells, note))
+        note = f"{result.stiffness_at}; a dash: a fixed freedom; rows and columns in N, N m, m and rad."
+        tables.append(Table.of("tangent", "Tangent stiffness of the whole shaft, 6 x 6", cells, note))
     return tables
 
 
 def _contacts_table(result: AxisResult) -> Iterator[Table]:
-    """Yield the tables of every loaded ball contact and of every roller."""
+    """Yield the table of all loaded ball contacts and that of all rollers, each if there are any."""
     names = [s.of.name for s in result.sets]
     rows: list[Row] = [
         {
@@ -127,16 +130,18 @@ def _contacts_table(result: AxisResult) -> Iterator[Table]:
         if row["load_N"][side]
     ]
     if rows:
-        yield Table.of("contacts", "Every loaded contact of balls", rows, "Peak pressure: Hertz, each contact's own radii.")
+        note = "Peak pressure by Hertz theory with the radii of each contact."
+        yield Table.of("contacts", "Load, contact angle and pressure of every loaded ball contact", rows, note)
     found: list[Row] = [
         {
             Quantity("set", "set", "", "s"): names[row["set"] - 1],
             Quantity("roller", "roller"): row["index"],
             Quantity("load", "load", "N", ".1f"): row["load_N"],
             Quantity("line", "largest line load", "N/mm", ".1f"): row["largest_line_load_N_mm"],
-            **{Quantity(race, f"{race} race", "MPa", ".0f"): row["pressure_MPa"][race] for race in RACES},
+            **{Quantity(race, f"pressure, {race} race", "MPa", ".0f"): row["pressure_MPa"][race] for race in RACES},
         }
         for row in roller_rows(result)
     ]
     if found:
-        yield Table.of("rollers", "Every roller", found, "Largest pressure along the roller at either race.")
+        note = "Pressures are the largest along the roller, on either raceway."
+        yield Table.of("rollers", "Load, line load and pressure of every roller", found, note)

@@ -1,4 +1,4 @@
-"""First screen of the report: accuracy of low-order models, by errors and run times against the 3D reference."""
+"""First screen of the validation report: errors of low-order models against the 3D reference, and their run times."""
 
 from __future__ import annotations
 
@@ -19,41 +19,42 @@ from rollbench.compare.models.study import Study
 from rollbench.compare.models.uncertainty import CONTACTS, scatter, total
 from rollbench.compare.reference.estimate import Reference, uncertainty_percent
 from rollbench.compare.sections.reference_time import FLOOR, Largest, TimePoint, all_points, when_measured
-from rollbench.compare.sections.source_tables import by_place
-from rollbench.compare.sections.u_val import rows_of
+from rollbench.compare.sections.source_tables import counts_by_place
+from rollbench.compare.sections.u_val import validation_rows
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.parts import SIDES, Scene
 from rollbench.reports.content import Figure, Panel, Quantity, Row, Section, Series, Summary, Table, Text
 
 QUESTION = "How far can a low-order model of a ball screw be trusted, and what does a better answer cost?"
-TITLE = "Errors of all screws compared, and of every model and mesh against run time"
-#: Families that share a colour, by models: the refined one, the source's and steps from it, axial bars, condensed bodies.
+TITLE = "Errors on all compared screws, and error of every model and mesh over run time"
+#: Families of models, which share a colour, with the names of their models.
 FAMILIES = (
     ("refined", ("refined",)),
     (
-        "the source's model and steps from it",
+        "Lin's model and extensions of it",
         ("lin", "lin-source-partition", "lin-printed-hertz", "lin-cell", "lin-nut", "source"),
     ),
     ("axial bars", ("mei", "mei-nut", "liu")),
-    ("bodies from 3D", ("condensed",)),
+    ("bodies condensed from 3D", ("condensed",)),
 )
 SOLID = "3D reference"
-#: Models that represent their family, with their names in the answer.
+#: Columns of the table of bias, scatter and largest error.
 BIAS, SCATTER = Quantity("bias", "bias", "%", "+.2f"), Quantity("scatter", "scatter", "%", ".2f")
 LARGEST = Quantity("largest", "largest error", "%", ".1f")
+#: Models that represent their family in figures and tables.
 KINDS = {DEFAULT: "refined", "lin": "lin"}
-#: The same in a sentence.
+#: Names of these models in a sentence.
 NAMES = {DEFAULT: "the refined model", "lin": "Lin's model"}
 
 
 @dataclass(frozen=True)
 class Standing:
-    """Errors and run time of one model or mesh over the shipped scenes.
+    """Errors and run time of one model or mesh level over the shipped scenes.
 
-    The finest level has its grid uncertainty as error.
+    For the finest mesh level, which is the reference, the error is its grid uncertainty.
     """
 
-    #: Short name.
+    #: Short name of the model or mesh level.
     name: str
     #: Name in tables.
     label: str
@@ -61,43 +62,55 @@ class Standing:
     family: str
     #: Number of scenes.
     scenes: int
-    #: Largest error [% of the mean load].
+    #: Largest error of a contact load over all scenes [% of the mean load].
     worst: float
     #: Scene with this error.
     worst_scene: str
-    #: Median of the largest errors.
+    #: Median over the scenes of the largest error [% of the mean load].
     median: float
-    #: Median of the RMS errors.
+    #: Median over the scenes of the RMS error [% of the mean load].
     rms: float
-    #: Largest RMS error.
+    #: Largest RMS error [% of the mean load].
     worst_rms: float
     #: Median time of a cold start [s]; None: not measured.
     cold: float | None
-    #: Median of the largest errors as the gate takes them, with the ends of their uncertainty.
+    #: Median over the scenes of the largest error by the gate's rule [%], with the ends of its uncertainty.
     gate: Largest
     #: Number of scenes that pass the gate at `LIMIT`.
     passed: int
 
 
 def model_family(point: TimePoint) -> str:
-    """Return the family of a model; all 3D meshes are one family."""
+    """Return the family of the model that a point of error and run time belongs to; all 3D meshes form one family."""
     if point.kind != "model":
         return SOLID
     return next((family for family, names in FAMILIES if point.name in names), point.label)
 
 
 def error_or_uncertainty(point: TimePoint) -> float:
-    """Return the largest error of a point [% of the mean load]; of the finest level its grid uncertainty."""
+    """Return the largest error of a model or mesh on a scene [% of the mean load].
+
+    For the finest mesh level, which is the reference, its grid uncertainty is returned.
+    """
     return point.high if point.error == 0.0 and point.high is not None else point.error
 
 
 def by_gate(point: TimePoint) -> Largest:
-    """Return the largest error as the gate takes it; of the finest level its grid uncertainty."""
+    """Return the largest error of a model or mesh on a scene by the gate's rule [%], with the ends of its uncertainty.
+
+    For the finest mesh level, which is the reference, the error is replaced by its grid uncertainty.
+    """
     return replace(point.gate, error=point.gate.high) if point.gate.error == 0.0 else point.gate
 
 
 def median_errors(points: Mapping[str, Sequence[TimePoint]]) -> list[Standing]:
-    """Return errors and times of every model and mesh over its scenes, largest median error first."""
+    """Return the errors and run times of every model and mesh level over its scenes, largest median error first.
+
+    Parameters
+    ----------
+    points
+        Error and run time of each model and mesh level, by scene.
+    """
     found: dict[str, list[tuple[str, TimePoint]]] = {}
     for scene, several in points.items():
         for point in several:
@@ -107,7 +120,7 @@ def median_errors(points: Mapping[str, Sequence[TimePoint]]) -> list[Standing]:
 
 
 def _median_error_of(label: str, group: Sequence[tuple[str, TimePoint]]) -> Standing:
-    """Return errors and times of one model or mesh over its scenes."""
+    """Return errors and run time of one model or mesh level; ``group`` has its points with the names of their scenes."""
     first = group[0][1]
     errors = [error_or_uncertainty(p) for _, p in group]
     k = int(np.argmax(errors))
@@ -130,7 +143,10 @@ def _median_error_of(label: str, group: Sequence[tuple[str, TimePoint]]) -> Stan
 
 
 def pareto_front(found: Sequence[Standing]) -> list[Standing]:
-    """Return the models and meshes that no other one beats in both median gate error and time, fastest first."""
+    """Return the Pareto-optimal models and mesh levels, fastest first.
+
+    No other model or mesh level has both a smaller median error by the gate's rule and a shorter cold start.
+    """
     best: list[Standing] = []
     for one in sorted((s for s in found if s.cold is not None), key=lambda s: (s.cold, s.gate.error)):
         if not best or one.gate.error < best[-1].gate.error:
@@ -146,57 +162,65 @@ def first_figure(
     *,
     all_names: bool = True,
 ) -> Figure:
-    """Draw the errors of all compared screws, and error over the time of a cold start.
+    """Draw the distribution of errors over all compared screws, and the error over the time of a cold start.
 
     Parameters
     ----------
     screws
-        Errors of all screws by model.
+        Largest error on each screw [% of the mean load], by model.
     points
-        Errors and times by scene.
+        Error and run time of each model and mesh level, by scene.
     name
         Name of the figure.
     size
         Width and height [inches].
     all_names
-        Whether all points are named; else levels, one model of each family and those of the front.
+        Whether all models and mesh levels are named; if not, only the representative models and the Pareto front are.
     """
     points = {name: [p for p in several if p.cold is not None] for name, several in points.items()}
     time = _time_panel(points, median_errors(points), "run time of a cold start / s", all_names=all_names)
     counts = " and ".join(sorted({str(errors.size) for errors in screws.values()}))
     caption = (
-        f"Share of screws: by the largest error of a contact load on each of {counts}. {TIMED} A cold start is a new "
+        f"Share of {counts} screws up to a given largest error of a contact load. {TIMED} A cold start is a new "
         "process with empty caches, Python's imports included."
     )
     panels = (screw_panel(screws), time)
     return Figure(name, TITLE, panels, caption, columns=2 if all_names else 1, size=size)
 
 
-#: Contents of a panel of errors over time.
+#: Caption of a panel of errors over run time.
 TIMED = (
-    f"Error against run time: by the gate's rule, {RULE}; the line is the gate's {LIMIT:g} %. Light points: shipped "
-    "scenes. Markers: medians; bars: the range left by the reference's grid uncertainty. The finest level itself is drawn "
-    "at its uncertainty. The condensed model reads bodies from a 3D run, whose time is not included. All times are of one "
-    "measuring run; what it did not measure is left out."
+    f"Error over run time: by the gate's rule, {RULE}; horizontal line: the gate's limit of {LIMIT:g} %. Light points: "
+    "single shipped scenes. Dark markers: medians; bars: range due to the grid uncertainty of the reference. The finest "
+    "mesh level is the reference; it is drawn at its grid uncertainty. The condensed model takes the compliance of the "
+    "bodies from a 3D run, whose time is not included. All times were measured in one run of the benchmark; models that it "
+    "did not time are left out."
 )
 
 
 def screw_panel(screws: Mapping[str, Array]) -> Panel:
-    """Return the panel of the share of compared screws up to a largest error, by model."""
+    """Return the panel of the cumulative distribution of the largest error over all compared screws.
+
+    Parameters
+    ----------
+    screws
+        Sorted largest errors of the screws [% of the mean load], by model.
+    """
     series = []
     for model, errors in screws.items():
         share = 100.0 * np.arange(1, errors.size + 1) / max(errors.size, 1)
         series.append(Series(model, errors.tolist(), share.tolist(), "line", emphasis=True))
-    return Panel("", "largest error / % of the mean load", "share of screws with no more / %", series, log="x", zero=True)
+    x, y = "largest error / % of the mean load", "share of screws up to this error / %"
+    return Panel("", x, y, series, log="x", zero=True)
 
 
 def further_figure(points: Mapping[str, Sequence[TimePoint]]) -> Figure:
-    """Draw the error over the time of a further solution."""
+    """Draw the largest error of each model and mesh level over the time of a further load case of the same scene."""
     warm = {name: [replace(p, cold=p.warm) for p in several if p.warm is not None] for name, several in points.items()}
-    panel = _time_panel(warm, median_errors(warm), "time of a further solve / s", all_names=True)
+    panel = _time_panel(warm, median_errors(warm), "run time of a further load case / s", all_names=True)
     return Figure(
         "error-time-further",
-        "Largest error of each model and mesh level over the time of a further load case",
+        "Largest error of each model and mesh level over the run time of a further load case",
         (panel,),
         TIMED,
         columns=1,
@@ -204,13 +228,13 @@ def further_figure(points: Mapping[str, Sequence[TimePoint]]) -> Figure:
 
 
 def screw_errors(points: Sequence[Point]) -> dict[str, Array]:
-    """Return the sorted largest errors of all compared screws [% of the mean load], by model of `KINDS`."""
+    """Return the sorted largest errors on all compared screws [% of the mean load], by model, without bearings."""
     of_screws = [p for p in points if p.features["lead"] > 0.0]
     return {model: np.sort([p.percent for p in of_screws if p.model == model]) for model in KINDS}
 
 
 def gate_errors(points: Sequence[Point]) -> dict[str, Array]:
-    """Return the largest errors of all compared screws by the gate's rule [%], by model of `KINDS`."""
+    """Return the largest errors on all compared screws by the gate's rule [%], by model, without bearings."""
     known = [(p.model, p.gate_percent) for p in points if p.features["lead"] > 0.0 and p.gate_percent is not None]
     return {model: np.array([error for name, error in known if name == model]) for model in KINDS}
 
@@ -218,7 +242,19 @@ def gate_errors(points: Sequence[Point]) -> dict[str, Array]:
 def _time_panel(
     points: Mapping[str, Sequence[TimePoint]], found: Sequence[Standing], label: str, *, all_names: bool
 ) -> Panel:
-    """Return the panel of gate error over time: every scene, medians by family, and the Pareto front of medians."""
+    """Return the panel of the error by the gate's rule over run time: scenes, medians of models, and their Pareto front.
+
+    Parameters
+    ----------
+    points
+        Error and run time of each model and mesh level, by scene.
+    found
+        Medians of each model and mesh level.
+    label
+        Label of the time axis.
+    all_names
+        Whether all medians are named; if not, only those of representative models and of the Pareto front.
+    """
     families = [family for family, _ in FAMILIES] + [SOLID]
     series = []
     for family in families:
@@ -260,55 +296,56 @@ def _time_panel(
 
 
 def _is_drawn(point: TimePoint, family: str) -> bool:
-    """Return whether a point is drawn: converged, with an error, and of the family."""
+    """Return whether a point of error and run time is drawn with a family of models: it converged and has an error."""
     return point.status == "converged" and error_or_uncertainty(point) > 0.0 and model_family(point) == family
 
 
 def accuracy_sentence(
     screws: Mapping[str, Array], gate: Mapping[str, Array], drawn: int, bars: Sequence[float], total: float | None = None
 ) -> str:
-    """Return the sentence on the errors of representative models on all screws, and the accuracy of the reference.
+    """Return the sentences on the errors of the models on all compared screws and on the accuracy of the 3D reference.
 
     Parameters
     ----------
     screws
-        Errors of all screws [% of the mean load] by model.
+        Largest error on each screw [% of the mean load], by model.
     gate
-        The same by the gate's rule [%].
+        Largest error on each screw by the gate's rule [%], by model.
     drawn
-        Number of drawn screws among them.
+        Number of randomly drawn screws among them.
     bars
-        Grid uncertainties of the scenes [%].
+        Grid uncertainty of the 3D reference for each scene [%].
     total
-        Largest total uncertainty of the reference [%], modelling choices and input included.
+        Largest total uncertainty of the 3D reference [%], modelling choices and input tolerances included.
     """
     largest = []
     for model, errors in screws.items():
         if errors.size:
             median, most = np.percentile(errors, [50, 95])
             largest.append(f"{median:.1f} and {most:.1f} % by {NAMES[model]}")
-    whole = "" if total is None else f", {total:.1f} % with unprinted choices and tolerances"
+    whole = "" if total is None else f", up to {total:.1f} % with modelling choices and input tolerances"
     return (
         f"{passed_text(gate)}. Median and 95th percentile of the largest error: {', '.join(largest)}, of the mean contact "
-        f"load; {drawn} of the screws were drawn at random. Uncertainty of the 3D reference: {_range_text(bars)}{whole}."
+        f"load; {drawn} of the screws were drawn at random. Grid uncertainty of the 3D reference: "
+        f"{_range_text(bars)}{whole}."
     )
 
 
 def passed_text(errors: Mapping[str, Array]) -> str:
-    """Return a sentence on the number of screws that pass the gate's `LIMIT`; empty without errors.
+    """Return the clause that states on how many screws each model is within the gate's `LIMIT`; empty without errors.
 
     Parameters
     ----------
     errors
-        Largest errors of the screws [%] by the gate's rule, by model.
+        Largest error on each screw by the gate's rule [%], by model.
     """
     found = {NAMES[model]: of_model for model, of_model in errors.items() if of_model.size}
     counts = [f"{name} on {(e <= LIMIT).sum()} of {e.size}" for name, e in found.items()]
-    return f"Within the gate's {LIMIT:g} % of every contact load: {', '.join(counts)} screws" if counts else ""
+    return f"Every contact load within the gate's {LIMIT:g} %: {', '.join(counts)} screws" if counts else ""
 
 
 def _range_text(bars: Sequence[float]) -> str:
-    """Return the range of uncertainties as text."""
+    """Return the smallest and largest grid uncertainty [%] as text; ``bars`` has one for each scene."""
     if not bars:
         return "unknown (one mesh level only)"
     low, high = f"{min(bars):.1f}", f"{max(bars):.1f}"
@@ -316,15 +353,24 @@ def _range_text(bars: Sequence[float]) -> str:
 
 
 def drawn_words(drawn: int) -> str:
-    """Return a sentence that describes the drawn screws."""
+    """Return the paragraph on the randomly drawn screws; ``drawn`` is their number."""
     return (
-        f"{drawn} catalogue screws, drawn by one seed without redraws and compared on level 1 of the 3D reference (section "
-        "survey); finer levels, run times and the gate are shown of the shipped scenes:"
+        f"{drawn} catalogue screws, drawn at random with a fixed seed, none replaced, were compared with mesh level 1 of "
+        "the 3D reference (section survey). Finer mesh levels, run times and verdicts of the gate are shown for the "
+        "shipped scenes:"
     )
 
 
 def describe_coverage(scenes: Mapping[str, Scene], found: Mapping[str, Reference]) -> list[str]:
-    """Return paragraphs on how many scenes there are, and on the ranges of their inputs."""
+    """Return paragraphs on the compared scenes: their number, origin, and ranges of lead, diameter and number of balls.
+
+    Parameters
+    ----------
+    scenes
+        Scenes by name.
+    found
+        3D reference of each scene.
+    """
     if not scenes:
         return []
     every = list(scenes.values())
@@ -337,93 +383,94 @@ def describe_coverage(scenes: Mapping[str, Scene], found: Mapping[str, Reference
     contacts = [int((ref.load > 0.0).sum()) for ref in found.values()]
     screws = [s for s in every if s.track.lead != 0.0]
     fixed = (
-        f", and {unseen} screws and bearings fixed before any of them was solved in 3D. Only the refined "
-        "model's corrections for nut faces and short lands were developed with their errors known"
+        f", and {unseen} screws and bearings that were chosen before any of them was solved in 3D. Two corrections of the "
+        "refined model, for nut faces and short lands, were developed after the errors on these were known"
     )
     leads = f"{len(screws)} screws of lead {span([1e3 * abs(s.track.lead) for s in screws], 'mm')}" if screws else ""
     bearings = f"bearings: {len(every) - len(screws)}" if len(every) > len(screws) else ""
     return [
-        f"{cases} case studies of the source{fixed if unseen else ''}.",
+        f"{cases} case studies of Lin's thesis{fixed if unseen else ''}.",
         f"{', '.join(filter(None, [leads, bearings]))}; "
         f"pitch diameters {span([2e3 * s.track.pitch_radius for s in every], 'mm')}, "
         f"{span([s.ball_count for s in every], 'balls')}, {span(contacts, 'loaded contacts')}.",
         (
-            "Friction, ball motion, support bearings, ball chains and several sets on one shaft are compared "
-            "with printed numbers, closed forms and second solvers on their own pages."
+            "Friction, ball motion, support bearings, balls pushing each other in the return, and several nuts or bearings "
+            "on one shaft are compared with printed numbers, closed forms and second solvers on other pages."
         ),
     ]
 
 
 LIMITS = (
     (
-        "The reference is linear elastic, frictionless, and nominal in shape apart from the errors of a scene. "
-        "Its uncertainty is that of its mesh; the effect of unprinted dimensions and idealisations is stated "
-        'separately (page "Uncertainty of the 3D reference").'
+        "The 3D reference is linear elastic and frictionless, with nominal geometry apart from the geometric errors stated "
+        "in a scene. Its grid uncertainty is that of the mesh only; the effect of dimensions that the publication does not "
+        'print and of idealisations is stated separately (page "Uncertainty of the 3D reference").'
     ),
-    ("For a screw outside this range the models still answer, and the result says that its error is not covered."),
+    "For a screw outside this range the models still compute results, with the note that their error is not known.",
     (
-        "A cold start is a new process with empty caches, library imports included; a further solve costs a "
-        "small part of it."
+        "A cold start is a new process with empty caches, library imports included; a further load case takes a "
+        "small part of this time."
     ),
 )
 
 
 def models_figure(found: Sequence[Standing]) -> Figure:
-    """Draw the largest error by model and mesh: median of the scenes as bar, largest of them as mark."""
+    """Draw the largest error of each model and mesh level: bar for the median over the scenes, marker for the maximum."""
     rows = [float(k) for k in range(1, len(found) + 1)]
     series = (
-        Series("median of the scenes", [s.median for s in found], rows, "bars"),
-        Series("largest of all scenes", [s.worst for s in found], rows, "markers"),
+        Series("median over the scenes", [s.median for s in found], rows, "bars"),
+        Series("maximum over the scenes", [s.worst for s in found], rows, "markers"),
     )
     panel = Panel(
         "",
-        "largest error of a contact load / % of the mean",
+        "largest error of a contact load / % of the mean load",
         "",
         series,
         row_names=[f"{s.name}: {s.median:.2g} %" for s in found],
     )
     medians = {s.name: s.median for s in found}
-    title = ", ".join(f"{medians[model]:.2g} % in {NAMES[model]}" for model in KINDS if model in medians)
-    caption = "Against the finest level of the 3D reference on the shipped scenes."
+    title = ", ".join(f"{medians[model]:.2g} % by {NAMES[model]}" for model in KINDS if model in medians)
+    caption = "Errors against the finest mesh level of the 3D reference, on the shipped scenes."
     size = (7.6, 1.2 + 0.26 * len(found))
-    return Figure("overview-bars", f"The median error is {title}", (panel,), caption, columns=1, size=size)
+    title = f"Median over the scenes of the largest error of a contact load: {title}"
+    return Figure("overview-bars", title, (panel,), caption, columns=1, size=size)
 
 
 def standing_table(found: Sequence[Standing]) -> Table:
-    """Return the table of errors and times by model and mesh."""
+    """Return the table of errors and run times of each model and mesh level over the shipped scenes."""
     rows: list[Row] = [
         {
             "name": s.name,
             Quantity("label", "model or mesh", "", "s"): s.label,
             "scenes": s.scenes,
             Quantity("median", "largest error, median", "% of mean", ".2f"): s.median,
-            Quantity("worst", "largest of all", "% of mean", ".2f"): s.worst,
-            Quantity("at", "on", "", "s"): s.worst_scene,
+            Quantity("worst", "largest error, maximum", "% of mean", ".2f"): s.worst,
+            Quantity("at", "scene of the maximum", "", "s"): s.worst_scene,
             Quantity("rms", "RMS error, median", "% of mean", ".2f"): s.rms,
             Quantity("worst_rms", "largest RMS error", "% of mean", ".2f"): s.worst_rms,
-            Quantity("gate", "by the gate's rule, median", "%", ".2f"): s.gate.error,
+            Quantity("gate", "largest error by the gate's rule, median", "%", ".2f"): s.gate.error,
             Quantity("passed", f"scenes that pass the gate's {LIMIT:g} %", "", "s"): s.passed,
             Quantity("cold", "cold start, median", "s", "g3"): s.cold,
         }
         for s in found
     ]
     note = (
-        "Against the finest level of the 3D reference of each shipped scene; the table of error against run time "
-        f"has every point. By the gate's rule: {RULE}; a scene passes where error and uncertainty of every contact are "
-        "together within the limit. The error of the finest level itself is its grid uncertainty, and its RMS error is "
-        "zero by definition."
+        "Errors against the finest mesh level of the 3D reference of each shipped scene; the table of error over run time "
+        f"has the values of each scene. By the gate's rule: {RULE}. A scene passes if error plus uncertainty is within the "
+        "limit on every contact. The finest mesh level is the reference: as its error its grid uncertainty is shown, and "
+        "its RMS error is zero by definition."
     )
     table = Table.of("overview-models", "Errors of each model and mesh level on the shipped scenes", rows, note)
     return replace(table, csv_only=("label", "rms", "worst_rms"))
 
 
 def make_section(study: Study, step: Callable[[str], None]) -> Section:
-    """Return the section with the first screen of the report."""
+    """Return the first section of the report: summary of errors, coverage and limits, with the main figures and tables."""
     step("error against run time, every model and mesh on every scene")
     points = study.once(all_points, step)
     title = "Errors of each model and mesh level on the shipped scenes"
     if not points:
-        return Section("overview", title, (Text(("No run of the 3D reference was found.",)),))
+        return Section("overview", title, (Text(("No run of the 3D reference is stored.",)),))
     found = study.references(tuple(points))
     bars = [uncertainty_percent(ref) for ref in found.values()]
     compared = [*compared_points(study, study.once(ladder)), *points_of_drawn_screws()]
@@ -437,22 +484,28 @@ def make_section(study: Study, step: Callable[[str], None]) -> Section:
     step("every model on every quantity")
     step("printed values by table and section")
     laid = [f for f in audit(study) if (computations()[f.printed.table].case.folder / "layout.toml").is_file()]
-    items = (quantity_table(study), contact_figure(study, found), by_place(laid, "printed-values", unfolded=True))
+    items = (quantity_table(study), contact_figure(study, found), counts_by_place(laid, "printed-values", unfolded=True))
     summary = Summary(QUESTION, sentence, wide, narrow, covered, limits, table, items)
     shown = (models_figure(median_errors(points)), table, further_figure(points))
     return Section("overview", title, shown, conclusion=sentence, summary=summary)
 
 
 def largest_total(study: Study, found: Mapping[str, Reference]) -> float | None:
-    """Return the largest total uncertainty of a case study's reference [%]: mesh, modelling choices, input."""
+    """Return the largest total uncertainty of the 3D reference among the case studies [%]; None without case studies.
+
+    It combines the uncertainties by mesh, modelling choices and input tolerances.
+    """
     totals = [total(study.scene(name), ref).percent for name, ref in found.items() if name in REFERENCED]
     return max(totals, default=None)
 
 
 def quantity_table(study: Study) -> Table:
-    """Return the table of bias, scatter and largest error by quantity, against 3D and against outside values."""
+    """Return the table of the errors of each quantity: bias, scatter and largest error.
+
+    Errors are against the 3D reference, and against values that others have printed or measured.
+    """
     rungs = study.once(ladder)
-    rows = rows_of(study, rungs)
+    rows = validation_rows(study, rungs)
     from rollbench.compare.cases.makers.page import first_page
 
     outside = first_page(study)
@@ -463,7 +516,7 @@ def quantity_table(study: Study) -> Table:
         passed = words.count("pass")
         cells.append(
             {
-                "quantity": "worst contact load, by the gate's rule",
+                "quantity": "worst contact load by the gate's rule",
                 "model": model,
                 BIAS: None,
                 SCATTER: None,
@@ -484,25 +537,25 @@ def quantity_table(study: Study) -> Table:
     columns = {q.label: q for q in (BIAS, SCATTER)}
     for quantity, row in outside.items():
         known: Row = {
-            columns.get(column.label, Quantity("values", "outside values", "", "s")): v for column, v in row.items()
+            columns.get(column.label, Quantity("values", "values of others", "", "s")): v for column, v in row.items()
         }
-        cells.append({"quantity": quantity, "model": "against outside values", **known})
+        cells.append({"quantity": quantity, "model": "against values of others", **known})
     note = (
-        f"First rows: the gate's verdict on every scene, {RULE}. Then: errors against the finest level of the 3D reference "
-        "of each scene. Last rows: against values that others print or measure (section outside)."
+        f"First rows: the gate's verdict on every scene, {RULE}. Then: errors against the finest mesh level of the 3D "
+        "reference of each scene. Last rows: errors against values that others have printed or measured (section outside)."
     )
-    return Table.of("quantities", "Every quantity and model", cells, note)
+    return Table.of("quantities", "Bias, scatter and largest error of each quantity", cells, note)
 
 
 def gate_word(study: Study, rung: Rung) -> str:
-    """Return the gate's verdict on a model's loads on a scene, at its default limit."""
+    """Return the gate's verdict, at its default limit, on a model's contact loads on a scene, such as "pass"."""
     reference = study.reference(rung.scene)
     assert reference is not None  # a rung stands against one
     return judge(rung.model, rung.result.load, reference, Limits())[0].word
 
 
 def contact_figure(study: Study, found: Mapping[str, Reference]) -> Figure:
-    """Draw computed over reference load for every contact of every scene, both over the scene's mean load."""
+    """Draw the computed load over the reference load of every contact of every scene, both divided by the mean load."""
     series = []
     for model in KINDS:
         x, y, names = [], [], []
@@ -519,13 +572,13 @@ def contact_figure(study: Study, found: Mapping[str, Reference]) -> Figure:
     truths = np.array([0.0, np.nextafter(SMALL, 0.0), SMALL, end])  # a step, where the gate's rule changes
     allowed = 0.01 * LIMIT * gate_scale(truths, 1.0)
     lines = np.concatenate([truths - allowed, [np.nan], truths + allowed])
-    series.append(Series("equal", [0.0, end], [0.0, end], "line"))
+    series.append(Series("equal loads", [0.0, end], [0.0, end], "line"))
     series.append(Series(f"the gate's ±{LIMIT:g} %", [*truths, end, *truths], lines.tolist(), "line"))
-    panel = Panel("", "3D reference / mean load", "computed / mean load", tuple(series))
-    caption = f"{len(series[0].x)} contacts of {len(found)} scenes. Lines: the gate's {LIMIT:g} %."
+    panel = Panel("", "load by the 3D reference / mean load", "load by the model / mean load", tuple(series))
+    caption = f"{len(series[0].x)} contacts of {len(found)} scenes. Lines: the gate's limit of {LIMIT:g} %."
     return Figure(
         "contacts",
-        "Contact load by the models over that of the 3D reference, for each contact",
+        "Contact load by the models over contact load by the 3D reference",
         (panel,),
         caption,
         columns=1,

@@ -1,6 +1,7 @@
-"""Sections of the report in order, their requirements, and the pages that they belong to.
+"""Parts of the validation report in order, with the page on which each is shown and the programs that it requires.
 
-The first report on a machine states what it leaves out and how to get it, and recomputes one shipped run.
+A report states which parts it leaves out and how to obtain them. It also recomputes one shipped run of the 3D reference as
+a check of the installation.
 """
 
 from __future__ import annotations
@@ -25,7 +26,7 @@ from rollbench.meshes.loads import mean_load
 from rollbench.reports.content import FieldPicture, LoadedScrew, Page, Section, Table
 from rollbench.reports.offscreen import drawing_fault as drawing_fault
 
-#: Pages by name: title. A case's page has the name of the case and its title, else that of its first section.
+#: Titles of the pages by name. A publication's page has the name and title of its case, or its first section's title.
 PAGES = {
     "reading": "How to read this report",
     **{case.name: case.title[:1].upper() + case.title[1:] for case in every_case() if case.page},
@@ -38,98 +39,105 @@ PAGES = {
     "entries": "All printed values and their verdicts",
 }
 
-#: Sections of what all others used and found: they are made last.
+#: Parts that summarise the results of all others, and are therefore made last.
 GATHERING = ("overview", "notes", "verdicts", "audit")
 
-#: Pages that rest on compiled kernels: where two processes make the report, one of them makes these.
+#: Pages that need compiled kernels: if two processes make the report, one of them makes all of these.
 COMPILED = ("lin", "smith", "liu")
 
-#: Verdicts that do not concern a model, and the other ones in a sentence.
+#: Verdicts on printed numbers that do not test a model, and the noun for each in a sentence.
 APART = {"input": "inputs", "identity": "identities"}
 
+#: Verbs for the other verdicts in a sentence.
 WORDS = {
     "reproduced": "are reproduced",
-    "only as printed": "come out only with the source's own fault",
-    "band": "lie in their band",
+    "only as printed": "are obtained only if an error of the publication is repeated",
+    "band": "lie in their tolerance band",
     "contradicted": "are contradicted",
     "not identifiable": "are not identifiable",
 }
 
 
 @dataclass(frozen=True)
-class Listed:
-    """A part of the report: one section or several."""
+class ReportPart:
+    """Part of the validation report (one section or several), with its page and its requirements."""
 
-    #: Name for ``--only``.
+    #: Name for the option ``--only``.
     name: str
-    #: Page that it belongs to.
+    #: Name of the page on which the part is shown.
     page: str
-    #: Module in ``package``, as ``module:function`` if the function is not ``make_section``.
+    #: Module in ``package`` that makes the part, as ``module:function`` if the function is not ``make_section``.
     module: str
-    #: Whether it is part of a quick report.
+    #: Whether the part is included in a quick report.
     quick: bool = False
-    #: Whether it shows runs of the 3D reference.
+    #: Whether the part shows runs of the 3D reference.
     runs: bool = False
-    #: Whether it needs gmsh.
+    #: Whether the whole part needs gmsh.
     meshes: bool = False
-    #: What of it needs gmsh, if the rest does not.
+    #: Contents that need gmsh, if the rest of the part does not.
     meshed: str = ""
     #: Package of the module.
     package: str = "rollbench.compare"
 
 
-#: Sections whose page is chosen here, in the order of the pages.
+#: Parts whose page is chosen here, in the order of the pages.
 PLACED = (
-    Listed("how-to-read", "reading", "sections.how_to_read", quick=True, runs=True),
-    Listed("sheets", "cases", "sections.sheets", quick=True, runs=True),
-    Listed("reference", "cases", "sections.reference", quick=True, runs=True, meshes=True),
-    Listed("lin", "lin", "cases.lin.pages.tables"),
-    Listed("cases", "lin", "cases.lin.pages.chapter_2:cases_section", quick=True, runs=True),
-    Listed("reconstruction", "lin", "cases.lin.pages.reconstruction", runs=True),
-    Listed("overview", "accuracy", "report.overview", quick=True, runs=True),
-    Listed("survey", "accuracy", "report.stability:survey_section", quick=True),
-    Listed("ladder", "accuracy", "sections.ladder", quick=True, runs=True, meshes=True),
-    Listed("u-val", "accuracy", "sections.u_val", quick=True, runs=True, meshes=True),
-    Listed("reference-mesh", "reference", "sections.reference_mesh", quick=True, runs=True),
-    Listed("pictures", "reference", "sections.pictures", meshes=True),
-    Listed("verification", "reference", "sections.verification", meshes=True),
-    Listed("crosscheck", "reference", "sections.verification:crosscheck_section", runs=True, meshes=True),
-    Listed("hertz", "lin", "cases.lin.pages.chapter_2:hertz_section"),
-    Listed("stability", "robustness", "report.stability"),
-    Listed("formulations", "lin", "cases.lin.pages.chapter_2:formulations_section"),
-    Listed("tolerances", "tolerances", "sections.tolerances"),
-    Listed("errors", "lin", "cases.lin.pages.chapter_2:errors_section"),
-    Listed("manufacturing", "lin", "cases.lin.pages.chapter_2:manufacturing_section"),
-    Listed("friction", "lin", "cases.lin.pages.friction"),
-    Listed("steering", "lin", "cases.lin.pages.steering"),
-    Listed("friction-screw", "lin", "cases.lin.pages.friction:screw_section"),
-    Listed("rolling", "kalker", "cases.kalker.page", meshed="no motion against the static reference, sizes of bodies"),
-    Listed("smith", "smith", "cases.smith.page"),
-    Listed("liu", "liu", "cases.liu.page"),
-    Listed("outside", "makers", "cases.makers.page"),
-    Listed("external", "external", "cases.external.page", runs=True),
-    Listed("holding", "external", "cases.external.holding", runs=True),
-    Listed("fit", "trust", "sections.fit", quick=True),
-    Listed("notes", "trust", "sections.how_to_read:notes_section", quick=True, runs=True),
-    Listed("verdicts", "entries", "sections.verdicts", runs=True),
-    Listed("audit", "entries", "sections.verdicts:audit_section", runs=True),
+    ReportPart("how-to-read", "reading", "sections.how_to_read", quick=True, runs=True),
+    ReportPart("sheets", "cases", "sections.sheets", quick=True, runs=True),
+    ReportPart("reference", "cases", "sections.reference", quick=True, runs=True, meshes=True),
+    ReportPart("lin", "lin", "cases.lin.pages.tables"),
+    ReportPart("cases", "lin", "cases.lin.pages.chapter_2:cases_section", quick=True, runs=True),
+    ReportPart("reconstruction", "lin", "cases.lin.pages.reconstruction", runs=True),
+    ReportPart("overview", "accuracy", "report.overview", quick=True, runs=True),
+    ReportPart("survey", "accuracy", "report.stability:survey_section", quick=True),
+    ReportPart("ladder", "accuracy", "sections.ladder", quick=True, runs=True, meshes=True),
+    ReportPart("u-val", "accuracy", "sections.u_val", quick=True, runs=True, meshes=True),
+    ReportPart("reference-mesh", "reference", "sections.reference_mesh", quick=True, runs=True),
+    ReportPart("pictures", "reference", "sections.pictures", meshes=True),
+    ReportPart("verification", "reference", "sections.verification", meshes=True),
+    ReportPart("crosscheck", "reference", "sections.verification:crosscheck_section", runs=True, meshes=True),
+    ReportPart("hertz", "lin", "cases.lin.pages.chapter_2:hertz_section"),
+    ReportPart("stability", "robustness", "report.stability"),
+    ReportPart("formulations", "lin", "cases.lin.pages.chapter_2:formulations_section"),
+    ReportPart("tolerances", "tolerances", "sections.tolerances"),
+    ReportPart("errors", "lin", "cases.lin.pages.chapter_2:errors_section"),
+    ReportPart("manufacturing", "lin", "cases.lin.pages.chapter_2:manufacturing_section"),
+    ReportPart("friction", "lin", "cases.lin.pages.friction"),
+    ReportPart("steering", "lin", "cases.lin.pages.steering"),
+    ReportPart("friction-screw", "lin", "cases.lin.pages.friction:screw_section"),
+    ReportPart("rolling", "kalker", "cases.kalker.page", meshed="no motion against the static reference, sizes of bodies"),
+    ReportPart("smith", "smith", "cases.smith.page"),
+    ReportPart("liu", "liu", "cases.liu.page"),
+    ReportPart("outside", "makers", "cases.makers.page"),
+    ReportPart("external", "external", "cases.external.page", runs=True),
+    ReportPart("holding", "external", "cases.external.holding", runs=True),
+    ReportPart("fit", "trust", "sections.fit", quick=True),
+    ReportPart("notes", "trust", "sections.how_to_read:notes_section", quick=True, runs=True),
+    ReportPart("verdicts", "entries", "sections.verdicts", runs=True),
+    ReportPart("audit", "entries", "sections.verdicts:audit_section", runs=True),
 )
 
 
-def _with_cases() -> tuple[Listed, ...]:
-    """Return all parts in the order of the pages, with those of the cases that are not listed in `PLACED`."""
+def _with_cases() -> tuple[ReportPart, ...]:
+    """Return all parts of the report in the order of the pages: those of `PLACED`, and pages of further publications."""
     placed = {part.page for part in PLACED}
     cases = (case for case in every_case() if case.page and case.name not in placed)
-    added = [Listed(case.name, case.name, case.page, package=case.package) for case in cases]
+    added = [ReportPart(case.name, case.name, case.page, package=case.package) for case in cases]
     return tuple(sorted((*PLACED, *added), key=lambda part: list(PAGES).index(part.page)))
 
 
-#: Sections in the order of the pages.
+#: All parts of the report, in the order of the pages.
 SECTIONS = _with_cases()
 
 
 def arrange_pages(by_name: Mapping[str, Sequence[Section]]) -> list[Page]:
-    """Return the pages, in order, from sections by name of their part; pages without a section are left out."""
+    """Return the pages of the report in order, filled with sections; pages without a section are left out.
+
+    Parameters
+    ----------
+    by_name
+        Sections by the name of their part of the report.
+    """
     by_page: dict[str, list[Section]] = {}
     for part in SECTIONS:
         if part.name in by_name:
@@ -138,7 +146,7 @@ def arrange_pages(by_name: Mapping[str, Sequence[Section]]) -> list[Page]:
 
 
 def first_sentence(sections: Sequence[Section]) -> str:
-    """Return the first sentence of a page: the conclusion of its first section that has one, else a count of verdicts."""
+    """Return the summary sentence of a page: the first conclusion of its sections, else the number of each verdict."""
     text = next((section.conclusion for section in sections if section.conclusion), "")
     if text:
         return text
@@ -148,48 +156,59 @@ def first_sentence(sections: Sequence[Section]) -> str:
     if not judged:
         return ""
     apart = " and ".join(f"{tally[verdict]} {words}" for verdict, words in APART.items() if tally[verdict])
-    total, of = sum(judged.values()), f"; another {apart} say nothing of a model" if apart else ""
+    total, of = sum(judged.values()), f"; another {apart} do not test a model" if apart else ""
     words = ", ".join(f"{count} {WORDS.get(verdict, verdict)}" for verdict, count in judged.items())
-    return f"Of {total} printed numbers and claims that test something here, {words}{of}."
+    return f"Of {total} printed numbers and claims that test a model on this page, {words}{of}."
 
 
-#: Sections that take most of a report's time: they come with ``--all``, with ``--fresh``, and by name.
+#: Parts that take most of a report's time: they are made with ``--all``, with ``--fresh``, or if named.
 COSTLY = frozenset({"pictures", "friction", "friction-screw", "rolling", "verification", "stability"})
 
 #: Scene and level of the shipped run that is recomputed: a quarter of a minute on one core.
 CHECKED, LEVEL = "unseen-four-point", 1
 
-#: Largest difference [% of the mean load] that another processor's round-off explains.
+#: Largest difference [% of the mean load] that can be due to round-off on another processor.
 AGREES = 1e-3
 
 
 @dataclass(frozen=True)
 class LeftOut:
-    """Sections or files that a report leaves out, with reason and remedy."""
+    """Parts or pictures that a report leaves out, with the reason and the command by which they can be obtained."""
 
-    #: Their names.
+    #: Names of the parts or pictures.
     names: tuple[str, ...]
-    #: The reason.
+    #: Reason for which they are left out.
     why: str
     #: Command that adds them.
     remedy: str
 
     def __str__(self) -> str:
-        """Return names, reason and command."""
+        """Return names, reason and command as one line."""
         return f"{', '.join(self.names)}: {self.why}; {self.remedy}"
 
 
-def kept_parts(parts: Sequence[Listed], *, named: bool, everything: bool) -> tuple[list[Listed], list[LeftOut]]:
-    """Return the parts that can be made on this machine, and what is left out.
+def parts_that_can_run(
+    parts: Sequence[ReportPart], *, named: bool, everything: bool
+) -> tuple[list[ReportPart], list[LeftOut]]:
+    """Return the parts of the report that are made, and those that are left out.
 
-    Left out are costly parts, unless parts are named or all are asked for, and parts that mesh if gmsh cannot be
-    loaded.
+    Parts that take long are left out unless the user names parts or requests all. Parts that generate meshes are left out
+    if gmsh cannot be loaded.
+
+    Parameters
+    ----------
+    parts
+        Requested parts.
+    named
+        Whether the user named these parts.
+    everything
+        Whether the user requests the parts that take long.
     """
     left: list[LeftOut] = []
     out = {part.name for part in parts if part.name in COSTLY} if not (named or everything) else set()
     if out:
         names = tuple(part.name for part in parts if part.name in out)
-        left.append(LeftOut(names, "they take most of the time", "rollbench report --all makes them too"))
+        left.append(LeftOut(names, "they take most of the time", "to include them: rollbench report --all"))
     meshing = [part for part in parts if (part.meshes or part.meshed) and part.name not in out]
     fault = gmsh_fault() if meshing else ""
     if fault:
@@ -200,7 +219,7 @@ def kept_parts(parts: Sequence[Listed], *, named: bool, everything: bool) -> tup
 
 
 def missing_features(sections: Iterable[Section]) -> list[LeftOut]:
-    """Return what a report leaves out because a package is not installed or 3D pictures cannot be drawn."""
+    """Return the entry on 3D pictures if they cannot be drawn on this machine; an empty list if nothing is missing."""
     left = []
     if any(isinstance(item, LoadedScrew | FieldPicture) for section in sections for item in section.items) and (
         why := drawing_fault()
@@ -211,7 +230,7 @@ def missing_features(sections: Iterable[Section]) -> list[LeftOut]:
 
 @dataclass(frozen=True)
 class LiveCheck:
-    """A shipped run recomputed."""
+    """Comparison of a shipped run of the 3D reference with the same run recomputed on this machine."""
 
     #: Name of the scene.
     scene: str
@@ -219,16 +238,16 @@ class LiveCheck:
     level: int
     #: Largest difference of a contact load [% of the mean load].
     percent: float
-    #: Run time [s].
+    #: Time of the recomputation [s].
     seconds: float
 
     @property
     def agrees(self) -> bool:
-        """Whether the recomputed run differs from the stored one by round-off only."""
+        """Whether the recomputed run differs from the shipped one by round-off only."""
         return self.percent <= AGREES
 
     def __str__(self) -> str:
-        """Return what was computed, and whether it agrees."""
+        """Return scene, mesh level, time and largest difference of the recomputed run as a sentence."""
         verdict = "agrees" if self.agrees else "DOES NOT AGREE"
         return (
             f"{self.scene}, level {self.level}, recomputed in {self.seconds:.0f} s, {verdict} with the "
@@ -237,7 +256,10 @@ class LiveCheck:
 
 
 def live_check(stores: Sequence[Path] | None, step: Callable[[str], None]) -> LiveCheck | None:
-    """Recompute one shipped run without cache and compare it; None if no store has it."""
+    """Recompute one shipped run of the 3D reference without cache, and compare its contact loads with the stored ones.
+
+    Returns None if the run is not stored.
+    """
     scene = catalogue.scene(CHECKED)
     stored = load_run(scene, LEVEL, stores=stores)
     if stored is None:

@@ -1,4 +1,4 @@
-"""What pages on scenes share: table of answers, text of the file, notes, provenance, hashes."""
+"""Parts common to all pages on scenes: table of results, text of the scene file, notes, provenance, hashes."""
 
 from __future__ import annotations
 
@@ -24,27 +24,27 @@ LIBRARIES = ("numpy", "scipy", "numba")
 
 
 def scene_text(name: str) -> str:
-    """Return the text of a scene file or of a shipped scene."""
+    """Return the TOML text of a scene; ``name`` is the name of a shipped scene, or the path of a scene file."""
     return catalogue.scene_text(name) if name in catalogue.scene_names() else scene_file.read_text(name)
 
 
 def notes_section(result: StaticResult | AxisResult, warnings: Sequence[str] = ()) -> Section:
-    """Return the section of warnings, assumptions and neglected effects."""
+    """Return the section on warnings, assumptions and neglected effects of a solution."""
     items: list[Text | Table | Figure] = []
     warned = (*warnings, *result.warnings)
-    for head, lines in (("Warning", warned), ("Assumed", result.assumed), ("Left out", result.left_out)):
+    for head, lines in (("Warning", warned), ("Assumption", result.assumed), ("Neglected", result.left_out)):
         if lines:
             items.append(Text(tuple(f"{head}: {line}" for line in lines), bullets=True))
-    return Section("assumptions", "Assumptions", items)
+    return Section("assumptions", "Warnings, assumptions and neglected effects", items)
 
 
 def answers_table(rows: Sequence[AnswerRow], title: str, note: str = "") -> Table:
-    """Return the table of answers with the rows that ``rollbench solve`` prints.
+    """Return the table of results for a page, with the rows that ``rollbench solve`` prints.
 
     Parameters
     ----------
     rows
-        Rows of results.
+        Rows of results as texts.
     title
         Title of the table.
     note
@@ -53,7 +53,7 @@ def answers_table(rows: Sequence[AnswerRow], title: str, note: str = "") -> Tabl
     Returns
     -------
     Table
-        The table, without columns that have no text.
+        Table without columns in which every cell is empty.
     """
     kept = [(k, head) for k, head in enumerate(HEADINGS) if any(row[k] for row in rows)]
     forms = {"value": "g4", "error to expect": "g4"}
@@ -62,19 +62,31 @@ def answers_table(rows: Sequence[AnswerRow], title: str, note: str = "") -> Tabl
     return Table.of("answers", title, cells, f"{note[:1].upper()}{note[1:]}", unfolded=True)
 
 
-def source_files() -> dict[str, str]:
-    """Return the SHA-256 of the program's sources, by name."""
+def source_code_hash() -> dict[str, str]:
+    """Return the SHA-256 of the program's source code, by the name under which a page states it."""
     return {SOURCES: sources_hash()}
 
 
 def page_provenance(name: str, scene: Scene | Assembly, text: str, model: str) -> dict[str, str]:
-    """Return the provenance of a page: scene with its hash, versions, date and model."""
+    """Return what a page states on its origin: scene with its hash, versions, date and model.
+
+    Parameters
+    ----------
+    name
+        Path of the scene file, or name of a shipped scene.
+    scene
+        Scene that the page shows.
+    text
+        TOML text of the scene.
+    model
+        Name of the model by which the scene is solved.
+    """
     out = {
         "scene": f"{Path(name).name}, SHA-256 {sha256(text)}",
         "rollbench": f"{__version__}, commit {commit()}",
         "date": datetime.datetime.now(datetime.UTC).strftime("%Y-%m-%d %H:%M UTC"),
         "libraries": package_versions(LIBRARIES),
         "Python": f"{platform.python_version()}, {platform.system()} {platform.machine()}",
-        "model": f"{model}; nothing in it is fitted to a 3D solution",
+        "model": f"{model}; none of its parameters is fitted to a 3D solution",
     }
     return out | ({"source": scene.source} if scene.source else {})

@@ -1,4 +1,4 @@
-"""Writing the validation report (`rollbench.report`): runs models, fills the records, writes the pages."""
+"""Writes the validation report (`rollbench.report`): computes missing runs, makes the sections and writes the pages."""
 
 from __future__ import annotations
 
@@ -25,11 +25,11 @@ from rollbench.compare.report.pages import (
     COMPILED,
     GATHERING,
     SECTIONS,
-    Listed,
+    ReportPart,
     arrange_pages,
-    kept_parts,
     live_check,
     missing_features,
+    parts_that_can_run,
 )
 from rollbench.compare.report.scene_page import writing_to_folder
 from rollbench.compare.report.verify import moved_tables, read_tables
@@ -47,7 +47,7 @@ Step = Callable[[str], None]
 
 
 def report_provenance() -> dict[str, str]:
-    """Return version, date, machine and versions of libraries."""
+    """Return what the report states on its own origin: versions of program and libraries, date, machine, publications."""
     packages = ("numpy", "scipy", "numba", "gmsh", "scikit-fem", "pymetis", "matplotlib", "pyvista")
     return {
         "rollbench": f"{__version__}, commit {commit()}",
@@ -55,31 +55,31 @@ def report_provenance() -> dict[str, str]:
         "machine": f"{machine()}, {platform.system()}",
         "Python": platform.python_version(),
         "libraries": package_versions(packages),
-        "source": "Lin (2019), doctoral thesis: chapters 2 and 3, appendices B to G, section 4.3; Smith (1994), thesis; "
-        "Liu et al. (2025), Lubricants 13, 57",
+        "publications": "Lin (2019), doctoral thesis: chapters 2 and 3, appendices B to G, section 4.3; "
+        "Smith (1994), thesis; Liu et al. (2025), Lubricants 13, 57",
     }
 
 
 class Progress:
-    """Lines of progress: section, step, and time."""
+    """Printer of progress lines for a report: the section being made, its steps, and the elapsed time."""
 
     def __init__(self, total: int, say: Step) -> None:
-        """Start counting sections out of ``total``; ``say`` is called with the lines."""
+        """Start the clock and the count of sections, of which there are ``total``; ``say`` is called with each line."""
         self.total, self.count, self.say = total, 0, say
         self.start = perf_counter()
 
     def section(self, name: str) -> None:
-        """Announce a section."""
+        """Print the name of the next section with its number and the elapsed time."""
         self.count += 1
         self.say(f"[{self.count}/{self.total}] {name} ({perf_counter() - self.start:.1f} s)")
 
     def step(self, text: str) -> None:
-        """Announce a step of the section."""
+        """Print a line, indented, on a step within the present section."""
         self.say(f"      {text}")
 
 
 def compute_references(study: Study, engine: Engine, step: Step, *, fresh: bool = False) -> None:
-    """Compute the 3D runs that the report needs and that no store has; ``fresh``: all of them."""
+    """Compute the runs of the 3D reference that the report needs and that are not stored; all of them if ``fresh``."""
     from rollbench.compare.models.comparison import REFERENCED
     from rollbench.compare.models.modelling import REFINED, VARIED
     from rollbench.compare.reference.jobs import all_variants, ensure, expected_cost, plan, refinements
@@ -105,14 +105,14 @@ def compute_references(study: Study, engine: Engine, step: Step, *, fresh: bool 
         tasks.sort(key=lambda task: -expected_cost(task).seconds)
     ensure(tasks, study.stores[0], engine, step, study.stores[1:], fresh=fresh)
     if not study.quick:
-        keep_experience(study.stores)
+        save_uncertainty_experience(study.stores)
 
 
-def keep_experience(stores: Sequence[Path]) -> None:
-    """Write to the first store what the uncertainty takes from all compared scenes.
+def save_uncertainty_experience(stores: Sequence[Path]) -> None:
+    """Store the two parts of the uncertainty of the 3D reference that are estimated from all compared scenes.
 
-    These are the parts of the discretisation uncertainty that a scene's levels do not show, and that of modelling
-    choices.
+    One is the part of the discretisation uncertainty that the mesh levels of a single scene do not show; the other is due
+    to modelling choices. Both are written to the first of the stores (folders of runs).
     """
     from rollbench.compare.models import uncertainty
     from rollbench.compare.models.modelling import VARIED, combine_effects, varied
@@ -131,24 +131,30 @@ def keep_experience(stores: Sequence[Path]) -> None:
         )
 
 
-def wanted_parts(only: Sequence[str], *, quick: bool = False) -> list[Listed]:
-    """Return the named parts, else those of a full or quick report; raises InputError for an unknown name."""
+def requested_parts(only: Sequence[str], *, quick: bool = False) -> list[ReportPart]:
+    """Return the parts of the report that the user names in ``only``; without names, those of a full or quick report.
+
+    Raises InputError for an unknown name.
+    """
     for name in only:
         if name not in (names := [part.name for part in SECTIONS]):
-            raise ArgumentError("only", f'"{name}"', ", ".join(names), "name a section")
+            raise ArgumentError("only", f'"{name}"', ", ".join(names), "choose names of sections from this list")
     return [part for part in SECTIONS if (part.name in only if only else part.quick or not quick)]
 
 
-def of_source(name: str) -> list[Listed]:
-    """Return the parts of a case's page; raises InputError for a case without page."""
+def parts_of_case_page(name: str) -> list[ReportPart]:
+    """Return the parts of the report's page on a publication, such as "lin"; InputError if there is no such page."""
     with_page = [case.name for case in every_case() if case.page]
     if name not in with_page:
-        raise ArgumentError("source", f'"{name}"', ", ".join(with_page), "name a case that has a page")
+        raise ArgumentError("source", f'"{name}"', ", ".join(with_page), "choose a publication that has a page")
     return [part for part in SECTIONS if part.page == name]
 
 
 def save_model_form(study: Study) -> None:
-    """Write the measured model errors, from which ``rollbench solve`` estimates errors, to the first store."""
+    """Store the errors of the models against the 3D reference, from which ``rollbench solve`` estimates its errors.
+
+    They are written to the first store (folder of runs) of the study.
+    """
     from rollbench.compare.models.applicability import save_descriptors
     from rollbench.compare.models.model_form import save_points
     from rollbench.compare.models.modelling import ladder, points
@@ -159,8 +165,8 @@ def save_model_form(study: Study) -> None:
         save_descriptors(study.stores[0])
 
 
-def _make_part(part: Listed, step: Step, study: Study) -> Sequence[Section]:
-    """Return the sections of a part; for the ladder also write the measured model errors."""
+def _make_part(part: ReportPart, step: Step, study: Study) -> Sequence[Section]:
+    """Return the sections of one part of the report; for the part "ladder" also store the errors of the models."""
     path, _, function = part.module.partition(":")
     module = import_module(f"{part.package}.{path}")
     usual = (
@@ -173,12 +179,22 @@ def _make_part(part: Listed, step: Step, study: Study) -> Sequence[Section]:
 
 
 def _make_in_worker(
-    parts: Sequence[Listed], tables: Sequence[str], given: tuple[Any, ...], say: Step, *, keeping: bool
+    parts: Sequence[ReportPart], tables: Sequence[str], given: tuple[Any, ...], say: Step, *, keeping: bool
 ) -> tuple[dict[str, Sequence[Section]], Study]:
-    """Make sections in a worker process; return them by part, with a study of the scenes and evidence used.
+    """Make sections of the report in a worker process; return them by part, with the scenes and evidence they used.
 
-    The study also gets the evidence of the printed ``read_tables``. With ``keeping`` the bodies of geometries are kept on
-    disk, as on the command line.
+    Parameters
+    ----------
+    parts
+        Parts to make.
+    tables
+        Names of tables of printed numbers, for which computed values are added to the returned study.
+    given
+        Arguments of `Study`.
+    say
+        Called with each line of progress.
+    keeping
+        Whether compliance data of bodies are stored on disk, as on the command line.
     """
     if keeping:
         kept.switch_on()
@@ -192,11 +208,11 @@ def _make_in_worker(
 
 
 def make_sections(
-    parts: Sequence[Listed], announce: Step, step: Step, study: Study, *, workers: int = 1, say: Step = on_terminal
+    parts: Sequence[ReportPart], announce: Step, step: Step, study: Study, *, workers: int = 1, say: Step = on_terminal
 ) -> dict[str, Sequence[Section]]:
-    """Return the sections of the parts, made in one process or in two.
+    """Make the sections of the report's parts, in one process or in two.
 
-    Of two processes, one makes the pages that use compiled kernels and the other the rest, so that nothing is
+    Of two processes, one makes the pages that use compiled kernels and the other makes the rest, so that nothing is
     compiled or computed twice. Parts that collect the results of all others are made last.
 
     Parameters
@@ -204,15 +220,15 @@ def make_sections(
     parts
         Parts to make.
     announce
-        Called with the name of each part: before it is made, or when its process is done.
+        Called with the name of each part: before it is made, or when its process has finished.
     step
-        Called with messages on progress within a part.
+        Called with each message on progress within a part.
     study
-        Study that the parts use; it is extended by what other processes used.
+        Study that gives scenes and solutions; scenes and evidence used in other processes are added to it.
     workers
-        Number of processes; above 2 as 2.
+        Number of processes; values above 2 count as 2.
     say
-        Called with lines of progress by other processes.
+        Called with each line of progress of the other processes.
 
     Returns
     -------
@@ -258,39 +274,40 @@ def make_report(
     source: str = "",
     say: Step = on_terminal,
 ) -> Answer:
-    """Run, draw and write the report; exit code 1 if the live check does not agree.
+    """Compute missing runs, make all sections, and write the validation report.
 
-    Run times are those of the stored measuring run; with ``fresh`` of a new one.
+    One shipped run of the 3D reference is recomputed as a check. Run times of models and meshes are those of the stored
+    measuring run; with ``fresh`` they are measured anew.
 
     Parameters
     ----------
     only
-        Names of sections; empty: all.
+        Names of the sections to make; empty: all.
     out
-        Folder to write.
+        Folder of the report.
     quick
-        Whether only the coarsest meshes of two cases are computed, and the sections that need no more.
+        Whether the report is reduced to the coarsest meshes of two scenes and the sections that need no more.
     stored
-        Whether only shipped runs are used.
+        Whether only shipped runs of the 3D reference are used.
     store
-        Folder that keeps computed runs, so that an interrupted report continues.
+        Folder in which computed runs are stored, so that an interrupted report can be continued.
     engine
-        Where runs are computed.
+        Engine that computes runs of the 3D reference; None: the default.
     fresh
         Whether stored runs are computed again.
     everything
-        Whether costly sections are made too.
+        Whether sections that take long are made too.
     against
-        Earlier report, to list what changed.
+        Folder of an earlier report, of which changed table cells are listed.
     source
-        Case whose page is written from stored runs.
+        Publication, such as "lin", whose page alone is written, from stored runs.
     say
-        Called with lines of progress.
+        Called with each line of progress.
 
     Returns
     -------
     Answer
-        Lines and exit code.
+        Lines for the terminal, and the exit code: 1 if the recomputed run differs from the shipped one.
 
     Raises
     ------
@@ -301,15 +318,15 @@ def make_report(
     before = None if against is None else read_tables(against)
     for name, value in {"only": only, "quick": quick, "fresh": fresh}.items():
         if source and value:
-            raise ArgumentError(name, str(value), "without `source`", "leave it out")
-    wanted, stored = (of_source(source), True) if source else (wanted_parts(only, quick=quick), stored)
+            raise ArgumentError(name, str(value), "only without `source`", "leave one of them out")
+    wanted, stored = (parts_of_case_page(source), True) if source else (requested_parts(only, quick=quick), stored)
     if fresh and stored:
-        raise ArgumentError("fresh", "given", "one of both, this or `stored`", "leave `stored` out to compute")
+        raise ArgumentError("fresh", "both fresh and stored", "only one of them", "leave `stored` out to compute runs")
     from rollbench.reports.pages import write_report
 
     with writing_to_folder(out):
         need_writable(out / "index.html")
-    wanted, missed = kept_parts(wanted, named=bool(only), everything=everything or fresh)
+    wanted, missed = parts_that_can_run(wanted, named=bool(only), everything=everything or fresh)
     meshing = not gmsh_fault()
     from rollbench.compare.reference.store import shipped_store
 
@@ -334,8 +351,9 @@ def make_report(
     progress.section("drawing and writing")
     texts = {name: catalogue.scene_text(name) for name in study.used}
     facts["computed in"] = f"{perf_counter() - start:.0f} s"
-    computed = "computed, coarse meshes only" if quick else "computed" if fresh else "of the package where their key holds"
-    facts["3D reference"] = "stored runs of the package" if stored or not meshing else computed
+    shipped = "shipped runs where they belong to the same inputs, else computed"
+    computed = "computed, coarse meshes only" if quick else "computed" if fresh else shipped
+    facts["3D reference"] = "shipped runs" if stored or not meshing else computed
     missed += missing_features(section for several in sections.values() for section in several)
     if missed:
         facts["left out"] = "; ".join(str(gap) for gap in missed)
@@ -345,7 +363,7 @@ def make_report(
     report = Report(
         title="rollbench validation report",
         subtitle="Low-order models of ball screws and bearings against printed numbers and a 3D contact reference"
-        + (f" (quick run: coarse meshes, cases 1 and 2 only{without})" if quick else "")
+        + (f" (quick report: coarse meshes, Lin's cases 1 and 2 only{without})" if quick else "")
         + "".join(f" (left out: {gap})" for gap in missed),
         provenance=facts,
         pages=arrange_pages(sections),
@@ -355,18 +373,19 @@ def make_report(
         page = write_report(report, out, progress.step)
     parts = [*([] if checked is None else [f"live check: {checked}"]), *(f"left out: {gap}" for gap in missed)]
     if before is not None:
-        parts += [*moved_tables(before, read_tables(page.parent))] or ["nothing moved"]
+        parts += [*moved_tables(before, read_tables(page.parent))] or ["no table cell changed"]
     parts.append(f"report: {page} ({perf_counter() - start:.0f} s)")
     return Answer(parts=parts, code=0 if checked is None or checked.agrees else 1)
 
 
-def one_scene(names: Sequence[str], **given: Any) -> None:
-    """Raise InputError without a scene, and if an argument for one scene is given with several."""
+def require_single_scene(names: Sequence[str], **given: Any) -> None:
+    """Raise InputError if there is no scene, or if an argument that needs a single scene is used with several."""
     if not names:
-        raise ArgumentError("scene", "an empty list", "a name, a file, or several", "name a scene")
+        allowed, advice = "at least one name or file of a scene", "name a scene"
+        raise ArgumentError("scene", "an empty list", allowed, advice)
     for name, value in given.items():
         if value is not None and len(names) > 1:
-            raise ArgumentError(name, str(value), "with one scene", "write a page on each scene")
+            raise ArgumentError(name, str(value), "only with one scene", "write the page of each scene separately")
 
 
 @held_to_one_thread()
@@ -383,59 +402,61 @@ def report(
     everything: bool = False,
     source: str = "",
 ) -> Written:
-    """Write the validation report, or pages on scenes with their verdict, as HTML.
+    """Write the validation report of rollbench, or a page with the gate's verdict for each named scene, as HTML.
 
     Parameters
     ----------
     scene
         Name or file of a scene, or several: a page for each, and a table of all. None: the validation report.
     only
-        Names of the sections of the validation report; all unless given.
+        Names of the sections of the validation report; empty: all.
     out
-        Folder to write.
+        Folder in which the pages are written.
     store
-        Folder in which runs of the 3D reference are found and kept, besides those shipped.
+        Folder in which computed runs of the 3D reference are stored and looked up, besides the shipped runs.
     reference
-        CSV file with loads to compare a scene with instead of the 3D reference.
+        CSV file with contact loads that replaces the 3D reference of a scene.
     quick
-        Whether only coarse meshes of two cases are computed, and the sections that need no more.
+        Whether the report is reduced to coarse meshes of two scenes and the sections that need no more.
     stored
-        Whether only stored runs are used.
+        Whether only stored runs of the 3D reference are used.
     fresh
-        Whether all runs are computed again.
+        Whether all runs of the 3D reference are computed again.
     everything
-        Whether costly sections are computed too (``--all``).
+        Whether sections that take long are made too (``--all``).
     source
-        Name of a source, such as ``"lin"``, whose page is written from stored runs.
+        Name of a publication, such as ``"lin"``, whose page alone is written, from stored runs.
 
     Returns
     -------
     Written
-        First page of the report, and whether recomputed runs agree with the stored ones.
+        First page of the report, and whether the recomputed run agrees with the stored one.
 
     Raises
     ------
     rollbench.InputError
-        If an argument cannot be used; as its subclass ``Refusal`` if a scene is not covered.
+        If an argument cannot be used. If the models cannot describe a scene, the subclass ``Refusal``.
     """
     folder = Path(out)
     choices = {"only": only, "quick": quick, "stored": stored, "fresh": fresh, "everything": everything, "source": source}
     given = [name for name, value in choices.items() if value]
     if scene is not None and given:
-        raise ArgumentError(given[0], "given", "without a scene", "leave it out")
+        value = f"both {given[0]} and a scene"
+        raise ArgumentError(given[0], value, "only without a scene", "leave one of them out")
     index = folder / "index.html"
     if scene is not None:
         from rollbench.compare.report.several import make_pages
 
         names = [str(scene)] if isinstance(scene, str | Path) else [str(one) for one in scene]
-        one_scene(names, reference=reference)
+        require_single_scene(names, reference=reference)
         pages = make_pages(names, folder, Path(store), None if reference is None else Path(reference))
         warned = tuple(f"WARNING: {warning}" for page in pages for warning in page.warnings)
         verdict = "\n".join(page.verdict for page in pages)
         data: dict[str, JSON] = {"page": str(index), "passed": True, "verdict": verdict}
         return Written(data, "", (*warned, *verdict.split("\n")), page=index, passed=True, verdict=verdict)
     if reference is not None:
-        raise ArgumentError("reference", str(reference), "with a scene", "name the scene that it is of")
+        advice = "name the scene to which the reference belongs"
+        raise ArgumentError("reference", str(reference), "only with a scene", advice)
 
     how: dict[str, Any] = {"quick": quick, "stored": stored, "fresh": fresh, "everything": everything, "source": source}
     answer = make_report(only, folder, store=Path(store), say=LOG.info, **how)

@@ -1,6 +1,7 @@
-"""``rollbench report SCENE``: a page on one scene, for a customer.
+"""``rollbench report SCENE``: a page on the results of one scene, to be handed to a customer.
 
-Its section on friction shows torque over a turn, losses, and the effect of coefficient and play.
+It shows contact loads, stiffness, friction and the errors to expect. The section on friction shows the torque over a turn,
+the losses, and the effect of the friction coefficient and of the play.
 """
 
 from __future__ import annotations
@@ -26,7 +27,7 @@ from rollbench.compare.quantities import count_of
 from rollbench.compare.reference.estimate import Reference, uncertainty_percent
 from rollbench.compare.reference.store import path_in, shipped_store
 from rollbench.compare.report.axis_page import page_of_axis
-from rollbench.compare.report.parts import answers_table, notes_section, page_provenance, scene_text, source_files
+from rollbench.compare.report.parts import answers_table, notes_section, page_provenance, scene_text, source_code_hash
 from rollbench.compare.results.rows import answer_rows, expected_words, together_rows
 from rollbench.compare.results.scene_json import case_json, cases_json
 from rollbench.compare.results.view import make_view
@@ -53,48 +54,49 @@ from rollbench.reports.content import Figure, LoadedScrew, Panel, Quantity, Row,
 from rollbench.reports.manifest import sha256
 from rollbench.reports.scene_page import ScenePage
 
-SKETCH = "The scene, to scale about the nut; hatched: where a 3D model holds it"
+SKETCH = "Screw, nut and balls of the scene, to scale near the nut; hatched: surfaces that a 3D model fixes"
 
 
 @contextmanager
 def writing_to_folder(out: Path) -> Iterator[None]:
-    """Turn errors of writing to the folder ``out`` into InputError, also if it holds files of something else."""
+    """Turn errors on writing to the folder ``out`` into InputError; also raise it if the folder holds foreign files."""
     from rollbench.reports.pages import check_target
 
     try:
         check_target(out)
         yield
     except (ValueError, OSError) as error:
-        allowed = "a folder that is new, empty or an earlier report"
+        allowed = "a folder that is new, is empty, or contains an earlier report"
         raise ArgumentError("out", str(error), allowed, "choose another folder", str(out)) from None
 
 
 def make_page(name: str, stores: Sequence[Path], file: Path | None = None) -> ScenePage:
-    """Make the page of a scene, or of its load cases.
+    """Solve a scene by the default model and make the page of its results; of several load cases, that of the worst.
 
     Parameters
     ----------
     name
         Name or file of the scene.
     stores
-        Folders with runs of the 3D reference.
+        Folders with stored runs of the 3D reference.
     file
-        File with loads instead of the 3D reference.
+        File with contact loads that replaces the 3D reference.
 
     Returns
     -------
     ScenePage
-        The page.
+        Page with the results.
 
     Raises
     ------
     InputError
-        For a scene of another kind, and a reference of several sets; as Refusal if it does not solve.
+        For a scene that cannot be shown, or a file of loads for several sets of balls. If the scene has no solution, the
+        subclass Refusal.
     """
     described = catalogue.any_scene(name)
     sets = isinstance(described.parts if isinstance(described, DutyCycle) else described, Assembly)
     if sets and file is not None:
-        raise ArgumentError("reference", str(file), "with a scene of one set", "leave it out", name)
+        raise ArgumentError("reference", str(file), "only with a scene of one set of balls", "leave it out", name)
     if isinstance(described, DutyCycle):
         return _page_of_cases(name, described, stores, file)
     if isinstance(described, Assembly):
@@ -103,12 +105,13 @@ def make_page(name: str, stores: Sequence[Path], file: Path | None = None) -> Sc
 
 
 def _page_of_cases(name: str, cycle: DutyCycle, stores: Sequence[Path], file: Path | None) -> ScenePage:
-    """Return the page of the load case with the highest pressure, headed by the results of all cases together."""
+    """Return the page of the load case with the highest pressure, preceded by the results of all cases together."""
     solved = [solve_any(case.scene, default_model(case.scene), Options()) for case in cycle.cases]
     names = [case.name for case in cycle.cases]
     whole = cycle_results(cycle, solved)
     if whole.pressure is None:
-        raise Refusal(name, "cases", "no case carries load, or converges", "see: rollbench solve")
+        value = "no load case that converges and loads a contact"
+        raise Refusal(name, "cases", value, "see the status of each load case: rollbench solve")
     worst = whole.pressure.case
     one = solved[names.index(worst)]
     if isinstance(one, SolvedAxis):
@@ -122,15 +125,16 @@ def _page_of_cases(name: str, cycle: DutyCycle, stores: Sequence[Path], file: Pa
     ]
     answers = together_rows(whole)
     life_said = " or ".join(f"{row.value} {row.unit}" for row in answers if row.quantity == "life L10") or "not known"
-    table = Table.of("cases", "Load cases", rows, "Life of each case by itself; what follows is of the worst case.")
-    lost = "".join(f" Case {one} has no loads: {status}." for one, status in whole.unsolved.items())
+    note = "Life: if only this case acted. The sections below show the case with the highest pressure."
+    table = Table.of("cases", "Results of each load case", rows, note)
+    lost = "".join(f" Case {one} was not solved: {status}." for one, status in whole.unsolved.items())
     cases = count_of(len(solved), "load case")
     return replace(
         page,
         title=cycle.title,
-        subtitle=f"{cycle.name}, {cases}: {page.subtitle.partition(': ')[2]}; below, case {worst}",
-        verdict=f"Of {cases} {worst} is the worst. {page.verdict} Life: {life_said}.{lost}",
-        table=answers_table(answers, "Of all load cases"),
+        subtitle=f"{cycle.name}, {cases}: {page.subtitle.partition(': ')[2]}; shown below: case {worst}",
+        verdict=f"Of {cases}, {worst} has the highest pressure. {page.verdict} Life: {life_said}.{lost}",
+        table=answers_table(answers, "Results of all load cases together"),
         parts=(Section("cases", "Load cases", (table, *filter(None, [page.table]))), *page.parts),
         results=data,
         view=make_view(cycle.title, solved, data, names, stores),
@@ -140,7 +144,7 @@ def _page_of_cases(name: str, cycle: DutyCycle, stores: Sequence[Path], file: Pa
 def _page_of_scene(
     name: str, scene: Scene, stores: Sequence[Path], file: Path | None = None, case: str | None = None
 ) -> ScenePage:
-    """Return the page of one load case."""
+    """Return the page on the results of one load case of a scene with one set of balls."""
     study, warnings = Study(stores, scenes={scene.name: scene}), list[str]()
 
     given = None if file is None else references_from_file(file, scene, warnings.append, case=case)[0].found
@@ -148,7 +152,7 @@ def _page_of_scene(
     one = solve_one(scene, DEFAULT, options)
     result, answers, worth = one.result, one.answers, one.expected
     if answers is None or worth is None:
-        raise Refusal(name, "scene", result.status, "see: rollbench solve")
+        raise Refusal(name, "scene", result.status, "see the status of the solution: rollbench solve")
     tangent = tangent_stiffness_at(scene, scene.nut.position, DEFAULT, options)
     stored = study.reference(scene.name)
     judged = [
@@ -156,7 +160,7 @@ def _page_of_scene(
     ]
     text, data = scene_text(name), case_json(one)
     sections = (
-        Section("scene", "The scene", (sketch_scene(scene, "sketch", SKETCH),)),
+        Section("scene", "Geometry of the scene", (sketch_scene(scene, "sketch", SKETCH),)),
         _loads_section(scene, result, [reference for reference in (given, stored) if reference is not None]),
         _stiffness_section(answers, tangent),
         *filter(None, [friction_section(scene, result, options)]),
@@ -177,44 +181,62 @@ def _page_of_scene(
         warnings,
         make_view(scene.title, [one], data, (), stores, given),
         table=answers_table(
-            answer_rows(one), f"Answers of model {DEFAULT}, each with the error to expect", expected_words(worth)
+            answer_rows(one), f"Results by the model {DEFAULT}, each with the error to expect", expected_words(worth)
         ),
     )
 
 
 @dataclass(frozen=True)
-class Against:
-    """Comparison of a result with the user's reference."""
+class ReferenceComparison:
+    """Comparison of the computed contact loads with those of the user's reference file."""
 
-    #: Errors of the loads.
+    #: Errors of the computed loads.
     error: LoadError
     #: Largest stated uncertainty of the reference [% of the mean load].
     uncertainty: float
-    #: Statement of the reference about itself.
+    #: Name, origin and uncertainty of the reference, as text.
     stated: str
 
     @property
     def largest_error(self) -> str:
-        """Return the largest error as a clause."""
+        """Clause on the largest error of a contact load, with ball and flank."""
         e = self.error
-        return f"loads are off by up to {e.max_percent:.2f} % of their mean (ball {e.ball} {e.side})"
+        return f"loads differ by up to {e.max_percent:.2f} % of the mean load (ball {e.ball} {e.side})"
 
 
-def compare_with_reference(given: Reference, result: StaticResult) -> Against:
-    """Compare the loads of a result with the user's reference."""
+def compare_with_reference(given: Reference, result: StaticResult) -> ReferenceComparison:
+    """Compare the computed contact loads with those of the user's reference file."""
     error = load_error(result.load, given.load, given.contacts)
-    return Against(error, uncertainty_percent(given), given.stated)
+    return ReferenceComparison(error, uncertainty_percent(given), given.stated)
 
 
 def verdict_sentence(
-    answers: Answers, worth: ModelForm, judged: Sequence[Validated], reference: Reference | None, given: Against | None
+    answers: Answers,
+    worth: ModelForm,
+    judged: Sequence[Validated],
+    reference: Reference | None,
+    given: ReferenceComparison | None,
 ) -> str:
-    """Return the main result in one sentence: highest pressure, static safety, and measured or expected error."""
+    """Return the main result as one sentence: highest pressure, static safety, and measured or expected error.
+
+    Parameters
+    ----------
+    answers
+        Results derived from the contact loads.
+    worth
+        Error to expect, estimated from compared scenes.
+    judged
+        Errors measured against the stored 3D reference; empty without one.
+    reference
+        Stored 3D reference; None: not stored.
+    given
+        Comparison with the user's reference file; None: no file.
+    """
     worst, safety = answers.loads.worst, answers.loads.safety
     if worst is None or safety is None:
         return "No contact carries load."
     text = (
-        f"The most pressed contact (ball {worst.ball} {worst.side}) carries {worst.force:.0f} N at "
+        f"The contact with the highest pressure (ball {worst.ball} {worst.side}) carries {worst.force:.0f} N at "
         f"{1e-6 * worst.pressure:.0f} MPa, static safety {safety.factor:.2g}"
     )
     if given is not None:
@@ -222,25 +244,21 @@ def verdict_sentence(
     if judged and reference is not None:
         v = judged[0]
         bar = v.bar + (f"; {reference.unsettled}" if reference.unsettled else "")
-        return (
-            f"{text}; measured against the 3D reference, loads are off by up to {abs(v.error):.2f} % of their mean ({bar})."
-        )
+        return f"{text}; loads differ from the 3D reference by up to {abs(v.error):.2f} % of the mean load ({bar})."
     if worth.percent is None:
-        return f"{text}; the error of these loads is not covered by what was compared with the 3D reference."
-    return f"{text}; an error of up to {worth.percent:.1f} % of the mean load is to be expected of scenes like it."
+        return f"{text}; the error of these loads is unknown because no similar scene was compared with the 3D reference."
+    return f"{text}; by comparison of similar scenes, expect an error of up to {worth.percent:.1f} % of the mean load."
 
 
 def _loads_section(scene: Scene, result: StaticResult, references: Sequence[Reference]) -> Section:
-    """Return the section of all contact loads with their pressures, next to those of the references."""
+    """Return the section on loads and pressures of all contacts, next to the loads of the references."""
     panels = []
     pressure = 1e-6 * own_hertz(scene, specimen(scene, ball_layout(scene), result.member)).pressure(result.load)
     for s, side in enumerate(SIDES[:2]):
         if not (result.load[:, s] > 0.0).any():
             continue
         series = [load_curve(r.label, r, s, "markers", bar=r.uncertainty) for r in references]
-        panels.append(
-            load_panel(f"screw's flank {side}", load_curve(DEFAULT, result, s, emphasis=True), *series, zero=True)
-        )
+        panels.append(load_panel(f"screw flank {side}", load_curve(DEFAULT, result, s, emphasis=True), *series, zero=True))
     rows: list[Row] = []
     for i, s in zip(*np.nonzero(result.load > 0.0), strict=True):
         row: Row = {
@@ -254,19 +272,20 @@ def _loads_section(scene: Scene, result: StaticResult, references: Sequence[Refe
         row[Quantity("angle", "contact angle", "deg", ".2f")] = float(np.degrees(result.contact_angle[i, s]))
         row[Quantity("pressure", "peak pressure", "MPa", ".0f")] = float(pressure[i, s])
         rows.append(row)
-    items: list[Figure | Table] = [Figure("loads", "Contact loads, ball by ball", tuple(panels))] if panels else []
-    items.append(Table.of("contacts", "Every loaded contact", rows, "Peak pressure: Hertz, each contact's own radii."))
-    return Section("loads", "Loads and pressures", items)
+    items: list[Figure | Table] = [Figure("loads", "Contact load of every ball", tuple(panels))] if panels else []
+    note = "Peak pressure by Hertz theory with the radii of each contact."
+    items.append(Table.of("contacts", "Load, contact angle and pressure of every loaded contact", rows, note))
+    return Section("loads", "Contact loads and pressures", items)
 
 
 def _stiffness_section(answers: Answers, tangent: Tangent) -> Section:
-    """Return the section on rigidities by formulas and model, and the tangent stiffness at the nut."""
+    """Return the section on stiffness: axial rigidities by ISO 3408-4 and by the model, and the 6 x 6 tangent stiffness."""
     three = answers.rigidities
     names = (
         "contacts alone (R_b/t), formula at the nominal contact angle",
         "contacts and bodies (R_nu), formula at the nominal contact angle",
-        "this model, secant (R_nu,ar)",
-        "this model, tangent at this load",
+        "secant rigidity by the model (R_nu,ar)",
+        "tangent rigidity by the model at this load",
     )
     values = (None,) * 3 if three is None else (three.contacts, three.bodies, three.unequal)
     rows: list[Row] = [
@@ -276,7 +295,7 @@ def _stiffness_section(answers: Answers, tangent: Tangent) -> Section:
         }
         for name, value in zip(names, (*values, answers.tangent), strict=True)
     ]
-    first = Table.of("rigidity", "Axial rigidities: formulas of ISO 3408-4, and of this model", rows)
+    first = Table.of("rigidity", "Axial rigidity by the formulas of ISO 3408-4 and by the model", rows)
     if tangent.status != "converged":
         return Section("stiffness", "Stiffness", (first, Text((f"Tangent stiffness: {tangent.status}.",))))
     cells: list[Row] = [
@@ -286,14 +305,23 @@ def _stiffness_section(answers: Answers, tangent: Tangent) -> Section:
         }
         for i, name in enumerate(FREEDOMS)
     ]
-    note = "Screw at the nut's centre, tangent; rows and columns in N, N m, m and rad."
-    return Section("stiffness", "Stiffness", (first, Table.of("tangent", "Stiffness 6 x 6", cells, note)))
+    note = "For displacements of the screw at the nut's centre; rows and columns in N, N m, m and rad."
+    second = Table.of("tangent", "Tangent stiffness of the screw, 6 x 6", cells, note)
+    return Section("stiffness", "Stiffness", (first, second))
 
 
 def _error_section(
-    scene: Scene, worth: ModelForm, judged: Sequence[Validated], reference: Reference | None, given: Against | None = None
+    scene: Scene,
+    worth: ModelForm,
+    judged: Sequence[Validated],
+    reference: Reference | None,
+    given: ReferenceComparison | None = None,
 ) -> Section:
-    """Return the section of errors: measured with u_val, expected, and whether the scene is in the compared range."""
+    """Return the section on the errors of the results.
+
+    It shows the errors measured against references with their validation uncertainty u_val, the error to expect, and
+    whether the scene lies in the range of the scenes that were compared with the 3D reference.
+    """
     items: list[Text | Table | Figure] = []
     if given is not None:
         text = f"{given.stated[:1].upper()}{given.stated[1:]}: {given.largest_error}, "
@@ -305,47 +333,49 @@ def _error_section(
             {
                 "quantity": v.quantity,
                 Quantity("error", "error", "%", "+.2f"): v.error,
-                Quantity("grid", "grid", "%", ".2f"): v.grid,
-                Quantity("choices", "modelling choices", "%", ".2f"): v.choices,
-                Quantity("inputs", "input tolerances", "%", ".2f"): v.inputs,
+                Quantity("grid", "uncertainty by mesh", "%", ".2f"): v.grid,
+                Quantity("choices", "by modelling choices", "%", ".2f"): v.choices,
+                Quantity("inputs", "by input tolerances", "%", ".2f"): v.inputs,
                 Quantity("u", "u_val", "%", ".2f"): v.combined,
             }
             for v in judged
         ]
         note = (
-            f"Against the 3D reference on mesh levels {levels}. Contact loads: the worst contact, in per cent of the mean "
-            "load. u_val combines the three by the root of the sum of squares (ASME V&V 20); choices of the reference were "
-            "varied on other scenes unless this is one of them."
+            f"Errors against the 3D reference on mesh levels {levels}. Contact loads: the worst contact, in per cent of "
+            "the mean load. u_val is the root of the sum of squares of the three uncertainties (ASME V&V 20). The effect "
+            "of modelling choices of the 3D reference was computed on a few scenes and is transferred to the others."
         )
-        items.append(Table.of("measured", "Measured error and its uncertainty", rows, note))
+        items.append(Table.of("measured", "Error against the 3D reference, and its uncertainty", rows, note))
     else:
-        items.append(Text(("Not measured: no run of the 3D reference is stored for this scene (rollbench mesh-study).",)))
+        text = "The error was not measured: no run of the 3D reference is stored for this scene (rollbench mesh-study)."
+        items.append(Text((text,)))
     expected = expected_words(worth)
     items.append(Text((expected[:1].upper() + expected[1:] + ".",)))
     try:
         items += [range_table(scene), range_figure(scene)]
     except ValueError as error:
-        items.append(Text((f"The scene cannot be placed among the compared ones: {error}.",)))
-    return Section("error", "How far these numbers may be trusted", items)
+        items.append(Text((f"The scene cannot be compared with the range of validated scenes: {error}.",)))
+    return Section("error", "Errors of these results", items)
 
 
 def _picture_of_scene(scene: Scene, result: StaticResult) -> LoadedScrew:
+    """Return the 3D picture of the loaded screw, with balls coloured by load and the contact forces as arrows."""
     loaded = result.load > 0.0
     arrows = result.contact_point[loaded], (result.force_direction * result.load[..., None])[loaded]
     caption = "Balls are coloured by their load; arrows are the contact forces on them."
-    return LoadedScrew("picture", "The scene under load", scene, result.load, *arrows, caption)
+    return LoadedScrew("picture", "Ball loads and contact forces", scene, result.load, *arrows, caption)
 
 
 def _hash_files(scene: Scene, reference: Reference | None, stores: Sequence[Path]) -> dict[str, str]:
-    """Return SHA-256 by file: sources, data of the error estimate, and the reference runs that were used."""
+    """Return the SHA-256 of the program's code, the data of the error estimate and the reference runs, by file name."""
     paths = [shipped_store() / FILE]
     for run in () if reference is None else reference.runs:
         paths += [p for store in stores if (p := path_in(store, scene, run)).exists()][:1]
-    return source_files() | {path.name: sha256(path.read_bytes()) for path in paths if path.exists()}
+    return source_code_hash() | {path.name: sha256(path.read_bytes()) for path in paths if path.exists()}
 
 
 def _scene_provenance(name: str, scene: Scene, text: str, reference: Reference | None, file: Path | None) -> dict[str, str]:
-    """Return the provenance of the page, with that of the references."""
+    """Return what the page states on its origin: scene file, versions, date, and the reference runs that were used."""
     out = page_provenance(name, scene, text, DEFAULT)
     if reference is not None:
         runs = "; ".join(
@@ -357,15 +387,18 @@ def _scene_provenance(name: str, scene: Scene, text: str, reference: Reference |
     return out
 
 
-#: Number of steps of a run over one turn, if the scene states no run.
+#: Number of time steps over one turn, if the scene states no time span.
 STEPS = 24
 
-#: Oversizes of the ball radius relative to the scene [m], at the points of the figure.
+#: Changes of the ball radius relative to the scene [m], at the points of the figure.
 PLAY = (-10e-6, -5e-6, -2e-6, 0.0, 2e-6)
 
 
 def friction_section(scene: Scene, result: StaticResult, options: Options) -> Section | None:
-    """Return the section on friction; None if the scene has no friction coefficient."""
+    """Return the section on friction: torque, losses by contact and cause, and effects of coefficient and play.
+
+    Returns None if the scene has no friction coefficient.
+    """
     if scene.friction is None:
         return None
     motion = scene.motion or ONE_TURN
@@ -374,21 +407,22 @@ def friction_section(scene: Scene, result: StaticResult, options: Options) -> Se
     try:
         state = friction_state(scene, result, scene.friction, motion, options.member)
     except ValueError as error:  # balls that overlap by their random sizes
-        return Section("friction", "Friction", (Text((f"No friction: {error}.",)),))
+        return Section("friction", "Friction", (Text((f"Friction was not computed: {error}.",)),))
     if not state.settled:
-        return Section("friction", "Friction", (Text((f"No friction: {friction_status(state)}.",)),))
+        return Section("friction", "Friction", (Text((f"Friction was not computed: {friction_status(state)}.",)),))
     (drag,) = drag_torques(scene, [state], [scene.friction], bare, options)
     lines = result_lines(motion, state, (drag.torque, drag.reason or drag.note))
-    panels, notes = [_over_coefficient(solved, result), _over_play(solved)], [f"{label}: {text}." for label, text in lines]
+    panels = [_torque_over_coefficient(solved, result), _torque_over_play(solved)]
+    notes = [f"{label}: {text}." for label, text in lines]
     try:
         run = solve_run(
             replace(scene, time=_time_of_one_turn(scene, motion)), scene.friction, motion, DEFAULT, options.member
         )
     except InputError as error:  # circuits that cannot be
-        notes.append(f"No run in time: {error}.")
+        notes.append(f"The torque over a turn was not computed: {error}.")
     else:
-        panels[:0] = _over_turn(run)
-        notes += [] if run.converged else [f"Run in time: {run.status}."]
+        panels[:0] = _torque_over_turn(run)
+        notes += [] if run.converged else [f"Computation of the torque over a turn: {run.status}."]
     rows: list[Row] = [
         {
             Quantity("contact", "contact", "", "s"): row["contact"],
@@ -398,56 +432,62 @@ def friction_section(scene: Scene, result: StaticResult, options: Options) -> Se
         for row in loss_rows(state)
     ]
     caption = (
-        "Grooves and neighbours over the angle of the turning part; friction torque over the coefficients "
-        f"of lubricated contacts, {MEASURED[0]:g} to {MEASURED[1]:g}, and over ball radii near the scene's."
+        "Friction torque over the angle of the rotating part; over the friction coefficient in the range of lubricated "
+        f"contacts, {MEASURED[0]:g} to {MEASURED[1]:g}; and over a change of all ball radii."
     )
     return Section(
         "friction",
         "Friction",
         (
             Text(tuple(notes), bullets=True),
-            Figure("friction", "Friction torque over the turn, the coefficient and the play", tuple(panels), caption, 3),
-            Table.of("losses", "Losses by contact and cause", rows),
+            Figure(
+                "friction", "Friction torque over rotation, friction coefficient and ball size", tuple(panels), caption, 3
+            ),
+            Table.of("losses", "Friction losses by contact and cause", rows),
         ),
     )
 
 
 def _time_of_one_turn(scene: Scene, motion: Motion) -> Time:
-    """Return the scene's time span, or one turn; for a bearing the angle at which the ball pattern repeats."""
+    """Return the time span over which friction is computed: that of the scene, or the time of one turn.
+
+    For a bearing (no lead) it is the time in which the ball pattern repeats, one ball pitch.
+    """
     angle = 2.0 * np.pi / (scene.ball_count if scene.track.lead == 0.0 else 1.0)
     return scene.time or Time(duration=abs(angle / motion.speed), steps=STEPS, goal=1.0, output="torque")
 
 
-def _over_turn(run: RunInTime) -> list[Panel]:
-    """Return the panel of friction torque over angle, total and of the grooves; none if the run did not start."""
+def _torque_over_turn(run: RunInTime) -> list[Panel]:
+    """Return the panel of friction torque over angle, total and of the grooves alone; empty if the run did not start."""
     h = run.history
     if not h.begun:
         return []
     angle = np.degrees(h.turned).tolist()
     series = (
-        Series("all", angle, (1e3 * h.torque).tolist(), "line", emphasis=True),
-        Series("grooves", angle, (1e3 * h.groove_torque).tolist(), "line"),
+        Series("total", angle, (1e3 * h.torque).tolist(), "line", emphasis=True),
+        Series("contacts with the grooves", angle, (1e3 * h.groove_torque).tolist(), "line"),
     )
-    return [Panel("over the turn", "angle / deg", "friction torque / N mm", series, zero=True)]
+    return [Panel("torque over the rotation", "angle / deg", "friction torque / N mm", series, zero=True)]
 
 
-def _over_coefficient(solved: StaticallySolved, result: StaticResult) -> Panel:
+def _torque_over_coefficient(solved: StaticallySolved, result: StaticResult) -> Panel:
     """Return the panel of friction torque over the friction coefficient, with the scene's value marked."""
     given = solved.friction
     values = np.geomspace(*MEASURED, 7)
     torques = [1e3 * solved.torque(result, replace(given, screw=mu, nut=mu, balls=None)) for mu in values]
     this_scene = Series("this scene", [max(given.screw, given.nut)], [1e3 * solved.torque(result, given)], "markers")
-    series = (Series("equal coefficients", values.tolist(), torques, emphasis=True), this_scene)
-    return Panel("over the coefficient", "coefficient of friction", "friction torque / N mm", series, log="x", zero=True)
+    series = (Series("equal coefficient on screw and nut", values.tolist(), torques, emphasis=True), this_scene)
+    title = "torque over the friction coefficient"
+    return Panel(title, "coefficient of friction", "friction torque / N mm", series, log="x", zero=True)
 
 
-def _over_play(solved: StaticallySolved) -> Panel:
-    """Return the panel of friction torque over a change of the ball radius."""
+def _torque_over_play(solved: StaticallySolved) -> Panel:
+    """Return the panel of friction torque over a change of the radius of all balls, which changes the play."""
     scene, torques = solved.scene, []
     for play in PLAY:
         balls = replace(scene.errors.balls, oversize=scene.errors.balls.oversize + play)
         other = replace(scene, errors=replace(scene.errors, balls=balls))
         found = run_model(other, solved.model, replace(solved.options, discretisation=False))
         torques.append(1e3 * solved.torque(found, solved.friction, other))
-    series = (Series("this coefficient", [1e6 * play for play in PLAY], torques, emphasis=True),)
-    return Panel("over the play", "balls larger in radius by / um", "friction torque / N mm", series, zero=True)
+    series = (Series("friction coefficient of the scene", [1e6 * play for play in PLAY], torques, emphasis=True),)
+    return Panel("torque over the ball size", "change of the ball radius / um", "friction torque / N mm", series, zero=True)

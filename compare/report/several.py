@@ -1,4 +1,4 @@
-"""Writing pages on scenes to a folder: of one scene its page, of several also a table of their results."""
+"""Writes the pages of one or several scenes to a folder; for several scenes also a first page that compares them."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from rollbench.reports.pages import replace_folder
 from rollbench.reports.scene_page import ScenePage, render_page
 
 INDEX = "index.html"
-#: Tables of the JSON whose numbers are shown side by side.
+#: Groups of the JSON results whose numbers the first page compares.
 GROUPS = (
     "loads",
     "axial",
@@ -37,35 +37,36 @@ GROUPS = (
     "friction",
     "model_form",
 )
-#: Numbers of these that are no results.
+#: Numbers in these groups that are not results, such as the number of a ball.
 LEFT_OUT = ("worst_ball", "ball", "compared", "distance", "allowed_over_diameter")
 
 
 def make_pages(names: Sequence[str], out: Path, store: Path, reference: Path | None = None) -> list[ScenePage]:
-    """Solve scenes by the default model and write a page for each, with a first page of all if there are several.
+    """Solve scenes by the default model and write a page for each; for several scenes also a page that compares them.
 
-    All scenes are read before the first is solved, and nothing is written before all are.
+    All scenes are read before the first is solved, and nothing is written before all are solved.
 
     Parameters
     ----------
     names
         Names or files of scenes.
     out
-        Folder to write.
+        Folder in which the pages are written.
     store
-        Folder with runs of the 3D reference, besides those shipped.
+        Folder with stored runs of the 3D reference, used besides the shipped runs.
     reference
-        File with loads instead of the 3D reference, for one scene.
+        File with contact loads that replaces the 3D reference, for a single scene.
 
     Returns
     -------
     list of ScenePage
-        The pages.
+        Page of each scene.
 
     Raises
     ------
     InputError
-        For a scene of another kind and a folder with other files; as Refusal if a scene does not solve.
+        For a scene that cannot be shown, or a folder that contains other files. If a scene has no solution, the subclass
+        Refusal.
     """
     for name in names:
         catalogue.any_scene(name)
@@ -74,7 +75,7 @@ def make_pages(names: Sequence[str], out: Path, store: Path, reference: Path | N
     pages = [make_page(name, (store, shipped_store()), reference) for name in names]
     files = dict(zip([INDEX] if len(pages) == 1 else _page_file_names(names), map(render_page, pages), strict=True))
     if len(pages) > 1:
-        files[INDEX] = render_page(side_by_side(names, pages, files))
+        files[INDEX] = render_page(comparison_page(names, pages, files))
 
     def write(folder: Path) -> None:
         for name, html in files.items():
@@ -86,7 +87,7 @@ def make_pages(names: Sequence[str], out: Path, store: Path, reference: Path | N
 
 
 def _page_file_names(names: Sequence[str]) -> list[str]:
-    """Return a file name for each scene; of equal names the later ones are numbered."""
+    """Return the file name of each scene's page; a number is appended to names that are already taken."""
     files = [INDEX]
     for name in names:
         stem = re.sub(r"[^A-Za-z0-9._-]+", "-", Path(name).stem).strip("-.") or "scene"
@@ -97,19 +98,29 @@ def _page_file_names(names: Sequence[str]) -> list[str]:
     return files[1:]
 
 
-def side_by_side(names: Sequence[str], pages: Sequence[ScenePage], files: Mapping[str, str]) -> ScenePage:
-    """Return the first page of several scenes: their results and a table; ``files``: page file by scene."""
+def comparison_page(names: Sequence[str], pages: Sequence[ScenePage], files: Mapping[str, str]) -> ScenePage:
+    """Return the first page of several scenes: the main result of each, and a table of all numerical results.
+
+    Parameters
+    ----------
+    names
+        Names or files of the scenes.
+    pages
+        Page of each scene.
+    files
+        HTML text of each page, by the name of its file.
+    """
     labels = [file.removesuffix(".html") for file in files]
-    note = "A dash: the scene has no such answer. Loads are those of contacts; errors are those to be expected."
-    table = Table.of("answers", "Every number that the scenes answer", number_rows(labels, pages), note, unfolded=True)
+    note = "A dash: no such result for this scene. Loads are contact loads; errors are the errors to expect."
+    table = Table.of("answers", "Numerical results of all scenes", number_rows(labels, pages), note, unfolded=True)
     status = next((s for page in pages if (s := page.results["status"]) != "converged"), "converged")
     return ScenePage(
-        title=f"{count_of(len(pages), 'scene')} side by side",
+        title=f"Comparison of {count_of(len(pages), 'scene')}",
         subtitle=", ".join(labels),
         verdict="",
         answers=[(label, f"{page.title}. {page.verdict}") for label, page in zip(labels, pages, strict=True)],
         picture=None,
-        parts=(Section("answers", "Side by side", (table,)),),
+        parts=(Section("answers", "Comparison of the results", (table,)),),
         provenance={label: page.provenance["scene"] for label, page in zip(labels, pages, strict=True)}
         | {key: pages[0].provenance[key] for key in ("rollbench", "date", "libraries", "Python", "model")},
         scene_text="",
@@ -120,7 +131,15 @@ def side_by_side(names: Sequence[str], pages: Sequence[ScenePage], files: Mappin
 
 
 def number_rows(labels: Sequence[str], pages: Sequence[ScenePage]) -> list[Row]:
-    """Return a row for each number, with a column for each scene or each of its load cases."""
+    """Return the rows of the comparison: one for each numerical result, with a column for each scene or load case.
+
+    Parameters
+    ----------
+    labels
+        Column heading of each scene.
+    pages
+        Page of each scene, which contains its results.
+    """
     columns = {}
     for label, page in zip(labels, pages, strict=True):
         for one in page.results.get("cases", [page.results]):
@@ -138,13 +157,16 @@ def number_rows(labels: Sequence[str], pages: Sequence[ScenePage]) -> list[Row]:
 
 
 def _group_rank(key: tuple[str, str]) -> int:
-    """Return the sort rank of a row's group; rows within a group keep their order."""
+    """Return the position of a result's group in `GROUPS`, by which rows are sorted; unknown groups come last."""
     groups = [split_unit(group)[0] for group in GROUPS]
     return groups.index(key[0]) if key[0] in groups else len(groups)
 
 
 def _numbers_of_summary(summary: Mapping[str, Any], group: str = "") -> Iterator[tuple[tuple[str, str], float]]:
-    """Yield the numbers of a summary, with the name of their group and their key."""
+    """Yield the numbers in the summary of a scene's JSON results, each as ((group, key), value).
+
+    ``group`` replaces the name of the group, if it is not empty.
+    """
     for name in GROUPS:
         table = summary.get(name)
         words, unit = split_unit(name)

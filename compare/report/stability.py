@@ -1,4 +1,4 @@
-"""Sections on numerical stability (stiff and extreme scenes) and on screws drawn at random."""
+"""Report sections on numerical stability in stiff and extreme scenes, and on errors on randomly drawn screws."""
 
 from __future__ import annotations
 
@@ -32,29 +32,30 @@ from rollbench.compare.studies.survey_levels import Standing, levels_and_models,
 from rollbench.meshes.arrays import Array
 from rollbench.reports.content import Figure, Panel, Quantity, Row, Section, Series, Table, Text
 
-#: Errors of a scene in the report's table.
+#: Errors in the report's table, with their keys in the stored records.
 SHORT = {"largest": "largest_percent", "RMS": "rms_percent", "expected": "expected_percent"}
-#: Bins of the histogram, and distance from a face that counts as near [ball radii].
+#: Number of bins of the histogram, and distance up to which a ball counts as near a nut face [ball radii].
 BINS, NEAR = 24, 2.0
 
 
 def survey_section(study: Study, step: Callable[[str], None]) -> Section:
-    """Return the section on drawn catalogue screws: error histogram, errors near a face, status, each screw."""
-    step("stored survey")
+    """Return the section on randomly drawn catalogue screws: histogram of errors, errors near nut faces, all screws."""
+    step("stored results of the randomly drawn screws")
     every = survey.shipped_survey()["scenes"]
     scenes = survey.known_screws()
     title = "Errors of the models on randomly drawn catalogue screws"
     if not scenes:
-        return Section("survey", title, (Text(("No survey is stored.",)),))
+        return Section("survey", title, (Text(("No results of randomly drawn screws are stored.",)),))
     good = len(scenes) - len(survey.unsolved_records(scenes))
     versions = Counter(str(r["version"]) for r in scenes)
     by = ", ".join(f"{count} by {version}" for version, count in sorted(versions.items()))
     about = (
-        "Ordinary catalogue screws of 16x5 to 80x20, drawn by one seed without redraws (sizes, starts, "
-        "hand, preload or clearance, tolerance classes, offsets, tilts, moments, last balls from 1 ball "
-        f"radius of the nut's face), on level 1 of the 3D reference: {good} of {len(scenes)} have a settled "
-        "answer. Errors are absolute values in per cent, those of loads relative to the mean load; rigidity "
-        f"is the tangent, by 5 % more load. Records are by the version that solved them: {by}."
+        "Ordinary catalogue screws from 16x5 to 80x20, drawn at random with a fixed seed; no drawn screw was replaced. "
+        "Drawn were size, number of starts, hand, preload or clearance, tolerance class, offset, tilt, moment, and the "
+        "distance of the outermost balls from the nut faces, from 1 ball radius on. Each screw was compared with mesh "
+        f"level 1 of the 3D reference, which converged for {good} of {len(scenes)}. Errors are absolute values in per "
+        "cent, those of loads relative to the mean load; rigidity is the tangent, from a load increased by 5 %. Versions "
+        f"of the program that solved the screws: {by}."
     )
     errors = {f"{model} {short}": (model, key) for model in MODELS for short, key in SHORT.items()}
     rows: list[dict[str, Any]] = [
@@ -71,7 +72,7 @@ def survey_section(study: Study, step: Callable[[str], None]) -> Section:
         Text((about,)),
         Table(
             "stability-survey",
-            "Errors of the models on the drawn screws",
+            "Errors of the models on all randomly drawn screws",
             tuple(Quantity(name, name, "", "s" if name in survey.SUMS[:3] else ".2f") for name in survey.SUMS),
             [row | {"error": WORDS[row["error"].removeprefix("largest_")]} for row in survey.summary_rows(scenes)],
         ),
@@ -79,7 +80,7 @@ def survey_section(study: Study, step: Callable[[str], None]) -> Section:
         *_unseen_screws_items(scenes, [r for r in every if r["number"] >= KNOWN_SCREWS]),
         Table(
             "stability-survey-scenes",
-            "Errors of two low-order models on each randomly drawn screw",
+            "Errors of both low-order models on each randomly drawn screw",
             (
                 *(Quantity(name, name, "", "s") for name in ("scene", "screw", "contacts", "status")),
                 *(Quantity(name, name, "% of mean", ".2f") for name in errors),
@@ -92,20 +93,29 @@ def survey_section(study: Study, step: Callable[[str], None]) -> Section:
 
 
 def levels_items(study: Study, scenes: Sequence[survey.Record]) -> tuple[Text | Table | Figure, ...]:
-    """Return text, figure and table of the errors and times of models and mesh levels on drawn screws."""
+    """Return figure, text and table of errors and run times of models and mesh levels on randomly drawn screws.
+
+    Parameters
+    ----------
+    study
+        Study with the folders of stored runs.
+    scenes
+        Stored results of the randomly drawn screws.
+    """
     kept = load_levels((*(study.stores or ()), shipped_store()))
     if kept is None:
         return (
-            Text(("The times of mesh levels on drawn screws are not stored: `rollbench bench --drawn` measures them.",)),
+            Text(("Run times of mesh levels on drawn screws are not stored; `rollbench bench --drawn` measures them.",)),
         )
     found = levels_and_models(kept.runs, scenes)
     timed = [s for s in found if s.errors.size]
     about = (
-        f"Level 2 was solved on {len({run.number for run in kept.runs})} screws that a seed chose. The error of level 1 is "
-        "against it; the error of level 2 itself is not known from these runs. Times are processor times of one core: of a "
-        "new screw, from its geometry to its loads (interpreter and imports are not counted, the mesh cache is empty), and "
-        f"of a further load case. Those of the 3D reference are measured with {kept.measured}, {kept.date}; those of the "
-        "models are of the survey's run."
+        f"Mesh level 2 of the 3D reference was solved on {len({run.number for run in kept.runs})} screws, chosen at random "
+        "with a fixed seed. The error of level 1 is its difference from level 2; the error of level 2 is not known from "
+        "these runs. Times are processor times of one core. For a new screw they count from its geometry to its loads, "
+        "with an empty mesh cache and without start and imports of Python; then for a further load case of the same screw. "
+        f"Times of the 3D reference were measured with {kept.measured}, {kept.date}; those of the models when all drawn "
+        "screws were solved."
     )
     rows: list[Row] = [
         {
@@ -113,9 +123,9 @@ def levels_items(study: Study, scenes: Sequence[survey.Record]) -> tuple[Text | 
             "screws": s.seconds.size,
             "errors against": s.judged_by or "not known",
             Quantity("median", "largest error by the gate's rule, median", "%", ".2f"): _percentile(s.errors, 50),
-            Quantity("p95", "95th percentile", "%", ".2f"): _percentile(s.errors, 95),
+            Quantity("p95", "by the gate's rule, 95th percentile", "%", ".2f"): _percentile(s.errors, 95),
             Quantity("mean_median", "largest error, median", "% of mean", ".2f"): _percentile(s.of_mean, 50),
-            Quantity("mean_p95", "95th percentile of that", "% of mean", ".2f"): _percentile(s.of_mean, 95),
+            Quantity("mean_p95", "largest error, 95th percentile", "% of mean", ".2f"): _percentile(s.of_mean, 95),
             Quantity("seconds", "new screw, median", "s", "g3"): _percentile(s.seconds, 50),
             Quantity("slowest", "new screw, 95th percentile", "s", "g3"): _percentile(s.seconds, 95),
             Quantity("further", "further load case, median", "s", "g3"): _percentile(s.further, 50),
@@ -130,12 +140,13 @@ def levels_items(study: Study, scenes: Sequence[survey.Record]) -> tuple[Text | 
     title = (
         "Errors of models and mesh levels over processor time on drawn screws"
         if coarse is None
-        else f"Level 1 of the 3D reference differs from level 2 by {_percentile(coarse.errors, 50):.2f} % in the median "
-        f"of drawn screws, and takes {_percentile(coarse.seconds, 50):.0f} s"
+        else f"Mesh level 1 of the 3D reference differs from level 2 by {_percentile(coarse.errors, 50):.2f} % (median of "
+        f"the drawn screws) and takes {_percentile(coarse.seconds, 50):.0f} s"
     )
     caption = (
-        f"Markers: medians of the largest error by the gate's rule, {RULE}; bars: up to the 95th percentile. The line is "
-        "the gate's limit. Lin's thesis: its printed errors against ANSYS at its printed times, of another machine."
+        f"Markers: medians of the largest error by the gate's rule, {RULE}; bars: up to the 95th percentile. Horizontal "
+        "line: the gate's limit. Lin's thesis: the errors against ANSYS and the run times that it prints, on another "
+        "computer."
     )
     return (
         Figure("survey-levels", title, panels, caption, columns=2),
@@ -145,12 +156,22 @@ def levels_items(study: Study, scenes: Sequence[survey.Record]) -> tuple[Text | 
 
 
 def _percentile(values: Array, percent: float) -> float | None:
-    """Return a percentile of values; None without values."""
+    """Return a percentile of values (``percent`` from 0 to 100); None if there are no values."""
     return float(np.percentile(values, percent)) if values.size else None
 
 
 def _levels_panel(found: Sequence[Standing], time: str, lin: Sequence[tuple[float, float]]) -> Panel:
-    """Return the panel of errors over the processor time of a new screw, or of a further load case."""
+    """Return the panel of errors of models and mesh levels over processor time.
+
+    Parameters
+    ----------
+    found
+        Errors and times of each model or mesh level.
+    time
+        "new screw" or "further load case": the time to show.
+    lin
+        Time [s] and error [%] that Lin's thesis prints, for each of its cases.
+    """
     new = time == "new screw"
     places = [(float(np.median(s.seconds if new else s.further)), float(np.median(s.errors)), s) for s in found]
     series = []
@@ -181,19 +202,27 @@ def _levels_panel(found: Sequence[Standing], time: str, lin: Sequence[tuple[floa
 
 
 def _unseen_screws_items(first: list[dict[str, Any]], further: list[dict[str, Any]]) -> tuple[Text | Table, ...]:
-    """Return text and table of the refined model's errors on first and on further screws; empty without further."""
+    """Return text and table of the refined model's errors on screws drawn before and after its last change.
+
+    Parameters
+    ----------
+    first
+        Results of the screws that were known during development.
+    further
+        Results of the screws drawn afterwards; if there are none, the returned tuple is empty.
+    """
     if not further:
         return ()
     found = {"first screws": survey.model_accuracy(first), "further screws": survey.model_accuracy(further)}
-    aims = f"within {survey.WORST_AIM:g} % at the worst contact and {survey.RMS_AIM:g} % RMS"
+    aims = f"error within {survey.WORST_AIM:g} % at the worst contact and {survey.RMS_AIM:g} % RMS"
     about = (
-        "The further screws are drawn by the same seed and were judged once, after the refined model's last change. Their "
-        "errors are not among those that the expected error is made from."
+        "The further screws were drawn with the same seed and compared once, after the last change of the refined model. "
+        "Their errors do not enter the estimate of the expected error."
     )
     rows: list[Row] = [
         {"judged": f"{aims}, of the mean load", **{name: f"{a.within} of {a.screws}" for name, a in found.items()}},
         {
-            "judged": "largest error of a contact / % of the mean load",
+            "judged": "largest error of a contact load / % of the mean load",
             **{name: f"{a.largest:.2f}" for name, a in found.items()},
         },
         {
@@ -201,11 +230,15 @@ def _unseen_screws_items(first: list[dict[str, Any]], further: list[dict[str, An
             **{name: f"{a.as_expected} of {a.screws}" for name, a in found.items()},
         },
     ]
-    return Text((about,)), Table.of("stability-unseen", "The refined model on the first screws and on further ones", rows)
+    title = "Errors of the refined model on screws drawn before and after its last change"
+    return Text((about,)), Table.of("stability-unseen", title, rows)
 
 
 def _face_distances_and_errors(scenes: Sequence[Mapping[str, Any]], model: str) -> Array:
-    """Return (n, 2): distance of the outermost ball from a face [ball radii], largest error [% of mean load]."""
+    """Return the distance of the outermost ball from a nut face and a model's largest error, for each drawn screw.
+
+    Shape (n, 2); distances in ball radii, errors in per cent of the mean load.
+    """
     rows = [
         (min(r["low_face_radii"], r["high_face_radii"]), found["largest_percent"])
         for r in scenes
@@ -215,7 +248,10 @@ def _face_distances_and_errors(scenes: Sequence[Mapping[str, Any]], model: str) 
 
 
 def survey_figure(scenes: Sequence[Mapping[str, Any]]) -> Figure:
-    """Draw the histogram of the largest errors, and the errors over the distance of the outermost ball from a face."""
+    """Draw the histogram of largest errors, and the errors over the distance of the outermost ball from a nut face.
+
+    ``scenes`` are the stored results of the randomly drawn screws.
+    """
     found = {model: errors for model in MODELS if (errors := _face_distances_and_errors(scenes, model)).size}
     every = np.concatenate([errors[:, 1] for errors in found.values()])
     edges = np.geomspace(0.999 * every.min(), 1.001 * every.max(), BINS + 1)
@@ -223,22 +259,24 @@ def survey_figure(scenes: Sequence[Mapping[str, Any]]) -> Figure:
     points = [Series(m, e[:, 0].tolist(), e[:, 1].tolist(), "markers") for m, e in found.items()]
     error = "largest error / % of the mean load"
     panels = (
-        Panel("How often", error, "screws", bars, log="x", zero=True),
-        Panel("Near a face", "distance of the outermost ball from a face / ball radii", error, points, log="y"),
+        Panel("Distribution of the error", error, "number of screws", bars, log="x", zero=True),
+        Panel(
+            "Error near a nut face", "distance of the outermost ball from a nut face / ball radii", error, points, log="y"
+        ),
     )
     near = "; ".join(f"{name}: {_median_errors_near_faces(errors)}" for name, errors in found.items())
-    title = f"The error grows towards the faces of the nut: median within and beyond {NEAR:g} ball radii, {near}"
-    return Figure("survey", title, panels, f"{len(scenes)} drawn screws, {BINS} bins of equal ratio.")
+    title = f"The error grows towards the nut faces: median up to and beyond {NEAR:g} ball radii from a face, {near}"
+    return Figure("survey", title, panels, f"{len(scenes)} randomly drawn screws; {BINS} bins of equal ratio.")
 
 
 def _median_errors_near_faces(errors: Array) -> str:
-    """Return the median errors of screws whose outermost ball is near a face, and of the others."""
+    """Return as text the median error of screws whose outermost ball is near a nut face, and that of the others."""
     near = errors[:, 0] < NEAR
     return " and ".join(f"{np.median(errors[one, 1]):.2g} %" for one in (near, ~near) if one.any())
 
 
 def make_section(study: Study, step: Callable[[str], None]) -> Section:  # noqa: ARG001 - every section takes the study
-    """Return the section of the report."""
+    """Return the section on numerical stability: which formulations solve each stiff or extreme scene."""
 
     def progress(done: int, total: int, case: str) -> None:
         if done % 10 == 0 or done == total:
@@ -256,7 +294,7 @@ def make_section(study: Study, step: Callable[[str], None]) -> Section:  # noqa:
         Quantity("iterations", "iterations", "", "s"),
         Quantity("residual", "residual", "", "g2"),
         Quantity("bound", "round-off bound", "", "g2"),
-        Quantity("difference", "loads by contact forces", "% of largest", "g2"),
+        Quantity("difference", "difference of loads by the force formulation", "% of largest", "g2"),
         *(Quantity(name, name, "", "s") for name in FORMULATIONS[1:]),
     )
     solved, _, total = counts[ENERGY]
@@ -266,28 +304,31 @@ def make_section(study: Study, step: Callable[[str], None]) -> Section:  # noqa:
         (
             Text(
                 (
-                    "Each case is solved by the convex energy from a cold start; by the force formulation of the same "
-                    "equations, whose loads must be the same; by the models with elastic bodies; and, of one set, by the "
-                    "source's plain Newton from three starts. Axes have nuts, bearings of balls and of tapered rollers. A "
-                    "case without equilibrium counts as solved when the mechanism is named. Residuals are the largest "
-                    "unbalanced force over the largest force; the bound is what double precision leaves at best.",
+                    "Each case is solved by minimising the convex energy from a cold start; by the formulation of the same "
+                    "equations in contact forces, which must give the same loads; and by the models with elastic bodies. "
+                    "Cases with one set of balls are also solved by Lin's plain Newton method from three start vectors. "
+                    "Shafts with several sets have nuts, ball bearings and tapered roller bearings. A case without "
+                    "equilibrium counts as solved if the solver names the mechanism. The residual is the largest "
+                    "unbalanced force over the largest force; its bound is the smallest residual that double precision "
+                    "allows.",
                 )
             ),
-            Table.of("stability-summary", "Cases solved", summary),
+            Table.of("stability-summary", "Number of cases solved by each formulation", summary),
             Table(
                 "stability-cases", "Status of each formulation on each stiff or extreme scene", columns, rows_by_case(rows)
             ),
             *table_section_items(),
             Text(
                 (
-                    "Random extreme screws and bearings, mutated files and killed processes, each outcome judged by "
-                    "a check of its own: balance summed from printed numbers, refusals proven by rank or a linear program, "
-                    "small scenes with a rigid screw compared with plain minimisation. Random axes (--axes) of one to five "
-                    "sets are judged node by node: beam, springs, Hertz' law, every ball.",
+                    "The program was also run on random extreme screws and bearings, on scene files with random faults, "
+                    "and with processes that were killed. Every outcome is checked by independent means: equilibrium "
+                    "summed from the printed numbers, refusals proven by rank or a linear program, small scenes with a "
+                    "rigid screw compared with plain minimisation. Random shafts (--axes) with one to five sets of balls "
+                    "or rollers are checked node by node: beam, springs, Hertz' law, every ball.",
                 )
             ),
-            Table.of("stability-campaign", "The campaigns", campaign_rows(shipped_campaigns())),
+            Table.of("stability-campaign", "Outcomes on random extreme scenes", campaign_rows(shipped_campaigns())),
         ),
-        conclusion=f"The energy solver solves {solved} of {total} stiff and extreme scenes from a cold start; the source's "
-        f"iteration {max(counts[name][0] for name in FORMULATIONS[1:])} at best.",
+        conclusion=f"The energy solver solves {solved} of {total} stiff and extreme scenes from a cold start; Lin's "
+        f"iteration solves {max(counts[name][0] for name in FORMULATIONS[1:])} at best.",
     )

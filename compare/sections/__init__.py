@@ -1,1 +1,1 @@
-"""Sections of the validation report, one module each: they run models and fill plain records."""
+"""Sections of the validation report, each made by one module that solves scenes and returns tables, figures and texts."""

@@ -1,4 +1,4 @@
-"""Curves of figures from arrays and results, and the figure of a mesh study."""
+"""Curves of contact loads and displacements for figures, and the figure of a mesh study."""
 
 from __future__ import annotations
 
@@ -16,27 +16,27 @@ from rollbench.reports.content import Figure, Panel, Series
 
 
 def plain_numbers(values: Array, factor: float = 1.0) -> list[float]:
-    """Return plain numbers for a record, times a factor."""
+    """Return an array times a factor as a list of Python floats, as a figure needs it."""
     return [factor * float(v) for v in values]
 
 
 def lateral_displacement_curves(
     stations: Array, moved: Array, name: str = "u_{}", style: str = "line", *, emphasis: bool = False
 ) -> tuple[Series, Series]:
-    """Return curves of both lateral displacements [um] of an axis over its stations.
+    """Return two curves of the lateral displacements of a screw's centreline [um], in x and y, over axial position [mm].
 
     Parameters
     ----------
     stations
-        Stations, (k,) [mm].
+        Axial positions, (k,) [m].
     moved
-        Displacements, (k, 2 or more) [m].
+        Displacements in x, y and possibly further directions, (k, 2 or more) [m].
     name
-        Label, with a placeholder for the direction.
+        Label of a curve, with a placeholder for the direction.
     style
         Style of the curves.
     emphasis
-        Whether they are drawn bold.
+        Whether the curves are drawn bold.
     """
     z = plain_numbers(stations, 1e3)
     x, y = (
@@ -47,7 +47,7 @@ def lateral_displacement_curves(
 
 
 def load_panel(title: str, *series: Series, zero: bool = False) -> Panel:
-    """Return a panel for contact loads over the balls."""
+    """Return a panel of contact loads [N] over the number of the ball, filled with the curves ``series``."""
     return Panel(title, "ball", "contact load / N", series, zero=zero, integer_x=True)
 
 
@@ -60,22 +60,48 @@ def load_curve(
     emphasis: bool = False,
     bar: Array | None = None,
 ) -> Series:
-    """Return the curve of the loads of one flank over the number of the ball, with uncertainty ``bar`` (n, 4) [N]."""
+    """Return the curve of the contact loads [N] on one flank over the number of the ball.
+
+    Parameters
+    ----------
+    label
+        Label of the curve.
+    result
+        Solution with the contact loads.
+    side
+        Index of the flank in SL, SR, NL, NR.
+    style
+        Style of the curve.
+    emphasis
+        Whether the curve is drawn bold.
+    bar
+        Uncertainty of the loads, (n, 4) [N], drawn as bars; None: no bars.
+    """
     load = result.load[:, side]
     balls = [float(i + 1) for i in range(load.size)]
     ends = None if bar is None else (plain_numbers(load - bar[:, side]), plain_numbers(load + bar[:, side]))
     return Series(label, balls, plain_numbers(load), style, emphasis=emphasis, bars=ends)
 
 
-#: Curves of a panel.
+#: Largest number of curves in a panel.
 MOST = 8
 
 
 def study_figure(name: str, table: Sequence[Mapping[str, Any]], found: Reference) -> Figure | None:
-    """Draw extreme loads and displacements over the relative cell size, as differences from the finest level.
+    """Draw the convergence of the largest and smallest loads and of displacements with the cell size.
 
-    In per cent of the panel's largest value, with the uncertainty at the finest level and the extrapolation to zero
-    cell size. None with fewer than two levels.
+    The curves are differences from the finest mesh level, in per cent of the largest value in the panel, over the cell size
+    relative to that of the finest level. The uncertainty at the finest level and the extrapolation to zero cell size are
+    drawn too. Returns None for fewer than two mesh levels.
+
+    Parameters
+    ----------
+    name
+        Name of the scene.
+    table
+        Table of the mesh study: each quantity on every level.
+    found
+        3D reference of the scene.
     """
     if len(found.runs) < 2:
         return None
@@ -84,21 +110,34 @@ def study_figure(name: str, table: Sequence[Mapping[str, Any]], found: Reference
     panels = []
     for title, rows in (
         ("contact loads", [row for row in table if "est load" in row["quantity"]]),
-        ("centreline", [row for row in table if row["quantity"].startswith("centreline")]),
+        ("displacement of the centreline", [row for row in table if row["quantity"].startswith("centreline")]),
     ):
         scale = max((abs(row[keys[-1]]) for row in rows), default=0.0)
         series = [s for row in rows[:MOST] for s in _curve_and_power_law(row, keys, sizes, scale)]
         if series:
-            label = f"difference from the finest / % of {scale:.3g} {rows[0]['unit']}"
-            panels.append(Panel(title, "cell size over the finest's", label, tuple(series)))
+            label = f"difference from the finest level / % of {scale:.3g} {rows[0]['unit']}"
+            panels.append(Panel(title, "cell size / cell size of the finest level", label, tuple(series)))
     if not panels:
         return None
     caption = "Bars: uncertainty of the finest level. Lines that end at cell size zero: accepted extrapolations."
-    return Figure(f"mesh-study-{name}", f"{name}: mesh study", tuple(panels), caption)
+    title = f"Convergence of contact loads and displacements of {name} with the cell size"
+    return Figure(f"mesh-study-{name}", title, tuple(panels), caption)
 
 
 def _curve_and_power_law(row: Mapping[str, Any], keys: Sequence[str], sizes: Sequence[float], scale: float) -> list[Series]:
-    """Return the curve of one quantity over cell size, and its power law down to zero cell size."""
+    """Return the curve of one quantity over the cell size and, if it was extrapolated, its power law to cell size zero.
+
+    Parameters
+    ----------
+    row
+        Row of the mesh-study table for the quantity.
+    keys
+        Keys of the mesh levels in the row, the finest last.
+    sizes
+        Cell sizes of the levels relative to the finest.
+    scale
+        Value by which differences are divided.
+    """
     finest, bar = row[keys[-1]], row["uncertainty"] or 0.0
     if scale == 0.0:
         return []

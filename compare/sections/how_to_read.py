@@ -1,6 +1,6 @@
-"""Sections on how to read the report: error, uncertainty, class and verdict, with one example row.
+"""Report sections that explain the terms error, uncertainty, class and verdict, with one example row.
 
-Also assumptions of the scenes, misprints of the sources, and what is not reproduced.
+Also the section on assumptions of the scenes and on printed numbers that are not reproduced.
 """
 
 from __future__ import annotations
@@ -22,44 +22,46 @@ SCENE, MODEL = "lin-case1", "lin"
 
 TERMS = (
     (
-        "Error: 100 (value - reference) / |reference|. Contact loads are compared in per cent of the mean load "
-        "over the contacts that the nominal screw loads, so that an error of one newton on a nearly unloaded "
-        "ball does not count as 100 %. The error relative to the contact's own load is given beside it as \"own "
+        "Error: 100 (value - reference) / |reference|. Errors of contact loads are in per cent of the mean load over "
+        "the contacts that carry load in the screw without errors, so that an error of one newton on a nearly unloaded "
+        'ball does not count as 100 %. Errors relative to the load of the contact itself are marked "own '
         'load".'
     ),
     (
-        f"Line of {LIMIT:g} %: that of the gate (rollbench check), on the largest error of a contact load {RULE}. An error "
-        "of the mean load has no such line."
+        f"Limit of {LIMIT:g} %: that of the gate (rollbench check) for the largest error of a contact load {RULE}. Errors "
+        "in per cent of the mean load have no limit."
     ),
     (
-        "Uncertainty of the 3D reference: 95 %, from its mesh (contact cells, body cells and sockets, added as "
-        "independent errors). Modelling choices that no mesh shows and input tolerances are separate terms; the "
-        "total has all three."
+        "Uncertainty of the 3D reference: 95 %, by its mesh (cells of contacts, cells of bodies, and cut-outs for fine "
+        "patches, combined as independent errors). Modelling choices and input tolerances are separate terms; the "
+        "total uncertainty combines all three."
     ),
     (
-        "Class of a printed number. hard: the text determines it, so it must come out to the digits printed. "
-        "as-printed: it comes out only when a fault of the source is repeated; the right value stands beside "
-        "it. band: under-specified or random, compared with a range whose origin is stated and that is at most a "
-        "quarter of its middle wide to either side. open: the text does not determine it; it is shown but never gated. "
-        "input: given by the source, or used to infer something; never counted as reproduced."
+        "Class of a printed number. hard: the text of the publication determines the number, so all printed digits must be "
+        "reproduced. as-printed: the number is obtained only if an error of the publication is repeated; the correct value "
+        "is shown too. band: the number is under-specified or random, and compared with a range of stated origin, which "
+        "extends by at most a quarter of its middle to either side. open: the text does not determine the number; it is "
+        "shown, but cannot fail the gate. input: the number is an input, or was used to infer one; it is never counted as "
+        "reproduced."
     ),
     (
-        "Verdict of a printed number: reproduced, only as printed, within its band, contradicted, not "
-        "identifiable, or input or identity (which test no model). Section verdicts lists all of them."
+        "Verdict of a printed number: reproduced; only as printed (obtained only with an error of the publication); "
+        "within its band; contradicted; not identifiable; or input or identity, which do not test a model. Section "
+        "verdicts lists all numbers."
     ),
     (
-        "What a reproduced entry proves depends on its kind: a computed number tests a model, a claim in words "
-        "tests its trend, arithmetic on printed numbers tests the source, and a zero by symmetry tests a sign."
+        "A reproduced number or claim proves different things: a computed number tests a model, a claim in words "
+        "tests its trend, arithmetic on printed numbers tests the publication, and a zero by symmetry tests a sign."
     ),
     (
-        "A table of more than 20 rows is folded: its title opens it, with all rows. Flanks are SL and SR (screw, "
-        "left and right), NL and NR (nut)."
+        "A table of more than 20 rows is folded; a click on its title shows all rows. Flanks are SL and SR (screw, "
+        "left and right), NL and NR (nut, left and right)."
     ),
 )
 
 
 def explain_one_row(study: Study) -> str:
-    """Return an explanation of one row of a table of loads, word by word; empty without the reference."""
+    """Return a paragraph that explains error, uncertainty and verdict on one contact; empty without the 3D reference."""
     found = study.reference(SCENE)
     if found is None:
         return ""
@@ -69,23 +71,24 @@ def explain_one_row(study: Study) -> str:
     value, truth, mean = float(result.load[i, s]), float(found.load[i, s]), found.mean
     error = float(error_percent(value, truth))
     bar = float(error_percent(found.uncertainty[i, s], 0.0, truth))
-    verdict = "fails" if abs(error) - bar > LIMIT else "passes" if abs(error) + bar <= LIMIT else "is undecided"
+    verdict = "fail" if abs(error) - bar > LIMIT else "pass" if abs(error) + bar <= LIMIT else "undecided"
     return (
-        f"An example row: on ball {e.ball} {e.side} of {SCENE}, {MODELS[MODEL].label} gives {value:.1f} N "
+        f"Example: on ball {e.ball} {e.side} of {SCENE}, {MODELS[MODEL].label} gives {value:.1f} N "
         f"and the 3D reference {truth:.1f} N. The error is {float(error_percent(value, truth, mean)):+.2f} % "
-        f"of the mean load of {mean:.1f} N, or {error:+.2f} % of the contact's own load. The reference is "
-        f"known to {bar:.2f} % there, so a limit of {LIMIT:g} % {verdict}."
+        f"of the mean load of {mean:.1f} N, or {error:+.2f} % of the load of the contact itself (own load). The "
+        f"uncertainty of the reference on this contact is {bar:.2f} %, so the verdict at a limit of {LIMIT:g} % is: "
+        f"{verdict}."
     )
 
 
 def make_section(study: Study, step: Callable[[str], None]) -> Section:
-    """Return the section of the report."""
-    step("one worked row")
+    """Return the section that explains the terms of the report, with one example."""
+    step("example of an error and its uncertainty")
     return Section("how-to-read", "How to read this report", (Text((explain_one_row(study),)), Text(TERMS, bullets=True)))
 
 
 def collect_assumptions(study: Study) -> list[dict[str, Cell]]:
-    """Return the assumptions, with the scenes that make them."""
+    """Return the assumptions that scenes make where a publication leaves an input open, each with its scenes."""
     by_text: dict[str, list[str]] = {}
     for name, scene in study.used.items():
         for sentence in scene.assumed:
@@ -98,15 +101,15 @@ def collect_assumptions(study: Study) -> list[dict[str, Cell]]:
 
 
 def _explain_verdict(f: Evidence) -> str:
-    """Return the explanation of an entry: that of its computed value, else its printed remark."""
+    """Return the explanation of the verdict on a printed number: the remark on its computed value, else the printed one."""
     return f.words if f.words and f.agrees is not None else f.printed.remark
 
 
-def not_reproduced(found: Sequence[Evidence]) -> list[Row]:
-    """Return the entries that are contradicted, and those that the text does not determine."""
+def numbers_not_reproduced(found: Sequence[Evidence]) -> list[Row]:
+    """Return the rows of printed numbers that are contradicted, or that the text of the publication does not determine."""
     return [
         {
-            Quantity("entry", "printed", "", "s"): p.claim or f"{p.label}: {p.printed} {p.unit}",
+            Quantity("entry", "printed number or claim", "", "s"): p.claim or f"{p.label}: {p.printed} {p.unit}",
             "place": p.place,
             "class": p.cls,
             "verdict": verdict,
@@ -119,21 +122,21 @@ def not_reproduced(found: Sequence[Evidence]) -> list[Row]:
 
 
 def notes_section(study: Study, step: Callable[[str], None]) -> Section:
-    """Return the section on assumptions, misprints and what is not reproduced."""
-    step("assumptions and misprints")
+    """Return the section on assumptions of the scenes and of the models, and on numbers that are not reproduced."""
+    step("assumptions, and numbers that are not reproduced")
     return Section(
         "notes",
-        "Assumptions, misprints, and printed numbers that are not reproduced",
+        "Assumptions, and printed numbers that are not reproduced",
         (
             Table.of(
                 "not-reproduced",
                 "Printed numbers that are contradicted, or that the text does not determine",
-                not_reproduced(evidence(study)),
+                numbers_not_reproduced(evidence(study)),
             ),
             Table(
                 "assumptions",
-                "Inputs that a publication leaves open, and what its scene assumes",
-                (Quantity("assumed", "assumed", "", "s"), Quantity("scenes", "scenes", "", "s")),
+                "Assumptions for inputs that a publication leaves open",
+                (Quantity("assumed", "assumption", "", "s"), Quantity("scenes", "scenes", "", "s")),
                 collect_assumptions(study),
             ),
             Text(MODEL_ASSUMPTIONS, bullets=True),

@@ -1,4 +1,4 @@
-"""Section on the model ladder: from the source's model to the refined one, step by step against the 3D reference."""
+"""Report section on the sequence of models from Lin's to the refined one: errors of each against the 3D reference."""
 
 from __future__ import annotations
 
@@ -18,22 +18,22 @@ from rollbench.lowfi.statics.elastic import solve_elastic
 from rollbench.meshes.loads import mean_load
 from rollbench.reports.content import Figure, Panel, Quantity, Row, Section, Series, Table, Text
 
-#: Number of scenes from which on a model's expected errors are drawn.
+#: Least number of scenes for which a model's expected errors are drawn.
 MANY = 40
 #: Choices of the refined model that its derivation leaves open, varied one at a time.
 CHOICES: dict[str, Backend] = {
-    "patch of the kernels half as wide again": replace(REFINED, width=1.5),
-    "patch of the kernels two thirds as wide": replace(REFINED, width=1.0 / 1.5),
-    "bore of the smooth nut by wall^3, no layer": replace(REFINED, bore="ring"),
-    "bore of the smooth nut by volume": replace(REFINED, bore="volume"),
+    "loaded patch of the body compliance 1.5 times as wide": replace(REFINED, width=1.5),
+    "loaded patch of the body compliance 2/3 as wide": replace(REFINED, width=1.0 / 1.5),
+    "bore of the smooth nut by equal wall^3, no groove layer": replace(REFINED, bore="ring"),
+    "bore of the smooth nut by equal volume": replace(REFINED, bore="volume"),
     "bore of the smooth nut at its lands": replace(REFINED, bore="land"),
-    "half as many harmonics again": replace(REFINED, harmonics=1.5),
-    "two thirds of the harmonics": replace(REFINED, harmonics=1.0 / 1.5),
-    "elements of the kernels half as large": replace(REFINED, mesh=2.0),
-    "elements of the kernels half as large again": replace(REFINED, mesh=1.0 / 1.5),
-    "flanks as plain half spaces": replace(REFINED, flank=False),
-    "balls as half spaces": replace(REFINED, ball="half space"),
-    "screw a beam beyond its contacts": replace(REFINED, screw="beam"),
+    "1.5 times as many harmonics": replace(REFINED, harmonics=1.5),
+    "2/3 of the harmonics": replace(REFINED, harmonics=1.0 / 1.5),
+    "elements of the body compliance half as large": replace(REFINED, mesh=2.0),
+    "elements of the body compliance 1.5 times as large": replace(REFINED, mesh=1.0 / 1.5),
+    "flanks as plain half-spaces": replace(REFINED, flank=False),
+    "balls as half-spaces": replace(REFINED, ball="half space"),
+    "screw as a beam except for its contacts": replace(REFINED, screw="beam"),
     "section of the screw by Lin C.8": replace(REFINED, section="scene"),
 }
 #: Scenes on which these choices are varied.
@@ -41,59 +41,62 @@ VARIED = ("lin-case1", "lin-case3", "unseen-thin-nut")
 
 
 @dataclass(frozen=True)
-class Changed:
-    """Effect of one modelling choice of the refined model on one scene."""
+class ChoiceEffect:
+    """Effect of one modelling choice of the refined model on the contact loads of one scene."""
 
     #: Name of the scene.
     scene: str
-    #: Description of the choice.
+    #: Description of the changed choice.
     label: str
-    #: Largest change of a load [% of the mean load].
+    #: Largest change of a contact load by the choice [% of the mean load].
     change: float
-    #: Errors against the reference.
+    #: Errors of the changed model against the 3D reference.
     error: LoadError
 
 
-def vary_choices(study: Study, name: str) -> Iterator[Changed]:
-    """Yield the refined model unchanged and with every choice varied; nothing for a scene without a stored reference."""
+def vary_choices(study: Study, name: str) -> Iterator[ChoiceEffect]:
+    """Yield the errors of the refined model on a scene, unchanged and with each of its modelling choices changed.
+
+    Yields nothing for a scene without a stored 3D reference.
+    """
     scene, reference = study.scene(name), study.reference(name)
     if reference is None:
         return
     base = solve_elastic(scene, engine="interpreted").load
     mean = mean_load(base, reference.contacts)
-    for label, backend in {"as it is": REFINED, **CHOICES}.items():
+    for label, backend in {"unchanged": REFINED, **CHOICES}.items():
         load = solve_elastic(scene, backend=backend, engine="interpreted").load
         change = float(np.abs(np.asarray(error_percent(load, base, mean))).max())
-        yield Changed(name, label, change, load_error(load, reference.load, reference.contacts))
+        yield ChoiceEffect(name, label, change, load_error(load, reference.load, reference.contacts))
 
 
 def ladder_table(rungs: Sequence[Rung]) -> Table:
-    """Return the table of the errors of every model of the ladder on every scene."""
+    """Return the table of the errors of every model, from the simplest to the refined one, on every scene."""
     rows: list[Row] = [
         {
             "scene": r.scene,
             "model": r.model,
             Quantity("max", "largest error", "% of mean", ".2f"): r.error.max_percent,
-            Quantity("at", "at ball", "", "s"): f"{r.error.ball} {r.error.side}",
+            Quantity("at", "ball and flank of the largest", "", "s"): f"{r.error.ball} {r.error.side}",
             Quantity("rms", "RMS error", "% of mean", ".2f"): r.error.rms_percent,
             Quantity("own", "largest error", "% of own load", ".2f"): r.error.own_max_percent,
-            Quantity("bias", "sum of loads", "%", "+.2f"): r.bias,
+            Quantity("bias", "error of the sum of loads", "%", "+.2f"): r.bias,
             Quantity("bar", "grid uncertainty", "% of mean", ".2f"): r.uncertainty,
-            Quantity("seconds", "new geometry, interpreted", "s", "g3"): r.seconds,
+            Quantity("seconds", "time for a new geometry", "s", "g3"): r.seconds,
         }
         for r in rungs
     ]
     note = "; ".join(f"{m.name}: {m.ladder_step[1]}" for m in RUNGS if m.ladder_step) + (
-        ". Against the finest stored level of the 3D reference. Scenes named unseen were fixed before they "
-        "were solved in 3D, and no choice of the model was based on them. A reference of two levels has "
-        "three times their difference as uncertainty. Seconds are those of a new geometry in a running "
-        "process; the table of run times has new processes."
+        ". Errors against the finest stored mesh level of the 3D reference. Scenes named unseen were chosen before they "
+        "were solved in 3D, and no choice of the models was based on them. With two mesh levels, the grid uncertainty is "
+        "three times their difference. Times are for a new geometry in a running process, with interpreted kernels; the "
+        "table of run times also has new processes."
     )
     return Table.of("ladder", "Errors of the models on each scene, from the simplest model to the refined one", rows, note)
 
 
 def ladder_figure(rungs: Sequence[Rung]) -> Figure:
-    """Draw largest and RMS error by model: every scene, and the median of the scenes."""
+    """Draw the largest and the RMS error of each model: a line for every scene, and one for the median of the scenes."""
     order = [m.name for m in RUNGS]
     scenes = list(dict.fromkeys(r.scene for r in rungs))
 
@@ -110,7 +113,7 @@ def ladder_figure(rungs: Sequence[Rung]) -> Figure:
         panel("largest error", lambda r: float(r.error.max_percent)),
         panel("RMS error", lambda r: float(r.error.rms_percent)),
     )
-    caption = f"Pale: each of the {len(scenes)} scenes."
+    caption = f"Light lines: each of the {len(scenes)} scenes."
     return Figure(
         "ladder-rungs",
         "Error of each model against the 3D reference, from the simplest to the refined one",
@@ -121,7 +124,7 @@ def ladder_figure(rungs: Sequence[Rung]) -> Figure:
 
 
 def choices_table(study: Study, step: Callable[[str], None]) -> Table:
-    """Return the table of the effect of each choice of the refined model, changed one at a time."""
+    """Return the table of the effect of each modelling choice of the refined model, changed one at a time."""
     rows: list[Row] = []
     for name in VARIED:
         step(f"choices of the refined model varied on {name}")
@@ -130,24 +133,22 @@ def choices_table(study: Study, step: Callable[[str], None]) -> Table:
                 "scene": c.scene,
                 "choice": c.label,
                 Quantity("change", "largest change of a load", "% of mean", ".2f"): c.change,
-                Quantity("max", "largest error with it", "% of mean", ".2f"): c.error.max_percent,
-                Quantity("rms", "RMS error", "% of mean", ".2f"): c.error.rms_percent,
+                Quantity("max", "largest error of the changed model", "% of mean", ".2f"): c.error.max_percent,
+                Quantity("rms", "RMS error of the changed model", "% of mean", ".2f"): c.error.rms_percent,
             }
             for c in vary_choices(study, name)
         ]
     note = (
-        "Choices of the refined model, made by argument and not fitted: a patch as wide as the groove (half "
-        "the distance between the contacts of its two flanks), because a smooth body cannot resolve "
-        "anything finer; nut grooves as a layer that is softer along the axis than around it, because lands "
-        "are rings supported only from below; as many harmonics as a patch can excite."
+        "The choices of the refined model follow from arguments and are not fitted. The loaded patch is as wide as the "
+        "groove (half the distance between the contacts of its two flanks), because a smooth body cannot resolve finer "
+        "details. The nut grooves are a layer that is softer along the axis than around it, because lands are rings that "
+        "are supported only at their base. The number of harmonics is the largest that a patch can excite."
     )
-    return Table.of(
-        "ladder-choices", "Change of the refined model's errors when one of its modelling choices is varied", rows, note
-    )
+    return Table.of("ladder-choices", "Errors of the refined model if one of its modelling choices is changed", rows, note)
 
 
 def shares_table(study: Study) -> Table:
-    """Return the table of how much each body's simplification contributes to the refined model's error."""
+    """Return the table of how much the simplification of screw and nut contributes to the refined model's error."""
     found = study.once(errors_by_replaced_body)
     names: dict[tuple[str, ...], str] = {(): "none", ("screw",): "screw", ("nut",): "nut", PARTS: "both"}
     rows: list[Row] = []
@@ -155,22 +156,22 @@ def shares_table(study: Study) -> Table:
         row: Row = {"scene": share.scene}
         for parts, name in names.items():
             error = share.errors[parts]
-            row[Quantity(f"max {name}", f"{name} from 3D: largest", "% of mean", ".2f")] = error.max_percent
-            row[Quantity(f"rms {name}", f"{name} from 3D: RMS", "% of mean", ".2f")] = error.rms_percent
-        row[Quantity("bias", "sum, none from 3D", "%", ".2f")] = share.bias[()]
-        row[Quantity("bias both", "sum, both", "%", ".2f")] = share.bias[PARTS]
+            row[Quantity(f"max {name}", f"largest error, {name} from 3D", "% of mean", ".2f")] = error.max_percent
+            row[Quantity(f"rms {name}", f"RMS error, {name} from 3D", "% of mean", ".2f")] = error.rms_percent
+        row[Quantity("bias", "error of the sum of loads, none from 3D", "%", ".2f")] = share.bias[()]
+        row[Quantity("bias both", "error of the sum of loads, both from 3D", "%", ".2f")] = share.bias[PARTS]
         rows.append(row)
     note = (
-        "The refined model with one part replaced by the finest 3D run: either the compliance of a body "
-        "between its contacts, or the contact laws on it. What a replacement removes is that body's share "
-        "of the error. What remains belongs to the rest of the low-order model (contact law, kinematics, "
-        "beam beyond the nut) and to the reference's own uncertainty."
+        "The refined model is solved with the compliance of screw, nut or both taken from the finest run of the 3D "
+        "reference. The decrease of the error is the share of that body. The remaining error is due to the rest of the "
+        "low-order model (contact law, kinematics, beam beyond the nut) and to the uncertainty of the reference."
     )
-    return Table.of("ladder-shares", "Where the refined model's error comes from", rows, note)
+    title = "Error of the refined model with the compliance of screw or nut taken from the 3D reference"
+    return Table.of("ladder-shares", title, rows, note)
 
 
 def estimate_items(study: Study, rungs: Sequence[Rung]) -> list[Table | Figure]:
-    """Return table and figure of each screw's error as expected from all other screws, and as measured."""
+    """Return table and figure that test the expected error: estimated for each screw from all others, and measured."""
     rows = left_out_one(study, rungs)
     lines: list[Row] = []
     panels = []
@@ -186,34 +187,35 @@ def estimate_items(study: Study, rungs: Sequence[Rung]) -> list[Table | Figure]:
             {
                 "model": model,
                 "scenes": str(len(of_model)),
-                Quantity("covered", "covered by the others", "", "s"): str(len(covered)),
-                Quantity("held", "within what was expected", "", "s"): held,
-                Quantity("ratio", "expected over measured, median", "", ".2f"): float(np.median(ratio)),
-                Quantity("expected", "expected, median", "% of mean", ".2f"): float(np.median(expected)),
-                Quantity("largest", "expected, largest", "% of mean", ".2f"): float(expected.max()),
+                Quantity("covered", "scenes within the range of the others", "", "s"): str(len(covered)),
+                Quantity("held", "error not above the expected one", "", "s"): held,
+                Quantity("ratio", "expected over measured error, median", "", ".2f"): float(np.median(ratio)),
+                Quantity("expected", "expected error, median", "% of mean", ".2f"): float(np.median(expected)),
+                Quantity("largest", "expected error, largest", "% of mean", ".2f"): float(expected.max()),
             }
         )
         if len(covered) >= MANY:
             ends = [float(min(measured.min(), expected.min())), float(max(measured.max(), expected.max()))]
             series = (
                 Series("scenes", measured.tolist(), expected.tolist(), "markers", emphasis=True),
-                Series("expected as measured", ends, ends, "line"),
+                Series("expected = measured", ends, ends, "line"),
             )
-            panels.append(Panel(model, "measured / % of the mean load", "expected / %", series, log="xy"))
+            x, y = "measured error / % of the mean load", "expected error / % of the mean load"
+            panels.append(Panel(model, x, y, series, log="xy"))
     note = (
-        "For every screw, shipped or surveyed, the largest load error is estimated from all other screws: a "
-        "linear fit of the logarithm of the error over the features, times the factor that covers "
-        f"{SHARE:.0%} of the other scenes."
+        "For every screw, shipped or randomly drawn, the largest load error is estimated from all other screws: by a "
+        "linear fit of the logarithm of the error over features of the scenes, times the factor with which "
+        f"{SHARE:.0%} of the other scenes are covered."
     )
     out: list[Table | Figure] = [
-        Table.of("ladder-estimate", "The model-form estimate tested on the compared scenes", lines, note)
+        Table.of("ladder-estimate", "Expected error of each model compared with the measured error", lines, note)
     ]
     if panels:
-        caption = "On or above the line the error was no larger than expected."
+        caption = "On or above the line, the error was not larger than expected."
         out.append(
             Figure(
                 "ladder-estimate-figure",
-                "Measured over expected error of the models, for each compared screw",
+                "Expected over measured error of the models, for each compared screw",
                 tuple(panels),
                 caption,
             )
@@ -222,9 +224,9 @@ def estimate_items(study: Study, rungs: Sequence[Rung]) -> list[Table | Figure]:
 
 
 def largest_errors_sentence(rungs: Sequence[Rung]) -> str:
-    """Return a sentence on the largest errors by model, on case studies and on screws not used in development."""
+    """Return the sentence on the largest errors of each model, on case studies and on screws not used in development."""
     words = []
-    for label, names in (("case studies", REFERENCED), ("unseen screws", UNSEEN)):
+    for label, names in (("case studies", REFERENCED), ("screws not used in development", UNSEEN)):
         for model in ("lin", "refined", "condensed"):
             of_label = [r for r in rungs if r.model == model and r.scene in names]
             if of_label:
@@ -233,36 +235,36 @@ def largest_errors_sentence(rungs: Sequence[Rung]) -> str:
                     f"{label}, {model}: largest {worst.error.max_percent:.2f} % ({worst.scene}), RMS up to "
                     f"{max(r.error.rms_percent for r in of_label):.2f} %"
                 )
-    return "In per cent of the mean load against the 3D reference: " + "; ".join(words) + "."
+    return "Errors in per cent of the mean load against the 3D reference: " + "; ".join(words) + "."
 
 
 def make_section(study: Study, step: Callable[[str], None]) -> Section:
-    """Return the section of the report."""
-    step("every rung on every scene with a reference")
+    """Return the section on the sequence of models from Lin's to the refined one, with the errors of each."""
+    step("every model on every scene with a 3D reference")
     rungs = study.once(ladder)
-    title = "From the source's model to the refined one"
+    title = "Errors of the models from Lin's model to the refined one"
     if not rungs:
-        return Section("ladder", title, (Text(("No run of the 3D reference was found.",)),))
+        return Section("ladder", title, (Text(("No run of the 3D reference is stored.",)),))
     text = (
         (
-            "The refined model keeps the source's contact mechanics and its energy, and adds the elasticity of "
+            "The refined model uses the contact mechanics and the energy of Lin's model, and adds the elasticity of "
             "screw, nut and balls. The screw is a beam with the section of half a lead of grooved shaft "
-            "(axisymmetric elements, harmonics 0 and 1); the nut is a beam too. Both gain what a smooth body of "
-            "revolution does beyond a beam (Fourier harmonics around the axis: ovalisation, ends, clamped "
-            "face), and what the true flank adds to that, less the half space already in Hertz's law. Tension "
-            "and bending of a screw that continues beyond the nut squeeze its contacts by Poisson's ratio "
+            "(axisymmetric elements, harmonics 0 and 1); the nut is a beam too. To the deformation of both beams is added "
+            "what a smooth body of revolution has beyond a beam (Fourier harmonics around the axis: ovalisation, ends, "
+            "clamped face), and what the true flank adds to that, minus the half-space already in Hertz's law. Tension "
+            "and bending of a screw that continues beyond the nut change its contacts by lateral contraction "
             "(Saint-Venant). Balls are elastic spheres (Lur'e's series); bearing rings are bodies of revolution "
-            "with their groove. It contains no 3D solve, and nothing is fitted to one."
+            "with their groove. The model contains no 3D solution, and nothing is fitted to one."
         ),
         largest_errors_sentence(rungs),
     )
-    step("bodies exchanged for those from 3D")
+    step("refined model with the compliance of bodies from 3D")
     items = (Text(text), ladder_table(rungs), ladder_figure(rungs), shares_table(study), choices_table(study, step))
     median = {
         name: float(np.median([r.error.max_percent for r in rungs if r.model == name])) for name in ("lin", "refined")
     }
     conclusion = (
-        f"The median of the largest error falls from {median['lin']:.1f} % in lin to {median['refined']:.1f} % of the mean "
-        "load in the refined model."
+        f"Median over the scenes of the largest error: {median['lin']:.1f} % of the mean load by Lin's model, "
+        f"{median['refined']:.1f} % by the refined model."
     )
     return Section("ladder", title, (*items, *estimate_items(study, rungs)), conclusion=conclusion)

@@ -1,6 +1,6 @@
-"""Section with pictures of the 3D reference: mesh, contact pressures against Hertz, stresses around a ball, forces.
+"""Report section with pictures of the 3D reference: meshes, contact pressures, stresses around a ball, contact loads.
 
-Pressures are shown as maps, curves along lines of nodes, and a table.
+Pressures are shown as maps, as curves along lines of nodes, and in a table, next to those by Hertz theory.
 """
 
 from __future__ import annotations
@@ -44,11 +44,12 @@ if TYPE_CHECKING:
     from rollbench.hifi.setup import Setup
 
 
+#: Factors from metres to millimetres, and from pascals to megapascals.
 MM, MPA = 1e3, 1e-6
 
 
 def pressure_panel(name: str, found: ContactPressure) -> PressurePanel:
-    """Return the pressure map of one contact."""
+    """Return the map of nodal pressures of one contact, with the contact ellipse by Hertz; ``name`` names the contact."""
     h = found.hertz
     return PressurePanel(
         name,
@@ -62,7 +63,11 @@ def pressure_panel(name: str, found: ContactPressure) -> PressurePanel:
 
 
 def pressure_profiles_figure(found: dict[str, ContactPressure]) -> Figure:
-    """Draw the pressure along both lines of nodes through the most loaded node, with Hertz's."""
+    """Draw the contact pressure across and along the groove, by the 3D reference and by Hertz theory.
+
+    The curves follow the two lines of nodes through the node with the largest pressure. ``found`` has the pressures by name
+    of the contact.
+    """
     panels = []
     for name, one in found.items():
         assert one.shape is not None
@@ -89,21 +94,24 @@ def pressure_profiles_figure(found: dict[str, ContactPressure]) -> Figure:
             )
     return Figure(
         "pressure-profiles",
-        "Contact pressure along lines of nodes",
+        "Contact pressure across and along the groove, by the 3D reference and by Hertz",
         tuple(panels),
-        "Lines of nodes through the most loaded node of each contact; Hertz's closed form for the same load, centred on "
-        "the resultant force.",
+        "Along the lines of nodes through the node with the largest pressure. Hertz: closed form for the same load, "
+        "centred on the resultant force.",
     )
 
 
 def step_along(found: ContactPressure) -> float:
-    """Return the mean distance of the nodes along the groove [m]."""
+    """Return the mean distance of neighbouring nodes of a contact patch along the groove [m]."""
     assert found.shape is not None
     return float(np.abs(np.diff(found.along.reshape(found.shape), axis=1)).mean())
 
 
 def pressure_table(groups: dict[str, dict[str, ContactPressure]]) -> Table:
-    """Return the largest pressures by the 3D reference and by Hertz."""
+    """Return the table of the largest pressure of each contact, by the 3D reference and by Hertz theory.
+
+    ``groups`` has the pressures by scene and by name of the contact.
+    """
     rows: list[Row] = [
         {
             Quantity("contact", "Contact", format="s"): f"{scene}, {name}",
@@ -111,21 +119,22 @@ def pressure_table(groups: dict[str, dict[str, ContactPressure]]) -> Table:
             Quantity("ours", "Largest pressure, 3D", "MPa", ".0f"): MPA * float(x.pressure.max()),
             Quantity("hertz", "Pole pressure, Hertz", "MPa", ".0f"): MPA * x.hertz.pole_pressure,
             Quantity("ratio", "3D / Hertz", "", ".3f"): float(x.pressure.max() / x.hertz.pole_pressure),
-            Quantity("a", "Semi-axis across", "mm", ".3f"): MM * x.hertz.semi_x,
-            Quantity("b", "Semi-axis along", "mm", ".3f"): MM * x.hertz.semi_y,
-            Quantity("cells", "Nodes across 2b", "", ".1f"): 2.0 * x.hertz.semi_y / step_along(x),
+            Quantity("a", "Semi-axis a across the groove", "mm", ".3f"): MM * x.hertz.semi_x,
+            Quantity("b", "Semi-axis b along the groove", "mm", ".3f"): MM * x.hertz.semi_y,
+            Quantity("cells", "Node spacings in the width 2b", "", ".1f"): 2.0 * x.hertz.semi_y / step_along(x),
         }
         for scene, found in groups.items()
         for name, x in found.items()
     ]
     return Table.of(
         "pictures-pressure",
-        "Largest nodal pressure and Hertz's pole pressure",
+        "Largest nodal pressure by the 3D reference and pole pressure by Hertz",
         rows,
         (
-            "Nodal force over tributary area. Where the pressure is curved, this reads too high at corner nodes "
-            "of second-order cells and too low at mid-side nodes, in proportion to the square of the cell size. "
-            "The largest value is at a corner, so the ratio exceeds 1. Loads and approaches are not affected."
+            "Nodal pressure: nodal force over tributary area. Where the pressure varies nonlinearly, this value is too "
+            "high at corner nodes of second-order cells and too low at mid-side nodes, in proportion to the square of the "
+            "cell size. The largest value is at a corner node, so the ratio exceeds 1. Loads and approaches are not "
+            "affected."
         ),
     )
 
@@ -137,47 +146,47 @@ SCENE, FOUR = "lin-case1", "lin-case3-offset"
 #: Mesh levels of the pictures of meshes and stresses, and of contact pressures.
 LEVEL, FINE_LEVEL = 1, PRODUCTION
 
-#: Colours: screw, nut, ball, patches of the grooves and of the ball.
+#: Colours of screw, nut, ball, fine patches of the grooves, and fine patches of the ball.
 STEEL, NUT, BALL, FINE, FINE_BALL = "#c9ced4", "#a9bccd", "#e4dcc8", "#f0a35e", "#7fb7a2"
 
-#: Distance [m] of sections from the middle of the ball, so that no faces of cells lie in them.
+#: Distance [m] of the cutting plane from the ball centre, so that no face of a cell lies in the plane.
 BESIDE = 0.02e-3
 
 
 @dataclass(frozen=True)
 class Solved:
-    """A scene solved on the coarsest mesh, for pictures."""
+    """Solution of a scene by the 3D reference on the coarsest mesh, from which pictures are drawn."""
 
-    #: The scene.
+    #: Scene that is shown.
     scene: Scene
-    #: Set-up of the run.
+    #: Set-up of the 3D reference.
     setup: Setup
-    #: Meshes of the run.
+    #: Meshes of screw, nut, balls and contact patches.
     meshes: Meshes
-    #: Result of the reference.
+    #: Solution of the 3D reference.
     result: ReferenceResult
-    #: Nodal forces of the drawn ball by flank.
+    #: Nodal contact forces of all balls [N], by flank.
     forces: dict[int, Array]
-    #: Number of the drawn ball.
+    #: Index of the ball whose surroundings are drawn.
     ball: int
 
 
 @dataclass(frozen=True)
 class Stresses:
-    """Stress fields around one ball, in the ball's frame."""
+    """Stress fields of the 3D reference around one ball, in the ball's frame."""
 
-    #: Coarse screw and nut.
+    #: Fields in the coarse meshes of screw and nut.
     bodies: tuple[SolidField, SolidField]
-    #: Coarse ball.
+    #: Field in the coarse mesh of the ball.
     ball: SolidField
-    #: Patches of the grooves by flank.
+    #: Fields in the fine patches of the grooves, by flank.
     grooves: dict[int, SolidField]
-    #: Patches of the ball by flank.
+    #: Fields in the fine patches of the ball, by flank.
     patches: dict[int, SolidField]
 
 
 def solve_pictured(study: Study, step: Step) -> Solved:
-    """Solve the scene on the coarsest level, with two flanks, and choose its most loaded ball."""
+    """Solve the scene of the pictures on the coarsest mesh level with two flanks, and choose its most loaded ball."""
     from rollbench.hifi.fields import contact_forces
     from rollbench.hifi.meshing.part_meshes import mesh_parts
     from rollbench.hifi.reference import solve_reference
@@ -199,10 +208,10 @@ def solve_pictured(study: Study, step: Step) -> Solved:
 
 
 def compute_stresses(solved: Solved, step: Step) -> Stresses:
-    """Compute the stress fields around the chosen ball."""
+    """Compute the stress fields around the ball that is drawn, in screw, nut, ball and their fine patches."""
     from rollbench.hifi.fields import ball_fields, coarse_field, groove_patch_field, nut_displacement, screw_displacement
 
-    step("displacements and stresses recovered")
+    step("displacements and stresses around the ball")
     setup, meshes, ball, forces = solved.setup, solved.meshes, solved.ball, solved.forces
     scene, reach = solved.scene, 3.2 * setup.map.ball
     u = screw_displacement(setup, meshes.screw, forces), nut_displacement(setup, meshes.nut, forces)
@@ -220,7 +229,7 @@ def compute_stresses(solved: Solved, step: Step) -> Stresses:
 
 
 def groove_frame(solved: Solved) -> tuple[Array, Array, Array]:
-    """Return unit vectors x3, y3, z3 of the groove's section at azimuth 0: radial, along the track, across it."""
+    """Return the unit vectors of the groove's cross-section at azimuth 0: radial, along the track, and across it."""
     alpha = solved.setup.map.alpha
     return (
         np.array([1.0, 0.0, 0.0]),
@@ -230,7 +239,10 @@ def groove_frame(solved: Solved) -> tuple[Array, Array, Array]:
 
 
 def contact_point(solved: Solved, side: int) -> Array:
-    """Return the nominal contact point of a flank in the ball's frame."""
+    """Return the nominal contact point [m] of the ball at azimuth 0 with a flank, in the ball's frame.
+
+    ``side`` is the index of the flank in SL, SR, NL, NR.
+    """
     from rollbench.meshes.ball_body import directions
 
     m = solved.setup.map
@@ -238,13 +250,25 @@ def contact_point(solved: Solved, side: int) -> Array:
 
 
 def keep_used_nodes(points: Array, cells: Index, kind: str, colour: str) -> MeshPart:
-    """Return part of a mesh with only the nodes that its cells use."""
+    """Return cells of a mesh as a part to be drawn, with only the nodes that these cells use.
+
+    Parameters
+    ----------
+    points
+        Nodes of the whole mesh, (m, 3) [m].
+    cells
+        Node numbers of the cells to draw.
+    kind
+        Type of the cells.
+    colour
+        Colour of the part.
+    """
     nodes, local = np.unique(cells, return_inverse=True)
     return MeshPart(points[nodes], local.reshape(cells.shape), kind, colour=colour)
 
 
 def mesh_overview(solved: Solved) -> FieldPicture:
-    """Return the picture of coarse screw and half of the nut, with all fine patches in their sockets."""
+    """Return the picture of the meshes of the screw and half of the nut, with the fine patches at all contacts."""
     from rollbench.hifi.fields import mesh_groove_patch
     from rollbench.hifi.meshing.part_meshes import body_kind, rotation_about_z
 
@@ -275,15 +299,18 @@ def mesh_overview(solved: Solved) -> FieldPicture:
         scale_bar=10e-3,
         caption=(
             f"{SCENE}, level {LEVEL}: {len(meshes.screw.cells)} and {len(nut.cells)} second-order tetrahedra in screw and "
-            f"nut, and in every socket a patch of {len(mesh_groove_patch(setup, meshes, 0).cells)} second-order hexahedra "
-            f"(orange), condensed exactly. {setup.unknowns / 1e6:.2f} million unknowns as one mesh. "
-            "Balls are left out: the round hollows along the nut's cut are its groove, crossed by it."
+            f"nut, and at every contact a patch of {len(mesh_groove_patch(setup, meshes, 0).cells)} second-order hexahedra "
+            f"(orange), which is condensed exactly. As one mesh: {setup.unknowns / 1e6:.2f} million unknowns. Balls are "
+            "not drawn; the round hollows along the cut of the nut are cross-sections of its groove."
         ),
     )
 
 
 def _pieces_around_ball(found: Stresses, *, values: bool) -> tuple[MeshPart, ...]:
-    """Return all pieces around the ball, with the mesh or coloured by the equivalent stress in MPa."""
+    """Return the meshes of screw, nut, ball and patches around the ball, as parts to be drawn.
+
+    With ``values`` they are coloured by the von Mises stress [MPa]; otherwise the edges of their cells are drawn.
+    """
 
     def coloured(piece: SolidField, colour: str) -> MeshPart:
         stress = MPA * piece.von_mises if values else None
@@ -301,9 +328,10 @@ def _pieces_around_ball(found: Stresses, *, values: bool) -> tuple[MeshPart, ...
 def section_picture(
     solved: Solved, found: Stresses, name: str, title: str, caption: str, *, height: float, side: int | None = None
 ) -> FieldPicture:
-    """Return the picture of the mesh cut through the ball, or of one contact (``side``), enlarged.
+    """Return the picture of the mesh in the groove's cross-section through the ball; the screw is below, the nut above.
 
-    The cut is the groove's section; the screw is below, the nut above.
+    With ``side`` (index of a flank) only the contact with that flank is shown, enlarged. ``height`` is that of the shown
+    region [m].
     """
     x3, y3, _ = groove_frame(solved)
     m = solved.setup.map
@@ -327,7 +355,7 @@ def section_picture(
 
 
 def contact_picture(solved: Solved, found: Stresses) -> FieldPicture:
-    """Return the picture of the screw's groove around one contact, seen along the normal from the ball."""
+    """Return the picture of the mesh of the screw's groove around one contact, seen from the ball along the normal."""
     x3, y3, _ = groove_frame(solved)
     point, b = contact_point(solved, 0), solved.setup.map.ball
     normal = point - np.array([solved.setup.map.R, 0.0, 0.0])
@@ -345,14 +373,14 @@ def contact_picture(solved: Solved, found: Stresses) -> FieldPicture:
         focus=tuple(point),
         height=1.6 * b,
         scale_bar=1e-3,
-        caption="Seen from the ball. The patch is finest in its middle, where contact may occur: cells "
-        f"{MM * solved.setup.settings.semi[1] / solved.setup.settings.b_over_h:.2f} mm along the groove, nodes twice as "
-        "dense.",
+        caption="Seen from the ball. The patch is finest in its middle, where contact may occur: cells are "
+        f"{MM * solved.setup.settings.semi[1] / solved.setup.settings.b_over_h:.2f} mm long along the groove, and nodes "
+        "are half as far apart.",
     )
 
 
 def ball_picture(solved: Solved, found: Stresses) -> FieldPicture:
-    """Return the picture of the ball with its patches, seen towards its contact with the screw."""
+    """Return the picture of the mesh of a ball with its fine patches, with the contact with the screw in front."""
     x3, y3, _ = groove_frame(solved)
     m = solved.setup.map
     centre = np.array([m.R, 0.0, 0.0])
@@ -362,7 +390,7 @@ def ball_picture(solved: Solved, found: Stresses) -> FieldPicture:
     sight = (contact_point(solved, 0) - centre) / m.ball + 0.75 * y3
     return FieldPicture(
         "mesh-ball",
-        "Mesh of a ball with its patches",
+        "Mesh of a ball with fine patches at its contacts",
         parts,
         sight=tuple(sight),
         up=tuple(x3),
@@ -371,16 +399,16 @@ def ball_picture(solved: Solved, found: Stresses) -> FieldPicture:
         scale_bar=1e-3,
         caption=(
             f"{len(found.ball.cells)} second-order tetrahedra and a patch of {len(found.patches[0].cells)} second-order "
-            "hexahedra at each contact, whose nodes in the contact zone lie opposite those of the groove, one to one."
+            "hexahedra at each contact. Every node in the contact zone lies opposite a node of the groove."
         ),
     )
 
 
 def solve_contact_pressures(study: Study, name: str) -> tuple[int, dict[str, ContactPressure]]:
-    """Press one ball on a fine mesh by its loads in the stored reference, and return its number and pressures.
+    """Compute the contact pressures of one ball on a fine mesh, and return its index and the pressures by flank.
 
-    It is the ball whose least loaded contact carries most. Without a stored reference its loads are those of the
-    default model.
+    The ball is pressed by its contact loads in the stored 3D reference, or by those of the default model if none is stored.
+    The ball is the one whose least loaded contact carries the largest load.
     """
     from rollbench.hifi.fields import ball_contact_pressures
 
@@ -396,7 +424,7 @@ def solve_contact_pressures(study: Study, name: str) -> tuple[int, dict[str, Con
 
 
 def loaded_balls_picture(solved: Solved) -> LoadedScrew:
-    """Return the picture of the contact loads of the 3D reference on all balls."""
+    """Return the picture of the contact loads on all balls by the 3D reference."""
     scene, result = solved.scene, solved.result
     layout, m = ball_layout(scene), solved.setup.map
     ball = float(specimen(scene, layout).ball_radius.max())
@@ -410,7 +438,7 @@ def loaded_balls_picture(solved: Solved) -> LoadedScrew:
         forces.append((-load * direction)[held])
     return LoadedScrew(
         "loaded-screw-3d",
-        "Case 1: contact loads on the balls by the 3D reference",
+        "Contact loads on the balls of Lin's case 1 by the 3D reference",
         scene,
         result.load,
         np.concatenate(points),
@@ -421,7 +449,7 @@ def loaded_balls_picture(solved: Solved) -> LoadedScrew:
 
 
 def stress_caption(solved: Solved, found: Stresses) -> str:
-    """Return a caption with the largest equivalent stresses below the screw contact, in 3D and by Hertz."""
+    """Return the caption with the largest von Mises stresses near the screw contact, by the 3D reference and by Hertz."""
     from rollbench.hifi.fields import contact_pressure, hertz_von_mises
 
     setup = solved.setup
@@ -431,21 +459,24 @@ def stress_caption(solved: Solved, found: Stresses) -> str:
     closed = hertz_von_mises(h, depth, solved.scene.balls.material.poissons_ratio)
     top, at = float(closed.max()), float(depth[closed.argmax()])
     return (
-        f"Largest nodal values {MPA * found.grooves[0].von_mises.max():.0f} MPa in the groove and "
-        f"{MPA * found.patches[0].von_mises.max():.0f} MPa in the ball; Hertz's half space {MPA * top:.0f} MPa "
-        f"({top / h.pole_pressure:.3f} of the pole pressure), {1e6 * at:.0f} µm below the surface."
+        f"Largest nodal values: {MPA * found.grooves[0].von_mises.max():.0f} MPa in the groove and "
+        f"{MPA * found.patches[0].von_mises.max():.0f} MPa in the ball. Half-space under Hertz pressure: "
+        f"{MPA * top:.0f} MPa ({top / h.pole_pressure:.3f} of the pole pressure), {1e6 * at:.0f} µm below the surface."
     )
 
 
 def pressure_map(name: str, title: str, found: dict[str, ContactPressure], caption: str) -> PressureMap:
-    """Return the pressures of the contacts of a ball, with the ellipses of Hertz."""
+    """Return the pressure maps of all contacts of one ball, with the contact ellipses by Hertz.
+
+    ``found`` has the pressures by name of the contact.
+    """
     panels = tuple(pressure_panel(contact, x) for contact, x in found.items())
     axes = "across the groove / mm", "along the groove / mm", "pressure / MPa"
     return PressureMap(name, title, panels, *axes, "contact ellipse by Hertz", caption=caption)
 
 
 def make_section(study: Study, step: Step) -> Section:
-    """Return the section of the report."""
+    """Return the section with pictures of the meshes, pressures, stresses and contact loads of the 3D reference."""
     solved = solve_pictured(study, step)
     found = compute_stresses(solved, step)
     ball, b = f"ball {solved.ball + 1}", solved.setup.map.ball
@@ -454,49 +485,50 @@ def make_section(study: Study, step: Step) -> Section:
     step(f"pressures of a ball of {FOUR}, mesh level {FINE_LEVEL}")
     ball4, four = solve_contact_pressures(study, FOUR)
     text = (
-        f"Meshes and stresses are those of {SCENE} on mesh level {LEVEL}, the coarsest of the mesh study, so that its "
-        f"lines can be told apart; contact pressures are on level {FINE_LEVEL}. Sections lie in the plane of the groove's "
-        "section, radius upwards and the screw's axis to the right."
+        f"Meshes and stresses are shown for the scene {SCENE} on mesh level {LEVEL}, the coarsest of the mesh study, on "
+        f"which single cells can be seen; contact pressures are shown on level {FINE_LEVEL}. Sections lie in the plane of "
+        "the groove's cross-section, with the radial direction upwards and the screw axis to the right."
     )
     mesh = (
-        "Lines are the cells' faces cut by the plane. Orange and green: fine patches of grooves and ball. The grooves' "
-        "patches follow the azimuth, so the section crosses them at the lead angle."
+        "Lines are faces of cells cut by the plane. Orange and green: fine patches of grooves and ball. The patches of the "
+        "grooves are aligned with the azimuth, so the section crosses them at the lead angle."
     )
     pressure = (
-        f"Mesh level {FINE_LEVEL}. Nodal force over tributary area; dots are nodes (the note of the table explains their "
-        "scatter). The ellipse is Hertz's closed form for the same load and the local curvatures, centred on the resultant "
-        "force. Loads are those of the finest stored reference, applied to the 3D ball between its 3D groove patches, "
-        "which are held where they join screw and nut."
+        f"Mesh level {FINE_LEVEL}. Pressure: nodal force over tributary area; dots are nodes (the note of the table "
+        "explains their scatter). Ellipse: Hertz's closed form for the same load and the local curvatures, centred on the "
+        "resultant force. The loads of the finest stored reference are applied to the 3D ball between its 3D groove "
+        "patches, which are fixed where they join screw and nut."
     )
     stress = (
         "Linear elastic, nominal geometry. The bodies are solved once more under the contact loads of all balls: the "
-        "screw is held at the low end of its 3D stretch, its other end is free; the nut is held at its "
-        f"{solved.setup.dims.nut_held}. The scale goes by tens."
+        "screw is fixed at the lower end of its 3D section and free at the other; the nut is fixed at its "
+        f"{solved.setup.dims.nut_held}. The colour scale is logarithmic."
     )
-    whole = section_picture(solved, found, "mesh-section", f"Mesh around {ball}, plane section", mesh, height=3.3 * b)
+    title = f"Mesh around {ball} in the cross-section of the groove"
+    whole = section_picture(solved, found, "mesh-section", title, mesh, height=3.3 * b)
     stressed = _pieces_around_ball(found, values=True)
     shown = replace(whole, parts=stressed, label="von Mises stress [MPa]", words=())
-    title = f"Von Mises stress around {ball}, plane section"
+    title = f"Von Mises stress around {ball} in the cross-section of the groove"
     around = replace(shown, name="stress-section", title=title, caption=stress, limits=(2.0, 2000.0), log=True)
     title = f"Von Mises stress at the contact of {ball} with the screw"
     near = section_picture(solved, found, "stress-contact", title, stress_caption(solved, found), side=0, height=0.5 * b)
     near = replace(near, parts=stressed, label=shown.label, limits=(0.0, 1800.0), scale_bar=0.2e-3)
     return Section(
         "pictures",
-        "Pictures of the 3D reference",
+        "Meshes, contact pressures and stresses of the 3D reference",
         (
             Text((text,)),
             mesh_overview(solved),
             whole,
             contact_picture(solved, found),
             ball_picture(solved, found),
-            pressure_map("pressure-two", f"Contact pressure of ball {ball2 + 1} of {SCENE}, screw and nut", two, pressure),
+            pressure_map("pressure-two", f"Contact pressure of ball {ball2 + 1} of {SCENE}, both contacts", two, pressure),
             pressure_profiles_figure(two),
             pressure_map(
                 "pressure-four",
-                f"Contact pressure of ball {ball4 + 1} of {FOUR}, all four flanks",
+                f"Contact pressure of ball {ball4 + 1} of {FOUR} on all four flanks",
                 four,
-                f"Mesh level {FINE_LEVEL}; made as the pressures of {SCENE}.",
+                f"Mesh level {FINE_LEVEL}; computed in the same way as for {SCENE}.",
             ),
             pressure_table({SCENE: two, FOUR: four}),
             around,

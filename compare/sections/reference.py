@@ -1,4 +1,4 @@
-"""Section on low-order models against the 3D reference: errors with its uncertainty, loads, axis of the screw, times."""
+"""Report section on low-order models against the 3D reference: errors, contact loads, screw deflection and run times."""
 
 from __future__ import annotations
 
@@ -37,29 +37,32 @@ References = Mapping[str, Reference]
 
 
 def case_studies(study: Study) -> dict[str, Reference]:
-    """Return the stored references of the case studies."""
+    """Return the stored 3D references of the case studies, by name of the scene."""
     return study.references(REFERENCED)
 
 
 def modelling_uncertainties(study: Study) -> dict[str, Modelling]:
-    """Return the modelling uncertainty of the scenes whose modelling choices were varied."""
+    """Return the modelling uncertainty of the 3D reference for the scenes on which modelling choices were varied."""
     return study.once(_compute_modelling_uncertainty)
 
 
 def _compute_modelling_uncertainty(study: Study) -> dict[str, Modelling]:
-    """Compute the modelling uncertainty for `modelling_uncertainties`."""
+    """Compute the modelling uncertainty of every scene in `VARIED` from stored runs; scenes without them are left out."""
     scenes = [study.scene(name) for name in VARIED]
     found = {scene.name: combine_effects(scene, varied(scene, study.stores)) for scene in scenes}
     return {name: m for name, m in found.items() if m is not None}
 
 
 def solve_by_model(study: Study, name: str, model: str) -> Loads:
-    """Return loads and displacements of a scene by a low-order model."""
+    """Return contact loads and displacements of a scene by a low-order model; ``name`` and ``model`` are their names."""
     return from_result(study.solve(name, model))
 
 
 def error_table(study: Study, found: References) -> Table:
-    """Return the table of errors against the finest level: of low-order models, the source's mesh, coarser levels."""
+    """Return the table of errors against the finest level of the 3D reference, for each scene.
+
+    It lists the low-order models, the mesh of Lin's thesis, and coarser mesh levels.
+    """
     rows: list[Row] = []
     modelled = modelling_uncertainties(study)
     for name, ref in found.items():
@@ -78,17 +81,17 @@ def error_table(study: Study, found: References) -> Table:
                 rows.append(_error_row((name, LABELS[coarser.model]), e, load_ratio(coarser.load), "–", bars))
         rows.append(_error_row((name, LABELS[f"3D level {ref.best.level}"]), None, load_ratio(ref.load), None, bars))
     note = (
-        "Errors against the finest level of the 3D reference. Printed: the source's low-order model against "
-        "its ANSYS model, whose loads are not printed; its errors are relative to the own load. Grid "
-        "uncertainty: the reference's, largest of any contact. Its modelling uncertainty, the effect of "
-        "idealisations and unprinted dimensions, is stated separately (section reference-mesh) and deducted "
-        "nowhere; section u-val combines both with the input tolerances."
+        "Errors against the finest mesh level of the 3D reference. Printed: errors that Lin's thesis prints for its "
+        "low-order model against its ANSYS model (whose loads are not printed), relative to the load of each contact. Grid "
+        "uncertainty: largest over the contacts of the 3D reference. Modelling uncertainty: effect of idealisations and of "
+        "dimensions that are not printed (section reference-mesh). No error is reduced by an uncertainty; section u-val "
+        "combines both uncertainties with the input tolerances."
     )
     return Table.of("reference-errors", "Errors of the low-order models against the 3D reference on each scene", rows, note)
 
 
 LABELS = {
-    "3D source mesh": "3D reference, the source's mesh",
+    "3D source mesh": "3D reference, mesh of Lin's thesis",
     **{f"3D level {level}": f"3D reference, level {level}" for level in LEVELS},
 }
 
@@ -96,7 +99,21 @@ LABELS = {
 def _error_row(
     named: tuple[str, str], e: LoadError | None, ratio: float, printed: str | None, bars: tuple[float | None, float | None]
 ) -> Row:
-    """Return a row of `error_table`; ``bars``: uncertainty by grid and by modelling choices."""
+    """Return one row of `error_table`: errors of one model on one scene.
+
+    Parameters
+    ----------
+    named
+        Names of scene and model.
+    e
+        Errors of the contact loads; None for the finest mesh level itself.
+    ratio
+        Ratio of the largest to the smallest load on flank SL.
+    printed
+        Printed errors as text.
+    bars
+        Grid uncertainty and modelling uncertainty of the 3D reference [% of the mean load].
+    """
     errors: Sequence[float | None] = (None,) * 4
     if e is not None:
         errors = e.max_percent, e.rms_percent, e.own_max_percent, e.own_rms_percent
@@ -104,19 +121,19 @@ def _error_row(
         "scene": named[0],
         "model": named[1],
         Quantity("max", "largest error", "% of mean", ".2f"): errors[0],
-        Quantity("at", "at ball", "", "s"): None if e is None else f"{e.ball} {e.side}",
+        Quantity("at", "ball and flank of the largest", "", "s"): None if e is None else f"{e.ball} {e.side}",
         Quantity("rms", "RMS error", "% of mean", ".2f"): errors[1],
         Quantity("own_max", "largest error", "% of own load", ".2f"): errors[2],
         Quantity("own_rms", "RMS error", "% of own load", ".2f"): errors[3],
-        Quantity("printed", "printed max / RMS", "%", "s"): printed,
+        Quantity("printed", "printed error, largest / RMS", "%", "s"): printed,
         Quantity("bar", "grid uncertainty", "% of mean", ".2f"): bars[0],
-        Quantity("modelling", "its modelling uncertainty", "% of mean", ".2f"): bars[1],
-        Quantity("load_ratio", "largest : smallest on SL", "", ".3f"): ratio,
+        Quantity("modelling", "modelling uncertainty", "% of mean", ".2f"): bars[1],
+        Quantity("load_ratio", "ratio of largest to smallest load, SL", "", ".3f"): ratio,
     }
 
 
 def load_tables(study: Study, found: References) -> list[Table]:
-    """Return a table for each scene with every contact load by every model."""
+    """Return a table for each scene with the load of every contact by every model, and its contact angle."""
     out = []
     for name, ref in found.items():
         scene = study.scene(name)
@@ -136,39 +153,44 @@ def load_tables(study: Study, found: References) -> list[Table]:
                     "ball": i + 1,
                     "side": SIDES[s],
                     **{q: float(a.load[i, s]) for q, a in zip(loads, answers, strict=True)},
-                    Quantity("bar", "uncertainty of the reference", "N", ".2f"): bar,
+                    Quantity("bar", "uncertainty of the 3D reference", "N", ".2f"): bar,
                     Quantity("error", "error of the refined model", "% of own load", "+.2f"): error,
-                    Quantity("angle", "contact angle, reference", "deg", ".2f"): _number_or_none(ref.best.angle[i, s]),
+                    Quantity("angle", "contact angle, 3D reference", "deg", ".2f"): _number_or_none(ref.best.angle[i, s]),
                     Quantity("low_angle", "contact angle, refined model", "deg", ".2f"): _number_or_none(low.angle[i, s]),
                 }
             )
-        out.append(Table.of(f"reference-loads-{name}", f"{name}: contact loads and angles", rows))
+        out.append(Table.of(f"reference-loads-{name}", f"Contact loads and contact angles of {name} by every model", rows))
     return out
 
 
 def _number_or_none(value: Any) -> float | None:
+    """Return a value as a plain number; None if it is not finite."""
     return float(value) if np.isfinite(value) else None
 
 
 def line_table(study: Study, found: References) -> Table:
-    """Return the table of the screw axis displacement at the reference's stations, by refined model and reference."""
+    """Return the table of displacements of the screw's centreline along its length, by refined model and 3D reference."""
     rows: list[Row] = []
     for name, ref in found.items():
         low = solve_by_model(study, name, "refined")
         line = ref.best.centreline
         for row in line:
-            cells: Row = {"scene": name, Quantity("z", "station", "mm", ".1f"): 1e3 * float(row[0])}
+            cells: Row = {"scene": name, Quantity("z", "axial position", "mm", ".1f"): 1e3 * float(row[0])}
             for k, axis in enumerate("xyz"):
                 beam = float(np.interp(row[0], low.stations, low.line[:, k]))
-                cells[Quantity(f"r{axis}", f"u{axis}, reference", "µm", ".2f")] = 1e6 * float(row[1 + k])
+                cells[Quantity(f"r{axis}", f"u{axis}, 3D reference", "µm", ".2f")] = 1e6 * float(row[1 + k])
                 cells[Quantity(f"l{axis}", f"u{axis}, refined model", "µm", ".2f")] = 1e6 * beam
             rows.append(cells)
-    note = "Mean motion of the meshed screw's hole inside the nut's reach, of the beam's nodes outside."
-    return Table.of("reference-centreline", "Displacement of the screw's centreline by each model", rows, note)
+    note = (
+        "3D reference: mean displacement of the surface of the axial hole where the screw is meshed, near the nut; "
+        "displacement of the beam nodes elsewhere."
+    )
+    title = "Displacement of the screw's centreline by the refined model and by the 3D reference"
+    return Table.of("reference-centreline", title, rows, note)
 
 
 def load_figures(study: Study, found: References) -> list[Figure]:
-    """Draw the loads of all models on one axis, with the reference's uncertainty as a band."""
+    """Draw the contact loads of each scene by all models, with the uncertainty of the 3D reference as a band."""
     out = []
     for name, ref in found.items():
         scene = study.scene(name)
@@ -182,15 +204,16 @@ def load_figures(study: Study, found: References) -> list[Figure]:
             series = [load_curve(f"3D reference, level {ref.best.level}", ref, s, emphasis=True)]
             if ref.uncertainty is not None:
                 low, high = ref.load[:, s] - ref.uncertainty[:, s], ref.load[:, s] + ref.uncertainty[:, s]
-                series.insert(0, Series("its uncertainty", series[0].x, plain_numbers(low), "band", plain_numbers(high)))
+                words = "uncertainty of the 3D reference"
+                series.insert(0, Series(words, series[0].x, plain_numbers(low), "band", plain_numbers(high)))
             series += [load_curve(m.label, a, s) for m, a in answers.items() if (a.load[:, s] > 0.0).any()]
             panels.append(load_panel(SIDES[s], *series))
-        out.append(Figure(f"reference-loads-{name}", f"{name}: contact loads of all models", tuple(panels)))
+        out.append(Figure(f"reference-loads-{name}", f"Contact load of every ball of {name} by all models", tuple(panels)))
     return out
 
 
 def line_figure(study: Study, found: References) -> Figure:
-    """Draw the lateral deflection of the screw: beam against 3D."""
+    """Draw the lateral displacement of the screw's centreline over its length, by refined model and 3D reference."""
     panels = []
     for name, ref in found.items():
         low = solve_by_model(study, name, "refined")
@@ -198,12 +221,12 @@ def line_figure(study: Study, found: References) -> Figure:
         model = lateral_displacement_curves(low.stations, low.line, "u{}, refined model")
         solid = lateral_displacement_curves(line[:, 0], line[:, 1:], "u{}, 3D reference", "markers", emphasis=True)
         series = (x for pair in zip(model, solid, strict=True) for x in pair)
-        panels.append(Panel(name, "station / mm", "displacement / µm", tuple(series)))
+        panels.append(Panel(name, "axial position / mm", "displacement / µm", tuple(series)))
     return Figure("reference-centreline", "Lateral displacement of the screw's centreline over its length", tuple(panels))
 
 
 def gate_text(found: References, study: Study) -> str:
-    """Return a sentence on the contacts beyond the gate's limit, from the data."""
+    """Return the paragraph on the errors of Lin's model by the gate's rule: largest error, contacts beyond the limit."""
     worst = []
     for name, ref in found.items():
         points = gate_points(name, ref, LIMIT, study.solve(name, "lin").load)
@@ -214,13 +237,17 @@ def gate_text(found: References, study: Study) -> str:
             f"{len(over)} of {len(points)} contacts beyond {LIMIT:g} %"
         )
     return (
-        f"The source's model at the gate ({RULE}; the reference's "
-        f"uncertainty is deducted): {'; '.join(worst)}. Known exceedances named in its data: {len(known_exceedances())}."
+        f"Errors of Lin's model by the gate's rule ({RULE}; a contact counts as beyond the limit if its error minus the "
+        f"uncertainty of the reference exceeds it): {'; '.join(worst)}. Number of known contacts beyond the limit: "
+        f"{len(known_exceedances())}."
     )
 
 
 def rigid_nut_error(study: Study, name: str, ball: int, side: str) -> float | None:
-    """Return the low-order error of a contact against a reference whose nut is rigid too [%]; None without such a run."""
+    """Return the error of Lin's model on one contact against a 3D reference with a rigid nut [% of the contact's load].
+
+    Lin's model has a rigid nut, so this error excludes the effect of nut elasticity. Returns None if no such run is stored.
+    """
     run = load_run(study.scene(name), min(LEVELS), stores=study.stores)
     if run is None or "elastic nut" not in run.without:
         return None
@@ -230,7 +257,7 @@ def rigid_nut_error(study: Study, name: str, ball: int, side: str) -> float | No
 
 
 def exceedance_table(found: References, study: Study) -> Table:
-    """Return the table of contacts beyond the gate's limit, with known causes and the error with a rigid nut."""
+    """Return the table of contacts on which Lin's model exceeds the gate's limit, with the known cause of each error."""
     causes = {(x.scene, x.ball, x.side): x.cause for x in known_exceedances()}
     rows: list[Row] = []
     for name, ref in found.items():
@@ -242,49 +269,48 @@ def exceedance_table(found: References, study: Study) -> Table:
                         "scene": name,
                         "ball": p.ball,
                         "side": p.side,
-                        Quantity("ref", "reference", "N", ".1f"): float(ref.load[p.ball - 1, k]),
-                        Quantity("error", "error of the source's model", "% of own load", "+.1f"): p.error_percent,
+                        Quantity("ref", "load by the 3D reference", "N", ".1f"): float(ref.load[p.ball - 1, k]),
+                        Quantity("error", "error of Lin's model", "% of own load", "+.1f"): p.error_percent,
                         Quantity("bar", "grid uncertainty", "% of own load", ".2f"): p.uncertainty_percent,
-                        Quantity("rigid", "the same, nut rigid in both", "% of own load", "+.1f"): rigid,
-                        "cause": causes.get((name, p.ball, p.side), "not named: the gate fails"),
+                        Quantity("rigid", "error if the nut is rigid in both", "% of own load", "+.1f"): rigid,
+                        "cause": causes.get((name, p.ball, p.side), "not listed as known: the gate fails"),
                     }
                 )
     note = f"The gate's rule: {RULE}."
-    return Table.of(
-        "reference-exceedances", f"Contacts whose load by Lin's model is off by more than {LIMIT:g} %", rows, note
-    )
+    title = f"Contacts whose load by Lin's model differs from the 3D reference by more than {LIMIT:g} %"
+    return Table.of("reference-exceedances", title, rows, note)
 
 
 def make_section(study: Study, step: Callable[[str], None]) -> Section:
-    """Return the section of the report, from stored runs."""
+    """Return the section that compares the low-order models with the 3D reference on the case studies."""
     step("low-order models against the 3D reference")
     found = case_studies(study)
     title = "Contact loads by the low-order models and by the 3D reference"
     if not found:
-        return Section("reference", title, (Text(("No run of the 3D reference was found.",)),))
+        return Section("reference", title, (Text(("No run of the 3D reference is stored.",)),))
     runs: list[Run] = [run for ref in found.values() for run in ref.runs]
     versions = sorted({f"rollbench {r.versions['rollbench']}, gmsh {r.versions['gmsh']}, {r.date}" for r in runs})
     text = [
         (
-            "The reference is a 3D elastic-contact model. gmsh meshes screw and nut with exact helical grooves, "
-            "flat ends and a socket at every contact; one fine patch of 27-node hexahedra per flank is "
-            "condensed exactly and reused for all balls. Balls are elastic and free to move, contact is "
-            "unilateral and frictionless, and normals follow the motion. It shares nothing with the low-order "
-            f"models but the description of the parts. Computed: {'; '.join(versions)}."
+            "The 3D reference is a finite-element model with elastic contact. gmsh meshes screw and nut with exact helical "
+            "grooves, flat ends and a cut-out at every contact. A fine patch of 27-node hexahedra fills the cut-out; one "
+            "patch per flank is condensed exactly and used for all balls. Balls are elastic and free to move, contact is "
+            "unilateral and frictionless, and contact normals follow the motion. The reference shares only the description "
+            f"of the parts with the low-order models. Computed: {'; '.join(versions)}."
         ),
-        "The uncertainty is the reference's grid convergence by least squares (Eca and Hoekstra 2014) with one order for "
-        "all contacts of a scene, and each contact's own scatter about that fit; with two levels, three times their "
-        "difference. Sides are " + ", ".join(SIDES) + ".",
+        "The grid uncertainty follows from the convergence of the mesh levels, fitted by least squares (Eca and Hoekstra "
+        "2014) with one order for all contacts of a scene, and from the scatter of each contact about this fit; with two "
+        "levels, it is three times their difference. Flanks are " + ", ".join(SIDES) + " (screw and nut, left and right).",
         gate_text(found, study),
     ]
     if study.quick:
         text.insert(
             0,
-            "QUICK RUN: coarse meshes only, so there is no grid uncertainty; these numbers are for a look, not "
-            "for a decision.",
+            "QUICK REPORT: only coarse meshes were computed, so the grid uncertainty is unknown. Do not base decisions on "
+            "these numbers.",
         )
     elif any(ref.best.level < PRODUCTION for ref in found.values()):
-        text.insert(0, f"Some references were not computed up to level {PRODUCTION}; their uncertainty is larger.")
+        text.insert(0, f"Some references were not computed up to mesh level {PRODUCTION}; their uncertainty is larger.")
     over = exceedance_table(found, study)
     items: list[Any] = [Text(tuple(text)), error_table(study, found)]
     items += [over] if over.rows else []

@@ -1,4 +1,4 @@
-"""Section on the accuracy of the 3D reference: mesh levels, mesh study, modelling choices, effect of each ingredient."""
+"""Report section on the uncertainty of the 3D reference: mesh levels, mesh study, modelling choices, left-out effects."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from rollbench.compare.reference.store import Measured, Run, load_run, most_of
 from rollbench.compare.reference.variants import NOT_VARIED, VARIANTS
 from rollbench.compare.sections.curves import study_figure
 from rollbench.compare.sections.reference import case_studies, modelling_uncertainties
-from rollbench.compare.sections.u_val import MANY, Held, coverage, share_of
+from rollbench.compare.sections.u_val import MANY, UncertaintyTest, coverage, share_of
 from rollbench.compare.studies.mesh_study import accuracy_sentence, reference_from_stored_runs, study_table
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.reports.content import Cell, Figure, Quantity, Row, Section, Table, Text
@@ -27,21 +27,24 @@ References = Mapping[str, Reference]
 
 
 def _load_change_cells(error: LoadError, form: str = ".2f") -> Row:
-    """Return table cells with the load changes that a choice causes."""
+    """Return the table cells on the load changes that a modelling or numerical choice causes: largest, RMS, and ball."""
     return {
         Quantity("max", "largest change of a load", "% of mean", form): error.max_percent,
-        Quantity("rms", "RMS change", "% of mean", form): error.rms_percent,
-        Quantity("at", "at ball", "", "s"): f"{error.ball} {error.side}",
+        Quantity("rms", "RMS change of the loads", "% of mean", form): error.rms_percent,
+        Quantity("at", "ball and flank of the largest", "", "s"): f"{error.ball} {error.side}",
     }
 
 
 def _refines_one_choice(variant: str) -> bool:
-    """Return whether a variant refines a single numerical choice."""
+    """Return whether a variant of the 3D reference refines a single numerical choice; ``variant`` is its name."""
     return variant in VARIANTS and bool(VARIANTS[variant].refined)
 
 
 def level_table(study: Study, found: References) -> Table:
-    """Return the mesh levels of every scene: size, cost, change to the next level, quality, residuals."""
+    """Return the table of the mesh levels of every scene: unknowns, times, load changes to finer levels, mesh quality.
+
+    ``found`` has the 3D reference of each scene.
+    """
     rows: list[Row] = []
     common = most_of(run.measured for ref in found.values() for run in ref.runs)
     for name, ref in found.items():
@@ -61,26 +64,29 @@ def level_table(study: Study, found: References) -> Table:
                     "scene": name,
                     "level": "source" if run.level == SOURCE_LEVEL else str(run.level),
                     Quantity("across", "elements across 2b", "", ".1f"): run.quality["elements across 2b"],
-                    Quantity("sides", "flanks meshed", "", "s"): len(run.sides),
-                    Quantity("unknowns", "unknowns, equivalent monolithic mesh", "", "s"): run.unknowns,
-                    Quantity("setup", "set-up", "s", ".1f"): times[0],
-                    Quantity("solve", "load case", "s", ".1f"): times[1],
+                    Quantity("sides", "number of flanks meshed", "", "s"): len(run.sides),
+                    Quantity("unknowns", "unknowns of the equivalent single mesh", "", "s"): run.unknowns,
+                    Quantity("setup", "time of the set-up", "s", ".1f"): times[0],
+                    Quantity("solve", "time of a load case", "s", ".1f"): times[1],
                     Quantity("memory", "peak memory", "MB", ".0f"): "not measured" if run.peak_MB is None else run.peak_MB,
-                    Quantity("change", "difference from the next level: largest", "% of mean", ".2f"): largest,
-                    Quantity("rms", "RMS", "% of mean", ".2f"): rms,
-                    Quantity("sum", "of the sum", "%", "+.2f"): change,
-                    Quantity("best", "difference from the finest level", "% of mean", ".2f"): best.max_percent,
-                    Quantity("frozen", "effect of moving normals", "% of mean", ".2f"): frozen.max_percent,
-                    Quantity("balance", "balance of balls and screw", "", "g2"): max(run.balance, run.screw_balance),
+                    Quantity("change", "largest change of a load to the next level", "% of mean", ".2f"): largest,
+                    Quantity("rms", "RMS change to the next level", "% of mean", ".2f"): rms,
+                    Quantity("sum", "change of the sum of loads to the next level", "%", "+.2f"): change,
+                    Quantity("best", "largest change to the finest level", "% of mean", ".2f"): best.max_percent,
+                    Quantity("frozen", "effect of updating contact normals", "% of mean", ".2f"): frozen.max_percent,
+                    Quantity("balance", "unbalanced force of balls or screw", "", "g2"): max(
+                        run.balance, run.screw_balance
+                    ),
                     Quantity("along", "force along the groove", "", "g2"): run.along_groove,
                     Quantity("jacobian", "smallest scaled Jacobian", "", ".2f"): jacobian,
-                    Quantity("deviation", "coarse bodies off the exact groove", "um", "g2"): 1e6 * run.quality["deviation"],
+                    Quantity("deviation", "deviation of coarse meshes from the groove", "um", "g2"): 1e6
+                    * run.quality["deviation"],
                 }
             )
     note = (
-        "Elements across the short axis 2b of the contact ellipse, as expected in the least loaded scene of "
-        "the geometry. Balances are relative to the largest contact load. Seconds and peak memory are each "
-        f"run's own; scenes of one geometry share set-up and memory. {_measured_times_sentence(common)}"
+        "Elements across the short axis 2b of the contact ellipse: expected number in the least loaded scene with the same "
+        "geometry. Forces are relative to the largest contact load. Set-up time and peak memory of scenes with the same "
+        f"geometry are those of one common set-up. {_measured_times_sentence(common)}"
     )
     return Table.of(
         "reference-levels", "Contact loads, unknowns and times on each mesh level of the 3D reference", rows, note
@@ -88,7 +94,7 @@ def level_table(study: Study, found: References) -> Table:
 
 
 def convergence_table(found: References) -> Table:
-    """Return the table of every scene's mesh uncertainty of contact loads, by contribution."""
+    """Return the table of the mesh uncertainty of contact loads in every scene, with its contributions."""
     rows: list[Row] = []
     for name, ref in found.items():
         p = ref.parts
@@ -96,35 +102,40 @@ def convergence_table(found: References) -> Table:
             {
                 "scene": name,
                 "levels": len(ref.runs),
-                Quantity("contact", "contact's cells", "% of mean", ".3f"): p.contact,
-                Quantity("bodies", "bodies' cells", "% of mean", ".3f"): p.bodies,
-                Quantity("sockets", "coarse sockets", "% of mean", ".3f"): p.sockets,
+                Quantity("contact", "cells of the contacts", "% of mean", ".3f"): p.contact,
+                Quantity("bodies", "cells of the bodies", "% of mean", ".3f"): p.bodies,
+                Quantity("sockets", "cut-outs for the fine patches", "% of mean", ".3f"): p.sockets,
                 Quantity("common", "common to all contacts", "% of mean", ".3f"): p.common,
                 Quantity("bar", "uncertainty (95 %), RMS", "% of mean", ".3f"): p.bar,
-                Quantity("beside", "beside a free face of the nut, largest", "% of mean", ".3f"): beside_face(ref)[0],
-                Quantity("largest", "largest", "% of mean", ".3f"): uncertainty_percent(ref),
-                Quantity("from", "taken from", "", "s"): "other scenes"
+                Quantity("beside", "largest next to a free nut face", "% of mean", ".3f"): beside_face(ref)[0],
+                Quantity("largest", "largest uncertainty", "% of mean", ".3f"): uncertainty_percent(ref),
+                Quantity("from", "estimated from", "", "s"): "other scenes"
                 if p.by_experience
                 else "its levels and other scenes",
             }
         )
     note = (
-        "Standard deviations of the difference between the finest level and the next finer one, RMS over "
-        "the contacts; the uncertainty is twice the root of the sum of their squares. Parts of bodies and "
-        "sockets are distributed over the contacts by stiffness, the cube root of the load. From level to "
-        "level, contact cells are refined by 4/3, body cells by 1.15, and the cut of the coarse sockets not "
-        "at all; no two levels share a cell, so loads scatter between levels and show no order. The first "
-        "two parts come from changes between the scene's own levels and fall with the square of the cell "
-        "size; the part of the sockets is half the variance caused by a different cut; the common part "
-        "comes from the mean changes of all scenes in which equilibrium does not fix the sum of loads. "
-        "Beside a free nut face, the compliance of the lip that the cells miss is added where it exceeds "
-        "all other parts (measured on nuts solved alone with ever finer bodies)."
+        "The contributions are standard deviations of the difference between the finest mesh level and the next finer one, "
+        "RMS over the contacts; the uncertainty is twice the root of the sum of their squares. Fine patches are set into "
+        "cut-outs (sockets) of the coarse meshes. The contributions of bodies and cut-outs are distributed over the "
+        "contacts in proportion to the contact stiffness, the cube root of the load. From level to "
+        "level, contact cells are refined by 4/3 and body cells by 1.15; the size of the cut-outs does not change. No two "
+        "levels share a cell, so loads scatter between levels and show no order of convergence. The first two "
+        "contributions follow from load changes between the levels of the scene and decrease with the square of the cell "
+        "size. The contribution of the cut-outs is half the variance caused by another size of the cut-out. The common "
+        "contribution follows from the mean load changes of all scenes in which equilibrium does not determine the sum of "
+        "loads. Next to a free nut face, the compliance of the thin lip that the cells do not resolve is added where it "
+        "exceeds all other contributions; it was measured on nuts alone with increasingly fine meshes."
     )
-    return Table.of("reference-convergence", "Discretisation's part in the contact loads", rows, note)
+    title = "Mesh uncertainty of the contact loads of the 3D reference, by contribution"
+    return Table.of("reference-convergence", title, rows, note)
 
 
 def coverage_table(study: Study) -> Table | None:
-    """Return the table of coarser levels' uncertainties, tested by finer levels; None if runs are missing."""
+    """Return the table that tests the stated uncertainty of each mesh level by the loads on a finer level.
+
+    Returns None if runs are missing.
+    """
     found = coverage(study)
     if not found:
         return None
@@ -137,19 +148,18 @@ def coverage_table(study: Study) -> Table | None:
         rows.append(_coverage_row("all drawn screws", [h for h in found if h.drawn]))
     rows.append(_coverage_row("all", found))
     columns = [Quantity("scene", "scene", "", "s"), Quantity("contacts", "contacts", "", "s")]
-    columns.append(Quantity("judge", "judged by level", "", "s"))
+    columns.append(Quantity("judge", "finer level for the test", "", "s"))
     for k in levels:
-        words = f"level {k} alone (experience)" if k == min(LEVELS) else f"levels up to {k}"
-        columns.append(Quantity(f"bar {k}", f"{words}: bar", "% of mean", ".3f"))
-        columns.append(Quantity(f"held {k}", f"held by level {k}'s bar", "%", ".1f"))
+        words = f"level {k} alone and other scenes" if k == min(LEVELS) else f"levels up to {k}"
+        columns.append(Quantity(f"bar {k}", f"uncertainty from {words}", "% of mean", ".3f"))
+        columns.append(Quantity(f"held {k}", f"loads within the uncertainty of level {k}", "%", ".1f"))
     worst = min((h for h in several if h.contacts >= MANY), key=lambda h: h.share)
     note = (
-        f"{100.0 * share_of(several):.1f} % of {sum(h.contacts for h in several)} loads with bars from two levels "
-        f"or more lie within them; in the worst scene with {MANY} contacts or more, "
-        f"{100.0 * worst.share:.1f} % ({worst.scene}, levels up to {worst.level}). Bars are meant to cover "
-        "95 %. The finest level, which judges a bar, is not used to make it, nor is experience from scenes "
-        "that share its parts; rows for several scenes give medians. Errors common to all meshes are not "
-        "covered here."
+        f"Of {sum(h.contacts for h in several)} loads with an uncertainty from two mesh levels or more, "
+        f"{100.0 * share_of(several):.1f} % change by less than it on the finer level; in the worst scene with {MANY} "
+        f"contacts or more, {100.0 * worst.share:.1f} % ({worst.scene}, levels up to {worst.level}). The aim is 95 %. "
+        "Neither the finer level nor data of scenes with the same parts are used to estimate the uncertainty that is "
+        "tested. Rows for several scenes show medians. Errors common to all meshes cannot be detected by this test."
     )
     return Table(
         "reference-coverage",
@@ -160,8 +170,8 @@ def coverage_table(study: Study) -> Table | None:
     )
 
 
-def _coverage_row(name: str, group: Sequence[Held]) -> dict[str, Cell]:
-    """Return a row of `coverage_table`, of one scene or of several."""
+def _coverage_row(name: str, group: Sequence[UncertaintyTest]) -> dict[str, Cell]:
+    """Return the row of `coverage_table` for one scene, or for several scenes with medians over them."""
     row: dict[str, Cell] = {"scene": name, "contacts": sum(h.contacts for h in group if h.level == min(LEVELS))}
     row["judge"] = ", ".join(map(str, sorted({h.judge for h in group})))
     for k in sorted({h.level for h in group}):
@@ -171,28 +181,29 @@ def _coverage_row(name: str, group: Sequence[Held]) -> dict[str, Cell]:
 
 
 def shared_text(study: Study) -> str:
-    """Return a text on the error that all contacts share and that no stated uncertainty includes."""
+    """Return the paragraph on the error that is common to all contacts and that the stated uncertainty does not include."""
     low, high = SHARED
     moves = [
         f"{e.choice} {float(e.change[e.change != 0.0].mean()):+.3f} %"
         for e in varied(study.scene(REFINED), study.stores)
         if _refines_one_choice(e.variant)
     ]
-    finer = f" On {REFINED}, refining one choice at a time moves the mean load by: {', '.join(moves)}." if moves else ""
+    changes = ", ".join(moves)
+    finer = f" On {REFINED}, refining one numerical choice at a time changes the mean load by: {changes}." if moves else ""
     return (
-        "Common to all contacts and contained in no bar: independent 3D programs, CalculiX among them "
-        f"(section crosscheck), give a sum of loads of preloaded screws that is {low:g} to {high:g} % larger "
-        f"than the reference's, always with this sign.{finer} No mesh of the reference shows it."
+        "An error common to all contacts is not included in the stated uncertainty: for preloaded screws, independent 3D "
+        f"programs, CalculiX among them (section crosscheck), give a sum of loads that is {low:g} to {high:g} % larger "
+        f"than that of the 3D reference, always with this sign.{finer} No mesh of the reference shows this difference."
     )
 
 
 def _measured_times_sentence(common: Measured | None) -> str:
-    """Return a sentence on which measured times a table shows."""
-    return f"Times are those measured with {common}; others are left out."
+    """Return the sentence that states by which measurement the run times of a table were obtained."""
+    return f"Times were measured with {common}; times from other measurements are left out."
 
 
 def stage_table(found: References) -> Table:
-    """Return the time of each stage of the finest run."""
+    """Return the table of the time of each stage of the run on the finest mesh level, by scene."""
     rows: list[dict[str, Cell]] = []
     common = most_of(ref.best.measured for ref in found.values())
     for name, ref in found.items():
@@ -203,12 +214,13 @@ def stage_table(found: References) -> Table:
     names = list(dict.fromkeys(k for row in rows for k in row if k not in ("scene", "contact")))
     columns = [Quantity("scene", "scene", "", "s"), *(Quantity(k, k, "s", ".1f") for k in names)]
     columns.append(Quantity("contact", "load case", "s", ".1f"))
-    note = f"Scenes of one geometry share all stages but the last. {_measured_times_sentence(common)}"
-    return Table("reference-stages", "Stages of the finest runs", columns, rows, note)
+    note = f"Scenes with the same geometry share all stages except the load case. {_measured_times_sentence(common)}"
+    title = "Time of each stage of the 3D reference on its finest mesh level"
+    return Table("reference-stages", title, columns, rows, note)
 
 
 def study_items(study: Study, found: References) -> list[Table | Figure]:
-    """Return tables and figures of the mesh study of every scene with at least two levels."""
+    """Return the table and figure of the mesh study of every scene that was solved on at least two mesh levels."""
     out: list[Table | Figure] = []
     for name in found:
         ref = reference_from_stored_runs(study.scene(name), study.stores)
@@ -220,27 +232,28 @@ def study_items(study: Study, found: References) -> list[Table | Figure]:
             Quantity("quantity", "quantity", "", "s"),
             Quantity("unit", "unit", "", "s"),
             *(Quantity(f"level {r.level}", f"level {r.level}", "", "g5") for r in ref.runs),
-            Quantity("order", "observed order", "", ".2f"),
-            Quantity("extrapolated", "extrapolated", "", "g5"),
-            Quantity("uncertainty", "uncertainty", "", "g2"),
-            Quantity("uncertainty_percent", "relative uncertainty", "%", ".2f"),
-            Quantity("kind", "order or why none", "", "s"),
+            Quantity("order", "observed order of convergence", "", ".2f"),
+            Quantity("extrapolated", "extrapolated value", "", "g5"),
+            Quantity("uncertainty", "grid uncertainty", "", "g2"),
+            Quantity("uncertainty_percent", "relative grid uncertainty", "%", ".2f"),
+            Quantity("kind", "kind of convergence", "", "s"),
         ]
         if any(row.get("modelling_spread") is not None for row in rows):
             columns.append(Quantity("modelling_spread", "modelling uncertainty", "", "g2"))
-            columns.append(Quantity("scene_choices", "the scene's own choices, largest", "", "g2"))
-        out.append(Table(f"mesh-study-{name}", f"{name}: mesh study", columns, rows, accuracy_sentence(ref)))
+            columns.append(Quantity("scene_choices", "largest effect of choices of the scene", "", "g2"))
+        out.append(Table(f"mesh-study-{name}", f"Mesh study of {name}", columns, rows, accuracy_sentence(ref)))
         figure = study_figure(name, table, ref)
         if figure is not None:
             out.append(figure)
     return out
 
 
-KINDS = {"modelling": "modelling", "numerical": "numerical", "scene": "the scene's own"}
+#: Names of the kinds of choices in tables.
+KINDS = {"modelling": "modelling", "numerical": "numerical", "scene": "of the scene"}
 
 
 def spread_table(study: Study) -> Table | None:
-    """Return the table of load changes by modelling choices of the reference; None if there is no run."""
+    """Return the table of the load changes caused by modelling choices of the 3D reference; None if no run is stored."""
     rows: list[Row] = []
     for name in VARIED:
         scene = study.scene(name)
@@ -256,26 +269,29 @@ def spread_table(study: Study) -> Table | None:
                 {
                     "scene": name,
                     "choice": e.choice,
-                    Quantity("variant", "varied", "", "s"): e.label,
+                    Quantity("variant", "variant", "", "s"): e.label,
                     "kind": KINDS[e.kind],
                     **_load_change_cells(e.error),
-                    Quantity("ratio", "change of largest : smallest, SL", "%", "+.2f"): ratio,
-                    Quantity("model", "low-order model against this variant: largest", "% of mean", ".2f"): largest,
-                    Quantity("model_rms", "RMS", "% of mean", ".2f"): rms,
+                    Quantity("ratio", "change of largest over smallest load, SL", "%", "+.2f"): ratio,
+                    Quantity("model", "largest error of Lin's model against the variant", "% of mean", ".2f"): largest,
+                    Quantity("model_rms", "RMS error of Lin's model against the variant", "% of mean", ".2f"): rms,
                 }
             )
     note = (
-        "One choice at a time on level 1, against the unchanged scene on the same level. Only choices "
-        "marked modelling are part of the modelling uncertainty; where the nut is held and where the "
-        "screw's groove ends are choices of the scene. The coupling that beams neglect is bounded here and "
-        "included in the refined model."
+        "One choice is changed at a time on mesh level 1; changes are relative to the unchanged scene on the same level. "
+        "Only choices of the kind modelling are part of the modelling uncertainty. Where the nut is fixed and where the "
+        "groove of the screw ends are choices of the scene. The coupling of axial force and twist that beam models "
+        "neglect is estimated here; the refined model includes it."
     )
-    title = "Change of the 3D reference's loads with its idealisations and unprinted dimensions (level 1)"
+    title = "Effect of idealisations and of dimensions that are not printed on the loads of the 3D reference (level 1)"
     return Table.of("reference-spread", title, rows, note) if rows else None
 
 
 def single_choice_table(study: Study) -> Table | None:
-    """Return the table of load changes by each numerical choice of the finest level, against its uncertainty."""
+    """Return the table of the load changes when each numerical choice of the finest mesh level is refined alone.
+
+    The changes are compared with the grid uncertainty. Returns None if no run is stored.
+    """
     scene, found, rows = study.scene(REFINED), study.reference(REFINED), list[Row]()
     if found is None:
         return None
@@ -289,64 +305,71 @@ def single_choice_table(study: Study) -> Table | None:
             {
                 "scene": REFINED,
                 "choice": e.choice,
-                Quantity("variant", "refined alone", "", "s"): e.label,
+                Quantity("variant", "refinement", "", "s"): e.label,
                 **_load_change_cells(e.error, ".3f"),
-                Quantity("grid", "grid uncertainty of that load", "% of mean", ".3f"): float(grid[at]),
+                Quantity("grid", "grid uncertainty of the load that changes most", "% of mean", ".3f"): float(grid[at]),
                 Quantity("largest", "largest grid uncertainty", "% of mean", ".3f"): float(grid.max()),
                 Quantity("beyond", "contacts that change by more than their uncertainty", "", "s"): beyond,
             }
         )
     note = (
-        "One choice at a time, refined beyond the finest level, against the unchanged scene on the finest "
-        "level. The uncertainty is the printed one of the discretisation, all parts included."
+        "One numerical choice at a time is refined beyond the finest mesh level; changes are relative to the unchanged "
+        "scene on the finest level. The grid uncertainty is the stated one with all its contributions."
     )
-    return Table.of("reference-choices", "Every numerical choice refined alone", rows, note) if rows else None
+    title = "Effect of refining each numerical choice of the finest mesh level alone"
+    return Table.of("reference-choices", title, rows, note) if rows else None
 
 
 def modelling_table(study: Study) -> Table | None:
-    """Return the table of the modelling uncertainty by choice and in total, and of choices not varied."""
+    """Return the table of the modelling uncertainty of the 3D reference, by choice and in total; None without runs.
+
+    Choices that were not varied are listed with the reason.
+    """
     found = modelling_uncertainties(study)
     if not found:
         return None
     choices = dict.fromkeys(c for m in found.values() for c in m.choices)
     missing = dict.fromkeys(v.choice for v in VARIANTS.values() if v.kind == "modelling" and v.choice not in choices)
     together = {
-        "together, root of squares: largest contact": {name: m.largest for name, m in found.items()},
-        "together: RMS of the contacts": {name: m.rms for name, m in found.items()},
-        "together: largest : smallest load, SL": {name: m.ratio for name, m in found.items()},
+        "all choices combined, largest over the contacts": {name: m.largest for name, m in found.items()},
+        "all choices combined, RMS over the contacts": {name: m.rms for name, m in found.items()},
+        "all choices combined, ratio of largest to smallest load, SL": {name: m.ratio for name, m in found.items()},
     }
     values = {c: {name: m.choices[c] for name, m in found.items() if c in m.choices} for c in choices} | together
     rows: list[dict[str, Cell]] = [{"choice": choice, **of_scenes} for choice, of_scenes in values.items()]
-    rows += [{"choice": f"{c}: not varied", "why": "no run of it in this store"} for c in missing]
+    rows += [{"choice": f"{c}: not varied", "why": "no run with this variation is stored"} for c in missing]
     rows += [{"choice": f"{n.choice}: not varied", "why": n.reason} for n in NOT_VARIED]
     columns = [
         Quantity("choice", "choice", "", "s"),
         *(Quantity(name, f"{name}, largest change of a load", "% of mean", ".2f") for name in found),
-        Quantity("why", "why not", "", "s"),
+        Quantity("why", "reason if not varied", "", "s"),
     ]
     note = (
-        "Choices are independent and have no known sign, so they are added contact by contact as the root "
-        "of the sum of squares; of several variants of one choice, each contact takes the largest. The RMS "
-        "value is what a typical contact may be wrong by; the largest is quoted with the grid uncertainty. "
+        "The effects of the choices are independent and of unknown sign, so on each contact they are combined as the root "
+        "of the sum of squares; of several variants of one choice, the largest effect on the contact is taken. The RMS "
+        "value is the error to expect on a typical contact; the largest value is quoted with the grid uncertainty. "
         "This is an estimate from one typical variation of each choice, not a bound."
     )
-    return Table("reference-modelling", "Modelling uncertainty of the 3D reference", columns, rows, note)
+    return Table("reference-modelling", "Modelling uncertainty of the 3D reference, by choice", columns, rows, note)
 
 
-BEAM = "the screw a Timoshenko beam of the homogenised section, with the local response of each contact"
-RIGID = "nut rigid, screw a beam, ball rigid beyond the local response of each contact"
-#: Ingredients of the reference, with their replacement and the stages of a set-up that each takes.
+BEAM = "the screw is a Timoshenko beam with homogenised section, with the local response of each contact"
+RIGID = "the nut is rigid, the screw a beam, the ball rigid, each with the local response of each contact"
+#: Effects that the 3D reference includes: what replaces each when it is left out, and the set-up stages that it needs.
 INGREDIENTS: dict[str, tuple[str, tuple[str, ...]]] = {
-    "elastic nut": ("the nut rigid beyond the local response of each contact", ("nut",)),
+    "elastic nut": ("the nut is rigid except for the local response of each contact", ("nut",)),
     "3D shaft": (BEAM, ("screw",)),
-    "finite ball": ("the ball rigid beyond its contact patches", ("ball",)),
+    "finite ball": ("the ball is rigid except for its contact patches", ("ball",)),
     "patch coupling": (RIGID, ("screw", "nut")),
-    "moving normals": ("directions and gaps frozen in the nominal state", ()),
+    "moving normals": ("contact normals and gaps stay those of the undeformed state", ()),
 }
 
 
 def _scenes_without_ingredients(study: Study) -> Iterator[tuple[str, Run, StaticResult]]:
-    """Yield name, coarsest run and source's model of case studies that were also solved with ingredients left out."""
+    """Yield each case study that was also solved with effects of the 3D reference left out, one at a time.
+
+    Yields the name of the scene, its run on the coarsest mesh level, and the solution by Lin's model.
+    """
     for name in case_studies(study):
         run = load_run(study.scene(name), min(LEVELS), stores=study.stores)
         if run is not None and run.without:
@@ -354,7 +377,10 @@ def _scenes_without_ingredients(study: Study) -> Iterator[tuple[str, Run, Static
 
 
 def ablation_table(study: Study) -> Table | None:
-    """Return the table of each reference ingredient's effect on loads [%] and time [s]; None if there is no run."""
+    """Return the table of how loads [%] and run time [s] change if one effect is left out of the 3D reference.
+
+    Returns None if no run is stored.
+    """
     rows: list[Row] = []
     common = most_of(run.measured for _, run, _ in _scenes_without_ingredients(study))
     for name, run, low in _scenes_without_ingredients(study):
@@ -367,22 +393,24 @@ def ablation_table(study: Study) -> Table | None:
             rows.append(
                 {
                     "scene": name,
-                    Quantity("without", "left out", "", "s"): ingredient,
-                    Quantity("meaning", "what stands in", "", "s"): meaning,
+                    Quantity("without", "effect left out", "", "s"): ingredient,
+                    Quantity("meaning", "replacement", "", "s"): meaning,
                     **_load_change_cells(e),
-                    Quantity("seconds", "seconds it takes", "s", "+.1f"): saved if run.measured == common else None,
-                    Quantity("before", "low-order error against the full reference", "% of mean", ".2f"): full,
-                    Quantity("model", "against this one", "% of mean", ".2f"): model.max_percent,
+                    Quantity("seconds", "time saved", "s", "+.1f"): saved if run.measured == common else None,
+                    Quantity("before", "error of Lin's model against the full reference", "% of mean", ".2f"): full,
+                    Quantity(
+                        "model", "error of Lin's model against the reduced one", "% of mean", ".2f"
+                    ): model.max_percent,
                 }
             )
-    note = "On the coarsest level. A scene may leave out what changes less than it needs to know. "
+    note = "On the coarsest mesh level. Effects that are small compared with the required accuracy can be left out. "
     note += _measured_times_sentence(common)
-    title = "What each ingredient of the reference changes"
+    title = "Change of loads and run time if one effect is left out of the 3D reference"
     return Table.of("reference-ablation", title, rows, note) if rows else None
 
 
 def ablation_text(study: Study) -> str:
-    """Return a text on how the low-order error changes if the nut is rigid in the reference too."""
+    """Return the paragraph on the error of Lin's model, which has a rigid nut, against a 3D reference with a rigid nut."""
     parts = []
     for name, run, low in _scenes_without_ingredients(study):
         if "elastic nut" not in run.without:
@@ -392,39 +420,38 @@ def ablation_text(study: Study) -> str:
     if not parts:
         return ""
     return (
-        "With the nut rigid in the reference too, the largest error of the low-order model (in per cent of "
-        f"the mean load) goes: {'; '.join(parts)}. The remainder is due to beam, section and contact law "
-        "together."
+        "If the nut of the 3D reference is made rigid, as in Lin's model, the largest error of that model (in per cent of "
+        f"the mean load) changes: {'; '.join(parts)}. The rest is due to beam, section and contact law together."
     )
 
 
 def mesh_uncertainty_sentence(found: References) -> str:
-    """Return a sentence on the mesh uncertainty of the finest levels."""
+    """Return the sentence on the range of mesh uncertainties of the finest mesh levels; empty without a reference."""
     bars = [uncertainty_percent(ref) for ref in found.values()]
     if not bars:
         return ""
     return (
-        f"The largest contact load of the reference is known to {min(bars):.2f} to {max(bars):.2f} % as far "
-        f"as its mesh is concerned (95 %, {len(bars)} scenes). Choices that no mesh shows matter more, above "
-        "all where the nut is held."
+        f"The mesh uncertainty (95 %) of contact loads of the 3D reference is {min(bars):.2f} to {max(bars):.2f} % of the "
+        f"mean load on the worst contact of a scene ({len(bars)} scenes). Modelling choices matter more, above all where "
+        "the nut is fixed."
     )
 
 
 def make_section(study: Study, step: Callable[[str], None]) -> Section:
-    """Return the section of the report."""
-    step("mesh levels, mesh study, modelling spread, ablation")
+    """Return the section on the uncertainty of the 3D reference: by mesh, by modelling choices, and of left-out effects."""
+    step("mesh levels, mesh study, modelling choices, left-out effects")
     found, everything = case_studies(study), study.references((*REFERENCED, *UNSEEN))
     text = [
         (
-            "From level to level all cells are refined, those of the contacts by a third, except the cut of the "
-            f"coarse sockets. The source's mesh has first-order tetrahedra, {1000.0 * SOURCE_MESH['tet']:g} mm "
-            f"around every contact and {1000.0 * SOURCE_MESH['cell']:g} mm elsewhere, condensed by the same "
-            "method."
+            "From level to level all cells are refined, those of the contacts by a third; the cut-outs for the fine "
+            "patches keep their size. The mesh of Lin's thesis has first-order tetrahedra of "
+            f"{1000.0 * SOURCE_MESH['tet']:g} mm around every contact and {1000.0 * SOURCE_MESH['cell']:g} mm elsewhere; "
+            "it is condensed by the same method."
         )
     ]
     assumed = list(dict.fromkeys(a for ref in found.values() for a in ref.best.assumed))
     if assumed:
-        text.append("Assumed where the source prints nothing: " + " ".join(assumed))
+        text.append("Assumptions where Lin's thesis prints no value: " + " ".join(assumed))
     items: list[Any] = [Text(tuple(text))]
     if everything:
         items += [convergence_table(everything), Text((shared_text(study),))]

@@ -1,4 +1,4 @@
-"""Section on error against run time: every model, mesh and scene, cold and warm."""
+"""Report section on error over run time, of every model and mesh level on every compared scene."""
 
 from __future__ import annotations
 
@@ -42,23 +42,23 @@ from rollbench.meshes.parts import Scene
 from rollbench.reports.content import Figure, Panel, Quantity, Row, Series, Table
 
 Step = Callable[[str], None]
-#: Lower edge of the figures [% of the mean load].
+#: Smallest error drawn in the figures [% of the mean load]; smaller errors are drawn at this value.
 FLOOR = 1e-2
-#: Number of calls whose median is the warm time.
+#: Number of solutions whose median time is the warm time.
 WARM_CALLS = 10
-#: Scene whose first process is timed with and without compiling.
+#: Scene whose first solution in a new process is timed with interpreted and with compiled kernels.
 FIRST = "lin-case1"
-#: Number of stages of a set-up that are named.
+#: Number of the longest stages of a set-up that the table names.
 DEAREST = 3
 #: Kinds of work of a set-up, and their headings.
 WORK = {
     "all": "CPU time",
-    "meshing": "of it meshing",
-    "assembly": "of it assembly",
-    "elimination": "of it elimination",
-    "dense": "its dense algebra",
+    "meshing": "meshing",
+    "assembly": "assembly",
+    "elimination": "elimination",
+    "dense": "dense algebra of the elimination",
 }
-#: Models whose first process is timed there.
+#: Models that are timed on this scene with interpreted and with compiled kernels.
 SAMPLE = ("lin", "refined")
 #: Number of panels of one figure.
 PANELS = 6
@@ -66,35 +66,35 @@ PANELS = 6
 
 @dataclass(frozen=True)
 class Largest:
-    """Largest error of a contact load [%], with the range that the grid uncertainty allows (`error_range`)."""
+    """Largest error of a contact load [%], with its range due to the grid uncertainty of the reference (`error_range`)."""
 
-    #: Largest error.
+    #: Largest error [%].
     error: float
-    #: Smallest value that it may have.
+    #: Lower end of its range [%].
     low: float
-    #: Largest value that it may have.
+    #: Upper end of its range [%].
     high: float
 
 
 @dataclass(frozen=True)
 class TimePoint:
-    """Error and run time of one model or mesh of a scene, against the reference's finest level."""
+    """Error and run time of one model or mesh level on one scene, against the finest mesh level of the 3D reference."""
 
     #: Name in tables.
     label: str
-    #: Kind: low-order model, level of the reference, or the source's mesh.
+    #: Kind: low-order model, mesh level of the 3D reference, or the mesh of Lin's thesis ("source mesh").
     kind: Literal["model", "level", "source mesh"]
     #: Largest error [% of the mean load].
     error: float
     #: RMS error [% of the mean load].
     rms: float
-    #: Smallest value of the largest error that the grid uncertainty allows; None with one level.
+    #: Lower end of the range of the largest error [%]; None with a single mesh level.
     low: float | None
-    #: Largest value of the largest error that the grid uncertainty allows; None with one level.
+    #: Upper end of the range of the largest error [%]; None with a single mesh level.
     high: float | None
-    #: Time of a cold start in the measuring run [s]; None: not measured.
+    #: Time of a cold start [s]; None: not measured.
     cold: float | None
-    #: Time of a further solution in the measuring run [s]; None: not measured.
+    #: Time of a further solution of the same geometry [s]; None: not measured.
     warm: float | None
     #: Number of unknowns.
     unknowns: int
@@ -102,34 +102,35 @@ class TimePoint:
     memory: float | None
     #: Short name.
     name: str
-    #: Largest error as the gate takes it.
+    #: Largest error by the gate's rule.
     gate: Largest
-    #: Status; "converged" for a solution.
+    #: Status of the solver, such as "converged".
     status: str = "converged"
     #: Conditions of the time measurement.
     measured: Measured | None = None
-    #: Description of a time from an older run.
+    #: Time from an earlier measurement with its conditions, as text.
     older: str = ""
 
 
 def error_range(value: Array, found: Reference, scale: Array) -> Largest:
-    """Return the largest error of loads against the finest level, and its range by the grid uncertainty.
+    """Return the largest error of contact loads against the 3D reference, and its range due to the grid uncertainty.
 
-    With each contact's error e and uncertainty U, the true largest error lies between max(|e| - U) and max(|e| + U).
+    If e is the error and U the uncertainty of a contact, the true largest error lies between max(|e| - U) and max(|e| + U)
+    over all contacts.
 
     Parameters
     ----------
     value
         Contact loads, (n, 4) [N].
     found
-        The reference.
+        Reference loads with their uncertainty.
     scale
-        Loads to which errors are related, (n, 4) [N].
+        Loads by which errors are divided, (n, 4) [N].
 
     Returns
     -------
     Largest
-        Error and range in per cent.
+        Largest error and the ends of its range [%].
     """
     off = np.abs(error_percent(value, found.load, scale))
     bar = np.abs(error_percent(found.uncertainty, 0.0, scale))
@@ -137,7 +138,7 @@ def error_range(value: Array, found: Reference, scale: Array) -> Largest:
 
 
 def errors_against_reference(value: Array, found: Reference) -> dict[str, Any]:
-    """Return the errors of a `TimePoint` from loads (n, 4) [N]."""
+    """Return the errors of contact loads (n, 4) [N] against the 3D reference, by the fields of a `TimePoint`."""
     e = load_error(value, found.load, found.contacts)
     of_mean = error_range(value, found, np.full(value.shape, found.mean))
     gate = error_range(value, found, gate_scale(found.load, found.mean))
@@ -145,7 +146,10 @@ def errors_against_reference(value: Array, found: Reference) -> dict[str, Any]:
 
 
 def warm_seconds(model: Model, scene: Scene, options: Options) -> float:
-    """Return the time [s] of a further solution with bodies and compiled kernels ready: the median of some calls."""
+    """Return the time of a further solution [s], when body compliances and compiled kernels are ready.
+
+    It is the median of `WARM_CALLS` solutions.
+    """
     spent = []
     for _ in range(WARM_CALLS + 1):
         start = perf_counter()
@@ -154,8 +158,20 @@ def warm_seconds(model: Model, scene: Scene, options: Options) -> float:
     return float(np.median(spent[1:]))
 
 
-def measured_now(study: Study, names: Sequence[str], step: Step, *, levels: bool) -> Kept:
-    """Measure all models of scenes with a reference now; ``levels``: also the reference and first processes."""
+def measure_run_times(study: Study, names: Sequence[str], step: Step, *, levels: bool) -> Kept:
+    """Measure the cold and warm run times of all models on the named scenes.
+
+    Parameters
+    ----------
+    study
+        Study that gives scenes and references.
+    names
+        Names of the scenes.
+    step
+        Called with each line of progress.
+    levels
+        Whether mesh levels of the 3D reference are timed too, and the first solution with interpreted and compiled kernels.
+    """
     times, cold_levels, first = {}, [], {}
     for name, found in study.references(names).items():
         for model, bodies in models_with_bodies(name, found, study):
@@ -173,36 +189,36 @@ def measured_now(study: Study, names: Sequence[str], step: Step, *, levels: bool
     return Kept(measuring_conditions(), today(), times, first, cold_levels)
 
 
-def typed_now(step: Step) -> Kept:
-    """Measure the commands of `COMMANDS` from an empty home now."""
+def measure_commands(step: Step) -> Kept:
+    """Measure the run times of the commands in `COMMANDS`, each started with an empty home directory, without caches."""
     commands = []
     for command in COMMANDS:
-        step(f"{command}, from an empty home")
+        step(f"{command}, with an empty home directory")
         commands.append(time_command(command))
     return Kept(measuring_conditions(), today(), {}, {}, typed=commands)
 
 
 def measuring_run(study: Study, step: Step) -> Kept | None:
-    """Return the run times that a report shows: stored ones or, for a timed study, those measured now.
+    """Return the run times that a report shows: the stored ones or, for a timed study, newly measured ones.
 
-    A measuring run takes every model and level of every compared scene (about an hour) and is stored in the first
-    store. A quick study measures models only, and stores nothing.
+    New measurements time every model and mesh level on every compared scene (about an hour) and are written to the first
+    store. A quick study times the models only, and stores nothing. Returns None if no times are stored.
     """
     if not study.timed:
         return load_times((*(study.stores or ()), shipped_store()))
-    measured = measured_now(study, list(compared_scenes(study)), step, levels=not study.quick)
+    measured = measure_run_times(study, list(compared_scenes(study)), step, levels=not study.quick)
     if study.stores and not study.quick:
         save_times(study.stores[0], measured)
     return measured
 
 
 def compared_scenes(study: Study) -> dict[str, Reference]:
-    """Return the references of all scenes that have one; in a quick study of the case studies only."""
+    """Return the 3D references of all compared scenes by name; in a quick study, only those of the case studies."""
     return study.references(REFERENCED if study.quick else (*REFERENCED, *UNSEEN))
 
 
 def models_with_bodies(name: str, found: Reference, study: Study) -> list[tuple[Model, Path | None]]:
-    """Return the models of a scene, each with the file of its condensed bodies, if it takes them."""
+    """Return the models that can describe a scene, each with the file of condensed bodies that it needs, or None."""
     scene, bodies = study.scene(name), finest_bodies(study.scene(name), found, study.stores)
     further = [m for m in MODELS.values() if not m.compared and m.suits(scene)]
     every = [(m, bodies if m.name == "condensed" else None) for m in (*suitable_models(scene), *further)]
@@ -210,15 +226,26 @@ def models_with_bodies(name: str, found: Reference, study: Study) -> list[tuple[
 
 
 def reference_runs(name: str, found: Reference, study: Study) -> list[Run]:
-    """Return the runs of the 3D reference of a scene: on the source's mesh, if any, and on its levels."""
+    """Return the stored runs of a scene's 3D reference: on the mesh of Lin's thesis, if stored, and on its mesh levels."""
     source = load_run(study.scene(name), SOURCE_LEVEL, stores=study.stores)
     return [*(() if source is None else (source,)), *found.runs]
 
 
 def time_points(name: str, found: Reference, study: Study, step: Step) -> list[TimePoint]:
-    """Return errors and times of all models and meshes of a scene.
+    """Return the errors and run times of all models and mesh levels on a scene.
 
-    Times that the measuring run does not contain are given as text, with the conditions of their measurement.
+    Times from other measurements than the one shown are stated as text, with the conditions of their measurement.
+
+    Parameters
+    ----------
+    name
+        Name of the scene.
+    found
+        3D reference of the scene.
+    study
+        Study that gives solutions and stored runs.
+    step
+        Called with each line of progress.
     """
     kept, out = study.once(measuring_run, step), []
     measured = None if kept is None else kept.measured
@@ -240,7 +267,7 @@ def time_points(name: str, found: Reference, study: Study, step: Step) -> list[T
                 cold, warm, older = level.process, level.load_case, ""
         of_source = run.level == SOURCE_LEVEL
         label, short = (
-            ("the source's mesh", "3D, source's mesh") if of_source else (f"level {run.level}", f"3D level {run.level}")
+            ("mesh of Lin's thesis", "3D, Lin's mesh") if of_source else (f"level {run.level}", f"3D level {run.level}")
         )
         kind: Literal["source mesh", "level"] = "source mesh" if of_source else "level"
         costs = {"cold": cold, "warm": warm, "unknowns": run.unknowns, "memory": run.peak_MB}
@@ -251,7 +278,10 @@ def time_points(name: str, found: Reference, study: Study, step: Step) -> list[T
 
 
 def _solve_scene(name: str, model: Model, study: Study, bodies: Path | None) -> StaticResult:
-    """Return the result of a model on a scene; with condensed bodies that of the ladder if it was computed."""
+    """Return the solution of a model on a scene.
+
+    With condensed bodies, the solution already computed for the section "ladder" is used if there is one.
+    """
     if bodies is None:
         return study.solve(name, model.name)
     for rung in study.computed.get((ladder,), ()):
@@ -261,86 +291,97 @@ def _solve_scene(name: str, model: Model, study: Study, bodies: Path | None) -> 
 
 
 def time_table(points: Mapping[str, Sequence[TimePoint]], measured: str = "") -> Table:
-    """Return the table of errors and times of every model and mesh; ``measured``: text on the measurement."""
+    """Return the table of errors and run times of every model and mesh level on every scene.
+
+    Parameters
+    ----------
+    points
+        Errors and run times by scene.
+    measured
+        Sentence on the conditions of the time measurement.
+    """
     rows: list[Row] = [
         {
             "scene": scene,
             "model": p.label,
             Quantity("error", "largest error", "% of mean", ".2f"): p.error,
-            Quantity("low", "at least", "% of mean", ".2f"): p.low,
-            Quantity("high", "at most", "% of mean", ".2f"): p.high,
+            Quantity("low", "largest error, at least", "% of mean", ".2f"): p.low,
+            Quantity("high", "largest error, at most", "% of mean", ".2f"): p.high,
             Quantity("rms", "RMS error", "% of mean", ".2f"): p.rms,
-            Quantity("cold", "cold", "s", "g3"): p.cold,
-            Quantity("warm", "warm", "s", "g3"): p.warm,
-            Quantity("older", "not of this measuring run", "", "s"): p.older,
+            Quantity("cold", "cold start", "s", "g3"): p.cold,
+            Quantity("warm", "further solution", "s", "g3"): p.warm,
+            Quantity("older", "time by an earlier measurement", "", "s"): p.older,
             "unknowns": p.unknowns,
             Quantity("memory", "peak memory", "MB", ".0f"): p.memory if p.memory is not None else "not measured",
-            Quantity("status", "unless converged", "", "s"): "" if p.status == "converged" else p.status,
+            Quantity("status", "status if not converged", "", "s"): "" if p.status == "converged" else p.status,
         }
         for scene, several in points.items()
         for p in several
     ]
     note = (
-        "Errors of all models and meshes are against the finest level of the reference, whose own difference is zero by "
-        "definition. At least and at most: what the grid uncertainty of every contact leaves of the largest error. Cold: "
-        "for low-order models a new process with empty caches, from the start of the interpreter to the first solve, "
-        "interpreted, for the 3D reference up to its loads, on all cores. Warm: bodies of the geometry "
-        "known, kernels compiled; of the 3D reference a further load case. All times are of one measuring run; what it did "
-        "not measure stands apart, with what it was measured with. Peak memory is each run's own (of several "
-        "processes: the sum of their peaks), interpreter and libraries included. Unknowns of the 3D reference are those of "
-        "the monolithic mesh that its condensed parts are equal to." + (f" {measured}" if measured else "")
+        "Errors of all models and mesh levels are against the finest mesh level of the 3D reference, whose own error is "
+        "zero by definition. At least and at most: range of the largest error due to the grid uncertainty of every "
+        "contact. Cold start: a new process with empty caches; for low-order models from the start of the interpreter to "
+        "the first solution, with interpreted kernels; for the 3D reference up to its loads, on all cores. Further "
+        "solution: the compliance of the bodies is known and kernels are compiled; for the 3D reference a further load "
+        "case. All times are from one measurement; times from earlier measurements are shown in a column of their own, "
+        "with their conditions. Peak memory includes interpreter and libraries; for several processes it is the sum of "
+        "their peaks. Unknowns of the 3D reference are those of the single mesh that is equivalent to its condensed parts."
+        + (f" {measured}" if measured else "")
     )
     return Table.of("reference-time", "Largest error of each model and mesh level over its run time", rows, note)
 
 
 def compile_table(kept: Kept) -> Table:
-    """Return the table of times of a first process, with interpreted and with compiled kernels."""
+    """Return the table of run times of a new process on one scene, with interpreted and with compiled kernels."""
     rows: list[Row] = [
         {
             "model": MODELS[name].label,
             Quantity("engine", "kernels", "", "s"): engine,
             Quantity("process", "new process, empty caches", "s", "g3"): cold.process,
-            Quantity("first", "its first solve", "s", "g3"): cold.first,
-            Quantity("warm", "a further solve", "s", "g3"): cold.warm,
+            Quantity("first", "first solution in it", "s", "g3"): cold.first,
+            Quantity("warm", "a further solution", "s", "g3"): cold.warm,
             Quantity("memory", "peak memory", "MB", ".0f"): cold.memory,
         }
         for (name, engine), cold in kept.first.items()
     ]
     note = (
-        "Kernels are compiled once per machine and kept in the user's cache; the command line solves single "
-        "scenes interpreted. Each row is a process of its own; the first solve of the refined model also "
-        f"prepares the bodies of the geometry. {kept}"
+        "Kernels are compiled once per machine and stored in the user's cache; the command line solves single "
+        "scenes with interpreted kernels. Each row is a separate process; the first solution of the refined model also "
+        f"computes the compliance of the bodies. {kept}"
     )
-    return Table.of("reference-cold", f"{FIRST}: first process, with and without compiling", rows, note)
+    title = f"Run times of a new process on {FIRST}, with interpreted and with compiled kernels"
+    return Table.of("reference-cold", title, rows, note)
 
 
 def typed_table(kept: Kept) -> Table:
-    """Return the table of waiting times of commands that are run from an empty home directory."""
+    """Return the table of waiting times of commands that are started with an empty home directory, without caches."""
     rows: list[Row] = [
         {
             Quantity("command", "command", "", "s"): c.command,
-            Quantity("reach", "to reach", "", "s"): COMMANDS.get(c.command, ""),
-            Quantity("seconds", "empty home", "s", "g3"): c.seconds,
-            Quantity("first_line", "to its first line", "s", "g3"): c.first_line,
+            Quantity("reach", "target", "", "s"): COMMANDS.get(c.command, ""),
+            Quantity("seconds", "empty home directory", "s", "g3"): c.seconds,
+            Quantity("first_line", "until its first line", "s", "g3"): c.first_line,
             Quantity("cpu", "CPU time", "s", "g3"): c.cpu,
-            Quantity("again", "again (floor)", "s", "g3"): c.again,
-            Quantity("again_cpu", "CPU time, again", "s", "g3"): c.again_cpu,
-            Quantity("beside", "beside a busy process", "s", "g3"): c.beside,
-            Quantity("beside_cpu", "CPU time there", "s", "g3"): c.beside_cpu,
+            Quantity("again", "second run", "s", "g3"): c.again,
+            Quantity("again_cpu", "CPU time, second run", "s", "g3"): c.again_cpu,
+            Quantity("beside", "next to a busy process", "s", "g3"): c.beside,
+            Quantity("beside_cpu", "CPU time next to a busy process", "s", "g3"): c.beside_cpu,
             Quantity("note", "note", "", "s"): c.note,
         }
         for c in kept.typed
     ]
     note = (
-        f"A process as typed, no number of threads set, in a home without any cache; rollbench {NEW} wrote my.toml. Typed "
-        "again there, a command takes what does not come of the empty home: the floor of what compiled kernels and kept "
-        f"bodies can save. CPU time is that of all its processes, and moves less with other work on the machine. {kept}"
+        f"Each command is run as typed, without a set number of threads, in a home directory without any cache; rollbench "
+        f"{NEW} wrote my.toml. The second run finds compiled kernels and stored body compliances, so its time is the least "
+        "that caches can achieve. CPU time is the sum over all processes of the command; it depends less on other work on "
+        f"the machine. {kept}"
     )
-    return Table.of("reference-typed", "Commands as typed from an empty home", rows, note)
+    return Table.of("reference-typed", "Waiting times of commands with an empty home directory", rows, note)
 
 
 def level_table(kept: Kept) -> Table:
-    """Return the table of waiting times for each level of the 3D reference on a new scene."""
+    """Return the table of run times of each mesh level of the 3D reference on a scene without stored meshes or parts."""
     rows: list[Row] = [
         {
             "scene": c.scene,
@@ -348,26 +389,26 @@ def level_table(kept: Kept) -> Table:
             "level": c.level,
             Quantity("cold", "new process, empty caches", "s", "g3"): c.process,
             Quantity("cpu", "CPU time of all processes", "s", "g3"): c.cpu,
-            Quantity("load_case", "of it a load case", "s", "g3"): c.load_case,
-            Quantity("stages", "of it the set-up's dearest stages", "", "s"): _costliest_stages(c),
+            Quantity("load_case", "a further load case", "s", "g3"): c.load_case,
+            Quantity("stages", "longest stages of the set-up", "", "s"): _costliest_stages(c),
             Quantity("memory", "peak memory", "MB", ".0f"): c.memory,
             "status": c.status,
         }
         for c in kept.levels
     ]
     note = (
-        "Each level in a process of its own on all cores, from the start of the interpreter to the loads, "
-        "with no mesh, part or run known before. Peak memory: sum of the peaks of all processes of one "
-        "set-up. Targets were 12 s for level 1 of a screw with 64 contacts, 40 s for its levels 1 to 3, and "
-        "45 s of processor time for level 1 with 200 contacts, 0.3 s for a further load case. Where they are missed, "
-        "the tables "
-        f"reference-set-up-costs and reference-set-up-ways say what bounds them. {kept}"
+        "Each level is computed in a separate process on all cores, from the start of the interpreter to the loads, "
+        "without any stored mesh, part or run. Peak memory: sum of the peaks of all processes of one "
+        "set-up. Targets were 12 s for level 1 of a screw with 64 contacts, 40 s for its levels 1 to 3, 0.3 s for a "
+        "further load case, and 45 s of processor time for level 1 with 200 contacts. Where a target is missed, the tables "
+        f"reference-set-up-costs and reference-set-up-ways show the causes. {kept}"
     )
-    return Table.of("reference-levels-cold", "Levels of the 3D reference, cold", rows, note)
+    title = "Run times of the mesh levels of the 3D reference from a cold start"
+    return Table.of("reference-levels-cold", title, rows, note)
 
 
 def cost_tables(costs: SetUpCosts) -> list[Table]:
-    """Return tables of the processor time of set-ups by stage, and of savings and changes by cheaper variants."""
+    """Return two tables on set-ups of the 3D reference: processor time by stage, and effects of cheaper variants."""
     measured = f"Measured with {Measured(costs.version, machine=costs.machine)}, {costs.date}, by tests/set_up_costs.py."
     rows: list[Row] = [
         {
@@ -382,32 +423,33 @@ def cost_tables(costs: SetUpCosts) -> list[Table]:
     ]
     floors = ", ".join(f"{job.seconds_of('all') / 2.0:.1f} s ({job.scene}, level {job.level})" for job in costs.jobs)
     note = (
-        "One process of one thread, without start and imports. Elimination is what the meshes ask for: its dense algebra "
-        f"runs in LAPACK. Two cores that never wait for one another need at least {floors}. {measured}"
+        "One process with one thread, without start and imports. The work of elimination is determined by the meshes; its "
+        f"dense algebra runs in LAPACK. Two cores that never wait for each other need at least {floors}. {measured}"
     )
     ways: list[Row] = [
         {
             "scene": way.scene,
-            "way": way.way,
+            "variant": way.way,
             Quantity("saved", "CPU time saved", "s", ".2f"): way.saved,
-            Quantity("moved", "moves a load by", "% of mean", ".4f"): way.moved,
+            Quantity("moved", "largest change of a load", "% of mean", ".4f"): way.moved,
         }
         for way in costs.ways
     ]
     tried = (
-        "Ways that were tried on level 1 and not taken. A load may move by 0.001 % of the mean load, or stored runs "
-        "would be of another reference. The library has one flank's patch, as the mean of those of pitch radii 5 % "
-        "smaller and larger; one for any screw has five such parameters (two conformities, contact angle, lead angle, "
-        f"ball over pitch radius), and with ten places of each 100,000 patches. {measured}"
+        "Cheaper variants of the set-up that were tried on level 1 and rejected. A variant may change a load by at most "
+        "0.001 % of the mean load, because stored runs must remain valid. The variant with a library of patches "
+        "interpolates the patch of one flank between pitch radii 5 % smaller and 5 % larger; a library for any screw would "
+        "have five such parameters (two conformities, contact angle, lead angle, ratio of ball and pitch radius) and, with "
+        f"ten values of each, 100,000 patches. {measured}"
     )
     return [
-        Table.of("reference-set-up-costs", "Processor time of a cold set-up, by stage and work", rows, note),
-        Table.of("reference-set-up-ways", "Cheaper set-ups, and what they do to loads", ways, tried),
+        Table.of("reference-set-up-costs", "Processor time of a set-up of the 3D reference, by stage and work", rows, note),
+        Table.of("reference-set-up-ways", "Time saved and loads changed by cheaper set-ups", ways, tried),
     ]
 
 
 def _costliest_stages(level: ColdLevelTime) -> str:
-    """Return the stages that take most of a set-up's time, in words."""
+    """Return the stages that take most of a set-up's time, with their seconds, as text."""
     if level.stages is None:
         return "not measured"
     stages = sorted(level.stages.items(), key=lambda stage: -stage[1])
@@ -415,10 +457,10 @@ def _costliest_stages(level: ColdLevelTime) -> str:
 
 
 def speed_table(points: Mapping[str, Sequence[TimePoint]]) -> Table:
-    """Return the table of the finest level's time over that of the source's low-order model, by scene.
+    """Return the table of the ratio of run times of the 3D reference (finest mesh level) and Lin's model, by scene.
 
-    For a new process up to the loads, and for a further load case of a known geometry. Raises ValueError for times of
-    several measuring runs.
+    The ratio is given for a new process up to the loads, and for a further load case of a known geometry. Raises
+    ValueError if the times come from several measurements.
     """
     rows: list[Row] = []
     for scene, several in points.items():
@@ -429,21 +471,21 @@ def speed_table(points: Mapping[str, Sequence[TimePoint]]) -> Table:
             rows.append(
                 {
                     "scene": scene,
-                    Quantity("low", "low-order, cold", "s", "g3"): low.cold,
-                    Quantity("low_warm", "low-order, warm", "s", "g3"): low.warm,
-                    Quantity("ref", "3D reference, cold", "s", ".1f"): best.cold,
-                    Quantity("ref_warm", "3D reference, load case alone", "s", ".2f"): best.warm,
-                    Quantity("cold", "ratio, cold", "", ".0f"): best.cold / low.cold,
-                    Quantity("warm", "ratio, a further load case", "", ".0f"): best.warm / low.warm,
+                    Quantity("low", "Lin's model, cold start", "s", "g3"): low.cold,
+                    Quantity("low_warm", "Lin's model, further load case", "s", "g3"): low.warm,
+                    Quantity("ref", "3D reference, cold start", "s", ".1f"): best.cold,
+                    Quantity("ref_warm", "3D reference, further load case", "s", ".2f"): best.warm,
+                    Quantity("cold", "ratio, cold start", "", ".0f"): best.cold / low.cold,
+                    Quantity("warm", "ratio, further load case", "", ".0f"): best.warm / low.warm,
                 }
             )
     printed = entry("lin-2.4.1", "speed_ratio").printed
-    title = f"Speed ratio, 3D reference : the source's model (the source: over {printed}, ANSYS : its model)"
+    title = f"Run time of the 3D reference over that of Lin's model (Lin's thesis: ANSYS over its model, over {printed})"
     return Table.of("reference-speed", title, rows)
 
 
 def time_panel(scene: str, of_scene: Sequence[TimePoint]) -> Panel:
-    """Return the panel of error over cold run time on one scene, with the error's uncertainty."""
+    """Return the panel of the largest error over the time of a cold start on one scene, with the error's range."""
 
     def series(label: str, points: Sequence[TimePoint], style: str, *, emphasis: bool = False) -> Series:
         low = [max(p.low, FLOOR) for p in points if p.low is not None]
@@ -457,15 +499,19 @@ def time_panel(scene: str, of_scene: Sequence[TimePoint]) -> Panel:
     drawn = [series(p.label, [p], "markers") for kind in ("model", "source mesh") for p in good if p.kind == kind]
     levels = [p for p in good if p.kind == "level"]
     if levels:
-        drawn.append(series("3D reference, its levels", levels, "markers", emphasis=True))
-    return Panel(scene, "run time, cold / s", "largest error / % of the mean load", tuple(drawn), log="xy")
+        drawn.append(series("3D reference, mesh levels", levels, "markers", emphasis=True))
+    label = "run time of a cold start / s"
+    return Panel(scene, label, "largest error / % of the mean load", tuple(drawn), log="xy")
 
 
 def time_figures(points: Mapping[str, Sequence[TimePoint]]) -> list[Figure]:
-    """Draw error over run time for case studies, without and with preload, and for screws not used in development."""
+    """Draw the error over run time, in one figure for each group of scenes.
+
+    The groups are the case studies without preload, those with preload, and the screws not used in development.
+    """
     caption = (
-        "All points are errors against the finest level, with what its grid "
-        f"uncertainty leaves of them as bars; what is below {FLOOR:g} % is drawn at the lower edge."
+        "Errors against the finest mesh level of the 3D reference; bars: range due to its grid uncertainty. Errors below "
+        f"{FLOOR:g} % are drawn at the lower edge."
     )
     plain = [n for n in REFERENCED if n in points and any(p.name == "mei" for p in points[n])]
     groups = {
@@ -476,7 +522,7 @@ def time_figures(points: Mapping[str, Sequence[TimePoint]]) -> list[Figure]:
     return [
         Figure(
             f"reference-time{tail}",
-            "Largest error of each model and mesh level over its run time",
+            "Largest error of each model and mesh level over its run time from a cold start",
             tuple(time_panel(n, points[n]) for n in names),
             caption,
         )
@@ -486,21 +532,27 @@ def time_figures(points: Mapping[str, Sequence[TimePoint]]) -> list[Figure]:
 
 
 def all_points(study: Study, step: Step) -> dict[str, list[TimePoint]]:
-    """Return the time points of all compared scenes; raises ValueError if several measuring runs are mixed."""
-    study.once(ladder)  # its results serve here
+    """Return errors and run times of all models and mesh levels on all compared scenes, by scene.
+
+    Raises ValueError if the times come from several measurements.
+    """
+    study.once(ladder)  # its solutions are used here too
     points = {name: time_points(name, ref, study, step) for name, ref in compared_scenes(study).items()}
     one_run(p.measured for several in points.values() for p in several if p.measured is not None)
     return points
 
 
 def when_measured(study: Study, step: Step) -> str:
-    """Return the conditions of the time measurement in words."""
+    """Return a sentence on the conditions of the time measurement: program version, machine and date."""
     kept = study.once(measuring_run, step)
-    return "No run times are kept." if kept is None else str(kept)
+    return "No run times are stored." if kept is None else str(kept)
 
 
 def time_items(study: Study, step: Step) -> list[Table | Figure]:
-    """Return tables and figures on run times; a quick study has no first processes, levels and commands."""
+    """Return the tables and figures of the section on run times.
+
+    In a quick study, the tables on new processes, mesh levels, commands and set-ups are left out.
+    """
     points, kept = study.once(all_points, step), study.once(measuring_run, step)
     items: list[Table | Figure] = [time_table(points, when_measured(study, step))]
     if not study.quick:

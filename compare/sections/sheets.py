@@ -1,4 +1,4 @@
-"""Section with a data sheet for every scene solved in 3D: sketch, inputs, results, verdict, and accuracy."""
+"""Report section with a data sheet for every scene with a 3D reference: sketch, inputs, results, verdict, uncertainty."""
 
 from __future__ import annotations
 
@@ -20,12 +20,12 @@ from rollbench.reports.content import Figure, Quantity, Row, Section, Sketch, Ta
 
 
 def sketch_scene(scene: Scene, name: str, title: str) -> Sketch:
-    """Return the sketch of a scene, with the inputs that the drawing does not show."""
+    """Return the sketch of a scene, with a caption on the inputs that the drawing does not show."""
     return Sketch(name, title, scene, describe_inputs(scene))
 
 
 def describe_inputs(scene: Scene) -> str:
-    """Return the inputs that the drawing does not show, in words."""
+    """Return a sentence on the inputs that a sketch does not show: balls, lead, contact angle, conformity, errors."""
     track, balls, errors = scene.track, scene.balls, scene.errors.balls
     lead = f"lead {1e3 * track.lead:.4g} mm" + (f", {track.starts} starts" if track.starts > 1 else "")
     words = [
@@ -43,17 +43,18 @@ def describe_inputs(scene: Scene) -> str:
 
 
 def _conformity_text(scene: Scene) -> str:
+    """Return the conformities of screw and nut (groove radius over ball diameter) as text, once if they are equal."""
     found = [f"{body.groove_radius / (2.0 * scene.balls.radius):.3g}" for body in (scene.screw, scene.nut)]
     return " and ".join(dict.fromkeys(found))
 
 
-#: Models on a data sheet; the verdict is on the first.
+#: Models on a data sheet; the uncertainty is stated for the first.
 MODELS = (DEFAULT, "lin")
 
 LEGEND = (
-    "Sketches are to scale near the nut. Hatched: surface held in the 3D reference; pale: balls behind the "
-    f"axis. Verdicts are the gate's at {LIMIT:g} %, {RULE}, for the inputs as stated, which model and reference share. "
-    "u_val: how closely the error against a real screw would be known, input tolerances included, with 95 % confidence "
+    "Sketches are to scale near the nut. Hatched: surface that is fixed in the 3D reference; light: balls behind the "
+    f"axis. Verdicts are those of the gate at {LIMIT:g} %, {RULE}, for the stated inputs, which model and reference share. "
+    "u_val: uncertainty (95 %) of the error against a real screw, by mesh, modelling choices and input tolerances "
     "(section u-val)."
 )
 
@@ -61,12 +62,12 @@ Judged = Mapping[tuple[str, str], Validated]
 
 
 def make_section(study: Study, step: Callable[[str], None]) -> Section:
-    """Return the section of the report, the source's cases first."""
-    step("a sheet for every scene with a 3D reference")
+    """Return the section with a data sheet for every compared scene; the cases of Lin's thesis come first."""
+    step("a data sheet for every scene with a 3D reference")
     found = study.references((*REFERENCED, *UNSEEN))
     title = "Geometry, loads and errors of each compared scene"
     if not found:
-        return Section("sheets", title, (Text(("No run of the 3D reference was found.",)),))
+        return Section("sheets", title, (Text(("No run of the 3D reference is stored.",)),))
     judged = {name: errors_by_model(study, name) for name in found}
     legend = Text((LEGEND,))
     items = [
@@ -77,7 +78,7 @@ def make_section(study: Study, step: Callable[[str], None]) -> Section:
 
 
 def errors_by_model(study: Study, name: str) -> Judged:
-    """Return the error of every model in every quantity on a scene, by names of model and quantity."""
+    """Return the error of every model in every quantity on a scene, with its uncertainty, by model and quantity."""
     return {
         (model, quantity.name): one
         for model in MODELS
@@ -87,10 +88,13 @@ def errors_by_model(study: Study, name: str) -> Judged:
 
 
 def largest_errors_sentence(judged: Mapping[str, Judged]) -> str:
-    """Return a sentence on each model's largest error, in total, on the source's cases and on other scenes."""
+    """Return the sentence on the largest contact-load error of each model: on all scenes, and by kind of scene.
+
+    ``judged`` has the errors of each scene.
+    """
     kinds = (
-        ("case studies of the source", REFERENCED),
-        ("screws and bearings that were fixed before they were solved in 3D", UNSEEN),
+        ("case studies of Lin's thesis", REFERENCED),
+        ("screws and bearings that were chosen before they were solved in 3D", UNSEEN),
     )
     words, whole = [], [f"{_largest_error_text(judged, model).partition(' (')[0]}" for model in MODELS]
     for kind, names in kinds:
@@ -99,41 +103,41 @@ def largest_errors_sentence(judged: Mapping[str, Judged]) -> str:
             worst = [_largest_error_text(of_kind, model) for model in MODELS]
             words.append(f"{' and '.join(worst)} on the {len(of_kind)} {kind}")
     return (
-        f"The worst contact load of {len(judged)} screws and bearings is off by {' and '.join(whole)}. In detail: by "
-        f"{'; by '.join(words)}, in per cent of the mean load."
+        f"Largest error of a contact load on {len(judged)} screws and bearings, in per cent of the mean load: "
+        f"{' and '.join(whole)}. In detail: {'; '.join(words)}."
     )
 
 
 def _largest_error_text(judged: Mapping[str, Judged], model: str) -> str:
-    """Return the largest contact-load error of a model as text, with its scene."""
+    """Return the largest contact-load error of a model over several scenes as text, with the name of the scene."""
     errors = {name: abs(v[model, CONTACTS].error) for name, v in judged.items()}
     name = max(errors, key=errors.__getitem__)
-    return f"{errors[name]:.1f} % in {model} ({name})"
+    return f"{errors[name]:.1f} % by {model} ({name})"
 
 
 def data_sheet(study: Study, name: str, reference: Reference, judged: Judged) -> Sequence[Text | Sketch | Table | Figure]:
-    """Return one data sheet: heading and verdict, sketch with its inputs, results."""
+    """Return the items of one scene's data sheet: verdict and uncertainty, sketch with inputs, table of results."""
     scene = study.scene(name)
     gate = gate_verdicts(study, name, reference)
     words = (verdict_sentence(gate), uncertainty_sentence(reference, judged[DEFAULT, CONTACTS]))
     return (
         Text(words, heading=f"{name}: {scene.title}"),
-        sketch_scene(scene, f"sketch-{name}", name),
+        sketch_scene(scene, f"sketch-{name}", f"Geometry and loads of {name}"),
         results_table(study, scene, reference, judged, gate),
     )
 
 
-#: Verdicts of the gate in words.
+#: Verdicts of the gate as verbs in a sentence.
 WORDS = {"pass": "passes", "fail": "fails", "undecided": "is undecided at"}
 
 
 def gate_verdicts(study: Study, name: str, reference: Reference) -> dict[str, Verdict]:
-    """Return the gate's verdict on the loads of each model."""
+    """Return the gate's verdict on the contact loads of each model on a scene, by name of the model."""
     return {model: by_gate(model, study.solve(name, model).load, reference, Limits())[0] for model in MODELS}
 
 
 def verdict_sentence(found: Mapping[str, Verdict]) -> str:
-    """Return a sentence on the gate's verdict on each model, with the contact that decides."""
+    """Return the sentence on the gate's verdict on each model, with error and number of the decisive contact."""
     sentences = [
         f"{model} {WORDS[v.word]} the gate's {LIMIT:g} %: {_signed_text(v.error or 0.0)} % on ball {v.ball} {v.flank}"
         for model, v in found.items()
@@ -142,23 +146,24 @@ def verdict_sentence(found: Mapping[str, Verdict]) -> str:
 
 
 def _signed_text(value: float) -> str:
+    """Return a number as text with sign and two decimals."""
     return f"{value:+.2f}".replace("-", "−")
 
 
 def uncertainty_sentence(reference: Reference, bounds: Validated) -> str:
-    """Return a sentence on the uncertainty of the errors of a data sheet."""
+    """Return the sentence on the uncertainty of a scene's contact-load errors, by mesh, choices and input tolerances."""
     levels = ", ".join(str(run.level) for run in reference.runs)
     parts = [("mesh", bounds.grid), ("modelling choices", bounds.choices), ("input tolerances", bounds.inputs)]
     known = ", ".join(f"{name} {value:.2f}" for name, value in parts if np.isfinite(value))
     also = f" {reference.unsettled[:1].upper()}{reference.unsettled[1:]}." if reference.unsettled else ""
-    return f"How far to trust it: mesh levels {levels} of the 3D reference; {bounds.bar} there, of which {known}.{also}"
+    return f"Uncertainty: mesh levels {levels} of the 3D reference; {bounds.bar}, of which {known}.{also}"
 
 
 def results_table(study: Study, scene: Scene, reference: Reference, judged: Judged, gate: Mapping[str, Verdict]) -> Table:
-    """Return the table of a data sheet: each quantity by the reference and the models, and their errors.
+    """Return the table of a scene's data sheet: each quantity by the 3D reference and by the models, with their errors.
 
-    Contact loads are given by errors only (of their own load as in the gate, and of the mean load), as models differ
-    in their worst contact.
+    For contact loads only the errors are shown (by the gate's rule, and in per cent of the mean load), because the worst
+    contact differs from model to model.
     """
     answers = {"3D reference": from_run(reference.best, "")}
     answers |= {model: from_result(study.solve(scene.name, model)) for model in MODELS}
@@ -173,11 +178,11 @@ def results_table(study: Study, scene: Scene, reference: Reference, judged: Judg
             Quantity("u_val", "u_val", "%", ".2f"): u_val if np.isfinite(u_val) else None,
         }
 
-    rows = [quantity_row("the worst contact load, by the gate's rule", {m: v.error for m, v in gate.items()}, np.nan, {})]
+    rows = [quantity_row("worst contact load by the gate's rule", {m: v.error for m, v in gate.items()}, np.nan, {})]
     for q in QUANTITIES:
         single = q.name != CONTACTS
         errors = {model: judged[model, q.name].error for model in MODELS}
         values = {key: float(q.take(scene, answer)[0]) if single else None for key, answer in answers.items()}
-        words = f"{q.name} [{q.unit}]" if single else "the worst contact load, of the mean load"
+        words = f"{q.name} [{q.unit}]" if single else "worst contact load, in per cent of the mean load"
         rows.append(quantity_row(words, errors, judged[DEFAULT, q.name].combined, values))
-    return Table.of(f"sheet-{scene.name}", f"{scene.name}, results", rows)
+    return Table.of(f"sheet-{scene.name}", f"Results and errors on {scene.name}", rows)

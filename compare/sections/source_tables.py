@@ -1,7 +1,7 @@
-"""Tables of a source as it prints them, with the computed value of each number.
+"""Tables of a publication as it prints them, with the computed value next to each printed number.
 
-``layout.toml`` of a case has the layout: number, title, columns, rows with their label and a key for each column. A table
-of results is shown twice: in the source's layout, printed and computed next to each other, and with a row for each number.
+The file ``layout.toml`` of a publication describes each printed table: number, title, columns, and rows with a label and a
+key for each column. A table of results is shown twice: in the printed layout, and with a row for each number.
 """
 
 from __future__ import annotations
@@ -22,65 +22,68 @@ from rollbench.compare.printed import Printed, entry, load_table
 from rollbench.compare.sections.verdicts import shown_error
 from rollbench.reports.content import Quantity, Row, Table
 
-#: Further cells of a row, by printed entry ("table:key").
+#: Further cells of a row, by name of the printed number ("table:key").
 More = Mapping[str, Row]
 
 
 @dataclass(frozen=True)
 class Layout:
-    """A table as its source prints it."""
+    """Layout of one table of a publication: title, columns, and which printed number stands in each cell."""
 
-    #: Name of the case.
+    #: Name of the publication's case, such as "lin".
     case: str
-    #: Number of the table.
+    #: Number of the table in the publication.
     number: str
     #: Short description of its contents.
     short: str
     #: Title.
     title: str
-    #: Printed table with most of its numbers.
+    #: Name of the file of printed numbers that has most of its numbers.
     printed: str
     #: ``inputs_table``, ``results`` or ``sentences``.
     kind: str
     #: Headings of the columns.
     columns: tuple[str, ...]
-    #: Rows: label, and for each column the name of a printed entry ("table:key"; empty for an empty cell).
+    #: Rows: label, and for each column the name of a printed number ("table:key"; empty for an empty cell).
     rows: tuple[tuple[str, tuple[str, ...]], ...]
 
     @property
     def names(self) -> list[str]:
-        """Names of its printed entries, row by row, without empty cells."""
+        """Names of the printed numbers of the table, row by row, without empty cells."""
         return [name for _, names in self.rows for name in names if name]
 
     @property
     def across(self) -> list[tuple[str, ...]]:
-        """Names of its printed entries as rows of columns; an empty name for an empty cell."""
+        """Names of the printed numbers of the table, as rows of columns; an empty name for an empty cell."""
         return [names for _, names in self.rows]
 
     def stem(self, what: str = "") -> str:
-        """Return the name of the report's table for this layout; ``what``: suffix for what it shows."""
+        """Return the file name of this table in the report, without ending; ``what`` is appended to it."""
         return "-".join(filter(None, (self.case, self.number, what)))
 
     @property
     def heading(self) -> str:
-        """Number and short description, as a heading."""
+        """Number and short description of the table, as a heading."""
         return self.short if self.kind == "sentences" or self.number[:1].islower() else f"Table {self.number}: {self.short}"
 
     @property
     def digits(self) -> int:
-        """Number of significant digits that shows all printed ones; at least five."""
+        """Number of significant digits with which all printed digits can be shown; at least five."""
         texts = (entry(*name.split(":")).printed.partition("e")[0] for name in self.names)
         return max(5, *(len(text.replace(".", "").lstrip("-0")) for text in texts))
 
 
 def read_layouts(case: Case) -> list[Layout]:
-    """Return the layouts of a case, in order; InputError for a wrong row."""
+    """Read the layouts of the printed tables of a publication, in order; InputError for an unknown printed number."""
     path = case.folder / "layout.toml"
     return [_read_layout(case.name, str(path), one) for one in tomllib.loads(path.read_text("utf-8"))["table"]]
 
 
 def _read_layout(case: str, path: str, one: Mapping[str, Any]) -> Layout:
-    """Return a layout from its tables in ``layout.toml``; raises InputError for an unknown entry."""
+    """Return the layout of one printed table from its record in ``layout.toml``.
+
+    Raises InputError for the name of a printed number that does not exist.
+    """
     rows = []
     for label, *keys in one["rows"]:
         names = tuple(key if ":" in key or not key else f"{one['printed']}:{key}" for key in keys)
@@ -88,14 +91,15 @@ def _read_layout(case: str, path: str, one: Mapping[str, Any]) -> Layout:
             try:
                 entry(*name.split(":"))
             except KeyError as error:
-                raise InputError(path, one["number"], name, "a printed entry", "mend the layout") from error
+                advice = "correct the key in the layout"
+                raise InputError(path, one["number"], name, "the key of a printed number", advice) from error
         rows.append((label, names))
     texts = {key: one[key] for key in ("number", "short", "title", "printed", "kind")}
     return Layout(case, **texts, columns=tuple(one["columns"]), rows=tuple(rows))
 
 
 def as_printed_digits(value: float | None, printed: str) -> str:
-    """Return a value with the digits of a printed number.
+    """Return a value as text with as many decimals as a printed number has; a dash for None.
 
     Examples
     --------
@@ -112,11 +116,20 @@ def as_printed_digits(value: float | None, printed: str) -> str:
     return text.removeprefix("-") if not float(text) else text
 
 
-def in_layout(layout: Layout, found: Mapping[str, Evidence], ours: Mapping[str, str]) -> Table:
-    """Return the table in the source's layout, with printed and computed number next to each other.
+def table_in_printed_layout(layout: Layout, found: Mapping[str, Evidence], ours: Mapping[str, str]) -> Table:
+    """Return a table in the publication's layout, with the computed number next to each printed one.
 
-    The computed number has the printed digits. If it repeats a fault of the source, the correct value is added.
-    ``ours``: texts that replace other computed values, such as times.
+    The computed number has as many digits as the printed one. If it repeats an error of the publication, the correct value
+    is added.
+
+    Parameters
+    ----------
+    layout
+        Layout of the table.
+    found
+        Printed and computed values, by name of the printed number.
+    ours
+        Texts that replace computed values, such as run times, by name of the printed number.
     """
     rows: list[Row] = []
     across, down = (
@@ -146,22 +159,25 @@ def in_layout(layout: Layout, found: Mapping[str, Evidence], ours: Mapping[str, 
                 if key != "right" or faulty[k]:
                     row[Quantity(f"{key}-{k}", f"{head}, {key}", heading, "s")] = text
         rows.append(row)
-    note = "Ours: by the low-order model, with the source's faults repeated where they change it, then the right value too"
-    note += (
-        "; of ANSYS numbers by 3D." if any(f.reference is not None for f in map(found.__getitem__, layout.names)) else "."
+    note = (
+        "Ours: computed by the low-order model. Where an error of the publication changes the number, the error is "
+        "repeated and the correct value is shown as well."
     )
+    if any(f.reference is not None for f in map(found.__getitem__, layout.names)):
+        note += " Numbers by ANSYS are compared with the 3D reference."
     return Table.of(layout.stem(), layout.title, rows, note, unfolded=True)
 
 
 def _printed_units(names: Iterable[str], found: Mapping[str, Evidence]) -> set[str]:
-    """Return the units of the printed numbers among some entries."""
+    """Return the set of units of the named printed numbers; claims in words are left out."""
     return {found[name].printed.unit for name in names if name and not found[name].printed.claim}
 
 
 def computed_value_text(f: Evidence) -> str:
-    """Return the computed value of an entry as text, with the printed digits.
+    """Return the computed value of a printed number as text, with as many decimals as the printed one.
 
-    The first that exists: value with the source's faults, correct value, 3D value.
+    The first of these values that exists: with an error of the publication repeated, correct, by the 3D reference. For a
+    claim in words the text states whether it holds.
     """
     if f.printed.claim:
         return "–" if f.holds is None else "holds" if f.holds else "does not hold"
@@ -169,16 +185,16 @@ def computed_value_text(f: Evidence) -> str:
     return as_printed_digits(next((v for v in values if v is not None), None), f.printed.printed)
 
 
-#: Columns of a row of a printed number, besides the computed values.
+#: Columns of the table of all printed numbers: values, their errors against the printed number, and scenes.
 PRINTED, SOLID = Quantity("printed", "printed", "", "s"), Quantity("solid", "3D, ours", "", "s")
 OFF = {
-    "right": Quantity("off", "ours against printed", "%", "+.2f"),
-    "faulty": Quantity("off_faulty", "with faults against printed", "%", "+.2f"),
-    "reading": Quantity("off_reading", "inferred against printed", "%", "+.2f"),
-    "solid": Quantity("off_solid", "3D against printed", "%", "+.2f"),
+    "right": Quantity("off", "error: ours against printed", "%", "+.2f"),
+    "faulty": Quantity("off_faulty", "error: with the publication's errors, against printed", "%", "+.2f"),
+    "reading": Quantity("off_reading", "error: with inferred assumption, against printed", "%", "+.2f"),
+    "solid": Quantity("off_solid", "error: 3D against printed", "%", "+.2f"),
 }
-AGAINST = Quantity("against", "low-order against 3D, ours", "%", "+.2f")
-SCENES = Quantity("scenes", "scenes, or why none", "", "s")
+AGAINST = Quantity("against", "error: low-order against 3D, both ours", "%", "+.2f")
+SCENES = Quantity("scenes", "scenes, or why there are none", "", "s")
 
 
 def compared_table(
@@ -189,20 +205,22 @@ def compared_table(
     columns: Sequence[str] = (),
     note: str = "",
 ) -> Table:
-    """Return the table of a layout's results, one row each in printed order; empty columns are left out.
+    """Return the table of printed and computed results of a printed table, with a row for each number.
+
+    Rows are in printed order; columns without values are left out.
 
     Parameters
     ----------
     layout
-        The layout.
+        Layout of the printed table.
     found
-        Evidence by name of the entry.
+        Printed and computed values, by name of the printed number.
     more
-        Further cells by entry.
+        Further cells of the rows, by name of the printed number.
     why
-        Reason why there is no 3D value, by entry.
+        Reason why there is no 3D value, by name of the printed number.
     columns
-        Entries that are in cells of other rows.
+        Names of printed numbers that are shown in cells of other rows and get no row.
     note
         Note below the table.
     """
@@ -222,21 +240,24 @@ def compared_table(
                 last: Row = {"verdict": f.verdict, "how": f"how-{f.printed.table}"}
                 rows.append(first | row | last | {Quantity("remark", "remark", "", "s"): remark})
     notes = [note, *(f"{number}: {text}" for text, number in remarks.items())]
-    title = f"{layout.heading}, every number printed and computed"
+    title = f"{layout.heading}: printed and computed value of every number"
     text = "\n".join(filter(None, notes))
     return Table.of(layout.stem("compared"), title, _drop_empty_columns(rows), text, unfolded=True)
 
 
 def _compared_row(layout: Layout, f: Evidence, why: str) -> Row:
-    """Return the row of one result: printed, computed, and errors."""
+    """Return the row of one printed number: printed value, computed values, and their errors against it [%].
+
+    ``why`` is shown instead of a 3D value that does not exist.
+    """
     p, form = f.printed, f"g{layout.digits}"
     values = {"right": f.value, "faulty": f.as_printed, "reading": f.reading, "solid": f.reference}
     off = {key: _error_or_none(value, p.value) for key, value in values.items()}
     return {
         PRINTED: f"{p.printed or p.claim} {p.unit}".rstrip(),
         Quantity("right", "low-order, ours", "", form): _round_off(f.value),
-        Quantity("faulty", "with the source's faults", "", form): _round_off(f.as_printed),
-        Quantity("reading", "inferred reading", "", form): f.reading,
+        Quantity("faulty", "with the publication's errors", "", form): _round_off(f.as_printed),
+        Quantity("reading", "with inferred assumption", "", form): f.reading,
         SOLID: f"{_round_off(f.reference) or 0.0:.{layout.digits}g}" if f.reference is not None else why,
         OFF["right"]: off["right"],
         OFF["faulty"]: off["faulty"],
@@ -247,38 +268,46 @@ def _compared_row(layout: Layout, f: Evidence, why: str) -> Row:
 
 
 def _band_text(p: Printed) -> str:
-    """Return ends and origin of a band in words; empty for another class."""
-    return f"Band: {p.low:g} to {p.high:g}. {p.origin}" if p.low is not None and p.high is not None else ""
+    """Return the tolerance band of a printed number and the origin of the band as text; empty without a band."""
+    return f"Tolerance band: {p.low:g} to {p.high:g}. {p.origin}" if p.low is not None and p.high is not None else ""
 
 
 def _error_or_none(value: float | None, reference: float | None) -> float | None:
-    """Return the error [%] of a value; None without one of the two, or if both are round-off."""
+    """Return the error of a value against a reference [%]; None if one of them is None, or if both are round-off."""
     if value is None or reference is None or max(abs(value), abs(reference)) < 1e-9:
         return None
     return shown_error(float(error_percent(value, reference)))
 
 
 def _round_off(value: float | None) -> float | None:
-    """Return zero for round-off, else the value."""
+    """Replace a value by zero if it is below 1e-9, which is round-off; return other values unchanged."""
     return 0.0 if value is not None and abs(value) < 1e-9 else value
 
 
 def _drop_empty_columns(rows: Sequence[Row]) -> list[Row]:
-    """Return rows without columns that none of them fills."""
+    """Return the rows of a table without the columns in which every cell is empty."""
     filled = {q for row in rows for q, value in row.items() if value not in (None, "")}
     order = dict.fromkeys(q for row in rows for q in row)
     return [{q: row.get(q) for q in order if q in filled} for row in rows]
 
 
 def inputs_table(layout: Layout, found: Mapping[str, Evidence]) -> Table:
-    """Return the table of a layout's inputs: printed value, value in the scene, remark."""
+    """Return the table of the input data of a printed table: printed value, value used in the scene, remark.
+
+    Parameters
+    ----------
+    layout
+        Layout of the printed table.
+    found
+        Printed and used values, by name of the printed number.
+    """
     rows: list[Row] = [
         {
             Quantity("label", "parameter (symbol)", "", "s"): label,
             Quantity("printed", "printed value", "", "s"): f.printed.printed,
             Quantity("unit", "unit", "", "s"): f.printed.unit,
-            Quantity("scene", "scene", "", "s"): as_printed_digits(f.value, f.printed.printed),
-            Quantity("name", "in scene", "", "s"): ", ".join(computations()[f.printed.table].origin(f.printed)[0]),
+            Quantity("scene", "value in the scene", "", "s"): as_printed_digits(f.value, f.printed.printed),
+            Quantity("name", "scene", "", "s"): ", ".join(computations()[f.printed.table].origin(f.printed)[0]),
             "verdict": f.verdict,
             "how": f"how-{f.printed.table}",
             Quantity("remark", "remark", "", "s"): f.reason,
@@ -290,33 +319,49 @@ def inputs_table(layout: Layout, found: Mapping[str, Evidence]) -> Table:
 
 
 def computation_tables(tables: Iterable[str]) -> Iterator[Table]:
-    """Yield, for each printed table, how its numbers are computed: scenes, function, test, command."""
+    """Yield, for each file of printed numbers, the table of how its numbers are computed: scenes, function, test, command.
+
+    ``tables`` are the names of the files.
+    """
     for name in tables:
         one = computations()[name]
-        places = ", ".join(sorted({row.place.partition(", ")[2] for row in load_table(name)}, key=_in_order))
+        places = ", ".join(sorted({row.place.partition(", ")[2] for row in load_table(name)}, key=_place_sort_key))
         rows: list[Row] = [
             {
-                Quantity("keys", "entries", "", "s"): pattern,
+                Quantity("keys", "keys of printed numbers", "", "s"): pattern,
                 SCENES: behind if isinstance(behind, str) else ", ".join(behind),
                 Quantity("function", "computed by", "", "s"): one.function,
-                Quantity("test", "asserted in", "", "s"): one.test or "–",
-                Quantity("command", "again by", "", "s"): f"rollbench check --printed --only {name}",
+                Quantity("test", "tested in", "", "s"): one.test or "–",
+                Quantity("command", "recomputed by", "", "s"): f"rollbench check --printed --only {name}",
             }
             for pattern, behind in one.behind
         ]
         yield Table.of(f"how-{name}", f"How the numbers of {name} are computed ({places})", rows)
 
 
-def _in_order(place: str) -> tuple[bool, list[int], str]:
-    """Return the sort key of a place in a source: by chapter, tables before sections; appendices last."""
+def _place_sort_key(place: str) -> tuple[bool, list[int], str]:
+    """Return the sort key of a place in a publication, such as "Table 2.1": chapter, then tables before sections.
+
+    Appendices come last.
+    """
     in_text, text = "Table" not in place, place.rpartition(", ")[2]
     letter = re.match(r"\D*\b([A-Z])\b", text)
     numbers = [ord(letter[1])] if letter else [int(n) for n in re.findall(r"\d+", text)]
     return letter is not None, [*numbers[:1], int(in_text), *numbers[1:]], text
 
 
-def by_place(found: Sequence[Evidence], name: str = "printed-by-table", *, unfolded: bool = False) -> Table:
-    """Return the table of counts by place: printed numbers, results among them, reproduced ones."""
+def counts_by_place(found: Sequence[Evidence], name: str = "printed-by-table", *, unfolded: bool = False) -> Table:
+    """Return the table that counts the printed numbers of each table and section, and how many are reproduced.
+
+    Parameters
+    ----------
+    found
+        Printed and computed values.
+    name
+        File name of the table in the report.
+    unfolded
+        Whether the table is shown in full length.
+    """
     groups: dict[str, list[Evidence]] = {}
     for f in found:
         groups.setdefault(source(f.printed), []).append(f)
@@ -326,14 +371,14 @@ def by_place(found: Sequence[Evidence], name: str = "printed-by-table", *, unfol
         places: dict[str, list[Evidence]] = {}
         for f in of_source:
             places.setdefault(f.printed.place, []).append(f)
-        rows += [_count_row(place, places[place]) for place in sorted(places, key=_in_order)]
+        rows += [_count_row(place, places[place]) for place in sorted(places, key=_place_sort_key)]
     note = (
-        "A result is a printed number that is no input, identity or zero by symmetry: only these can be reproduced. Table "
-        "printed has every entry."
+        "A result is a printed number that is neither an input, nor an identity, nor zero by symmetry; only results can be "
+        "reproduced. The table printed shows every number."
     )
     return Table.of(
         name,
-        "Printed values by table and section of the thesis, and how many are reproduced",
+        "Number of printed values in each table and section of the publications, and how many are reproduced",
         rows,
         note,
         unfolded=unfolded,
@@ -341,31 +386,43 @@ def by_place(found: Sequence[Evidence], name: str = "printed-by-table", *, unfol
 
 
 def _count_row(place: str, found: Sequence[Evidence]) -> Row:
-    """Return the row of `by_place` for one place."""
+    """Return the row of `counts_by_place` for one table or section of a publication."""
     numbers = [f for f in found if not f.printed.claim]
     claims = [f for f in found if f.printed.claim]
     tally = Counter(f.verdict for f in numbers)
     borne = sum(f.verdict in ("reproduced", "band") for f in claims)
     return {
-        Quantity("place", "source, table or section", "", "s"): place,
+        Quantity("place", "publication, table or section", "", "s"): place,
         Quantity("printed", "printed values", "", "s"): len(numbers),
         Quantity("inputs", "inputs", "", "s"): tally["input"],
         Quantity("identities", "identities, zeros by symmetry", "", "s"): tally["identity"],
         Quantity("results", "results", "", "s"): len(numbers) - tally["input"] - tally["identity"],
-        Quantity("reproduced", "come out", "", "s"): tally["reproduced"],
-        Quantity("faulty", "only with the source's fault", "", "s"): tally["only as printed"],
-        Quantity("band", "within a band", "", "s"): tally["band"],
+        Quantity("reproduced", "reproduced", "", "s"): tally["reproduced"],
+        Quantity("faulty", "only with the publication's error", "", "s"): tally["only as printed"],
+        Quantity("band", "within a tolerance band", "", "s"): tally["band"],
         Quantity("contradicted", "contradicted", "", "s"): tally["contradicted"],
         Quantity("open", "not identifiable", "", "s"): tally["not identifiable"],
-        Quantity("claims", "claims borne out", "", "s"): f"{borne} of {len(claims)}" if claims else "",
+        Quantity("claims", "claims confirmed", "", "s"): f"{borne} of {len(claims)}" if claims else "",
     }
 
 
 def shown_tables(printed: Sequence[str], listed: Sequence[Layout], found: Mapping[str, Evidence]) -> Iterator[Table]:
-    """Yield all printed values of some tables of a case: in the source's layout and row by row, then others."""
+    """Yield the report's tables of all printed numbers from some files of a publication.
+
+    Tables with a layout are shown in that layout and row by row; then follow the numbers and claims of the text.
+
+    Parameters
+    ----------
+    printed
+        Names of the files of printed numbers.
+    listed
+        Layouts of the publication's tables.
+    found
+        Printed and computed values, by name of the printed number.
+    """
     for layout in listed:
         if layout.printed in printed:
-            yield in_layout(layout, found, {})
+            yield table_in_printed_layout(layout, found, {})
             if any(found[name].printed.cls != "input" for name in layout.names):
                 yield replace(compared_table(layout, found, {}, {}), unfolded=False)
     laid = {name for layout in listed for name in layout.names}

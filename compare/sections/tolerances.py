@@ -1,4 +1,4 @@
-"""Section on tolerances of case 3: effect of ball grade, pitch, roundness and misalignment on the largest load."""
+"""Report section on the effect of ball grade, pitch error, roundness and misalignment on the largest load in case 3."""
 
 from __future__ import annotations
 
@@ -14,48 +14,52 @@ from rollbench.compare.studies.sweep.sample import MAIN
 from rollbench.compare.studies.sweep.summary import summary_figures
 from rollbench.reports.content import Cell, Quantity, Section, Table, Text
 
-#: The shipped summary: the ``summary.json`` of the command that it names.
+#: Shipped summary of the tolerance sweep (``summary.json``); it states the command that computed it.
 TOLERANCES = "studies/sweep/tolerances-case3.json"
-#: Names of the keys, by the beginning of their path.
+#: Descriptions of the varied scene keys, by the beginning of the key.
 WORDS = {
     "errors.balls.sigma": "ball grade: standard deviation of the ball radius",
-    "errors.SL.pitch": "pitch: standard deviation of its amplitudes, once a turn, all flanks",
-    "errors.SL.roundness": "roundness: standard deviation of its amplitudes, twice a turn, all flanks",
+    "errors.SL.pitch": "pitch error: standard deviation of its amplitude, once per turn, all flanks",
+    "errors.SL.roundness": "roundness: standard deviation of its amplitude, twice per turn, all flanks",
     "supports[1].displace.ux": "misalignment: offset of the right end",
-    "errors.seed": "luck: which screw of these tolerances",
+    "errors.seed": "chance: seed of the random errors within the same tolerances",
 }
 
 
 @cache
 def stored_sweep() -> dict[str, Any]:
-    """Return the shipped summary of the tolerance sweep."""
+    """Return the shipped summary of the tolerance sweep of case 3: outputs, main effects and Sobol indices."""
     found: dict[str, Any] = json.loads(files.text(TOLERANCES))
     return found
 
 
 def sweep_command(found: Mapping[str, Any]) -> str:
-    """Return the ``rollbench sweep`` command that made a summary."""
+    """Return the ``rollbench sweep`` command by which a summary of a sweep was computed."""
     vary = "".join(f' --vary "{text}"' for text in found["vary"])
     options = "".join(f" --{name} {found[name]}" for name in ("samples", "method", "seed", "model"))
     return f"rollbench sweep {found['scene'].removesuffix('.toml')}{vary}{options}"
 
 
 def short_key_name(vary: Vary) -> str:
-    """Return the short name of a varied key."""
+    """Return the short name of a varied tolerance, such as "ball grade"."""
     return key_description(vary).partition(":")[0]
 
 
 def key_description(vary: Vary) -> str:
-    """Return the description of a varied key."""
+    """Return the description of a varied tolerance, such as "misalignment: offset of the right end"."""
     return next((text for start, text in WORDS.items() if vary.key.startswith(start)), vary.name)
 
 
-def _short_row(row: Mapping[str, Cell]) -> str:
+def _tolerance_name(row: Mapping[str, Cell]) -> str:
+    """Return the short name of the tolerance in a row of `effect_rows`, capitalised."""
     return str(row["key"]).partition(":")[0].capitalize()
 
 
-def effects_figure(keys: Sequence[Vary], found: Mapping[str, Any]) -> list[dict[str, Cell]]:
-    """Return a row for each varied key, largest total Sobol index first: range of the mean largest load, indices."""
+def effect_rows(keys: Sequence[Vary], found: Mapping[str, Any]) -> list[dict[str, Cell]]:
+    """Return the table rows on the effect of each tolerance on the largest contact load, largest total Sobol index first.
+
+    Each row has the varied range, the range of the mean largest load [N], and the first and total Sobol index.
+    """
     indices = found["indices"]["outputs"][MAIN]
     rows: list[dict[str, Cell]] = []
     for vary in sorted(keys, key=lambda v: -indices[v.key]["total"]):
@@ -75,43 +79,46 @@ def effects_figure(keys: Sequence[Vary], found: Mapping[str, Any]) -> list[dict[
 
 
 def make_section(study: Study, step: Callable[[str], None]) -> Section:
-    """Return the section of the report."""
+    """Return the section on the effect of each tolerance on the largest contact load in case 3 of Lin's thesis."""
     step("stored sweep of tolerances")
     found = stored_sweep()
     study.uses((found["scene"].removesuffix(".toml"),))
     keys = read_vary(found["vary"])
-    rows = effects_figure(keys, found)
+    rows = effect_rows(keys, found)
     load = found["outputs"][MAIN]
     luck = next(row for row in rows if row["range"] == "any")
     first, second = [row for row in rows if row is not luck][:2]
     conclusion = (
-        f"Over {found['converged']} screws within tolerances the largest contact load is {load['mean']:.0f} "
-        f"N on average and exceeds {load['quantile_0.95']:.0f} N on one screw in twenty. {_short_row(first)} "
-        f"matters most (total index {first['total']:.2f}), then {_short_row(second).lower()} "
-        f"({second['total']:.2f}); chance, that is which screw with the same tolerances is drawn, has "
+        f"On {found['converged']} screws within the tolerances, the largest contact load is {load['mean']:.0f} "
+        f"N on average and exceeds {load['quantile_0.95']:.0f} N on one screw in twenty. {_tolerance_name(first)} "
+        f"has the largest effect (total Sobol index {first['total']:.2f}), then {_tolerance_name(second).lower()} "
+        f"({second['total']:.2f}); chance, the random errors within the same tolerances, has an index of "
         f"{luck['total']:.2f}."
     )
     text = (
         (
-            "The ranges are assumed, each from zero to a common value; the source has no tolerances. The "
-            "indices are shares of the variance over these ranges: first, of the tolerance alone; total, "
-            f"including its interaction with others. Their {100 * found['indices']['confidence']:g} % intervals "
-            "come from resampling the design."
+            "The ranges of the tolerances are assumed, each from zero to a usual value; Lin's thesis states no tolerances. "
+            "The Sobol indices are shares of the variance over these ranges: the first index for the tolerance alone, the "
+            f"total index including its interaction with others. Their {100 * found['indices']['confidence']:g} % "
+            "intervals follow from resampling the design."
         ),
         f"Computed by: {sweep_command(found)}.",
     )
     columns = (
-        Quantity("key", "key", "", "s"),
+        Quantity("key", "tolerance", "", "s"),
         Quantity("range", "range", "", "s"),
-        Quantity("low", "smallest mean of the largest load", "N", "g4"),
-        Quantity("high", "largest mean", "N", "g4"),
-        Quantity("first", "first index", "", ".2f"),
-        Quantity("first_band", "interval of the first", "", "s"),
-        Quantity("total", "total index", "", ".2f"),
-        Quantity("total_band", "interval of the total", "", "s"),
+        Quantity("low", "mean of the largest load, smallest", "N", "g4"),
+        Quantity("high", "mean of the largest load, largest", "N", "g4"),
+        Quantity("first", "first Sobol index", "", ".2f"),
+        Quantity("first_band", "interval of the first index", "", "s"),
+        Quantity("total", "total Sobol index", "", ".2f"),
+        Quantity("total_band", "interval of the total index", "", "s"),
     )
     table = Table("tolerances", "Effect of each tolerance on the largest contact load", columns, rows)
     figures = summary_figures("tolerances", keys, found, short_key_name)
     return Section(
-        "tolerances", "Tolerances of case 3: which matters most", (Text(text), table, *figures), conclusion=conclusion
+        "tolerances",
+        "Effect of each tolerance on the largest contact load in Lin's case 3",
+        (Text(text), table, *figures),
+        conclusion=conclusion,
     )

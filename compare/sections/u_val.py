@@ -1,10 +1,10 @@
-"""Section on validation uncertainty: error against u_val, bias and scatter of every model, and how often bounds held.
+"""Report section on validation uncertainty: errors of the models, their bias and scatter, and tests of stated bounds.
 
-Discretisation uncertainties are tested by finer levels. The uncertainty of a scene follows from its coarser levels
-and from the experience with all other scenes (`compare.reference.grid_parts`); for the test this experience is
-derived again without the scene, and without scenes that share its parts. Drawn screws (chosen and computed by
-``tests/judging_levels.py``), and levels beyond those that are studied, are stored as loads only: they are used for
-tests, not as reference.
+u_val is the validation uncertainty of ASME V&V 20: mesh, modelling choices and input tolerances combined. The mesh
+uncertainty of a coarser level is tested by a finer level. It follows from the mesh levels of the scene and from data of all
+other scenes (`compare.reference.grid_parts`); for the test these data are derived again without the scene and without
+scenes that share its parts. Randomly drawn screws (chosen and computed by ``tests/judging_levels.py``), and levels finer
+than those of the mesh study, are stored as loads only: they are used for tests, not as reference.
 """
 
 from __future__ import annotations
@@ -51,55 +51,60 @@ from rollbench.meshes.loads import mean_load
 from rollbench.meshes.parts import Scene
 from rollbench.reports.content import Figure, Panel, Quantity, Row, Section, Series, Table, Text
 
-#: Loads by level of drawn screws and of further levels of shipped scenes, beside the stored runs.
+#: File with the contact loads of drawn screws, and of further mesh levels of shipped scenes, that are used for tests only.
 JUDGES = "judging_levels.json"
 
 #: Key of the text of a drawn scene in that file.
 SCENE = "scene"
 
-#: The variant that cuts the coarse sockets finer.
+#: Name of the variant with finer cut-outs for the patches in the coarse meshes.
 SOCKETS = "finer-sockets"
 
-#: Scenes that another program solved too, and those with two levels.
+#: Scenes that were also solved by another program.
 CHECKED = ("two-balls", "lin-case1-cut")
+
+#: Scenes that were solved on two mesh levels.
 
 COARSE = ("liu-screw", "liu-drawn", "liu-small", "liu-drawn-1kN")
 
 #: Shipped scenes that are compared.
 SHIPPED = tuple(dict.fromkeys((*REFERENCED, *CHECKED, *UNSEEN, *COARSE)))
 
-#: Number of contacts from which on the coverage of a single scene is meaningful.
+#: Least number of contacts for which the share of loads within their uncertainty is meaningful for a single scene.
 MANY = 40
 
 
 @dataclass(frozen=True)
-class Held:
-    """Test of the uncertainty of one level of one scene by a finer level."""
+class UncertaintyTest:
+    """Test of the stated mesh uncertainty of one scene: number of loads that change by less than it on a finer level."""
 
     #: Name of the scene.
     scene: str
-    #: Level whose uncertainty is tested (with those before it).
+    #: Finest of the mesh levels from which the tested uncertainty was estimated.
     level: int
-    #: Level that tests it.
+    #: Mesh level whose loads test the uncertainty.
     judge: int
     #: Number of loaded contacts.
     contacts: int
-    #: Uncertainty, RMS over them [% of the mean load].
+    #: Uncertainty, RMS over the loaded contacts [% of the mean load].
     bar: float
-    #: Number of contacts within their uncertainty.
+    #: Number of contacts whose load changes by less than its uncertainty.
     held: int
-    #: Whether the scene was drawn.
+    #: Whether the scene was drawn at random.
     drawn: bool
 
     @property
     def share(self) -> float:
-        """Share of contacts within the uncertainty."""
+        """Share of contacts whose load changes by less than its uncertainty (0 to 1)."""
         return self.held / self.contacts
 
 
 @cache
-def judges(store: Path) -> tuple[dict[str, dict[int, Array]], dict[str, Scene]]:
-    """Return loads (n, 4) [N] by level that a store keeps for tests only, and the drawn scenes; empty if no file."""
+def loads_for_tests(store: Path) -> tuple[dict[str, dict[int, Array]], dict[str, Scene]]:
+    """Return the contact loads that are stored for tests of the mesh uncertainty only, and the randomly drawn scenes.
+
+    The loads (n, 4) [N] are returned by scene and mesh level. Both results are empty if the store has no such file.
+    """
     path = store / JUDGES
     data = json.loads(path.read_text(encoding="utf-8")) if path.exists() else {}
     drawn = {
@@ -110,9 +115,12 @@ def judges(store: Path) -> tuple[dict[str, dict[int, Array]], dict[str, Scene]]:
     return {name: {int(k): np.array(rows, float) for k, rows in by_level.items()} for name, by_level in data.items()}, drawn
 
 
-def levelled(study: Study) -> dict[str, dict[int, Array]]:
-    """Return the loads (n, 4) [N] by level of every compared scene with two levels or more, drawn ones last."""
-    out, extra = {}, dict(judges(shipped_store())[0])
+def loads_by_level(study: Study) -> dict[str, dict[int, Array]]:
+    """Return the contact loads (n, 4) [N] of every compared scene with at least two mesh levels, by scene and level.
+
+    Randomly drawn scenes come last.
+    """
+    out, extra = {}, dict(loads_for_tests(shipped_store())[0])
     for name in SHIPPED:
         runs = [run for k in LEVELS if (run := load_run(study.scene(name), k, stores=study.stores)) is not None]
         if len(runs) > 1:
@@ -121,9 +129,10 @@ def levelled(study: Study) -> dict[str, dict[int, Array]]:
 
 
 def socket_scatter(study: Study) -> float | None:
-    """Return the standard deviation of contact loads by the coarse sockets' cut [% of mean load]; None without runs.
+    """Return the standard deviation of contact loads due to the cut-outs for the fine patches [% of the mean load].
 
-    The difference of two cuts contains two such errors, hence the division by the root of two.
+    It follows from two runs with different cut-outs. Their difference contains two such errors, hence the division by the
+    root of two. Returns None if the runs are not stored.
     """
     scene = study.scene(REFINED)
     finer, base = load_run(scene, PRODUCTION, SOCKETS, study.stores), base_run(scene, PRODUCTION, study.stores)
@@ -135,62 +144,92 @@ def socket_scatter(study: Study) -> float | None:
 
 
 def experience(study: Study) -> Experience | None:
-    """Return the experience from all compared scenes of a store; None if it does not hold them."""
-    loads, sockets = levelled(study), socket_scatter(study)
+    """Return the parameters of the mesh uncertainty that are estimated from all compared scenes; None if runs are missing.
+
+    They are needed where the mesh levels of a scene do not show a contribution.
+    """
+    loads, sockets = loads_by_level(study), socket_scatter(study)
     return (
         None
         if sockets is None or len(loads) < len(UNSEEN)
-        else derive_experience(loads, sockets, study.once(_beside_faces))
+        else derive_experience(loads, sockets, study.once(_errors_near_faces))
     )
 
 
-def _scene(study: Study, name: str) -> Scene:
-    """Return a compared scene, shipped or drawn."""
-    return judges(shipped_store())[1].get(name) or study.scene(name)
+def _shipped_or_drawn_scene(study: Study, name: str) -> Scene:
+    """Return a compared scene by its name, either a shipped or a randomly drawn one."""
+    return loads_for_tests(shipped_store())[1].get(name) or study.scene(name)
 
 
-def _beside_faces(study: Study) -> dict[str, Array]:
-    """Return the errors of level 1 near free faces, (n, 4) [% of the mean load], by compared scene."""
+def _errors_near_faces(study: Study) -> dict[str, Array]:
+    """Return the errors of contact loads near free nut faces on mesh level 1, by scene: (n, 4) [% of the mean load]."""
     first = min(LEVELS)
     return {
-        name: error_percent(error_near_faces(_scene(study, name), loads[first], first), 0.0, mean_load(loads[max(loads)]))
-        for name, loads in levelled(study).items()
+        name: error_percent(
+            error_near_faces(_shipped_or_drawn_scene(study, name), loads[first], first), 0.0, mean_load(loads[max(loads)])
+        )
+        for name, loads in loads_by_level(study).items()
         if first in loads
     }
 
 
-def coverage(study: Study) -> list[Held]:
-    """Test the uncertainty of every level of every compared scene by its finest level; empty if data are missing."""
+def coverage(study: Study) -> list[UncertaintyTest]:
+    """Test the mesh uncertainty of every level of every compared scene by the loads on its finest level.
+
+    Returns an empty list if runs are missing.
+    """
     return study.once(_coverage)
 
 
-def coverage_of(study: Study, levels: tuple[int, ...]) -> list[Held]:
-    """Test the uncertainty that given levels alone state, on every compared scene that has them and a finer one."""
-    return _judged(study, lambda loads: [levels] if set(levels) <= set(loads) and max(levels) < max(loads) else [])
+def coverage_of(study: Study, levels: tuple[int, ...]) -> list[UncertaintyTest]:
+    """Test the mesh uncertainty estimated from the mesh levels ``levels`` by the loads on a finer level.
+
+    All compared scenes that were solved on these levels and on a finer one are tested.
+    """
+    return _uncertainty_tests(
+        study, lambda loads: [levels] if set(levels) <= set(loads) and max(levels) < max(loads) else []
+    )
 
 
-def _coverage(study: Study) -> list[Held]:
-    """Test every scene by its first level, its first two levels, and so on."""
-    return _judged(study, lambda loads: [tuple(sorted(loads)[:k]) for k in range(1, len(loads))])
+def _coverage(study: Study) -> list[UncertaintyTest]:
+    """Test the mesh uncertainties of every scene: from its first level, from its first two levels, and so on."""
+    return _uncertainty_tests(study, lambda loads: [tuple(sorted(loads)[:k]) for k in range(1, len(loads))])
 
 
-def _judged(study: Study, choose: Callable[[Levelled], list[tuple[int, ...]]]) -> list[Held]:
-    """Test the uncertainties of all scenes; ``choose`` returns the sets of levels to test from a scene's loads."""
-    scenes, sockets = levelled(study), socket_scatter(study)
+def _uncertainty_tests(study: Study, choose: Callable[[Levelled], list[tuple[int, ...]]]) -> list[UncertaintyTest]:
+    """Test the mesh uncertainties of all scenes by their finest level.
+
+    ``choose`` returns, from the loads of a scene by level, the groups of levels whose uncertainty is tested.
+    """
+    scenes, sockets = loads_by_level(study), socket_scatter(study)
     if sockets is None or len(scenes) < len(UNSEEN):
         return []
-    beside = study.once(_beside_faces)
+    beside = study.once(_errors_near_faces)
     return [
-        _held(_scene(study, name), levels, scenes, sockets, beside)
+        _uncertainty_test(_shipped_or_drawn_scene(study, name), levels, scenes, sockets, beside)
         for name, loads in scenes.items()
         for levels in choose(loads)
     ]
 
 
-def _held(
+def _uncertainty_test(
     scene: Scene, levels: tuple[int, ...], scenes: Mapping[str, Levelled], sockets: float, beside: Mapping[str, Array]
-) -> Held:
-    """Test one scene's uncertainty by its finest level, with experience from the other scenes."""
+) -> UncertaintyTest:
+    """Test the mesh uncertainty of one scene by the loads on its finest level.
+
+    Parameters
+    ----------
+    scene
+        Scene that is tested.
+    levels
+        Mesh levels from which the tested uncertainty is estimated.
+    scenes
+        Contact loads of all scenes, by level.
+    sockets
+        Standard deviation of loads due to the cut-outs for the fine patches [% of the mean load].
+    beside
+        Errors of loads near free nut faces on level 1 [% of the mean load], by scene.
+    """
     name, level = scene.name, max(levels)
     family = SPOKEN_FOR.get(name, name)
     others = {other: by_level for other, by_level in scenes.items() if SPOKEN_FOR.get(other, other) != family}
@@ -201,26 +240,26 @@ def _held(
     grid, off = parts(coarser, known), np.abs(error_percent(loads[level][on], loads[judge][on], mean))
     beside_faces = error_near_faces if grid.by_experience else excess_near_faces
     bars = grid.bars(coarser) + error_percent(beside_faces(scene, loads[level], level), 0.0, mean)
-    return Held(name, level, judge, int(on.sum()), grid.bar, int((off <= bars[on]).sum()), name not in SHIPPED)
+    return UncertaintyTest(name, level, judge, int(on.sum()), grid.bar, int((off <= bars[on]).sum()), name not in SHIPPED)
 
 
-def share_of(rows: Sequence[Held]) -> float:
-    """Return the share of contacts whose error is within the stated uncertainty."""
+def share_of(rows: Sequence[UncertaintyTest]) -> float:
+    """Return the share (0 to 1) of all contacts in several tests whose load changes by less than its uncertainty."""
     return sum(h.held for h in rows) / sum(h.contacts for h in rows)
 
 
-#: Models whose rows are shown scene by scene; bias and scatter are of every one on the ladder.
+#: Models whose errors are shown for each scene; bias and scatter are shown for all models of the section "ladder".
 SHOWN = (DEFAULT, "lin")
 
 
-def rows_of(study: Study, rungs: Sequence[Rung]) -> list[Validated]:
-    """Return the validation results of every model of the ladder, by scene and quantity."""
+def validation_rows(study: Study, rungs: Sequence[Rung]) -> list[Validated]:
+    """Return error and validation uncertainty of every model, for each scene and quantity; ``rungs``: solutions."""
     found = [validated_error(study, r.scene, r.model, q, from_result(r.result)) for r in rungs for q in QUANTITIES]
     return [row for row in found if row is not None]
 
 
 def u_val_table(rows: Sequence[Validated]) -> Table:
-    """Return error and u_val by scene and quantity."""
+    """Return the table of the models' errors and of the validation uncertainty u_val, for each scene and quantity."""
     cells: list[Row] = []
     for row in rows:
         if row.model not in SHOWN:
@@ -232,22 +271,21 @@ def u_val_table(rows: Sequence[Validated]) -> Table:
                 "quantity": row.quantity,
                 "model": row.model,
                 Quantity("error", "error E", "%", "+.2f"): row.error,
-                Quantity("grid", "grid", "%", ".2f"): row.grid,
-                Quantity("choices", "modelling choices", "%", ".2f"): row.choices,
-                Quantity("inputs", "input tolerances", "%", ".2f"): row.inputs,
+                Quantity("grid", "uncertainty by mesh", "%", ".2f"): row.grid,
+                Quantity("choices", "by modelling choices", "%", ".2f"): row.choices,
+                Quantity("inputs", "by input tolerances", "%", ".2f"): row.inputs,
                 Quantity("u_val", "u_val", "%", ".2f"): row.combined,
-                Quantity("says", "what E says", "", "s"): "E ± u_val is the model's" if beyond else "not told from u_val",
+                Quantity("says", "conclusion", "", "s"): "error of the model, E ± u_val" if beyond else "E within u_val",
                 Quantity("within", "values within u_val", "%", ".0f"): 100.0 * row.within,
-                Quantity("varied", "choices varied on", "", "s"): row.varied or "–",
+                Quantity("varied", "scene on which choices were varied", "", "s"): row.varied or "–",
             }
         )
     note = (
-        f"Of {CONTACTS}: the contact with the largest error, in per cent of the mean load; other quantities "
-        "in per cent of the reference's value. Input tolerances are assumed: "
-        f"{'; '.join(x.name for x in INPUTS)}; each is varied by itself, with the model lin. Choices were "
-        "varied on two scenes; where the last column names another scene, its largest effect is used. As in "
-        "ASME V&V 20, the parts are combined by the root of the sum of squares; nothing is deducted from an "
-        "error."
+        f"For {CONTACTS}: the contact with the largest error, in per cent of the mean load; for other quantities "
+        "in per cent of the value by the 3D reference. Input tolerances are assumed: "
+        f"{'; '.join(x.name for x in INPUTS)}; each is varied alone, with the model lin. Modelling choices were varied on "
+        "two scenes; if the last column names another scene, the largest effect there is used. As in ASME V&V 20, the "
+        "uncertainties are combined by the root of the sum of squares; they are not subtracted from an error."
     )
     return Table.of(
         "u-val", "Error of the models and uncertainty of the 3D reference, for each scene and quantity", cells, note
@@ -255,7 +293,7 @@ def u_val_table(rows: Sequence[Validated]) -> Table:
 
 
 def scatter_table(found: Sequence[Scatter]) -> Table:
-    """Return the table of bias and scatter by model and quantity."""
+    """Return the table of bias and scatter of the errors, for each model and quantity, over all scenes."""
     cells: list[Row] = [
         {
             "model": s.model,
@@ -264,21 +302,21 @@ def scatter_table(found: Sequence[Scatter]) -> Table:
             Quantity("values", "values", "", "g4"): s.values,
             Quantity("bias", "bias", "%", "+.2f"): s.bias,
             Quantity("scatter", "scatter", "%", ".2f"): s.scatter,
-            Quantity("within", "within u_val", "%", ".0f"): 100.0 * s.within,
-            Quantity("within_own", "within grid and choices", "%", ".0f"): 100.0 * s.within_own,
+            Quantity("within", "values within u_val", "%", ".0f"): 100.0 * s.within,
+            Quantity("within_own", "values within uncertainty by mesh and choices", "%", ".0f"): 100.0 * s.within_own,
         }
         for s in found
     ]
     note = (
-        "Bias: relative deviation of the model from the reference, geometric mean. Scatter: relative "
-        "standard deviation of the model without that of the grid. All scenes with a reference, contacts "
-        "above a tenth of the mean load."
+        "Bias: geometric mean of the relative deviation of the model from the 3D reference. Scatter: relative standard "
+        "deviation of the model, after subtraction of the variance by the mesh of the reference. All scenes with a 3D "
+        "reference; contacts above a tenth of the mean load."
     )
     return Table.of("bias-scatter", "Mean error (bias) and its scatter for each model", cells, note)
 
 
 def scatter_figure(found: Sequence[Scatter]) -> Figure:
-    """Draw bias with scatter model by model, a panel for each quantity."""
+    """Draw bias and scatter of the errors of each model, with a panel for each quantity."""
     panels = []
     order = [m.name for m in RUNGS]
     for quantity in dict.fromkeys(s.quantity for s in found):
@@ -286,65 +324,64 @@ def scatter_figure(found: Sequence[Scatter]) -> Figure:
         x = [float(order.index(s.model) + 1) for s in of_quantity]
         ends = ([s.bias - 2.0 * s.scatter for s in of_quantity], [s.bias + 2.0 * s.scatter for s in of_quantity])
         series = (
-            Series("bias and two scatters", x, [s.bias for s in of_quantity], "markers", emphasis=True, bars=ends),
-            Series("none", [min(x), max(x)], [0.0, 0.0], "line"),
+            Series("bias ± 2 scatter", x, [s.bias for s in of_quantity], "markers", emphasis=True, bars=ends),
+            Series("no error", [min(x), max(x)], [0.0, 0.0], "line"),
         )
-        panels.append(Panel(quantity, "", "relative deviation from the reference / %", series, names=order))
+        panels.append(Panel(quantity, "", "relative deviation from the 3D reference / %", series, names=order))
     return Figure("bias-scatter", "Mean error (bias) and its scatter for each model", tuple(panels))
 
 
 def bounds_table(study: Study, rungs: Sequence[Rung]) -> Table:
-    """Return the table of stated error bounds and how often they were kept."""
+    """Return the table of stated error bounds, and of how many values were within them."""
     rows = left_out_one(study, rungs)
     counts = [
-        (f"largest error to expect, model {name}, scene left out", held, total)
+        (f"largest error to expect of the model {name}, estimated without the scene", held, total)
         for name, (held, total) in bound_shares(rows).items()
     ]
     bars = [h for h in coverage(study) if h.level > min(LEVELS)]
     if bars:
-        words = (
-            f"discretisation of coarser levels, against the finest, contact loads of {len({h.scene for h in bars})} scenes"
-        )
+        words = f"mesh uncertainty of coarser levels: loads of {len({h.scene for h in bars})} scenes on their finest level"
         counts.append((words, sum(h.held for h in bars), sum(h.contacts for h in bars)))
     cells: list[Row] = [
         {
             Quantity("bound", "stated bound", "", "s"): words,
-            Quantity("share", "held", "", "s"): f"{held} of {total}",
-            Quantity("part", "share", "%", ".0f"): 100.0 * held / (total or 1),
+            Quantity("share", "values within the bound", "", "s"): f"{held} of {total}",
+            Quantity("part", "share within the bound", "%", ".0f"): 100.0 * held / (total or 1),
         }
         for words, held, total in counts
     ]
     note = (
-        f"Expected errors are set so that each holds {SHARE:.0%} of the other scenes, which promises nothing for a new "
-        "one: the count is what is known. A bar of discretisation is one of 95 % and should hold 19 times in 20."
+        f"Each expected error is chosen such that {SHARE:.0%} of the other scenes are within it. This does not guarantee "
+        "the same share for a new scene; the table shows the share that was observed. The mesh uncertainty is meant to "
+        "cover 95 % of the contacts, 19 of 20."
     )
-    return Table.of("bounds-held", "Stated bounds, and how many held", cells, note)
+    return Table.of("bounds-held", "Share of errors within the stated bounds", cells, note)
 
 
 def make_section(study: Study, step: Callable[[str], None]) -> Section:
-    """Return the section of the report."""
+    """Return the section on validation uncertainty: errors with u_val, bias and scatter, and tests of stated bounds."""
     title = "Bias, scatter and uncertainty of the models"
-    step("every rung on every scene with a reference")
+    step("every model on every scene with a 3D reference")
     rungs = study.once(ladder)
     if not rungs:
-        return Section("u-val", title, (Text(("No run of the 3D reference was found.",)),))
-    step("grid, choices and input tolerances of every scene")
-    rows = rows_of(study, rungs)
+        return Section("u-val", title, (Text(("No run of the 3D reference is stored.",)),))
+    step("uncertainty by mesh, modelling choices and input tolerances of every scene")
+    rows = validation_rows(study, rungs)
     found = scatter(rows)
     of_loads = {s.model: s for s in found if s.quantity == CONTACTS}
     words = [
-        f"{name}: contact loads {s.bias:+.2f} % on average, scatter {s.scatter:.2f} %, {100.0 * s.within:.0f} % of them "
-        f"within u_val and {100.0 * s.within_own:.0f} % within the reference's own part of it"
+        f"{name}: mean error (bias) of contact loads {s.bias:+.2f} %, scatter {s.scatter:.2f} %; {100.0 * s.within:.0f} % "
+        f"of the loads are within u_val, and {100.0 * s.within_own:.0f} % within the uncertainty by mesh and choices alone"
         for name, s in of_loads.items()
         if name in (*SHOWN, "condensed")
     ]
     text = (
         (
-            "An error against the reference counts as the model's only as far as it exceeds what the reference, "
-            "its choices and the inputs leave open. The three stand beside every error here, combined by the "
-            "root of the sum of squares."
+            "A difference from the 3D reference is an error of the model only as far as it exceeds the validation "
+            "uncertainty u_val. u_val combines the uncertainties by the mesh of the reference, by its modelling choices "
+            "and by the input tolerances as the root of the sum of squares; all three are shown with every error."
         ),
-        f"{'; '.join(words)}.",
+        f"{'. '.join(words)}.",
     )
     items: tuple[Text | Figure | Table, ...] = (
         Text(text),
@@ -355,7 +392,9 @@ def make_section(study: Study, step: Callable[[str], None]) -> Section:
         *range_items(study),
     )
     stated = [
-        f"{name} {s.bias:+.1f} % with a scatter of {s.scatter:.1f} %" for name, s in of_loads.items() if name in SHOWN
+        f"{s.bias:+.1f} % with a scatter of {s.scatter:.1f} % by the model {name}"
+        for name, s in of_loads.items()
+        if name in SHOWN
     ]
-    conclusion = f"Contact loads are off on average by: {', '.join(stated)}." if stated else ""
+    conclusion = f"Mean error of contact loads against the 3D reference: {', '.join(stated)}." if stated else ""
     return Section("u-val", title, items, conclusion=conclusion)

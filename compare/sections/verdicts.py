@@ -1,6 +1,6 @@
-"""Sections on every printed entry with its verdict, and on how reliable each source is.
+"""Report sections on all printed numbers and claims with their verdicts, and on misprints of each publication.
 
-Tables of printed numbers and claims with their computed values are made here for all pages.
+The tables that compare printed with computed values are made here for all pages.
 """
 
 from __future__ import annotations
@@ -16,37 +16,37 @@ from rollbench.compare.models.study import Study
 from rollbench.compare.printed import KINDS, VERDICTS
 from rollbench.reports.content import Cell, Quantity, Row, Section, Table, Text
 
-#: Remarks that more rows than this share are numbered and given once, in the note.
+#: A remark that is the same in more rows than this is numbered and stated once, in the note.
 SHARED = 2
 
-#: Error [%] below which it is round-off and shown as zero.
+#: Errors [%] below this value are round-off and shown as zero.
 ROUND_OFF = 1e-9
 
-FAULTS = "As printed: computed with the source's faults repeated; empty where no fault changes the number."
+FAULTS = "With errors repeated: computed with the errors of the publication; empty where no such error changes the number."
 
 
 def printed_table(
     name: str, title: str, found: Sequence[Evidence], note: str = "", *, digits: int = 5, place: bool = False
 ) -> Table:
-    """Return the table of printed entries, each with computed values, error, class, verdict and remark.
+    """Return the table of printed numbers and claims, each with computed values, error, class, verdict and remark.
 
-    Values with the source's faults, and values under an inferred assumption, have columns if an entry has any.
+    Values computed with the errors of the publication, or under an inferred assumption, get columns if there are any.
 
     Parameters
     ----------
     name
-        Name of the table.
+        File name of the table in the report.
     title
         Title of the table.
     found
-        The entries.
+        Printed and computed values.
     note
         Note below the table.
     digits
-        Significant digits.
+        Number of significant digits of computed values.
     place
-        Whether every entry is listed, with a column of places; else inputs, which test no model, are left out, and an entry
-        from another place than most says so in its label.
+        Whether all numbers are listed, with a column for their place in the publication. If not, inputs, which test no
+        model, are left out, and the place is added to the label only where it differs from that of most numbers.
     """
     given = 0 if place else sum(f.verdict == "input" for f in found)
     found = [f for f in found if f.verdict != "input"] if given else found
@@ -56,13 +56,13 @@ def printed_table(
     rows = [{key: cells[key] for key in keys} for cells in (_verdict_cells(f, usual, place) for f in found)]
     common = _number_remarks(rows)
     notes = [note, FAULTS if "as_printed" in keys else ""]
-    notes += [f"Inputs, {given} of them, stand in table printed."] if given else []
+    notes += [f"The {given} inputs are listed in the table printed."] if given else []
     notes += [f"Remark {i}: {text}" for i, text in enumerate(common, 1)]
     return Table(name, title, columns, rows, " ".join(sentence for sentence in notes if sentence))
 
 
 def _verdict_columns(found: Sequence[Evidence], digits: int, place: bool) -> tuple[Quantity, ...]:
-    """Return the columns of `printed_table` that its entries need."""
+    """Return the columns of `printed_table` that the listed numbers need."""
     form = f"g{digits}"
     faulty, inferred = any(f.as_printed is not None for f in found), any(f.reading is not None for f in found)
     wanted = (
@@ -72,17 +72,21 @@ def _verdict_columns(found: Sequence[Evidence], digits: int, place: bool) -> tup
         (True, Quantity("class", "class", "", "s")),
         (True, Quantity("unit", "unit", "", "s")),
         (True, Quantity("printed", "printed", "", "s")),
-        (faulty, Quantity("as_printed", "as printed, computed", "", form)),
-        (True, Quantity("right", "right (plain reading)" if inferred else "right", "", form)),
-        (True, Quantity("error", "error", "%", "g3")),
-        (inferred, Quantity("reading", "inferred reading", "", form)),
-        (inferred, Quantity("reading_error", "inferred against printed", "%", ".2f")),
+        (faulty, Quantity("as_printed", "computed, with errors repeated", "", form)),
+        (True, Quantity("right", "computed, correct", "", form)),
+        (True, Quantity("error", "error against printed", "%", "g3")),
+        (inferred, Quantity("reading", "computed, with inferred assumption", "", form)),
+        (inferred, Quantity("reading_error", "error with inferred assumption", "%", ".2f")),
         (True, Quantity("remark", "remark", "", "s")),
     )
     return tuple(column for shown, column in wanted if shown)
 
 
 def _verdict_cells(f: Evidence, usual: str, place: bool) -> dict[str, Cell]:
+    """Return the cells of `printed_table` for one printed number or claim.
+
+    ``usual`` is the place in the publication of most numbers; ``place`` is as in `printed_table`.
+    """
     p = f.printed
     section = p.place.removeprefix("Lin (2019), ")
     where = "" if place or p.place == usual else f" ({section})"
@@ -98,19 +102,19 @@ def _verdict_cells(f: Evidence, usual: str, place: bool) -> dict[str, Cell]:
         "error": shown_error(f.error_percent),
         "class": p.cls,
         "verdict": f.verdict,
-        "remark": joined_remarks(f.words, p.remark, p.origin and f"Band: {p.origin}"),
+        "remark": joined_remarks(f.words, p.remark, p.origin and f"Tolerance band: {p.origin}"),
     }
 
 
 def shown_error(error: float | None) -> float | None:
-    """Return an error [%] for a cell: None if infinite (the printed number is zero), zero if it is round-off."""
+    """Return an error [%] as it is shown in a table: None if infinite (the printed number is 0), 0 if it is round-off."""
     if error is None or not np.isfinite(error):
         return None
     return error if abs(error) > ROUND_OFF else 0.0
 
 
 def _number_remarks(rows: Sequence[dict[str, Cell]]) -> list[str]:
-    """Replace remarks that several rows share by references to a numbered list; return the list."""
+    """Replace remarks that are the same in several rows by a number, in place; return the numbered remarks."""
     count = Counter(str(row["remark"]) for row in rows)
     common = [text for text, times in count.items() if text and times > SHARED]
     for row in rows:
@@ -121,7 +125,7 @@ def _number_remarks(rows: Sequence[dict[str, Cell]]) -> list[str]:
 
 PLURALS = {"computed number": "computed numbers", "claim in words": "claims in words"}
 
-#: What was inferred from printed results, and from which.
+#: Inputs that were inferred from printed results of Lin's thesis, each with the result.
 INFERRED = (
     "the screw's outer diameter of 32 mm (from the groove range of 2.4.2); the helix phase (from the last balls of case "
     "3); u_y of 5.2 and 8.0 um, k_S = 100 and the map step of 0.08 (from Table 3.2); theta and the side force ratio of "
@@ -130,35 +134,35 @@ INFERRED = (
 
 
 def total_text(rows: Sequence[Evidence]) -> str:
-    """Return a sentence with the number of entries by verdict, and the kinds of those that are reproduced."""
+    """Return the sentence on the number of printed numbers and claims by verdict, and on the kinds of reproduced ones."""
     total = audited_counts(rows)[-1]
     kinds = Counter(r.printed.kind for r in rows if r.verdict == "reproduced")
     parts = " and ".join(f"{n} {PLURALS.get(KINDS[kind], KINDS[kind])}" for kind, n in kinds.most_common())
     words = ", ".join(f"{total[v]} {v}" for v in VERDICTS)
-    return f"Of {total['all']} printed entries: {words}. Those reproduced are {parts}."
+    return f"Of {total['all']} printed numbers and claims: {words}. Among the reproduced ones are {parts}."
 
 
 def kinds_table(rows: Sequence[Evidence]) -> Table:
-    """Return the table of the number of entries by kind and verdict."""
+    """Return the table that counts the printed numbers and claims by kind and verdict."""
     tally = Counter((r.printed.kind, r.verdict) for r in rows)
     cells: list[Row] = [
         {
             "kind": words,
             **{str(v): tally[kind, v] for v in VERDICTS},
-            Quantity("all", "entries", "", "s"): sum(tally[kind, v] for v in VERDICTS),
+            Quantity("all", "all", "", "s"): sum(tally[kind, v] for v in VERDICTS),
         }
         for kind, words in KINDS.items()
     ]
-    return Table.of("kinds", "Printed entries by kind and verdict", cells)
+    return Table.of("kinds", "Number of printed numbers and claims by kind and verdict", cells)
 
 
 def make_section(study: Study, step: Callable[[str], None]) -> Section:
-    """Return the section of the report."""
+    """Return the section that lists every printed number and claim with its computed value and verdict."""
     step("every printed number and claim")
     audited = audit(study)
     tally: dict[tuple[str, str], int] = Counter((r.printed.cls, r.verdict) for r in audited)
     rows: list[Row] = [
-        {"class": c, "verdict": v, Quantity("count", "entries", "", "s"): n} for (c, v), n in sorted(tally.items())
+        {"class": c, "verdict": v, Quantity("count", "number", "", "s"): n} for (c, v), n in sorted(tally.items())
     ]
     return Section(
         "verdicts",
@@ -167,12 +171,12 @@ def make_section(study: Study, step: Callable[[str], None]) -> Section:
             Text(
                 (
                     (
-                        "What a scene needs and the source does not print was inferred from printed results, "
-                        f"and therefore confirms none of them: {INFERRED}."
+                        "Some inputs that the publications do not print were inferred from printed results; these results "
+                        f"are therefore no confirmation: {INFERRED}."
                     ),
                 )
             ),
-            Table.of("verdicts", "Printed entries of all sources by class and verdict of the audit", rows),
+            Table.of("verdicts", "Number of printed numbers and claims of all publications by class and verdict", rows),
             kinds_table(audited),
             printed_table(
                 "printed",
@@ -185,25 +189,27 @@ def make_section(study: Study, step: Callable[[str], None]) -> Section:
     )
 
 
-def _verdict_texts(*columns: tuple[str, str]) -> tuple[Quantity, ...]:
+def text_columns(*columns: tuple[str, str]) -> tuple[Quantity, ...]:
+    """Return columns of text for a table, from pairs of key and heading."""
     return tuple(Quantity(key, label, "", "s") for key, label in columns)
 
 
 def counts_table(rows: Sequence[Evidence]) -> Table:
-    """Return the table of the number of entries by source and verdict."""
-    headings = [(v, f"{v}, apart" if v in APART else v) for v in VERDICTS]
-    columns = _verdict_texts(("source", "source"), *headings, ("judged", "judged"), ("all", "all"))
-    note = "Judged: without inputs and identities, which say nothing of a model."
-    return Table("audit-counts", "Printed entries by source and verdict", columns, counts(rows), note)
+    """Return the table that counts the printed numbers and claims by publication and verdict."""
+    headings = [(v, f"{v}, not judged" if v in APART else v) for v in VERDICTS]
+    columns = text_columns(("source", "publication"), *headings, ("judged", "judged"), ("all", "all"))
+    note = "Judged: all except inputs and identities, which do not test a model."
+    title = "Number of printed numbers and claims by publication and verdict"
+    return Table("audit-counts", title, columns, counts(rows), note)
 
 
 def misprints_table(case: str = "") -> Table:
-    """Return the table of misprints and faults, of one case or of all sources."""
-    columns = _verdict_texts(
-        *(() if case else (("source", "source"),)),
+    """Return the table of misprints and errors in one publication (``case`` is its name) or, without name, in all."""
+    columns = text_columns(
+        *(() if case else (("source", "publication"),)),
         ("place", "place"),
         ("wrong", "as printed"),
-        ("right", "right"),
+        ("right", "correct"),
         ("evidence", "evidence"),
         ("command", "command that shows it"),
         ("test", "test"),
@@ -218,19 +224,23 @@ def misprints_table(case: str = "") -> Table:
 
 
 def audit_section(study: Study, step: Callable[[str], None]) -> Section:
-    """Return the section that audits every printed entry, by source."""
-    step("every printed entry")
+    """Return the section on how many printed numbers of each publication are reproduced, with all misprints."""
+    step("every printed number and claim, by publication")
     rows = audit(study)
     words = [trust(row) for row in counts(rows)]
     meanings = [f"{verdict}: {text}." for verdict, text in VERDICTS.items()]
-    missing = _verdict_texts(
-        ("source", "source"), ("place", "place"), ("what", "what"), ("count", "numbers, about"), ("reason", "why left out")
+    missing = text_columns(
+        ("source", "publication"),
+        ("place", "place"),
+        ("what", "contents"),
+        ("count", "approximate number"),
+        ("reason", "reason"),
     )
     items = (
         Text(words),
         counts_table(rows),
         Text(meanings, bullets=True),
         misprints_table(),
-        Table("audit-left-out", "Printed numbers that are no entries, and why", missing, numbers_left_out()),
+        Table("audit-left-out", "Printed numbers that are not compared, with the reason", missing, numbers_left_out()),
     )
     return Section("audit", "Misprints and contradictions found in each publication", items)

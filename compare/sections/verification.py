@@ -1,7 +1,7 @@
-"""Sections that check the 3D reference: against Hertz, and against CalculiX.
+"""Report sections that verify the 3D reference: against Hertz theory, and against the program CalculiX.
 
-Against Hertz: error, unknowns and seconds of each element type, on a sphere and an ellipse. By CalculiX: contact loads of
-two small scenes, on whole bodies.
+Against Hertz: error, unknowns and run time of each element type, for a circular and an elliptical contact. Against
+CalculiX: contact loads of two small scenes with whole bodies.
 """
 
 from __future__ import annotations
@@ -42,21 +42,22 @@ from rollbench.hifi.contact.block import solve_hertz_contact as solve_block
 from rollbench.meshes.loads import mean_load
 from rollbench.reports.content import Figure, Panel, Quantity, Row, Section, Series, Table, Text
 
-#: Cells across the short semi-axis, by element. Sized for 25 s on two cores: tetrahedra are not stretched like the
-#: ellipse, so that P2 at 6 would take as long as all the rest.
+#: Numbers of cells across the short semi-axis, by element type. Chosen for a total of 25 s on two cores: tetrahedra are not
+#: stretched like the contact ellipse, so P2 with 6 cells would take as long as all other meshes together.
 LEVELS: dict[str, tuple[float, ...]] = {"P1": (2, 4, 6, 8), "P2": (2, 4, 5), "Q1": (2, 4, 6, 8), "Q2": (2, 4, 6)}
 
 #: Meshes of a quick report.
 QUICK: dict[str, tuple[float, ...]] = {"P1": (2,), "P2": (2,), "Q1": (2,), "Q2": (4,)}
 
-#: The production mesh, and the largest error allowed on it in per cent.
+#: Element type and b/h of the production mesh.
 PRODUCTION = ("Q2", 4.0)
 
+#: Largest error allowed on the production mesh, by quantity [%].
 TARGETS = {"approach": 0.3, "semi-axes": 0.5, "pole pressure": 1.0}
 
 NAMES = {"P1": "4-node tetrahedra", "P2": "10-node tetrahedra", "Q1": "8-node hexahedra", "Q2": "27-node hexahedra"}
 
-SOURCE = "4-node tetrahedra, source's size"
+SOURCE = "4-node tetrahedra, size of Lin"
 
 #: Errors in the table.
 ERRORS = ("approach", "semi-axis a", "semi-axis b", "pole pressure", "fitted pole pressure")
@@ -66,18 +67,21 @@ WHAT = {"A": "ball on a flat", "B": "ball in a groove"}
 
 @dataclass(frozen=True)
 class Level:
-    """One run of a contact job, with its errors against Hertz."""
+    """Computation of one Hertz contact on one 3D mesh, with its errors against the closed form."""
 
-    #: Label of its mesh.
+    #: Label of the mesh.
     label: str
-    #: The run.
+    #: Result of the computation.
     run: HertzRun
-    #: Errors by quantity [%].
+    #: Error against Hertz by quantity [%].
     errors: Mapping[str, float]
 
 
 def time_level(label: str, run: HertzRun) -> Level:
-    """Return a run with its errors [%] against Hertz; "semi-axes" is the larger error of the two."""
+    """Add to the computation of a Hertz contact its errors against the closed form [%].
+
+    The error "semi-axes" is the larger one of the errors of both semi-axes.
+    """
     exact = run.exact
     values = run.approach, run.semi_x, run.semi_y, run.pole_pressure, run.pole_fitted
     closed = exact.approach, exact.semi_x, exact.semi_y, exact.pole_pressure, exact.pole_pressure
@@ -86,9 +90,17 @@ def time_level(label: str, run: HertzRun) -> Level:
 
 
 def time_levels(step: Callable[[str], None], wanted: Mapping[str, Sequence[float]]) -> list[Level]:
-    """Compute all runs: each contact job on the meshes of every element type, and on the source's mesh."""
+    """Compute each Hertz contact on the meshes of every element type, and on the mesh of Lin's thesis.
+
+    Parameters
+    ----------
+    step
+        Called with each line of progress.
+    wanted
+        Numbers of cells across the short semi-axis, by element type.
+    """
     for element in wanted:
-        solve_block(JOBS["A"], element, 1.0)  # loads the libraries, which no run should be charged for
+        solve_block(JOBS["A"], element, 1.0)  # loads the libraries, so that no timed run includes this
     out = []
     for job in JOBS.values():
         for element, refinements in wanted.items():
@@ -99,17 +111,17 @@ def time_levels(step: Callable[[str], None], wanted: Mapping[str, Sequence[float
 
 
 def production_run(found: Sequence[Level]) -> list[Level]:
-    """Return the runs on the production mesh, one for each contact."""
+    """Return the computations on the production mesh, one for each Hertz contact."""
     return [one for one in found if (one.run.element, one.run.b_over_h) == PRODUCTION and one.label != SOURCE]
 
 
 def verdict_sentence(found: Sequence[Level]) -> list[str]:
-    """Return sentences on whether the production mesh meets its targets, and on the errors of the source's mesh."""
+    """Return sentences on whether the production mesh meets its error targets, and on the errors of Lin's mesh."""
     return [*map(_meets_tolerance, production_run(found)), *(_source_errors(one) for one in found if one.label == SOURCE)]
 
 
 def _meets_tolerance(one: Level) -> str:
-    """Return a sentence on whether a run meets the targets."""
+    """Return the sentence that states the errors on the production mesh and whether they are within the targets."""
     missed = [name for name, most in TARGETS.items() if not abs(one.errors[name]) <= most]
     parts = [
         f"{name} {one.errors[name]:+.2f} % ({'NOT within' if name in missed else 'within'} {most} %)"
@@ -122,9 +134,9 @@ def _meets_tolerance(one: Level) -> str:
 
 
 def _source_errors(one: Level) -> str:
-    """Return a sentence on the errors of the source's mesh."""
+    """Return the sentence that states the errors on the mesh of Lin's thesis."""
     return (
-        f"Job {one.run.job} on first-order tetrahedra of the source's size ({one.run.b_over_h:.1f} across the short "
+        f"Job {one.run.job} on first-order tetrahedra of the size of Lin's thesis ({one.run.b_over_h:.1f} across the short "
         f"semi-axis): approach {one.errors['approach']:+.1f} %, semi-axes {one.errors['semi-axes']:+.1f} %, "
         f"pole pressure {one.errors['pole pressure']:+.1f} %, fitted {one.errors['fitted pole pressure']:+.1f} %."
     )
@@ -132,17 +144,17 @@ def _source_errors(one: Level) -> str:
 
 TIMES = ("mesh", "assembly", "factor", "solve", "contact")
 
-#: Headings of the errors that differ from their names.
+#: Headings of stages that differ from their names.
 STAGES = {"mesh": "meshing"}
 
 
 def mesh_row(one: Level) -> Row:
-    """Return the cells that begin the table row of a run: job, mesh, b/h."""
+    """Return the first cells of a table row: job, mesh, and number b/h of cells across the short semi-axis."""
     return {"job": one.run.job, "mesh": one.label, Quantity("b_over_h", "b/h", "", ".1f"): one.run.b_over_h}
 
 
 def error_row(one: Level) -> Row:
-    """Return a row of the table of errors."""
+    """Return the row of the error table for one computation of a Hertz contact: mesh, size, time and errors [%]."""
     counts: Row = {
         "unknowns": one.run.unknowns,
         Quantity("contact_nodes", "contact nodes", "", "s"): one.run.contact_nodes,
@@ -153,7 +165,7 @@ def error_row(one: Level) -> Row:
 
 
 def value_rows(found: Sequence[Level]) -> list[Row]:
-    """Return the rows of values by the production mesh and by Hertz."""
+    """Return the rows that compare the production mesh with Hertz: approach, semi-axes and pole pressure of each job."""
     rows: list[Row] = []
     quantities = (
         ("approach", "µm", 1e6, "approach"),
@@ -170,10 +182,10 @@ def value_rows(found: Sequence[Level]) -> list[Row]:
                     "job": f"{run.job}, {WHAT[run.job]}",
                     "quantity": name,
                     "unit": unit,
-                    Quantity("value", "3D", "", "g6"): scale * getattr(run, key),
-                    Quantity("reference", "Hertz", "", "g6"): scale * getattr(run.exact, key),
+                    Quantity("value", "value in 3D", "", "g6"): scale * getattr(run, key),
+                    Quantity("reference", "value by Hertz", "", "g6"): scale * getattr(run.exact, key),
                     Quantity("error", "error", "%", ".3f"): error,
-                    Quantity("target", "target", "%", ".1f"): most,
+                    Quantity("target", "largest error allowed", "%", ".1f"): most,
                     "met": "yes" if abs(error) <= most else "NO",
                 }
             )
@@ -181,7 +193,7 @@ def value_rows(found: Sequence[Level]) -> list[Row]:
 
 
 def error_figure(found: Sequence[Level], job: str) -> Figure:
-    """Draw the errors over unknowns and seconds, both logarithmic."""
+    """Draw the errors of approach and pole pressure over the number of unknowns and over run time, all logarithmic."""
     panels = []
     for quantity in ("approach", "pole pressure"):
         for axis in ("unknowns", "seconds"):
@@ -194,93 +206,93 @@ def error_figure(found: Sequence[Level], job: str) -> Figure:
                 if runs:
                     curves.append(Series(label, x, y, style, emphasis=label == NAMES[PRODUCTION[0]]))
             unit = "unknowns" if axis == "unknowns" else "time [s]"
-            panels.append(Panel(f"{quantity} against {axis}", unit, "error [%]", curves, log="xy"))
+            title = f"{quantity} over {'unknowns' if axis == 'unknowns' else 'run time'}"
+            panels.append(Panel(title, unit, "error [%]", curves, log="xy"))
     return Figure(
         f"verification-{job}",
-        f"Job {job}, {WHAT[job]}: size of the error",
+        f"Error of the 3D contact against Hertz over unknowns and run time: job {job}, {WHAT[job]}",
         panels,
         caption=(
-            "Error against the closed form; a curve dips where its error changes sign. Errors below 0.001 % are "
-            "drawn at that value. Pressures at single nodes of 4-node tetrahedra scatter with the mesh; errors "
-            "of the fitted ones (see the table) decrease steadily from b/h = 4 on. Time includes mesh, "
-            "assembly, factorisation, one solution per contact node, and contact."
+            "Absolute error against the closed form; a curve has a minimum where its error changes sign. Errors below "
+            "0.001 % are drawn at that value. Pressures at single nodes of 4-node tetrahedra scatter with the mesh; errors "
+            "of the fitted pressures (see the table) decrease steadily from b/h = 4 on. Run time includes meshing, "
+            "assembly, factorisation, one solution per contact node, and the contact iteration."
         ),
     )
 
 
 def times_table(found: Sequence[Level]) -> Table:
-    """Return the table of seconds by stage for every run."""
+    """Return the table of the time of each stage (meshing, assembly and so on) for every computation [s]."""
     stages = {name: Quantity(f"{name}_seconds", STAGES.get(name, name), "s", "g2") for name in TIMES}
     rows = [mesh_row(one) | {stage: one.run.seconds[name] for name, stage in stages.items()} for one in found]
     return Table.of("verification-times", "Hertz contact in 3D: time of each stage of the computation", rows)
 
 
 def make_section(study: Study, step: Callable[[str], None]) -> Section:
-    """Return the section of the report."""
-    return drawn_runs(time_levels(step, QUICK if study.quick else LEVELS))
+    """Return the section that verifies the contact elements of the 3D reference against Hertz theory."""
+    return hertz_section(time_levels(step, QUICK if study.quick else LEVELS))
 
 
-def drawn_runs(found: Sequence[Level]) -> Section:
-    """Return the section on Hertz for given runs."""
+def hertz_section(found: Sequence[Level]) -> Section:
+    """Return the section that compares computed 3D contacts with Hertz theory; ``found``: the computations."""
     job, mesh = JOBS["A"], f"{NAMES[PRODUCTION[0]]}, b/h = {PRODUCTION[1]:g}"
     text = (
         f"A ball of radius {1000.0 * BALL:g} mm (E = {1e-09 * job.young:g} GPa, nu = {job.poisson:g}, both bodies elastic) "
         f"is pressed with {job.load:g} N on a flat (job A) and into a groove of radius {1000.0 * GROOVE:g} mm that is "
-        f"convex along its length with {1000.0 * ALONG:g} mm (job B). One elastic body is modelled, a quarter by "
-        "symmetry, and its compliance is doubled. The cut faces of the block move as in the half space (Boussinesq); if "
-        "they were held, the approach would be shifted.",
-        "h is the cell edge along the short semi-axis b. Semi-axes are those of the ellipsoid with the same load and "
-        "second moments as the nodal forces. The pole pressure is the nodal force over its area at the pole, not the "
-        "largest nodal value; the fitted one is that of the ellipsoid. On 10-node tetrahedra only mid-side nodes may "
-        "touch, because a uniform pressure puts no force on corner nodes. The source's mesh is "
-        f"{1000.0 * SOURCE_FINE:g} mm within a sphere of {1000.0 * SOURCE_RADIUS:g} mm (its size is not printed) and up to "
-        f"{1000.0 * SOURCE_COARSE:g} mm outside.",
+        f"convex along its length with radius {1000.0 * ALONG:g} mm (job B). One elastic body is modelled, a quarter by "
+        "symmetry, and its compliance is doubled. The cut faces of the block are displaced as in the half-space "
+        "(Boussinesq); fixed faces would change the approach.",
+        "h is the cell edge along the short semi-axis b. Semi-axes are those of the ellipsoid of pressure with the same "
+        "load and second moments as the nodal forces. The pole pressure is the nodal force over its area at the pole, not "
+        "the largest nodal value; the fitted pole pressure is that of the ellipsoid. On 10-node tetrahedra only mid-side "
+        "nodes may come into contact, because a uniform pressure causes no force on corner nodes. The mesh of Lin's thesis "
+        f"has cells of {1000.0 * SOURCE_FINE:g} mm within a sphere of {1000.0 * SOURCE_RADIUS:g} mm (the size of the "
+        f"sphere is not printed) and of up to {1000.0 * SOURCE_COARSE:g} mm outside.",
     )
     items: tuple[Text | Table | Figure, ...] = (
         Text(text),
         Text(verdict_sentence(found), bullets=True),
-        Table.of("verification-targets", f"Production mesh ({mesh}) against the closed form", value_rows(found)),
+        Table.of("verification-targets", f"Error of the production mesh ({mesh}) against Hertz", value_rows(found)),
         Table.of(
             "verification-errors",
-            "Hertz contact in 3D: error, unknowns and time for each element type and mesh",
+            "Hertz contact in 3D: error against the closed form, unknowns and run time of each element type and mesh",
             map(error_row, found),
         ),
         *(error_figure(found, job) for job in JOBS),
         times_table(found),
     )
-    return Section("verification", "The 3D reference against Hertz", items)
+    return Section("verification", "Error of the 3D contact elements against Hertz theory", items)
 
 
 ABOUT = (
-    "CalculiX solves two small scenes on whole bodies, without sockets, patches, condensation or beams: ten-node "
-    "tetrahedra, surface-to-surface contact by a linear pressure-overclosure law, balls free, oversize in the geometry. "
-    "A deck is what "
-    "rollbench export SCENE --deck ccx writes; rollbench crosscheck SCENE --run solves them all again. Shared with the "
-    "reference are the exact surfaces and gmsh; elements, integration, contact and solver are not."
+    "CalculiX solves two small scenes with whole bodies, without fine patches, condensation or beams: ten-node "
+    "tetrahedra, surface-to-surface contact with a linear pressure-overclosure law, free balls, oversize in the geometry. "
+    "rollbench export SCENE --deck ccx writes an input deck; rollbench crosscheck SCENE --run solves all decks again. The "
+    "two computations share the exact surfaces and gmsh, but not elements, integration, contact and solver."
 )
 
 EXTRAPOLATED = (
-    "A single mesh of another program proves nothing. Element size h at the contacts and growth g of the "
-    "elements away from them are refined together, and all contacts of all meshes are fitted at once by F0 "
-    "+ A e + B / k. Here (h + g d) / (c + d) is the element size at depth d over the distance in which the "
-    "contact's field changes there; with the field's energy spread evenly over x = c / (c + d), e is the "
-    "mean of (x h / c + (1 - x) g)^p over x. Order p (2 to 4) and length c, in minor semi-axes, are common "
-    "to all contacts; B comes from two runs on one mesh with two contact stiffnesses k. A mesh is weighted "
-    "by its e, because both the deviation from the law and the scatter between meshes of one size shrink "
-    "with it. The uncertainty of a contact is the change of its limit over all orders and lengths that fit "
-    "nearly as well as the best (two standard deviations), combined with two standard errors and a tenth of "
-    "what is extrapolated. Where the plane through its balls divides a ring pair into mirror images, some "
+    "The loads by CalculiX are extrapolated to zero element size. The element size h at the contacts and the growth g of "
+    "the elements away from them are refined together, and the loads F of all contacts on all meshes are fitted together "
+    "by F = F0 + A e + B / k. Here (h + g d) / (c + d) is the element size at depth d over the distance in which the field "
+    "of the contact changes there. With the energy of the field distributed evenly over x = c / (c + d), the mesh error e "
+    "is the mean of (x h / c + (1 - x) g)^p over x. The order p (2 to 4) and the length c, in minor semi-axes, are common "
+    "to all contacts; B follows from two runs on one mesh with two contact stiffnesses k. Meshes are weighted "
+    "by their e, because both the deviation from the law and the scatter between meshes of equal size decrease "
+    "with it. The uncertainty of a contact load is the change of its limit F0 over all orders and lengths that fit "
+    "nearly as well as the best (two standard deviations), combined with two standard errors and a tenth of the "
+    "extrapolated change. Where the plane through the balls divides a pair of rings into mirror images, some "
     'runs mesh one half; runs marked "equal balls" use one mesh for all balls.'
 )
 
 NUT = (
-    "The nut alone, by the reference's elements and by CalculiX on the same cells: forces of 1 kN on one "
-    "contact after the other, the corner nodes of its faces a rigid section."
+    "Deformation of the nut alone, by the elements of the 3D reference and by CalculiX on the same cells: a force of 1 kN "
+    "acts on one contact after the other; the corner nodes of the nut faces form a rigid section."
 )
 
 
 def run_table(data: CrossData) -> Table:
-    """Return the table of CalculiX runs: choices, meshes, effort, effects of weak springs and last correction."""
+    """Return the table of the runs of CalculiX on one scene: mesh, contact stiffness, time and residual forces."""
     rows: list[Row] = []
     base = {(mesh_identity(r), r.stiffness): r for r in data.runs if not r.nlgeom}
     for run in data.runs:
@@ -291,8 +303,8 @@ def run_table(data: CrossData) -> Table:
         rows.append(
             {
                 Quantity("across", "b/h at mean load", "", ".1f"): run.b_over_h,
-                Quantity("fine", "h", "mm", ".3f"): 1e3 * run.fine,
-                Quantity("growth", "growth", "", ".2f"): run.growth,
+                Quantity("fine", "element size h", "mm", ".3f"): 1e3 * run.fine,
+                Quantity("growth", "growth g", "", ".2f"): run.growth,
                 Quantity("stiffness", "contact stiffness", "N/mm3", "g2"): 1e-9 * run.stiffness,
                 Quantity("large", "displacements", "", "s"): "large" if run.nlgeom else "small",
                 "bodies": "half" if run.half else "equal balls" if run.alike else "whole",
@@ -302,40 +314,58 @@ def run_table(data: CrossData) -> Table:
                 "iterations": run.iterations,
                 Quantity("seconds", "processor time", "s", ".0f"): run.seconds,
                 Quantity("sum", "sum of loads", "N", ".1f"): float(run.load.sum()),
-                Quantity("weak", "weak spring of a ball", "% of mean", "g2"): float(error_percent(run.weak, 0.0, mean)),
+                Quantity("weak", "force of a ball's weak spring", "% of mean", "g2"): float(
+                    error_percent(run.weak, 0.0, mean)
+                ),
                 Quantity("loose", "unbalanced force of a ball", "% of mean", "g2"): loose,
-                Quantity("large_change", "change by large displacements", "% of mean", ".3f"): change,
+                Quantity("large_change", "load change by large displacements", "% of mean", ".3f"): change,
             }
         )
     first = data.runs[0]
     note = (
         f"{first.program}, {first.date}; meshes by gmsh {data.gmsh} and rollbench {data.rollbench}. "
-        "Processor time of one thread. The weak spring only keeps a ball from sliding along its track."
+        "Processor time of one thread. A weak spring prevents each ball from sliding along its track."
     )
-    return Table.of(f"crosscheck-runs-{data.scene}", f"{data.scene}: runs of CalculiX", rows, note)
+    title = f"Meshes, processor times and residual forces of the CalculiX runs on {data.scene}"
+    return Table.of(f"crosscheck-runs-{data.scene}", title, rows, note)
 
 
 def contact_tables(data: CrossData, ours: Reference, limit: Extrapolation) -> list[Table]:
-    """Return the tables of contact loads by both programs: with CalculiX extrapolated, and on every mesh."""
+    """Return two tables of contact loads by the 3D reference and by CalculiX: extrapolated, and on every mesh.
+
+    Parameters
+    ----------
+    data
+        Stored results of CalculiX on one scene.
+    ours
+        3D reference of the scene.
+    limit
+        Loads by CalculiX extrapolated to zero element size.
+    """
     rows = contact_rows(data, ours, limit)
     headings = mesh_columns(data, ours)
     ends, each = ([{c.key: r.cells()[c.key] for c in shown} for r in rows] for shown in (COLUMNS, headings))
     fixed = f" Not varied: {', '.join(limit.fixed)}." if limit.fixed else ""
     note = (
         f"{agreement_sentence(data.scene, rows)} Order {limit.order:.2f}, length {limit.length:.2f} minor semi-axes, RMS "
-        f"misfit {limit.misfit:.2f} N; in CalculiX's finest run elements add up to "
-        f"{abs(limit.by_elements).max():.2f} N, "
-        f"the contact law up to {abs(limit.by_stiffness).max():.2f} N.{fixed}"
+        f"misfit {limit.misfit:.2f} N. In the finest run of CalculiX, the element size changes a load by up to "
+        f"{abs(limit.by_elements).max():.2f} N and the finite contact stiffness by up to "
+        f"{abs(limit.by_stiffness).max():.2f} N.{fixed}"
     )
-    meshes = "CalculiX's columns are runs whose contact stiffness is as equal as possible."
+    meshes = "For CalculiX, runs with contact stiffnesses as equal as possible are shown."
+    first = f"Contact loads of {data.scene} by the 3D reference and by CalculiX, extrapolated"
+    second = f"Contact loads of {data.scene} by the 3D reference and by CalculiX on every mesh"
     return [
-        Table(f"crosscheck-{data.scene}", f"{data.scene}: contact loads, CalculiX extrapolated", COLUMNS, ends, note),
-        Table(f"crosscheck-meshes-{data.scene}", f"{data.scene}: contact loads on every mesh", headings, each, meshes),
+        Table(f"crosscheck-{data.scene}", first, COLUMNS, ends, note),
+        Table(f"crosscheck-meshes-{data.scene}", second, headings, each, meshes),
     ]
 
 
 def crosscheck_section(study: Study, step: Callable[[str], None], folder: Path | None = None) -> Section:
-    """Return the section on CalculiX; ``folder``: of its results (None: those of the package)."""
+    """Return the section that compares the 3D reference with CalculiX.
+
+    ``folder`` contains the stored results of CalculiX; None: the shipped results.
+    """
     items: list[Text | Table] = [Text((ABOUT, EXTRAPOLATED))]
     for name in STUDIES:
         step(f"{name}: the 3D reference and CalculiX")
@@ -344,11 +374,11 @@ def crosscheck_section(study: Study, step: Callable[[str], None], folder: Path |
             items.append(Text((f"{name}: no results of CalculiX are stored for the present scene.",)))
             continue
         if ours is None:
-            items.append(Text((f"{name}: no run of the 3D reference was found.",)))
+            items.append(Text((f"{name}: no run of the 3D reference is stored.",)))
         else:
             items += contact_tables(data, ours, extrapolate_loads(data.runs))
         items.append(run_table(data))
     alone = load_nut(folder or shipped_results())
     if alone is not None and alone.key == scene_key(alone.scene):
         items.append(Text((NUT, alone.sentence())))
-    return Section("crosscheck", "The 3D reference checked by another program", tuple(items))
+    return Section("crosscheck", "Contact loads of the 3D reference compared with CalculiX", tuple(items))

@@ -152,8 +152,8 @@ def verdicts():
 
 def exact():
     scene = STUDY().scene("lin-case1")
-    forms = gate.rigid_axial, gate.cantilever, gate.two_opposite_balls
-    return [gate.sphere_on_flat(scene, 225.0), [form(scene) for form in forms], gate.preload(scene, 7e-6)]
+    forms = gate.ball_load_of_rigid_screw, gate.cantilever_deflection, gate.load_of_two_opposite_balls
+    return [gate.hertz_sphere_on_flat(scene, 225.0), [form(scene) for form in forms], gate.preload_by_oversize(scene, 7e-6)]
 
 
 def results():

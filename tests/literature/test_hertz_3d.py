@@ -117,11 +117,11 @@ def test_production_mesh_meets_its_targets_wherever_the_contacts_edge_falls(name
 
 def test_section_says_from_the_data_whether_the_targets_are_met(monkeypatch):
     monkeypatch.setattr(verification, "solve_block", study)
-    section = verification.drawn_runs(verification.time_levels(lambda _: None, {"Q1": (2,), "Q2": (4,)}))
+    section = verification.hertz_section(verification.time_levels(lambda _: None, {"Q1": (2,), "Q2": (4,)}))
     assert section.name == "verification"
     verdicts = section.items[1].paragraphs
     assert sum("All targets are met" in line for line in verdicts) == 2
-    assert sum("source's size" in line for line in verdicts) == 2
+    assert sum("size of Lin" in line for line in verdicts) == 2
     rows = [
         row for item in section.items if isinstance(item, Table) and item.name == "verification-errors" for row in item.rows
     ]

@@ -48,7 +48,7 @@ CALLS = {
 }
 
 
-def measured_now(study: Study, step: Callable[[str], None]) -> Kept:
+def measure_run_times(study: Study, step: Callable[[str], None]) -> Kept:
     """Measure all run times that are compared with Lin's tables (takes five minutes on two idle cores)."""
     times: dict[tuple[str, str], RunTime] = {}
     levels: list[ColdLevelTime] = []

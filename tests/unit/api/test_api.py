@@ -285,5 +285,5 @@ def test_the_page_of_a_scene_is_written(tmp_path: Path) -> None:
     page = rollbench.report("two-balls", out=tmp_path / "page", store=tmp_path)
     assert page.passed
     assert typeset_text(page.verdict) in page.page.read_text(encoding="utf-8")
-    with pytest.raises(rollbench.InputError, match="quick: got given; allowed: without a scene"):
+    with pytest.raises(rollbench.InputError, match="quick: got both quick and a scene; allowed: only without a scene"):
         rollbench.report("two-balls", quick=True, out=tmp_path / "page")

@@ -28,7 +28,7 @@ def folder(tmp_path_factory):
 def test_the_page_of_an_axis_has_the_numbers_of_its_results():
     page = scene_page.make_page("smith-axis-taper", STORES)
     html, solved = render_page(page), rollbench.solve("smith-axis-taper")
-    assert page.verdict.startswith("The most pressed contact, in right 1, carries")
+    assert page.verdict.startswith("The contact with the highest pressure, in right 1, carries")
     tables = {item.name: item.rows for part in page.parts for item in part.items if hasattr(item, "rows")}
     assert [row["load"] for row in tables["rollers"]] == pytest.approx(
         [load for s in solved.sets.values() for load in s.roller_loads]
@@ -37,7 +37,7 @@ def test_the_page_of_an_axis_has_the_numbers_of_its_results():
     assert shown == pytest.approx([s.force[2] for s in solved.sets.values()], rel=1e-3)
     view = json.loads(re.search(r'id="view-data">(.*?)</script>', html, flags=re.DOTALL)[1])
     assert [one["name"] for one in view["cases"][0]["sets"]] == [*solved.sets]
-    assert {row.state for row in verify.checked_page(html, read_page(html), STORES)} == {"ok"}
+    assert {row.state for row in verify.check_page_hashes(html, read_page(html), STORES)} == {"ok"}
 
 
 def test_load_cases_of_an_axis_are_on_its_page_and_side_by_side(folder):

@@ -41,7 +41,7 @@ def test_the_report_shows_commands_as_typed_with_what_they_are_to_reach(tmp_path
 
 
 def test_times_of_typed_commands_are_kept_for_the_report(monkeypatch, tmp_path, command):
-    monkeypatch.setattr(reference_time, "measured_now", lambda *_, **__: load_times((shipped_store(),)))
+    monkeypatch.setattr(reference_time, "measure_run_times", lambda *_, **__: load_times((shipped_store(),)))
     monkeypatch.setattr(reference_time, "COMMANDS", {"schema --help": ""})
     monkeypatch.setattr(run_times, "time_threads", list)
     command.answer("bench", "--store", tmp_path)
@@ -58,7 +58,7 @@ def test_threads_are_compared_with_one():
 
 def test_models_are_listed_with_errors_beside_their_run_times(monkeypatch, tmp_path, command):
     kept = load_times((shipped_store(),))
-    monkeypatch.setattr(reference_time, "measured_now", lambda *_, **__: kept)
+    monkeypatch.setattr(reference_time, "measure_run_times", lambda *_, **__: kept)
     monkeypatch.setattr(reference_time, "COMMANDS", ())
     monkeypatch.setattr(run_times, "time_threads", list)
     rows = {row["job"]: row for row in command.answer("bench", "lin-case1")}

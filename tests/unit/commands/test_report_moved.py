@@ -8,7 +8,7 @@ from tests.report_samples import paged
 
 from rollbench.compare.errors import InputError
 from rollbench.compare.provenance import SCENE, inputs
-from rollbench.compare.report.verify import MOST, checked_report, moved_tables, read_tables, run_verify
+from rollbench.compare.report.verify import MOST, check_report_hashes, moved_tables, read_tables, run_verify
 from rollbench.compare.scenes import catalogue
 from rollbench.reports import manifest, pages
 from rollbench.reports.content import Quantity, Report, Section, Table
@@ -37,9 +37,9 @@ def test_what_moved_but_measured_seconds_is_listed_by_the_texts_of_its_row(tmp_p
     ]
     damaged = tmp_path / "c" / "tables" / "errors.csv"
     damaged.write_text(damaged.read_text(encoding="utf-8") + "lin,6,1,7\n", encoding="utf-8")
-    with pytest.raises(InputError, match="a cell for each heading"):
+    with pytest.raises(InputError, match="one cell for each column heading"):
         read_tables(tmp_path / "c")
-    assert list(moved_tables({"a": []}, {"b": []})) == ["a: no longer there", "b: new table"]
+    assert list(moved_tables({"a": []}, {"b": []})) == ["a: table removed", "b: new table"]
     many = [{"m": f"model {k}", "x": 1.0} for k in range(20)]
     assert len(list(moved_tables(first, {"errors": many}))) == MOST + 1
 
@@ -52,13 +52,13 @@ def test_a_report_is_verified_by_its_manifest_and_what_is_none_is_refused(tmp_pa
     stated = json.loads((folder / manifest.FILE).read_text(encoding="utf-8"))
     assert {"index.html", "s.html", "search.js", "tables/errors.csv"} == set(stated["files"])
     assert f"{SCENE}two-balls" in stated["inputs"]
-    assert {row.state for row in checked_report(folder, (tmp_path / "store",))} == {"ok"}
+    assert {row.state for row in check_report_hashes(folder, (tmp_path / "store",))} == {"ok"}
     assert run_verify(folder / "index.html", tmp_path / "store").code == 0
     (folder / "tables" / "errors.csv").write_text("changed", encoding="utf-8")
     (folder / "s.html").unlink()
     (folder / "more.txt").write_text("added", encoding="utf-8")
     (tmp_path / "store" / "run.json").write_text("[]", encoding="utf-8")
-    wrong = {row.name: row.state for row in checked_report(folder, (tmp_path / "store",)) if row.state != "ok"}
+    wrong = {row.name: row.state for row in check_report_hashes(folder, (tmp_path / "store",)) if row.state != "ok"}
     changed = dict.fromkeys(("tables/errors.csv", "reference run.json"), "changed")
     assert wrong == {**changed, "s.html": "missing", "more.txt": "added"}
     found = run_verify(folder, tmp_path / "store")
@@ -66,6 +66,6 @@ def test_a_report_is_verified_by_its_manifest_and_what_is_none_is_refused(tmp_pa
 
     (folder / manifest.FILE).write_text("{}", encoding="utf-8")
     with pytest.raises(InputError, match="damaged"):
-        list(checked_report(folder, ()))
+        list(check_report_hashes(folder, ()))
     with pytest.raises(InputError, match="against: "):
         read_tables(tmp_path)

@@ -11,13 +11,13 @@ from rollbench.compare.report.pages import SECTIONS
 
 
 def test_wanted_parts():
-    assert [p.name for p in report.wanted_parts(["stability", "hertz"], quick=True)] == ["hertz", "stability"]
-    assert [p.name for p in report.wanted_parts([])] == [part.name for part in SECTIONS]
-    quick = report.wanted_parts([], quick=True)
+    assert [p.name for p in report.requested_parts(["stability", "hertz"], quick=True)] == ["hertz", "stability"]
+    assert [p.name for p in report.requested_parts([])] == [part.name for part in SECTIONS]
+    quick = report.requested_parts([], quick=True)
     assert {"reference", "overview", "reference-mesh"} < {p.name for p in quick}
     assert {p.name for p in quick}.isdisjoint({*pages.COSTLY, "crosscheck", "outside", "external", "verdicts", "audit"})
     with pytest.raises(InputError, match="no-such"):
-        report.wanted_parts(["no-such"])
+        report.requested_parts(["no-such"])
 
 
 def test_points_of_the_estimate_are_a_step_of_their_own(tmp_path, monkeypatch: pytest.MonkeyPatch):

@@ -32,7 +32,7 @@ def html(page) -> str:
 
 
 def test_the_page_answers_first_and_needs_nothing_from_outside(page, html: str) -> None:
-    assert page.verdict.startswith("The most pressed contact (ball ")
+    assert page.verdict.startswith("The contact with the highest pressure (ball ")
     assert html.index(typeset_text(page.verdict)) < html.index("<table")
     assert [row["quantity"] for row in page.table.rows][:2] == ["largest contact load", "mean contact load"]
     assert not re.search(r'(src|href)="(?!data:|#)', html)
@@ -53,16 +53,18 @@ def test_manifest_holds_until_something_is_changed(html: str) -> None:
     blocks = read_page(html)
     assert blocks["manifest"]["page"] == sha256(without_manifest(html))
     assert all(len(x) == 64 for x in blocks["manifest"]["files"].values())
-    assert {row.state for row in verify.checked_page(html, blocks, STORES)} == {"ok"}
-    shown = html.replace("The most pressed contact", "The least pressed contact")
-    assert [row.name for row in verify.checked_page(shown, read_page(shown), STORES) if row.state == "changed"] == ["page"]
+    assert {row.state for row in verify.check_page_hashes(html, blocks, STORES)} == {"ok"}
+    shown = html.replace("The contact with the highest", "The contact with the lowest")
+    assert [row.name for row in verify.check_page_hashes(shown, read_page(shown), STORES) if row.state == "changed"] == [
+        "page"
+    ]
     lead = json.dumps(blocks["scene"])[1:40]
     assert lead in html
     other = html.replace(lead, lead[:-2] + "  ", 1)
-    wrong = {row.name for row in verify.checked_page(other, read_page(other), STORES) if row.state == "changed"}
+    wrong = {row.name for row in verify.check_page_hashes(other, read_page(other), STORES) if row.state == "changed"}
     assert wrong == {"page", "scene"}
     without = {**blocks, "manifest": {**blocks["manifest"], "files": {"x.json": "0"}}}
-    gone = list(verify.checked_page(html, without, ()))
+    gone = list(verify.check_page_hashes(html, without, ()))
     assert gone[-1].state == "missing"
 
 
@@ -107,7 +109,7 @@ def test_the_same_page_made_again_has_not_moved(html: str, tmp_path, monkeypatch
 
     monkeypatch.setattr(verify, "make_pages", written_later)
     found = verify.run_pages([SCENE], new, tmp_path, old)
-    assert (found.code, found.parts[-1]) == (0, "nothing moved")
+    assert (found.code, found.parts[-1]) == (0, "nothing changed")
 
 
 def test_the_page_can_be_turned_and_says_what_its_results_say(html: str) -> None:

@@ -104,7 +104,7 @@ def test_friction_of_all_cases_and_its_mean_over_the_revolutions(tmp_path, comma
 @pytest.mark.slow
 def test_a_page_shows_all_cases_and_the_worst_one_in_full(tmp_path, command) -> None:
     said = command.said("report", written(tmp_path), "--out", tmp_path / "page")
-    assert said.startswith("Of 3 load cases push is the worst.")
+    assert said.startswith("Of 3 load cases, push has the highest pressure.")
     assert "Life: " in said
     found = read_first_page(tmp_path / "page")[1]["results"]
     assert [one["case"] for one in found["cases"]] == ["balls", "push", "loose"]

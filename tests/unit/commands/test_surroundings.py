@@ -99,7 +99,7 @@ def test_no_code_comes_from_the_working_folder(tmp_path):
 
 
 def test_control_characters_of_a_scene_and_of_a_report_s_files_are_escaped():
-    assert verify.Checked("x\x1b]0;title", "\x1b", "y").line.isprintable()
+    assert verify.HashCheck("x\x1b]0;title", "\x1b", "y").line.isprintable()
     text = catalogue.scene_text("lin-case1").replace('title = "', 'title = "\\u001b[31m\\u202e', 1)
     scene = scene_file.scene_of_text(text, "bad\x1bname.toml")
     assert scene.title.startswith("\\x1b[31m\\u202e")

@@ -26,7 +26,7 @@ def test_what_changed_is_said(tmp_path) -> None:
     assert found == [
         "mine: largest error 5.10 -> 6.80 %, limit 7, pass -> undecided",
         "mine: contact angle 0.20 deg -> 1.30 deg, limit 1 deg, pass -> fail",
-        "mine: life: no more, pass",
+        "mine: life: removed, was pass",
         "mine: torque: new, pass",
     ]
     assert changes_against_file(tmp_path / "old.csv", [*before, row("pass", 2, "life")]) == []
@@ -38,7 +38,7 @@ def test_what_changed_is_said(tmp_path) -> None:
 @pytest.mark.parametrize("text", ["", "a,b\n1,2\n", "{}", '{"verdicts": 3}', ",".join(HEADINGS) + "\nx\n", "[" * 99])
 def test_another_file_is_refused(tmp_path, text: str) -> None:
     (tmp_path / "a.csv").write_text(text, encoding="utf-8")
-    with pytest.raises(InputError, match="verdicts that check wrote"):
+    with pytest.raises(InputError, match="written by rollbench check"):
         changes_against_file(tmp_path / "a.csv", [row("pass", 1)])
 
 

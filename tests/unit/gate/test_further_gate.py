@@ -116,7 +116,7 @@ def test_values_of_the_whole_are_judged_with_the_uncertainty_of_each(tmp_path) -
     assert there.error == pytest.approx(100.0 * (22.5e-6 / at - 1.0))
     assert stiff.pair == ("rigidity_N_per_um", pytest.approx(230.0), pytest.approx(5e-3 / place, rel=1e-4))
     assert (stiff.limit, life.limit, life.word) == (10.0, 21.0, "fail")
-    assert "this project's formula on the reference's loads" in life.detail
+    assert "formula from the reference's loads" in life.detail
     assert not_judged([moved, there, stiff, life]) == ["contact angle", "approach", "pressure", "torque"]
 
 
@@ -147,7 +147,7 @@ def test_a_rigidity_curve_is_judged_load_by_load(tmp_path) -> None:
     assert (whole.word, less.quantity) == ("pass", "rigidity at 2.5 kN")
     assert less.pair[2] == pytest.approx(2.5e-3 / float(np.interp(GIVEN.nut.position, line[:, 0], line[:, 3])), rel=1e-3)
     assert (less.word, less.uncertainty) == ("undecided", None), "one mesh level leaves it open"
-    none = "no stored run of its 3D reference, and none is to be computed"
+    none = "no run of its 3D reference is stored, and none is to be computed"
     assert least.line() == f"NOT COVERED: lin-case1, v.csv: rigidity at 1 kN: {none}"
 
 

@@ -30,9 +30,9 @@ def test_a_sum_near_that_in_another_unit_is_told(unit, share, seen):
 
 
 def test_other_balls_and_other_flanks_are_told_and_what_is_within_the_limit_is_not():
-    assert "the other way round" in suspected_causes(loads()[::-1], loads(), FLANKS, 7.0)
-    assert "otherwise" in suspected_causes(np.roll(loads(), 3, axis=0), loads(), FLANKS, 7.0)
+    assert "in reverse order" in suspected_causes(loads()[::-1], loads(), FLANKS, 7.0)
+    assert "in another order" in suspected_causes(np.roll(loads(), 3, axis=0), loads(), FLANKS, 7.0)
     other = loads()[:, [1, 0, 3, 2]]
-    assert "other flanks" in suspected_causes(other, loads() + 0.1 * other, ("SR", "NL"), 7.0)
+    assert "opposite flanks" in suspected_causes(other, loads() + 0.1 * other, ("SR", "NL"), 7.0)
     for factor, limit in ((1.05, 12.0), (0.0, 7.0), (1.5, 7.0)):
         assert suspected_causes(factor * loads(), loads(), FLANKS, limit) == ""

@@ -38,12 +38,12 @@ def test_ones_own_reference_flips_a_verdict(command, tmp_path) -> None:
     code, out, _ = command("check", SCENE, "--reference", str(wide))
     assert code == 3, "an uncertainty that leaves it open"
     assert out.splitlines()[1].startswith("WARNING: the uncertainty of bench.csv, ")
-    assert "exceeds the limit of 7 % that it should judge" in out
+    assert "exceeds the error limit of 7 %" in out
     same = written(tmp_path / "same.csv")
     code, found = command.json("check", SCENE, "--reference", str(same), "--loads", str(file), "--json")
     (verdict,) = found["verdicts"]
     assert (code, verdict["word"], verdict["levels"]) == (1, "fail", [])
-    assert "whose uncertainty is taken as zero: it states none" in verdict["detail"]
+    assert "whose uncertainty is taken as zero" in verdict["detail"]
     assert "by the stored 3D reference: 20.00 % - 0.44 % > 7 %, fail" in verdict["detail"]
 
 
@@ -85,7 +85,7 @@ def test_faulty_references_are_refused(tmp_path, notes, given, change, words) ->
 
 REFUSED = [
     (("check", SCENE, "lin-case1"), "one scene, not 2"),
-    (("check", SCENE, "--levels", "2"), "the file is the reference"),
+    (("check", SCENE, "--levels", "2"), "only without --reference"),
     (("check", "double-nut"), "no rows of set 1"),
     (("check",), "state the scenes"),
     (("compare", SCENE, "lin-case1"), "for 2 scenes"),
@@ -118,7 +118,7 @@ def test_compare_sets_models_and_ours_beside_it(command, tmp_path) -> None:
 
 def test_the_page_of_a_scene_shows_both(tmp_path) -> None:
     page = make_page(SCENE, (store.shipped_store(),), written(tmp_path / "bench.csv", "# uncertainty: 30 %", factor=1.2))
-    assert "against bench.csv, uncertain by 30 % of the mean load, loads are off by up to" in page.verdict
+    assert "against bench.csv, uncertain by 30 % of the mean load, loads differ by up to" in page.verdict
     assert "exceeds the limit" in page.warnings[0]
     assert page.provenance["reference"].startswith("bench.csv, SHA-256 ")
     figure, table = next(part for part in page.parts if part.name == "loads").items

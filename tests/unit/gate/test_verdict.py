@@ -91,7 +91,7 @@ def test_rms_is_judged_where_it_has_a_limit() -> None:
 def test_flanks_without_load_are_not_covered() -> None:
     (verdict,) = judge("x", 0.0 * LOAD, reference(0.5), Limits(7.0), flanks=("SR",))
     assert verdict.word == "not covered"
-    assert verdict.line() == "NOT COVERED: mine, x: the reference carries no load on SR"
+    assert verdict.line() == "NOT COVERED: mine, x: the reference has no load on SR"
 
 
 def test_the_gravest_verdict_counts() -> None:

@@ -21,7 +21,7 @@ pytestmark = pytest.mark.xdist_group("grid_coverage")
 STUDY = study.Study()
 
 
-def holds(held: list[u_val.Held]) -> bool:
+def holds(held: list[u_val.UncertaintyTest]) -> bool:
     """Of all contacts between 93 and 99 %, in no scene of 40 contacts or more under 88 %."""
     worst = min(h.share for h in held if h.contacts >= u_val.MANY)
     return 0.93 <= u_val.share_of(held) <= 0.99 and worst >= 0.88
@@ -42,7 +42,7 @@ def alone(levels: tuple[int, ...]) -> np.ndarray:
     pairs = list(combinations(range(len(levels)), 2))
     columns = np.array([[float(k in pair) for k in range(len(levels))] for pair in pairs])
     rows = []
-    for loads in u_val.levelled(STUDY).values():
+    for loads in u_val.loads_by_level(STUDY).values():
         if set(levels) <= set(loads):
             y = np.array([loads[k][grid_parts.loaded_on_any_level(loads)] for k in levels])
             changes = np.array([((y[a] - y[b]) ** 2).mean() for a, b in pairs])
@@ -69,7 +69,7 @@ def test_each_advised_level_is_clearly_more_accurate() -> None:
 def test_displacements_of_the_advised_levels_are_held_too() -> None:
     """On level 4: each by the change of all; by its own alone 80 % were."""
     held = []
-    for name, loads in u_val.levelled(STUDY).items():
+    for name, loads in u_val.loads_by_level(STUDY).items():
         if {*ADVISED, 4} <= set(loads):
             advised, finer = (study_table(STUDY.scene(name), STUDY.stores, levels) for levels in (ADVISED, (4,)))
             limits = {row["quantity"]: row["level 4"] for row in finer}
@@ -81,7 +81,7 @@ def test_displacements_of_the_advised_levels_are_held_too() -> None:
 
 def test_drawn_judges_are_those_of_the_rule() -> None:
     """Chosen by a seed among the small ones, whatever their bars hold; their scenes are those of the survey."""
-    loads, scenes = u_val.judges(store.shipped_store())
+    loads, scenes = u_val.loads_for_tests(store.shipped_store())
     known = {name_of(number): number for number in chosen()}
     assert len(known) == COUNT
     assert set(scenes) == set(known) == {name for name, levels in loads.items() if set(levels) == {1, 2, 3}}

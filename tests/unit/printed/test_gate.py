@@ -19,7 +19,7 @@ def test_passes_with_every_kind_of_check() -> None:
     rows = run_gate(STUDY, 7.0)
     assert len(rows) > 50
     assert [row.name for row in rows if not row.passed] == []
-    each = {"printed, hard", "external, band", "printed, as-printed", "input, held by its scene", "claim, hard"}
+    each = {"printed, hard", "external, band", "printed, as-printed", "input, used by its scene", "claim, hard"}
     each |= {"closed form", "balance", "two solvers", "3D reference", "3D reference, tight", "source's model", "3D rolling"}
     assert {row.kind for row in rows} == each
 

@@ -80,10 +80,10 @@ def test_unnamed_exceedance_and_vanished_one_fail(monkeypatch: pytest.MonkeyPatc
     known = comparison.known_exceedances()
     monkeypatch.setattr(gate, "known_exceedances", list)
     failed = [r for r in gate.source_rows(Study(), limit) if not r.passed]
-    assert any(f"ball {worst.ball} {worst.side} is beyond the line and not named" in r.detail for r in failed)
+    assert any(f"ball {worst.ball} {worst.side} is beyond the limit but not listed" in r.detail for r in failed)
     gone = comparison.Exceedance("lin-case1", 5, "SL", "no cause")
     monkeypatch.setattr(gate, "known_exceedances", lambda: [*known, gone])
-    assert any("ball 5 SL is named and no longer" in r.detail for r in gate.source_rows(Study(), 7.0))
+    assert any("ball 5 SL is listed but no longer" in r.detail for r in gate.source_rows(Study(), 7.0))
 
 
 def test_rows_name_every_loaded_contact_and_carry_the_error_bar() -> None:

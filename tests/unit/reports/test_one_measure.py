@@ -41,7 +41,7 @@ def test_every_page_says_the_same_error_of_a_thin_nut(found, monkeypatch):
     )
     pages = ((errors, label), (rungs, "lin"), (time_table(points), label), (standing_table(median_errors(points)), "lin"))
     for table, name in pages:
-        largest = "largest of all" if table.name == "overview-models" else "largest error"
+        largest = "largest error, maximum" if table.name == "overview-models" else "largest error"
         assert cells(table, name, (largest, "% of mean")) == [pytest.approx(e.max_percent, rel=1e-9)], table.name
     for table, name in pages[:2]:
         assert cells(table, name, ("largest error", "% of own load")) == [pytest.approx(e.own_max_percent, rel=1e-9)]

@@ -25,7 +25,7 @@ def test_no_error_of_the_mean_load_has_a_limit_or_a_verdict(found) -> None:
     for key in ("percent", "rms_percent"):
         assert (fits[key].within, fits[key].table_row["verdict"]) == (None, None)
     assert (fits["gate_percent"].within, fits["gate_percent"].table_row["verdict"]) == (0.0, "no")
-    assert "worst contact load" in fit.fitness_sentence(fit.errors_by_quantity([lin])).partition("lin is not fit")[2]
+    assert "worst contact load" in fit.fitness_sentence(fit.errors_by_quantity([lin])).partition("lin is not accurate")[2]
 
 
 def test_the_first_page_counts_what_passes_the_gate(found, monkeypatch) -> None:

@@ -145,7 +145,7 @@ def test_tables_files_and_stations_of_several_sets(command, small, tmp_path):
 def test_commands_work_or_say_why_not(command, small, tmp_path):
     code, out, _ = command("check", small, "--no-compute", "--model", "lin")
     assert out.startswith("NOT COVERED: two by lin")
-    assert "no stored run of its 3D reference" in " ".join(out.split())
+    assert "no run of its 3D reference is stored" in " ".join(out.split())
     assert code == 4
     vary = "--vary", "sets[0].offset=-6 um:-2 um", "--samples", "2", "--model", "lin", "--out", tmp_path / "s"
     assert command("sweep", small, *vary).code == 0

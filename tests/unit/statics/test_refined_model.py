@@ -172,12 +172,12 @@ def test_an_expected_error_holds_the_share_that_it_says() -> None:
 
 def test_a_bearing_with_a_closed_form_gets_no_invented_error() -> None:
     """Two opposite balls in rigid rings: the model is exact (Hertz alone), and nothing like it was compared."""
-    from rollbench.compare.gate.gate import two_opposite_balls
+    from rollbench.compare.gate.gate import load_of_two_opposite_balls
     from rollbench.compare.models.load_cases import Solved
     from rollbench.compare.results.rows import expected_words
     from rollbench.compare.results.scene_json import case_json
 
-    found, closed = two_opposite_balls(catalogue.scene("lin-case1"))
+    found, closed = load_of_two_opposite_balls(catalogue.scene("lin-case1"))
     assert found == pytest.approx(closed, rel=1e-9)
     scene = catalogue.scene("two-balls")
     for other in (scene, replace(scene, solid=replace(scene.solid, nut="rigid"))):

@@ -22,12 +22,12 @@ from rollbench.compare.scenes.friction_kinds.common import KindScene
 from rollbench.compare.sections.curves import load_curve, load_panel
 from rollbench.compare.sections.source_tables import (
     Layout,
-    by_place,
     compared_table,
     computation_tables,
-    in_layout,
+    counts_by_place,
     inputs_table,
     read_layouts,
+    table_in_printed_layout,
 )
 from rollbench.compare.sections.verdicts import printed_table
 from rollbench.compare.studies.rolling import runs as rolling
@@ -388,7 +388,7 @@ def make_section(study: Study, step: Callable[[str], None]) -> tuple[Section, ..
     first = Section(
         "lin",
         "Contents of Lin's thesis: printed numbers by place and verdict",
-        (Text((GUIDE,)), by_place(list(found.values()))),
+        (Text((GUIDE,)), counts_by_place(list(found.values()))),
         conclusion=conclusion(found.values()),
     )
     last = (
@@ -432,7 +432,7 @@ def table_section(study: Study, layout: Layout, found: Mapping[str, Evidence]) -
         items.append(inputs_table(layout, found))
     else:
         if layout.kind == "results":
-            items.append(in_layout(layout, found, substitute_texts(study)))
+            items.append(table_in_printed_layout(layout, found, substitute_texts(study)))
         more = MORE[layout.number](study) if layout.number in MORE else {}
         reasons = {name: reason_without_3d(name) for name in layout.names}
         items.append(compared_table(layout, found, more, reasons, list(TIMED), NOTES.get(layout.number, "")))

@@ -40,7 +40,7 @@ def test_u_val_says_what_an_error_is_worth_and_bias_and_scatter_are_drawn():
     small = Validated("s", "refined", "contact loads", 0.5, 0.1, 0.3, 1.0, 1.05, 1.0, 0.8, (1.0,), "lin-case1")
     large = Validated("s", "lin", "contact loads", -6.0, 0.1, 0.3, 1.0, 1.05, 0.5, 0.2, (0.9,), "lin-case1")
     says = [row["says"] for row in u_val_table([small, large]).rows]
-    assert says == ["not told from u_val", "E ± u_val is the model's"]
+    assert says == ["E within u_val", "error of the model, E ± u_val"]
     found = [Scatter("lin", "contact loads", 15, 900, 0.3, 2.9, 0.8, 0.5)]
     assert scatter_table(found).rows[0]["within_own"] == 50.0
     assert "<svg" in draw_figure(scatter_figure(found))
