@@ -55,7 +55,7 @@ def report_provenance() -> dict[str, str]:
         "machine": f"{machine()}, {platform.system()}",
         "Python": platform.python_version(),
         "libraries": package_versions(packages),
-        "publications": "Lin (2019), doctoral thesis: chapters 2 and 3, appendices B to G, section 4.3; "
+        "source": "Lin (2019), doctoral thesis: chapters 2 and 3, appendices B to G, section 4.3; "
         "Smith (1994), thesis; Liu et al. (2025), Lubricants 13, 57",
     }
 

@@ -429,7 +429,7 @@ def cost_tables(costs: SetUpCosts) -> list[Table]:
     ways: list[Row] = [
         {
             "scene": way.scene,
-            "variant": way.way,
+            Quantity("way", "variant", "", "s"): way.way,
             Quantity("saved", "CPU time saved", "s", ".2f"): way.saved,
             Quantity("moved", "largest change of a load", "% of mean", ".4f"): way.moved,
         }

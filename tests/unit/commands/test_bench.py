@@ -80,4 +80,4 @@ def test_what_is_not_timed_is_no_job():
     study = Study()
     study.computed[reference_time.measuring_run, print] = None
     points = reference_time.time_points("lin-case1", study.reference("lin-case1"), study, print)
-    assert list(bench.rows_of_scene("lin-case1", points)) == []
+    assert list(bench.timed_jobs_of_scene("lin-case1", points)) == []

@@ -143,7 +143,7 @@ def test_completion_knows_commands_and_options(shell: str, command) -> None:
 
 
 def test_an_interrupt_is_said(command, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(listing, "_verdict_lines", Mock(side_effect=KeyboardInterrupt))
+    monkeypatch.setattr(listing, "_shipped_lines", Mock(side_effect=KeyboardInterrupt))
     code, _, err = command("list")
     assert (code, err) == (130, "rollbench: interrupted; nothing was left half-written\n")
 
