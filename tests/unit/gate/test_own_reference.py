@@ -92,7 +92,7 @@ REFUSED = [
     (("compare", SCENE, "--levels", "1"), "--levels"),
     (("compare", SCENE, "--fresh"), "--fresh"),
     (("compare", SCENE, "--model", "condensed"), "condensed bodies"),
-    (("report",), "name the scene"),
+    (("report",), "state the scene"),
 ]
 
 
