@@ -15,7 +15,14 @@ from rollbench.compare.errors import InputError
 
 Class = Literal["hard", "as-printed", "band", "open", "input"]
 
-CLASSES: tuple[Class, ...] = ("hard", "as-printed", "band", "open", "input")
+#: Classes of printed entries, and what each says about reproducing an entry.
+CLASSES: dict[Class, str] = {
+    "hard": "the publication states all that is needed: the number has to come out",
+    "as-printed": "the number follows from a mistake of the publication: it comes out only if the mistake is repeated",
+    "band": "the publication leaves something open, or the number is random: it has to lie in a range of stated origin",
+    "open": "the publication does not state what is needed: the number is shown and judged by nothing",
+    "input": "input data of the publication",
+}
 
 Kind = Literal["number", "claim", "arithmetic", "zero", "input"]
 

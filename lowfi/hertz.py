@@ -34,7 +34,9 @@ class HertzConstants:
     eccentricity: Array
 
     def pressure(self, force: Array) -> Array:
-        """Return the largest contact pressure, 3 F/(2 pi a b) [Pa] (Johnson 1985, 4.30).
+        """Return the largest pressure of the contact, 3 F/(2 pi a b) [Pa] (Johnson 1985, 4.30).
+
+        `lowfi.rating.contacts` calls it for all balls of a solved scene.
 
         Parameters
         ----------

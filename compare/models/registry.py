@@ -1,4 +1,8 @@
-"""Registry of the low-order models: their names, descriptions, and the functions that run them on a scene."""
+"""Registry of the low-order models: their names, descriptions, and the functions that run them on a scene.
+
+To add a model of rollbench, add its `Model` here. A model of another package registers itself by the entry point
+``rollbench.models``.
+"""
 
 from __future__ import annotations
 

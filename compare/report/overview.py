@@ -255,7 +255,8 @@ def _time_panel(
     all_names
         Whether all medians are named; if not, only those of representative models and of the Pareto front.
     """
-    families = [family for family, _ in FAMILIES] + [SOLID]
+    others = [model_family(p) for several in points.values() for p in several]
+    families = list(dict.fromkeys([*(family for family, _ in FAMILIES), SOLID, *others]))
     series = []
     for family in families:
         drawn = [(scene, p) for scene, several in points.items() for p in several if _is_drawn(p, family)]

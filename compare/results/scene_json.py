@@ -14,17 +14,14 @@ from rollbench.compare.models.model_form import ModelForm
 from rollbench.compare.models.registry import random_errors
 from rollbench.compare.quantities import as_json, number
 from rollbench.compare.scenes.duty_cycle import DutyCycle, LoadCase
-from rollbench.lowfi.rating.contacts import RACES, race_pressures
+from rollbench.lowfi.rating.contacts import RACES, contact_pressures, race_pressures
 from rollbench.lowfi.rating.life import Life
-from rollbench.lowfi.statics.contacts import own_hertz
 from rollbench.lowfi.statics.nominal import nominal_contacts
 from rollbench.lowfi.statics.result import AxisResult, SetResult, StaticResult
 from rollbench.lowfi.statics.tangent import Tangent
 from rollbench.lowfi.warned import warning_line
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import RollerRow
-from rollbench.meshes.errors import specimen
-from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.loads import count_contacts, mean_load
 from rollbench.meshes.parts import FREEDOMS, SIDES, Motion, Scene
 from rollbench.meshes.quantity import Stated, quantity, record
@@ -481,19 +478,9 @@ def discretisation_percent(scene: Scene, result: StaticResult) -> float | None:
     return number(float(error_percent(change, 0.0, mean_load(result.load, nominal_contacts(scene, result)))))
 
 
-def pole_pressure(scene: Scene, found: StaticResult) -> Array:
-    """Return the largest pressure of every contact, (n, 4) [Pa]; nan without equilibrium.
-
-    If the model computes no pressures, they follow from the loads by Hertz's theory, with the errors of the radii.
-    """
-    if found.pressure is not None or not np.isfinite(found.load).all():
-        return found.load if found.pressure is None else found.pressure
-    return own_hertz(scene, specimen(scene, ball_layout(scene), found.member)).pressure(found.load)
-
-
 def ball_rows(scene: Scene, balls: StaticResult) -> list[dict[str, Any]]:
     """Return a JSON row for every ball: number from 1, position, loads, contact angles and pressures."""
-    pressure = pole_pressure(scene, balls)
+    pressure = contact_pressures(scene, balls)
     rows = zip(balls.azimuth, balls.z, balls.load, balls.contact_angle, pressure, strict=True)
     return [as_json(BallRow(i, *row)) or {} for i, row in enumerate(rows, 1)]
 

@@ -15,9 +15,9 @@ from rollbench.compare.models.load_cases import CycleResults, Solved, SolvedAxis
 from rollbench.compare.models.programs import title_of
 from rollbench.compare.results.base import JSON, Record, Row, as_html, deprecated, with_schema
 from rollbench.compare.results.rows import answer_rows, expected_words, set_rows, together_rows
-from rollbench.compare.results.scene_json import case_json, cases_json, pole_pressure
+from rollbench.compare.results.scene_json import case_json, cases_json
 from rollbench.compare.scenes.duty_cycle import DutyCycle
-from rollbench.lowfi.rating.contacts import Contact
+from rollbench.lowfi.rating.contacts import Contact, contact_pressures
 from rollbench.lowfi.statics.result import SetResult as SolvedSet
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.lowfi.statics.tangent import Tangent
@@ -640,7 +640,7 @@ def _ball_rows(scene: Scene, found: StaticResult, *, solved: bool) -> Balls:
     if not solved:
         return Balls(azimuth=found.azimuth, z=found.z)
     angles = np.where(found.load > 0.0, found.contact_angle, np.nan)
-    pressure = pole_pressure(scene, found)
+    pressure = contact_pressures(scene, found)
     return Balls(azimuth=found.azimuth, z=found.z, loads=found.load, angles=angles, pressure=pressure)
 
 

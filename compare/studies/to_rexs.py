@@ -18,11 +18,10 @@ from rollbench.compare import __version__
 from rollbench.compare.errors import Refusal
 from rollbench.compare.models.answers import SetAnswers
 from rollbench.compare.models.load_cases import SolvedAxis
-from rollbench.compare.results.scene_json import pole_pressure
 from rollbench.compare.scenes.duty_cycle import DutyCycle
 from rollbench.compare.scenes.from_rexs import RIGID, SEAT
 from rollbench.compare.scenes.rexs_model import STIFFNESS, RexsModel, Value, text_of
-from rollbench.lowfi.rating.contacts import race_pressures
+from rollbench.lowfi.rating.contacts import contact_pressures, race_pressures
 from rollbench.lowfi.rating.life import is_thrust
 from rollbench.lowfi.rating.reference import ReferenceLife
 from rollbench.lowfi.rating.roller_life import is_thrust as is_thrust_row
@@ -391,7 +390,7 @@ def _ball_contact_results(contacts: list[list[int]], s: SetResult) -> CaseAttrib
     assert s.balls is not None
     assert isinstance(s.of.parts, Scene)
     load, angle = s.balls.load, np.degrees(s.balls.contact_angle)
-    pressure = pole_pressure(s.of.parts, s.balls)
+    pressure = contact_pressures(s.of.parts, s.balls)
     case: CaseAttributes = {}
     for i, ids in enumerate(contacts):
         flanks = [(2 * k, 2 * k + 1) for k in range(2)] if len(ids) == 2 else [(k,) for k in range(4)]

@@ -28,10 +28,12 @@ from rollbench.lowfi.rating.life import dynamic_rating, is_thrust, name_life_sta
 from rollbench.lowfi.rating.rigidity import approach_per_displacement
 from rollbench.lowfi.rollers import roller_contacts, slice_contacts, slice_middles, tapered_bearing
 from rollbench.lowfi.statics.contacts import curvature_changes, error_free_hertz, nominal_curvatures, own_hertz
+from rollbench.lowfi.statics.result import StaticResult
 from rollbench.lowfi.statics.validity import DENT_PRESSURE, ROLLER_DENT_PRESSURE, groove_range
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import RollerRow
-from rollbench.meshes.errors import Specimen
+from rollbench.meshes.errors import Specimen, specimen
+from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.one_arc import is_one_arc
 from rollbench.meshes.parts import SIDES, Scene
 from rollbench.meshes.quantity import Stated, quantity, record
@@ -141,6 +143,16 @@ class Truncation:
     )
     #: Number of contacts whose ellipse extends beyond an edge.
     cut: int = quantity("contacts_cut", "contacts whose ellipse passes an edge", heading="contacts TRUNCATED")
+
+
+def contact_pressures(scene: Scene, found: StaticResult) -> Array:
+    """Return the largest pressure of each ball's contacts ``(n, 4)`` [Pa]; nan without equilibrium.
+
+    If the model computes no pressures, they follow from the loads by Hertz's theory, for radii with their random errors.
+    """
+    if found.pressure is not None or not np.isfinite(found.load).all():
+        return found.load if found.pressure is None else found.pressure
+    return own_hertz(scene, specimen(scene, ball_layout(scene), found.member)).pressure(found.load)
 
 
 def worst_contact(
