@@ -66,7 +66,7 @@ class InputError(Exception):
     ...     rollbench.check("lin-case1", max_error=700)
     ... except rollbench.InputError as error:
     ...     print(error)
-    max_error: got 700; allowed: above 0 to 100 per cent; advice: the gate uses 7
+    max_error: got 700; allowed: above 0 to 100 per cent; advice: leave it out for the gate's default limit of 7 per cent
     """
 
     #: Exit code of a command that ends with this error.

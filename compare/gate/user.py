@@ -635,7 +635,7 @@ def _verdicts_on_model(one: Referenced, name: str, limits: Limits, stores: Seque
     else:
         model = known_model(name)
         if not model.suits(scene):
-            advice = "choose another model: `rollbench list` shows which scenes each model can describe"
+            advice = "choose another model; the command rollbench list shows which scenes each model can describe"
             raise ArgumentError("model", f'"{name}"', f"a model that can describe {scene.name}", advice)
         solved = run_model(scene, name, options_for(model, scene, ref, stores))
         result, status = solved if solved.converged else None, solved.status

@@ -179,7 +179,7 @@ def test_paths_of_earlier_versions_still_work_with_a_warning(solved: rollbench.R
         assert solved["summary.loads.max_N"] == solved.loads.max()
     with pytest.warns(DeprecationWarning, match="result.loads"):
         np.testing.assert_array_equal(solved.load, solved.loads)
-    with pytest.warns(DeprecationWarning, match=r"rollbench\.Result now"):
+    with pytest.warns(DeprecationWarning, match=r"rollbench\.Result"):
         assert rollbench.Solution is rollbench.Result
     with pytest.warns(DeprecationWarning, match="to_dict"), pytest.raises(KeyError, match="available keys: sides, loads"):
         solved["summary.load"]

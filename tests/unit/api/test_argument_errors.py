@@ -73,7 +73,7 @@ def test_the_library_names_arguments_and_the_command_line_options(argument, func
     ("given", "named", "said"),
     [
         ({"max_error": 700}, "max_error: got 700; ", "command line: --max-error: got 700; "),
-        ({"limits": {"life": -1.0}}, "limits: got ", "of the loads it is --max-error"),
+        ({"limits": {"life": -1.0}}, "limits: got ", "--max-error"),
         ({"levels": 2, "compute": False}, "without `stored` and `compute=False`", "without --stored and --no-compute"),
     ],
 )

@@ -89,5 +89,5 @@ def test_bodies_that_no_store_has_are_asked_for(tmp_path) -> None:
     scene = catalogue.scene("unseen-four-point")
     found = reference(scene)
     assert found is not None
-    with pytest.raises(InputError, match="condensed bodies of its 3D reference, level 4"):
+    with pytest.raises(InputError, match=r"model: got .condensed.*level 4"):
         options_for(MODELS["condensed"], scene, found, (tmp_path,))

@@ -11,9 +11,9 @@ from rollbench.compare.scenes import catalogue, scene_file
 
 
 def hinted(text: str) -> list[str]:
-    """Words of the command that a line of text ends with."""
-    line = next(line for line in text.splitlines() if "rollbench " in line)
-    return shlex.split(line[line.index("rollbench ") :])
+    """Words of the last command that a text names."""
+    line = next(line for line in reversed(text.splitlines()) if "rollbench " in line)
+    return shlex.split(line[line.rindex("rollbench ") :])
 
 
 def test_names_of_files_are_quoted_where_a_shell_needs_it(command, tmp_path) -> None:
@@ -23,7 +23,12 @@ def test_names_of_files_are_quoted_where_a_shell_needs_it(command, tmp_path) -> 
     assert hinted(written[written.index("rollbench check") :])[-1] == str(loads)
     shutil.copy(catalogue.shipped_files("scenes")["two-balls"], tmp_path / "two balls.toml")
     out = command("compare", tmp_path / "two balls.toml", "--model", "lin", "--store", tmp_path).out
-    assert hinted(out)[:4] == ["rollbench", "solve", str(tmp_path / "two balls.toml"), "--condensed"]
+    assert hinted(out[: out.index("\n--verbose")])[:4] == [
+        "rollbench",
+        "solve",
+        str(tmp_path / "two balls.toml"),
+        "--condensed",
+    ]
     plain = tmp_path / "plain.toml"
     assert command("new", plain).out.endswith(f" {plain}\n")
 
@@ -63,8 +68,8 @@ def test_further_suggestions(tmp_path, monkeypatch) -> None:
 @pytest.mark.parametrize(("given", "meant"), [("0.07", "7 %"), ("0.05", "5 %")])
 def test_a_limit_that_looks_like_a_share_is_asked_about(command, given: str, meant: str) -> None:
     found = command("check", "two-balls", "--no-compute", "--max-error", given)
-    assert f"{meant} meant?" in found.out
+    assert f"do you mean {meant}?" in found.out
     assert found.code in (1, 3), "it is judged all the same"
-    assert "meant?" not in command("check", "two-balls", "--no-compute", "--max-error", "0.4").out
-    assert f"{meant} meant?" in command("check", "two-balls", "--no-compute", "--limit", f"rigidity={given}").out
-    assert "meant?" not in command("check", "two-balls", "--no-compute", "--limit", "angle=0.1").out
+    assert "do you mean" not in command("check", "two-balls", "--no-compute", "--max-error", "0.4").out
+    assert f"do you mean {meant}?" in command("check", "two-balls", "--no-compute", "--limit", f"rigidity={given}").out
+    assert "do you mean" not in command("check", "two-balls", "--no-compute", "--limit", "angle=0.1").out

@@ -137,9 +137,9 @@ def test_loads_are_answered_where_no_elastic_body_gives_a_tangent(monkeypatch, c
     words = "solve", "lin-case1", "--model", model
     axial = command.answer(*words)["summary"]["axial"]
     assert axial["tangent_N_per_um"] is None
-    assert axial["tangent_words"].endswith("limited to 20")
+    assert axial["tangent_words"].endswith("at most 20")
     assert "balls.count gives 32" in " ".join(command.said(*words).split())
-    with pytest.raises(Refusal, match="limited to 20"):
+    with pytest.raises(Refusal, match="at most 20"):
         tangent_stiffness_at(catalogue.scene("lin-case1"), 0.4, model, QUIET)
 
 

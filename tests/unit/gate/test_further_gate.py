@@ -201,8 +201,8 @@ def test_an_unknown_column_is_a_warning_and_with_strict_an_error(command, tmp_pa
 FAULTY = [
     ("newton,angle_deg", "100,", "no angle of ball 1 SL"),
     ("newton,load_kN", "100,0.1", "each quantity once"),
-    ("newton,approach_um", "100,-1", "from 0"),
-    ("newton,pressure_MPa", "100,inf", "from 0"),
+    ("newton,approach_um", "100,-1", "at least 0"),
+    ("newton,pressure_MPa", "100,inf", "at least 0"),
 ]
 
 

@@ -119,7 +119,7 @@ def test_compare_sets_models_and_ours_beside_it(command, tmp_path) -> None:
 def test_the_page_of_a_scene_shows_both(tmp_path) -> None:
     page = make_page(SCENE, (store.shipped_store(),), written(tmp_path / "bench.csv", "# uncertainty: 30 %", factor=1.2))
     assert "against bench.csv, uncertain by 30 % of the mean load, loads differ by up to" in page.verdict
-    assert "exceeds the limit" in page.warnings[0]
+    assert "exceeds the error limit" in page.warnings[0]
     assert page.provenance["reference"].startswith("bench.csv, SHA-256 ")
     figure, table = next(part for part in page.parts if part.name == "loads").items
     series = figure.panels[1].series

@@ -69,7 +69,7 @@ def test_good_files_are_read(tmp_path, head: str, row: str) -> None:
         ("ball,flank,newton", "{ball},{side}", "nothing"),
         ("newton,ball,flank", "489,{ball}", "flank"),
         ("ball,flank,newton", '{ball},{side},"489,5"', "decimal comma"),
-        ("ball,flank,newton", '{ball},{side},"489', "quote"),
+        ("ball,flank,newton", '{ball},{side},"489', "quotation mark"),
         ("ball;flank;newton", "{ball};{side};489;517", "4 cells"),
     ],
 )

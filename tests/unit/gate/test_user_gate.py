@@ -121,12 +121,12 @@ FAULTY = [
     ("1,SL,100", "3,SL,100", "line 2: ball", "1 to 2"),
     ("1,SL,100", "0,SL,100", "line 2: ball", "1 to 2"),
     ("1,SL,100", "1,left,100", "line 2: flank", "SL, SR, NL, NR"),
-    ("1,SL,100", "1,SL,-100", "line 2: newton", "from 0"),
-    ("1,SL,100", "1,SL,nan", "line 2: newton", "from 0"),
+    ("1,SL,100", "1,SL,-100", "line 2: newton", "at least 0"),
+    ("1,SL,100", "1,SL,nan", "line 2: newton", "at least 0"),
     ("1,SL,100", "1,SL,100 N", "line 2: newton", "without unit"),
     ("1,SL,100", "1,SL", "line 2: newton", "nothing"),
     ("2,sl,0\n", "", "rows", "no load of ball 2 SL"),
-    ("2,NR,80", "1,NR,80", "line 5", "ball 1 NR again"),
+    ("2,NR,80", "1,NR,80", "line 5", "ball 1 NR"),
     (GOOD, "", "line 1", "ball,flank,newton"),
     (GOOD, "ball,flank,newton\n", "file", "no loads"),
 ]
@@ -231,11 +231,11 @@ def test_what_loads_look_like_is_said_and_a_file_of_several_cases_is_refused(com
     shifted = judged(tmp_path, changed(rows, "ball", lambda ball: int(ball) % 32 + 1), *places)
     assert shifted.word == "pass" or "look numbered" in shifted.detail
     other = {"SL": "SR", "SR": "SL", "NL": "NR", "NR": "NL"}
-    assert "other flanks" in judged(tmp_path, changed(rows, "flank", other.__getitem__)).detail
+    assert "opposite flanks" in judged(tmp_path, changed(rows, "flank", other.__getitem__)).detail
     wrong = judged(tmp_path, changed(rows, "newton", lambda x: 1.5 * float(x)))
     assert (wrong.word, wrong.detail) == ("fail", "")
     judged(tmp_path, [{"case": "1"} | row for row in rows])
-    with pytest.raises(InputError, match="one case"):
+    with pytest.raises(InputError, match="line 6: case: got 2"):
         judged(tmp_path, [{"case": row["ball"]} | row for row in rows])
 
 

@@ -104,7 +104,7 @@ def test_faces_divide_the_socket_s_triangles(kind):
 
 def test_boxes_that_cannot_be_meshed_are_refused():
     for zone in ((1.0, 0.2), (0.2, 0.0), (0.5, 1.2)):
-        with pytest.raises(ValueError, match="contact zone of half widths"):
+        with pytest.raises(ValueError, match=r"half widths .* of the contact zone"):
             build_tets(replace(BOX, zone=zone))
     for k in range(len(socket().triangles)):
         torn = replace(socket(), triangles=np.delete(socket().triangles, k, axis=0))

@@ -143,7 +143,7 @@ def test_nothing_is_covered_where_an_installation_lacks_what_was_compared(monkey
     descriptors_of_shipped_scenes.cache_clear()
     try:
         assert estimate(scene, result).percent is None
-        assert "places.json is absent or damaged" in " ".join(outside(scene))
+        assert "places.json is missing or damaged" in " ".join(outside(scene))
     finally:
         descriptors_of_shipped_scenes.cache_clear()
 

@@ -107,5 +107,5 @@ def test_experience_is_measured_and_kept(tmp_path) -> None:
     assert found.scenes == tuple(scenes)
     save_experience(tmp_path, found)
     assert read_experience(tmp_path) == found
-    with pytest.raises(ValueError, match="experience"):
+    with pytest.raises(ValueError, match="both flanks"):
         derive_experience({"one": scenes["one"]}, 0.02)

@@ -114,7 +114,7 @@ def test_it_is_said_by_name() -> None:
     assert place == f"ball {last + 1} SL"
     assert found.uncertainty[last, 0] > found.beside_face[last, 0] > 0.0
     words = total(scene, found, inputs=False)
-    assert f"of it {largest:.2f} % at {place}" in words.text
+    assert f"{largest:.2f} % at {place}" in words.text
     assert as_json(words)["beside_free_face_at"] == place
     far = study.reference("unseen-25x5")
     assert beside_face(far) == (0.0, "")

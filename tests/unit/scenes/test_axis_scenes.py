@@ -155,7 +155,7 @@ def test_commands_work_or_say_why_not(command, small, tmp_path):
     assert float(by_offset[0]["largest_load_N"]) > float(by_offset[-1]["largest_load_N"])
     for tokens, why in (
         (("solve", small, "--members", "3"), "no random error"),
-        (("solve", small, "--all"), "every set is built as its scene asks"),
+        (("solve", small, "--all"), "--all: got"),
         (("solve", small, "--member", "1"), "the scene has no random errors"),
         (("sweep", small, *vary[:-3], "mei", "--out", tmp_path / "t"), "refined, lin, lin-source-partition, lin-cell"),
         (("solve", small, "--stiffness-at", "9 m"), "0 mm to"),
@@ -172,4 +172,4 @@ def test_solve_and_friction_begin_rows_with_their_set(command, small):
     total = sum(s["friction_torque_Nmm"] for s in data["sets"])
     assert data["torque"]["friction_torque_Nmm"] == pytest.approx(total, rel=1e-12)
     _, out, _ = command("solve", small, "--model", "lin", "--verbose")
-    assert "tangent stiffness of the whole, shaft at 0 mm" in out
+    assert "tangent stiffness of the whole axis, shaft at 0 mm" in out

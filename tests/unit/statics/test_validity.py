@@ -53,9 +53,9 @@ def test_an_ellipse_beyond_the_land_is_told():
 def test_large_rotations_are_told():
     scene = pressed(100.0)
     turned = tuple((name, 0.06 if name == "rz" else 0.0) for name in ("ux", "uy", "rx", "ry", "rz"))
-    assert "turns by 60 mrad" in words(replace(scene, supports=(Support(0.0, turned),)))
+    assert "rotates by 60 mrad" in words(replace(scene, supports=(Support(0.0, turned),)))
     small = tuple((name, 0.04 if name == "rz" else 0.0) for name in ("ux", "uy", "rx", "ry", "rz"))
-    assert "turns by" not in words(replace(scene, supports=(Support(0.0, small),)))
+    assert "rotates by" not in words(replace(scene, supports=(Support(0.0, small),)))
 
 
 @pytest.mark.parametrize(("extra", "wedged"), [(5e-6, True), (-5e-6, False)])
