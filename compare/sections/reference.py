@@ -125,7 +125,7 @@ def _error_row(
         Quantity("rms", "RMS error", "% of mean", ".2f"): errors[1],
         Quantity("own_max", "largest error", "% of own load", ".2f"): errors[2],
         Quantity("own_rms", "RMS error", "% of own load", ".2f"): errors[3],
-        Quantity("printed", "printed error, largest / RMS", "%", "s"): printed,
+        Quantity("printed", "printed, largest / RMS", "%", "s"): printed,
         Quantity("bar", "grid uncertainty", "% of mean", ".2f"): bars[0],
         Quantity("modelling", "modelling uncertainty", "% of mean", ".2f"): bars[1],
         Quantity("load_ratio", "ratio of largest to smallest load, SL", "", ".3f"): ratio,

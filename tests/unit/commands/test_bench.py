@@ -72,8 +72,8 @@ def test_models_are_listed_with_errors_beside_their_run_times(monkeypatch, tmp_p
     json.dumps(list(rows.values()), allow_nan=False)
     command.answer("bench", "--long", "--store", tmp_path)
     assert load_times([tmp_path]) == replace(kept)
-    assert "name scenes that have a 3D reference" in command.refused("bench", "two-ball")
-    assert "one measuring run" in command.refused("bench", "lin-case1", "--store", tmp_path)
+    assert "names: got two-ball" in command.refused("bench", "two-ball")
+    assert "--store: got" in command.refused("bench", "lin-case1", "--store", tmp_path)
 
 
 def test_what_is_not_timed_is_no_job():

@@ -49,7 +49,7 @@ def test_patches_grow_to_the_loads_found(factor):
     needs = factor ** (1.0 / 3.0) * expected_contacts(CASE).across.max()
     assert larger.reach[0] >= max(BEYOND * setup.settings.reach[0], needs) * (1.0 - 1e-12)
     assert max(after / before for after, before in zip(zone(larger), zone(setup.settings), strict=True)) > 1.0
-    assert f"needs {1e3 * needs:.3g} mm across" in words
+    assert f"need {1e3 * needs:.3g} mm across" in words
     assert "the patch has" in words
 
 

@@ -67,5 +67,5 @@ def test_a_helix_and_a_ring_without_bore_are_not_halved():
     spec, _ = ring(True)
     shell = Shell(None, lambda x: np.ones(len(x)), 1e-3, 6)
     for m, body in ((replace(MAP, rg=1e-3), spec), (MAP, replace(spec, r_in=0.0))):
-        with pytest.raises(ValueError, match="only a ring with a bore"):
+        with pytest.raises(ValueError, match="ring with a bore"):
             HalfRing(shell, m, body)

@@ -201,7 +201,7 @@ def test_what_cannot_be_is_refused():
         (RANDOM, "lin", 1, "2 to"),
         (replace(RANDOM, supports=()), "lin", 3, "not held"),
         (double_nut(), "lin", 3, "no random error"),
-        (drawn_sets(double_nut()), "mei", 3, "one set"),
+        (drawn_sets(double_nut()), "mei", 3, "model: got .mei"),
         (drawn_sets(double_nut()), "lin", 1, "2 to"),
     ):
         with pytest.raises(InputError, match=words):
