@@ -168,8 +168,8 @@ def test_map_of_the_assumptions() -> None:
 @pytest.mark.parametrize(
     ("change", "match"),
     [
-        ({"groove_radius": 1e-3}, "ball_radius"),
-        ({"contact_angle": 0.0}, "contact_angle"),
+        ({"groove_radius": 1e-3}, "ball, groove and pitch radius"),
+        ({"contact_angle": 0.0}, "contact angle"),
         ({"mu": -0.1}, "mu"),
         ({"pitch_radius": 3.2e-3, "lead": 0.0}, "too large"),
     ],

@@ -116,7 +116,7 @@ def test_reversed_motion_and_mirrored_pattern() -> None:
     assert two.ball_force[:, ::-1] == pytest.approx(np.roll(one.ball_force, 1, axis=1), abs=1e-5)
 
 
-@pytest.mark.parametrize(("change", "match"), [({"count": 38}, "more balls"), ({"steps": 0}, "steps")])
+@pytest.mark.parametrize(("change", "match"), [({"count": 38}, "38 balls"), ({"steps": 0}, "steps")])
 def test_bad_input(change: dict[str, int], match: str) -> None:
     with pytest.raises(ValueError, match=match):
         lin_3_4_4(**change)

@@ -3,7 +3,9 @@
 Unknowns of a ball, in this order: position p (x3, z3) in units of ``length``, motion x (4,), force f on the next ball;
 after all balls the screw's u (m,), in units of ``length`` too. Forces are in the unit of ``BallArrays``.
 
-`ball_rows` is what one ball adds to it: forces out of balance and their derivatives.
+`ball_rows` computes what one ball adds to the equations: forces out of balance and their derivatives. In all functions x
+(4,) are a ball's surface speeds over the nut's speed along the path, ``eps`` is the regularising speed over the same speed,
+and ``share`` is the fraction of the friction that acts on the loads, by which the search approaches the solution.
 """
 
 from math import sqrt
@@ -30,15 +32,18 @@ from .balance import (
 #: Contacts 0 and 1 of a ball are on the screw, 2 and 3 on the nut.
 ON_SCREW = 2
 
-#: Rows of a ball's own part: position, motion, force on the screw; columns: position, motion, place of the screw.
+#: Rows of a ball's own part of the equations: forces on it (2), gradient by its motion (4), its force on the screw (3);
+#: columns: its position (2), its motion (4), displacement of the screw in its section (2).
 OWN_ROWS, OWN_COLUMNS = 9, 8
 
 
 @kernel
 def _law(groove: GrooveArrays, i: int, f: float, rows: Array, x: Array, eps: float, g: Array, h: Array) -> None:
-    """Write the gradient g (3,) of contact i's dissipation per mu F, its Hessian h[:3], and h[3]: F g derived by F.
+    """Write the derivatives of the dissipation D of contact i over its friction bound mu F.
 
-    Semi-axes go with F^(1/3), and D(s a, s b, vx, vz, spin) = D(a, b, vx, vz, s spin).
+    f: contact force F [N]; rows (3, 4): map of the contact; x (4,): motion of the ball. Written are the gradient g (3,) by
+    (vx, vz, spin), the Hessian in h[:3], and the derivative of F g by F in h[3]. The semi-axes grow with F^(1/3), and
+    D(s a, s b, vx, vz, spin) = D(a, b, vx, vz, s spin).
     """
     cube = f ** (1.0 / 3.0)
     vx, vz, spin = seen(groove, i, rows, x)
@@ -57,10 +62,12 @@ def _law(groove: GrooveArrays, i: int, f: float, rows: Array, x: Array, eps: flo
 def _acts(
     n_x: float, n_z: float, rows: Array, speed: float, share: float, along: float, on: bool, load: Array, pull: Array
 ) -> None:
-    """Write the effect of a contact's normal force (9,) and of each friction component (9, 3) on the rows of `ball_rows`.
+    """Write how the forces of one contact act on the nine rows of `ball_rows`.
 
-    rows: map (3, 4) of the contact's motion; along: share of the friction along the path. Linear in (n_x, n_z, rows,
-    along).
+    load (9,): effect of a normal force of one; pull (9, 3): effect of each component (vx, vz, spin) of the friction.
+    n_x, n_z: contact normal; rows (3, 4): map of the contact; speed: of the nut along the path [m/s]; along: share of the
+    friction along the path that acts on the screw; on: whether the contact is on the screw. The result is linear in (n_x,
+    n_z, rows, along).
     """
     load[:] = 0.0
     pull[:] = 0.0
@@ -75,10 +82,11 @@ def _acts(
 def ball_rows(
     system: JointSystem, k: int, p: Array, shift: Array, x: Array, share: float, eps: float, out: Array, by: Array
 ) -> None:
-    """Write out (9,) and its derivatives (9, 8) for ball k at p (2,) [m], motion x (4,), screw shifted by shift (2,).
+    """Write what ball k adds to the equations to out (9,) [N], and its derivatives to by (9, 8).
 
-    Rows: force out of balance in x3, z3 with ``share`` of the friction, the grooves' gradient by the motion, force of
-    the ball on the screw in x3, y3, z3.
+    p (2,): displacement of the ball [m]; shift (2,): that of the screw in its section [m]; x (4,): motion of the ball.
+    Rows: force on the ball in x3, z3 with ``share`` of the friction (2), gradient of the grooves' dissipation by the motion
+    (4), force of the ball on the screw in x3, y3, z3 (3). Columns of ``by``: p (2), x (4), shift (2).
     """
     cell, groove, balls = system.cell, system.groove, system.balls
     start, interference, C, affine = cell.start, cell.interference, cell.C, groove.affine
@@ -117,7 +125,7 @@ def ball_rows(
             by[:, 7] -= b_z
 
 
-#: Unknowns of a ball, half bandwidth.
+#: Number of unknowns of a ball, and half bandwidth of the matrix.
 SIZE, HALF = 7, 12
 
 #: Longest step of positions as a fraction of the groove's reach.
@@ -126,7 +134,10 @@ LONGEST_STEP = 0.1
 
 @kernel
 def _together(system: JointSystem, at: Place, k: int, share: float, eps: float, start: int, matrix: JointMatrix) -> None:
-    """Add the contact load and friction between ball k and the next ball, with their derivatives."""
+    """Add the force and friction between ball k and the next ball to the equations in ``matrix``, with their derivatives.
+
+    start: ball whose rows come first, before which a closed track is cut open.
+    """
     groove, balls = system.groove, system.balls
     first, second, closing = groove.first, groove.second, groove.closing
     x, f = at.motion, at.ball_force
@@ -177,7 +188,11 @@ def _pushed(
     share: float,
     matrix: JointMatrix,
 ) -> None:
-    """Add the force in the groove's plane on the first or second ball of a pair; rub: sliding, direction and size."""
+    """Add the force between two balls, in the plane of the groove's section, to the balance of one of them.
+
+    which: 0 for the first ball, 1 for the second; row, other: first row of each ball in the matrix; rub: direction (u, v)
+    of the sliding of the first on the second ball, and its size; f: force between them; mu: coefficient of friction.
+    """
     first, second, push, slide = system.groove.first, system.groove.second, system.push, system.slide
     side, K = matrix.side, matrix.band
     u, v, size = rub
@@ -201,9 +216,10 @@ def _pushed(
 
 @kernel
 def assemble(system: JointSystem, at: Place, share: float, eps: float, start: int, matrix: JointMatrix) -> float:
-    """Write residual and Jacobian with ball ``start`` first, a closed track cut open before it; return the residual's size.
+    """Write residual and Jacobian of all equations to ``matrix``; return the root of the residual's sum of squares.
 
-    share: of the friction that moves balls and screw; the screw's forces besides friction are those of the cell.
+    at: unknowns; start: ball whose rows come first, before which a closed track is cut open. External forces on the screw
+    are those of the system's ``cell``.
     """
     cell, unit, length, rows = system.cell, system.unit, system.length, system.rows
     hold, nominal = system.balls.hold, system.groove.nominal
@@ -248,7 +264,10 @@ def assemble(system: JointSystem, at: Place, share: float, eps: float, start: in
 
 @kernel
 def step(matrix: JointMatrix, start: int, length: float, d: Place) -> None:
-    """Overwrite the matrix by its factors and write Newton's step to d; positions that nothing resists stay."""
+    """Write Newton's step to d, positions in units of m; overwrite ``matrix``, which `assemble` has written, by its factors.
+
+    start: ball whose rows come first; length: unit of positions [m]. Positions that no contact resists do not move.
+    """
     side, side_u, K, columns, lines, corner = matrix
     n, m = d.ball_force.shape[0], side_u.shape[0]
     top = 0.0  # stiffest position: a tiny part of it keeps free positions where they are
@@ -282,11 +301,10 @@ def step(matrix: JointMatrix, start: int, length: float, d: Place) -> None:
 
 @kernel
 def newton_joint(system: JointSystem, at: Place, share: float, eps: float, goal: float, limit: int) -> tuple[float, int]:
-    """Iterate by Newton's method from ``at``, overwritten; return residual and steps.
+    """Iterate by Newton's method on loads and motion together, steps halved until the residual falls.
 
-    Steps are halved until the residual falls.
-
-    Ends at ``goal``, after ``limit`` steps, or where no step lets the residual fall.
+    ``at`` is the start and is overwritten. The iteration ends when the residual is at most ``goal``, after ``limit`` steps,
+    or when no step lets the residual fall. Returns the residual (root of the sum of squares) and the number of steps.
     """
     p, u, x, f = at
     n, m, length, reach = f.shape[0], u.shape[0], system.length, system.cell.reach
