@@ -6,9 +6,10 @@ for motions and forces together while the regularising speed of friction falls (
 
 `coupled_chain` lets the contact loads agree with the motion (section 3.4.1 of Lin's thesis): friction and ball-to-ball
 forces in the plane of the groove's section change the contact loads, and these the friction. Both are solved in turn in
-accelerated rounds. Friction that wedges a ball between grooves changes the loads by many times as much as it changes itself,
-so that these rounds run away. Loads and friction are then solved as one system (`solve_joint`), in which the contact angles
-follow the ball's position. Newton's method follows its solution from no friction, smoothed, to all of it, hardly smoothed.
+accelerated rounds. Friction that wedges a ball between grooves changes the loads by many times as much as it changes
+itself, so that these rounds run away. Loads and friction are then solved as one system (`solve_joint`), in which the
+contact angles follow the ball's position. Newton's method follows its solution from no friction, smoothed, to all of it,
+hardly smoothed.
 """
 
 from __future__ import annotations

@@ -1,7 +1,8 @@
 """A ball between the grooves of two helical bodies with friction: kinematics, Hertz constants, arrays of the kernels.
 
-Axes at the ball's centre (section 3.4.1 of Lin's thesis): x3 radially outward, y3 along the helical path, z3 the binormal, about which the
-lead angle tilts the screw's axis towards y3. Contacts in the order SL, SR, NL, NR (screw or nut, left or right).
+Axes at the ball's centre (section 3.4.1 of Lin's thesis): x3 radially outward, y3 along the helical path, z3 the binormal,
+about which the lead angle tilts the screw's axis towards y3. Contacts in the order SL, SR, NL, NR (screw or nut, left or
+right).
 """
 
 from __future__ import annotations

@@ -1,8 +1,8 @@
 """Arguments of the kernels of ball screws with friction, as named tuples: the plain and the compiled copy share them.
 
 There are N balls and m free motions u of the screw. The motion of a ball x (4,) is its orbit and its spins about x3, y3, z3
-as surface speeds over the speed of the nut along the path. Contacts 0 and 1 of a ball are on the screw, 2 and 3 on the nut. x3 points radially,
-y3 along the path, z3 along the binormal of a groove's section.
+as surface speeds over the speed of the nut along the path. Contacts 0 and 1 of a ball are on the screw, 2 and 3 on the nut.
+x3 points radially, y3 along the path, z3 along the binormal of a groove's section.
 """
 
 from typing import NamedTuple
@@ -13,7 +13,7 @@ from rollbench.lowfi.friction.contact.kernel_types import Array, CellArrays
 class GrooveArrays(NamedTuple):
     """Geometry of the grooves of screw and nut for the motion of a ball."""
 
-    #: Maps from x to (vx, vz, spin) at a contact: A_0 + n_x A_1 + n_z A_2 with its normal (n_x, n_z); (3, 3, 4).
+    #: Maps (3, 3, 4) from x to vx, vz [m/s], spin [rad/s] at a contact of normal (n_x, n_z): A_0 + n_x A_1 + n_z A_2.
     affine: Array
     #: Scaled rotation about the axis of the body that each contact of a ball is on, screw or nut (4,).
     ride: Array

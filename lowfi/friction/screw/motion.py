@@ -1,12 +1,12 @@
 """Balls between a rigid screw and a rigid nut: contact loads, quasi-static motion, effect of friction on the loads.
 
-The model is that of section 3.4.1 of Lin's thesis. The motion of each ball is that of least dissipation. Its friction in the
-plane of the groove's section (the helix turns nut and screw against each other about y3) changes the contact loads through
-the ball's equilibrium: ``chain.coupled_chain`` iterates both.
+The model is that of section 3.4.1 of Lin's thesis. The motion of each ball is that of least dissipation. Its friction in
+the plane of the groove's section (the helix turns nut and screw against each other about y3) changes the contact loads
+through the ball's equilibrium: ``chain.coupled_chain`` iterates both.
 
 Loads are the minimum of a convex energy over all positions. Each ball moves in the plane of its groove section (x3 radial,
-z3 binormal), the screw by its free motions u, the nut is fixed. Friction in this plane is given by forces on balls and screw
-that do not change while the loads are computed.
+z3 binormal), the screw by its free motions u, the nut is fixed. Friction in this plane is given by forces on balls and
+screw that do not change while the loads are computed.
 """
 
 from __future__ import annotations

@@ -281,8 +281,8 @@ class Run:
     def place(self, azimuth: Array, nut_angle: float) -> tuple[Array, NDArray[np.bool_]]:
         """Return the balls' azimuths folded into the closed track, and which balls are in its loaded turns.
 
-        ``azimuth``: of the balls on the screw, unwrapped ``(N,)`` [rad]; ``nut_angle``: angle by which the nut has turned on
-        the screw [rad]. Returns azimuths on the screw ``(N,)`` [rad] and a mask ``(N,)``.
+        ``azimuth``: of the balls on the screw, unwrapped ``(N,)`` [rad]; ``nut_angle``: angle by which the nut has turned
+        on the screw [rad]. Returns azimuths on the screw ``(N,)`` [rad] and a mask ``(N,)``.
         """
         (track,) = self.tracks
         along = track.along(azimuth, nut_angle)
@@ -308,8 +308,9 @@ class Run:
     def instant(self, azimuth: Array, time: float, slack: Array, memory: CoupledChain | None) -> Instant:
         """Return the loads and motions of the balls at one instant.
 
-        ``azimuth``: of the balls on the screw ``(N,)`` [rad]; ``time``: of the instant [s]; ``slack``: largest rate at which
-        each ball may gain on the next one ``(N,)`` [rad/s]; ``memory``: solution of the instant before, None at the start.
+        ``azimuth``: of the balls on the screw ``(N,)`` [rad]; ``time``: of the instant [s]; ``slack``: largest rate at
+        which each ball may gain on the next one ``(N,)`` [rad/s]; ``memory``: solution of the instant before, None at the
+        start.
         """
         turned = self.groove.speed * time
         azimuths, loaded = self.place(azimuth, turned)

@@ -1,10 +1,11 @@
 """Balls that travel round closed tracks in time: loads and motions at successive instants, neighbours that meet and part.
 
 Over a step dt the gap of neighbours obeys 0 <= F, 0 <= gap + rate dt, F (gap + rate dt) = 0 (section 3.4.4 of Lin's
-thesis): balls keep their order and never overlap. Torques jump where a ball enters or leaves the loaded arc, or meets its neighbour, and are smooth
-between these events. The scheme "located" ends a step at each event, takes a short piece on either side of it, so that the
-torque before and after it is sampled, and is of second order (midpoint rule). The scheme "equal" is Lin's: equal steps
-with loads and motions computed at their start. It is of first order, and the time of an event is wrong by a part of a step.
+thesis): balls keep their order and never overlap. Torques jump where a ball enters or leaves the loaded arc, or meets its
+neighbour, and are smooth between these events. The scheme "located" ends a step at each event, takes a short piece on
+either side of it, so that the torque before and after it is sampled, and is of second order (midpoint rule). The scheme
+"equal" is Lin's: equal steps with loads and motions computed at their start. It is of first order, and the time of an event
+is wrong by a part of a step.
 """
 
 from __future__ import annotations
@@ -224,7 +225,7 @@ class History:
 
     @property
     def share(self) -> float:
-        """Largest ratio, over the run, of the torque by ball-to-ball contact to that of the grooves; nan without friction."""
+        """Largest ratio in the run of the torque by ball-to-ball contact to that of the grooves; nan without friction."""
         return float(self.ratio.max())
 
     @property
@@ -552,8 +553,8 @@ def observed(before: float, last: float, jumps: bool = False) -> Observed:
 def step_error(levels: Sequence[History]) -> StepError | None:
     """Return the errors of the last of the runs ``levels``, from the last three, each with more steps than the one before.
 
-    None for fewer than three runs. Runs may agree by chance on a wrong time of a jump in the torque: its error is never below the largest jump between
-    two steps for half a step.
+    None for fewer than three runs. Runs may agree by chance on a wrong time of a jump in the torque: its error is never
+    below the largest jump between two steps for half a step.
     """
     steps = tuple(level.per_step.size for level in levels[-3:])
     if len(steps) < 3 or not steps[0] < steps[1] < steps[2]:

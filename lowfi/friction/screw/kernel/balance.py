@@ -38,7 +38,7 @@ def semi_axes(force: Array, C_a: Array, C_b: Array, a: Array, b: Array) -> None:
 
 @kernel
 def contact_map(groove: GrooveArrays, n_x: float, n_z: float, out: Array) -> None:
-    """Write to out (3, 4) the map from a ball's motion to (vx, vz, spin) at its contact in direction (n_x, n_z)."""
+    """Write to out (3, 4) the map from a ball's motion x to vx, vz [m/s], spin [rad/s] at a contact normal (n_x, n_z)."""
     affine = groove.affine
     for r in range(3):
         for j in range(4):
@@ -47,7 +47,7 @@ def contact_map(groove: GrooveArrays, n_x: float, n_z: float, out: Array) -> Non
 
 @kernel
 def seen(groove: GrooveArrays, i: int, rows: Array, x: Array) -> tuple[float, float, float]:
-    """Return the relative motion (vx, vz, spin) of ball and groove at contact i, over the nut's speed along the path.
+    """Return the relative motion of ball and groove at contact i: vx, vz [m/s] and spin [rad/s].
 
     rows (3, 4): map of the contact (`contact_map`); x (4,): motion of the ball.
     """

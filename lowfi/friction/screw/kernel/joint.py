@@ -264,7 +264,7 @@ def assemble(system: JointSystem, at: Place, share: float, eps: float, start: in
 
 @kernel
 def step(matrix: JointMatrix, start: int, length: float, d: Place) -> None:
-    """Write Newton's step to d, positions in units of m; overwrite ``matrix``, which `assemble` has written, by its factors.
+    """Write Newton's step to d, with positions in m; overwrite ``matrix``, which `assemble` has written, by its factors.
 
     start: ball whose rows come first; length: unit of positions [m]. Positions that no contact resists do not move.
     """
