@@ -225,8 +225,8 @@ def linear_error(ratio: ArrayLike, factor: ArrayLike, reach: float = 0.5) -> Arr
     """
     if not 0.0 < reach <= 1.0:
         raise ValueError(
-            f"the largest |c/a| must lie in (0, 1], got {reach}: the friction force is a cubic of c/a only for rotation about "
-            "a point of the ellipse"
+            f"the largest |c/a| must lie in (0, 1], got {reach}: the friction force is a cubic of c/a only for rotation "
+            "about a point of the ellipse"
         )
     start = linear_factor(ratio)
     end = start - cubic_factor(ratio) * reach**2
@@ -311,8 +311,8 @@ def interpolated_friction(at: Contacts, motion: Array, spacing: float, exact: Fr
     """
     if np.any(motion[:, 0] != 0.0):
         raise ValueError(
-            "Lin's tables of friction forces cover only rotations about a point on the major axis of the contact: the sliding "
-            f"velocity vx along that axis must be 0, got up to {float(np.max(np.abs(motion[:, 0])))} m/s"
+            "Lin's tables of friction forces cover only rotations about a point on the major axis of the contact: the "
+            f"sliding velocity vx along that axis must be 0, got up to {float(np.max(np.abs(motion[:, 0])))} m/s"
         )
     spin = motion[:, 2]
     place = np.zeros_like(spin)

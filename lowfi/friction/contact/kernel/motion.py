@@ -224,9 +224,9 @@ ROLLING, GIVEN, NEAR = 0, 1, 2
 
 @kernel
 def friction_gradients(shape: Array, motion: Array, speed: float, forces: Array) -> None:
-    """Write the gradient of each contact's dissipation by (vx, vz, spin) to forces (m, 3); friction is its negative [N, N m].
+    """Write the gradient of each contact's dissipation by (vx, vz, spin) to forces (m, 3); friction is its negative.
 
-    motion (m, 3): vx, vz [m/s] and spin [rad/s] of the contacts.
+    motion (m, 3): vx, vz [m/s] and spin [rad/s] of the contacts; forces: along x, z [N] and moment about y [N m].
     """
     for i in range(shape.shape[0]):
         f = shape[i, 2]
