@@ -50,7 +50,10 @@ class Problem:
         return np.asarray(np.where(size > 0.0, size, 1.0))
 
     def imbalance(self, friction: Friction) -> float:
-        """Return the largest unbalanced generalised force of friction and other forces, in units of force [N]."""
+        """Return the largest generalised force by which ``friction`` and the other forces are out of balance [N].
+
+        The generalised force on each unknown is divided by its entry of `units`.
+        """
         wrench = np.column_stack([friction.force, friction.moment])
         return float(np.max(np.abs((np.einsum("ir,irj->j", wrench, self.maps) + self.push) / self.units())))
 
