@@ -32,11 +32,11 @@ from rollbench.lowfi.friction.screw.kernel_types import BalanceParts, BallArrays
 from rollbench.lowfi.friction.screw.motion import (
     AGREED,
     ROUNDS,
+    AndersonMixer,
     Cell,
     Coupling,
-    Mixer,
     contact_wrench,
-    feedback,
+    forces_of_friction,
     helical_power,
     hold_screw,
     load_arrays,
@@ -70,7 +70,7 @@ NEGLIGIBLE = 1e-7
 
 
 @dataclass(frozen=True)
-class Rubs:
+class FrictionContacts:
     """Ellipses, friction bounds and kinematics of the contacts of N balls; axes x along the semi-axis a, z along b."""
 
     #: Semi-axes a >= b [m] and mu F [N], ``(N, 4, 3)``.
@@ -101,7 +101,7 @@ class AnyChain(ABC):
 
     @property
     @abstractmethod
-    def rubs(self) -> Rubs:
+    def friction_contacts(self) -> FrictionContacts:
         """Return the contacts with their semi-axes and maps."""
 
     @property
@@ -132,12 +132,12 @@ class Chain(AnyChain):
     groove: ScrewGroove
 
     @property
-    def rubs(self) -> Rubs:
+    def friction_contacts(self) -> FrictionContacts:
         """Return the contacts with their semi-axes and maps."""
         at = screw_contacts(self.groove, self.force)
         maps, drives = self.groove.maps(self.normals)
         shape = np.stack([at.a, at.b, at.strength], axis=1).reshape(-1, 4, 3)
-        return Rubs(shape, maps, np.broadcast_to(drives, (*maps.shape[:2], 3)))
+        return FrictionContacts(shape, maps, np.broadcast_to(drives, (*maps.shape[:2], 3)))
 
     @property
     def mu_balls(self) -> float:
@@ -203,7 +203,7 @@ def residual_arrays(count: int) -> BalanceParts:
     return BalanceParts(np.zeros((count, 4)), np.zeros(count), np.zeros((count, 2)), np.zeros((count, 4, 4)))
 
 
-class Search:
+class BalanceSearch:
     """Search for the balance of the balls of one chain, with scaled arrays.
 
     The scaled motions x ``(N, 4)`` are surface speeds (orbit, and spins times the ball radius) over ``speed`` [m/s], the
@@ -215,13 +215,13 @@ class Search:
 
     def __init__(self, chain: AnyChain, fast: bool = True) -> None:
         """Scale the arrays of ``chain``; balls without loads get no friction. ``fast``: whether kernels are compiled."""
-        g, rubs = chain.groove, chain.rubs
+        g, contacts = chain.groove, chain.friction_contacts
         total = chain.force.sum(axis=1)
         loaded = total > NEGLIGIBLE * float(total.max())
         self.chain, self.count, self.loaded = chain, chain.force.shape[0], loaded
         self.kernels = kernels(SCREW, compiled=fast)
         self.units, self.speed, self.groove = speed_levers(g), nominal_speed(g), groove_arrays(g)
-        shape = rubs.shape
+        shape = contacts.shape
         self.rubbing = bool(np.any(shape[..., 2] > 0.0))
         if not self.rubbing:
             shape = np.concatenate([shape[..., :2], chain.force[..., None]], axis=-1)
@@ -239,12 +239,12 @@ class Search:
             mu=self.mu,
             strength=(g.mu or 1.0) / self.bound,
             shape=plain_array(shape * np.stack([ones, ones, loaded / self.bound], axis=1)[:, None]),
-            maps=plain_array(rubs.maps / self.units),
-            drives=plain_array(rubs.drives / self.speed),
+            maps=plain_array(contacts.maps / self.units),
+            drives=plain_array(contacts.drives / self.speed),
         )
         self.parts = residual_arrays(self.count)
 
-    def without_neighbours(self) -> Array:
+    def motions_without_neighbours(self) -> Array:
         """Return the scaled motions ``(N, 4)`` of the balls without neighbours."""
         x = np.tile(self.groove.nominal, (self.count, 1))
         self.kernels.move_without_neighbours(self.balls, x)
@@ -258,30 +258,30 @@ class Search:
         scaled motions, the scaled forces, the residual (root of the sum of squares) and the number of steps.
         """
         x, f = plain_array(x).copy(), plain_array(f).copy()
-        size, steps = self.kernels.newton(self.groove, self.balls, x, f, eps, goal, ACCEPTED, limit, self.parts)
+        size, steps = self.kernels.solve_balance(self.groove, self.balls, x, f, eps, goal, ACCEPTED, limit, self.parts)
         return x, f, float(size), int(steps)
 
-    def balanced(self, f: Array) -> bool:
+    def is_converged(self, f: Array) -> bool:
         """Return whether the balance last computed is converged.
 
         ``f``: its scaled ball-to-ball forces ``(N,)``; the largest of them, if above one, scales the tolerance.
         """
-        return bool(self.kernels.worst(self.parts) <= ACCEPTED * max(1.0, float(np.max(f))))
+        return bool(self.kernels.largest_residual(self.parts) <= ACCEPTED * max(1.0, float(np.max(f))))
 
-    def direct(self, x: Array, f: Array) -> tuple[Array, Array, bool, int]:
+    def solve_at_last_speed(self, x: Array, f: Array) -> tuple[Array, Array, bool, int]:
         """Iterate at the last regularising speed only; stop after few steps if these do not lead to a balance.
 
         ``x``, ``f``: scaled motions ``(N, 4)`` and ball-to-ball forces ``(N,)`` to begin from. Returns the scaled motions,
         the scaled forces, whether they are in balance, and the number of Newton steps.
         """
         x, f, _, steps = self.solve(x, f, SPEEDS[-1], GOAL, SHORT)
-        good = self.balanced(f)
+        good = self.is_converged(f)
         if good and steps == SHORT:
             x, f, _, further = self.solve(x, f, SPEEDS[-1], GOAL, STEPS)
             steps += further
         return x, f, good, steps
 
-    def by_stages(self, x: Array) -> tuple[Array, Array, int]:
+    def solve_by_stages(self, x: Array) -> tuple[Array, Array, int]:
         """Iterate with friction between balls rising at the first regularising speed, then with that speed falling.
 
         A stage that fails is halved, DEPTH times in all. ``x``: scaled motions ``(N, 4)`` to begin from, without forces
@@ -330,29 +330,29 @@ def solve_chain(
     ----------
     Lin (2019), 3.73 to 3.77.
     """
-    s = Search(chain, fast)
+    s = BalanceSearch(chain, fast)
     total = 0
     if start is not None and (warm or np.any(start[1] > 0.0)):
-        x, f, good, total = s.direct(start[0] * s.units / s.speed, start[1] / s.bound)
+        x, f, good, total = s.solve_at_last_speed(start[0] * s.units / s.speed, start[1] / s.bound)
         if good:
             return _chain_result(s, x, f, total, True)
-    alone = s.without_neighbours()
-    x, f, good, steps = s.direct(alone, np.zeros(s.count))
+    alone = s.motions_without_neighbours()
+    x, f, good, steps = s.solve_at_last_speed(alone, np.zeros(s.count))
     total += steps
     if not good:
-        x, f, steps = s.by_stages(alone)
+        x, f, steps = s.solve_by_stages(alone)
         total += steps
     return _chain_result(s, x, f, total)
 
 
-def _chain_result(s: Search, x: Array, f: Array, steps: int, from_start: bool = False) -> ChainMotion:
+def _chain_result(s: BalanceSearch, x: Array, f: Array, steps: int, from_start: bool = False) -> ChainMotion:
     """Return motion, forces and losses of the balls in SI units.
 
     ``s``: the search with its scales; ``x``: scaled motions ``(N, 4)``; ``f``: scaled ball-to-ball forces ``(N,)``;
     ``steps``: Newton steps that were taken; ``from_start``: whether the start that was given led to the solution.
     """
     chain, n, eps, g = s.chain, s.count, SPEEDS[-1], s.chain.groove
-    good, bound = s.balanced(f), s.bound if s.rubbing else 0.0
+    good, bound = s.is_converged(f), s.bound if s.rubbing else 0.0
     left, pair = float(np.max(np.abs(s.parts.balance))) * bound, g.pair
     ahead = np.append(x[1:, 0], x[0, 0])
     gap = np.where(s.allowed, s.groove.closing * (ahead - x[:, 0]) + s.balls.slack, 0.0)
@@ -364,9 +364,9 @@ def _chain_result(s: Search, x: Array, f: Array, steps: int, from_start: bool = 
         np.zeros((n, 3)),
         np.zeros(n),
     )
-    s.kernels.friction(s.balls, x, eps, motion, pull, loss)
+    s.kernels.contact_friction(s.balls, x, eps, motion, pull, loss)
     wrench = chain.wrench(bound * pull)
-    s.kernels.meeting(s.groove, s.balls, x, ball_force, eps, pair.push, pair.slide, push, ball_loss)
+    s.kernels.neighbour_forces(s.groove, s.balls, x, ball_force, eps, pair.push, pair.slide, push, ball_loss)
     return ChainMotion(
         q=x * s.speed / s.units,
         ball_force=ball_force,
@@ -403,7 +403,7 @@ FIRST, SHORTEST = 1.0 / 32.0, 1e-5
 
 
 @dataclass(frozen=True)
-class Joint:
+class JointSolution:
     """Balls and screw with loads and friction solved as one system."""
 
     #: Displacements of the balls along x3, z3 ``(N, 2)`` [m].
@@ -426,7 +426,7 @@ class Joint:
 
 def solve_joint(
     cell: Cell, slack: Array, start: tuple[Array, Array], near: tuple[Array, Array] | None = None, fast: bool = True
-) -> Joint:
+) -> JointSolution:
     """Return loads and motion of balls with friction, solved as one system of equations.
 
     The search begins at positions in balance without friction and raises friction. Where several states exist, the result
@@ -452,17 +452,17 @@ def solve_joint(
     if near is not None:
         ways += [(near, eps, 1.0) for eps in reversed(SMOOTH)]
     for place, eps, share in ways:
-        path, smooth = _Path(bare, slack, place, fast), float(np.log(eps))
-        done = share == 1.0 or path.follow((share, smooth), (1.0, smooth))
-        done = done and path.follow((1.0, smooth), (1.0, sharp))
+        path, smooth = _JointPath(bare, slack, place, fast), float(np.log(eps))
+        done = share == 1.0 or path.follow_solution((share, smooth), (1.0, smooth))
+        done = done and path.follow_solution((1.0, smooth), (1.0, sharp))
         steps += path.steps
         if done:
             break
     push, drag = path.state.ball, path.state.inner
-    return Joint(path.ball, path.screw, path.q, path.ball_force, push, drag, done, steps)
+    return JointSolution(path.ball, path.screw, path.q, path.ball_force, push, drag, done, steps)
 
 
-def joint_kernel_arguments(cell: Cell, search: Search) -> JointSystem:
+def joint_kernel_arguments(cell: Cell, search: BalanceSearch) -> JointSystem:
     """Return the arguments of the kernels that solve loads and motion as one system.
 
     ``cell``: balls between screw and nut; ``search``: the scaled arrays of the chain of these balls.
@@ -481,31 +481,32 @@ def joint_kernel_arguments(cell: Cell, search: Search) -> JointSystem:
     )
 
 
-class _Path:
+class _JointPath:
     """Solution of loads and motion as one system, followed while friction rises or its regularising speed falls.
 
-    `follow` moves the solution; the attributes ``ball``, ``screw``, ``q`` and ``ball_force`` are those of `Joint`.
+    `follow_solution` moves the solution; the attributes ``ball``, ``screw``, ``q`` and ``ball_force`` are those of
+    `JointSolution`.
     """
 
     def __init__(self, cell: Cell, slack: Array, start: tuple[Array, Array], fast: bool) -> None:
         """Begin at displacements of balls ``(N, 2)`` and screw ``(m,)`` [m], with the balls' motion at the loads there."""
         self.cell, self.slack, self.fast, self.steps = cell, slack, fast, 0
         self.ball, self.screw = start
-        self.measure()
+        self.update_loads()
         moved = solve_chain(self.search.chain, None, fast)
         self.q, self.ball_force = moved.q, moved.ball_force
 
-    def measure(self) -> None:
+    def update_loads(self) -> None:
         """Compute the contact loads at the present positions, and from them the scales and the set of loaded balls."""
         g, arrays = self.cell.groove, load_arrays(self.cell)
         self.state = cell_state(arrays)
         kernels(CONTACT, compiled=self.fast).contact_energy(arrays, self.ball, self.screw, self.state)
         n = self.state.normal
         normals = np.stack([n[..., 0], np.zeros_like(n[..., 0]), n[..., 1]], axis=-1)
-        self.search = Search(Chain(g, self.state.force, normals, self.slack), self.fast)
+        self.search = BalanceSearch(Chain(g, self.state.force, normals, self.slack), self.fast)
         self.system = joint_kernel_arguments(self.cell, self.search)
 
-    def follow(self, start: tuple[float, float], end: tuple[float, float]) -> bool:
+    def follow_solution(self, start: tuple[float, float], end: tuple[float, float]) -> bool:
         """Follow the solution from one stage to another; return whether it arrived.
 
         ``start``, ``end``: the fraction of friction that acts on the loads, and the natural logarithm of the regularising
@@ -514,13 +515,13 @@ class _Path:
         way, step = 0.0, FIRST
         last: tuple[float, Place] | None = None
         while way < 1.0 and step >= SHORTEST and self.steps < MOST:
-            goal, here = min(1.0, way + step), self.place()
+            goal, here = min(1.0, way + step), self.unknowns()
             guess = here
             if last is not None:
                 p, u, x, f = (a + (goal - way) / (way - last[0]) * (a - b) for a, b in zip(here, last[1], strict=True))
                 guess = Place(p, u, x, f)
             share, eps = start[0] + goal * (end[0] - start[0]), np.exp(start[1] + goal * (end[1] - start[1]))
-            used = self.stage(guess, float(share), float(eps))
+            used = self.solve_stage(guess, float(share), float(eps))
             if used is None:
                 step *= 0.5
                 continue
@@ -528,14 +529,14 @@ class _Path:
             step *= 1.5 if used <= EASY else 1.0
         return way >= 1.0
 
-    def place(self) -> Place:
+    def unknowns(self) -> Place:
         """Return the unknowns of the joint kernels with ball-to-ball forces in N, which states of any scale share."""
         return Place(self.ball, self.screw, self.q * self.search.units / self.search.speed, self.ball_force)
 
-    def stage(self, guess: Place, share: float, eps: float) -> int | None:
+    def solve_stage(self, guess: Place, share: float, eps: float) -> int | None:
         """Iterate by Newton's method at one stage; return the number of steps, or None if it fails and nothing moves.
 
-        ``guess``: unknowns to begin from, as `place` returns them; ``share``: fraction of the friction that acts on the
+        ``guess``: unknowns to begin from, as `unknowns` returns them; ``share``: fraction of the friction that acts on the
         loads; ``eps``: regularising speed over the speed of the balls.
         """
         s = self.search
@@ -546,7 +547,7 @@ class _Path:
         if not left <= PASSED:
             return None
         self.ball, self.screw, self.q, self.ball_force = p, u, x * s.speed / s.units, f * s.bound
-        self.measure()
+        self.update_loads()
         return int(used)
 
 
@@ -621,14 +622,14 @@ def coupled_chain(
     held = hold_screw(cell, bare) if coupling == "ball" else cell
     m = held.rows.shape[2]
     if guess is None:
-        guess = _start_values(held, coupling, near)
+        guess = _first_guess(held, coupling, near)
     push, drag, start = guess.push, guess.drag[:m], (guess.q, guess.ball_force)
-    place, mixer, count = (bare.ball, bare.inner[:m]), Mixer(), 0
+    place, mixer, count = (bare.ball, bare.inner[:m]), AndersonMixer(), 0
     while True:
         alike = held is cell and np.array_equal(push, cell.push) and np.array_equal(drag, cell.drag)
         load = bare if alike else settle_load(replace(held, push=push, drag=drag), place)
         moved = solve_chain(Chain(cell.groove, load.force, cell.groove.normals(load.angle), slack), start)
-        new_push, new_drag = feedback(held, moved.wrench, moved.ball_push[:, [0, 2]], coupling)
+        new_push, new_drag = forces_of_friction(held, moved.wrench, moved.ball_push[:, [0, 2]], coupling)
         x, g = np.append(push, drag), np.append(new_push, new_drag)
         change, count = float(np.max(np.abs(g - x))), count + 1
         agreed = change <= AGREED * float(np.sum(load.force))
@@ -648,12 +649,12 @@ def coupled_chain(
         place, start = (load.ball, load.inner), (moved.q, moved.ball_force)
 
 
-def _start_values(cell: Cell, coupling: Coupling, near: CoupledChain | None) -> Guess:
+def _first_guess(cell: Cell, coupling: Coupling, near: CoupledChain | None) -> Guess:
     """Return the forces and motion of a similar chain to begin from; without one, the cell's forces and no motion."""
     n = cell.angle.shape[0]
     if near is None:
         return Guess(cell.push, cell.drag, np.zeros((n, 4)), np.zeros(n))
     push, drag = cell.push, cell.drag
     if coupling != "none":
-        push, drag = feedback(cell, near.motion.wrench, near.motion.ball_push[:, [0, 2]], coupling)
+        push, drag = forces_of_friction(cell, near.motion.wrench, near.motion.ball_push[:, [0, 2]], coupling)
     return Guess(push, drag, near.motion.q, near.motion.ball_force)

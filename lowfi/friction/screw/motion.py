@@ -282,7 +282,7 @@ def ball_motion_by_root(ball: BallMotion, law: Law, start: Array | None = None) 
     return balance_by_root(ball.problem, law, first, fast=True)
 
 
-def feedback(cell: Cell, wrench: Array, extra: Array, coupling: Coupling) -> tuple[Array, Array]:
+def forces_of_friction(cell: Cell, wrench: Array, extra: Array, coupling: Coupling) -> tuple[Array, Array]:
     """Return the forces by which friction and neighbours change the loads: on the balls ``(N, 2)``, the screw ``(m,)`` [N].
 
     ``cell``: balls between screw and nut; ``wrench``: force and moment of friction on the balls at each contact in x3, y3,
@@ -297,7 +297,7 @@ def feedback(cell: Cell, wrench: Array, extra: Array, coupling: Coupling) -> tup
     return push, drag if coupling == "ball and screw" else np.zeros_like(drag)
 
 
-class Mixer:
+class AndersonMixer:
     """Anderson acceleration of the iteration x = g(x) over the last few rounds, damped, and restarted after many rounds."""
 
     def __init__(self, depth: int = 3, patience: int = 20) -> None:

@@ -294,7 +294,7 @@ class Run:
         gap = np.full(self.count, self.ring / self.count - self.groove.pair.spacing)
         return Place(azimuth, gap, np.full(self.count, self.groove.nominal_orbit - self.groove.screw_speed), None)
 
-    def to_end(self, azimuth: Array, omega: Array, time: float) -> float:
+    def time_to_end(self, azimuth: Array, omega: Array, time: float) -> float:
         """Return the time until a ball passes an end of the nut's loaded turns [s].
 
         It is inf without a return tube if the contact angles are the same at both ends. ``azimuth``: of the balls on the
@@ -303,7 +303,7 @@ class Run:
         if self.tube == 0.0 and (self.amplitude == 0.0 or (self.cycles * self.turns).is_integer()):
             return np.inf
         speed = self.groove.speed
-        return self.tracks[0].to_end(azimuth, omega - speed, speed * time)
+        return self.tracks[0].time_to_end(azimuth, omega - speed, speed * time)
 
     def instant(self, azimuth: Array, time: float, slack: Array, memory: CoupledChain | None) -> Instant:
         """Return the loads and motions of the balls at one instant.
@@ -314,7 +314,7 @@ class Run:
         """
         turned = self.groove.speed * time
         azimuths, loaded = self.place(azimuth, turned)
-        near = coupled_chain(run_cell(self, azimuths, loaded, turned), slack, self.coupling, memory, self.rounds)
+        near = coupled_chain(cell_at_instant(self, azimuths, loaded, turned), slack, self.coupling, memory, self.rounds)
         m = near.motion
         return Instant(
             omega=m.q[:, 0] - self.groove.screw_speed,
@@ -345,7 +345,7 @@ def deviation(run: Run, azimuth: Array, turned: float = 0.0) -> Array:
     return np.asarray(run.amplitude * np.sin(run.cycles * own + run.phase))
 
 
-def run_cell(run: Run, azimuth: Array, loaded: NDArray[np.bool_], turned: float) -> Cell:
+def cell_at_instant(run: Run, azimuth: Array, loaded: NDArray[np.bool_], turned: float) -> Cell:
     """Return the balls of a run between screw and nut at one instant, with the force on the screw.
 
     ``azimuth``: of the balls on the screw ``(N,)`` [rad]; ``loaded``: which balls are in the loaded turns ``(N,)``, the

@@ -45,7 +45,7 @@ class ClosedTrack(NamedTuple):
         """
         return np.asarray(np.mod(azimuth[self.balls] - turned - self.first, self.ring))
 
-    def to_end(self, azimuth: Array, rate: Array, turned: float = 0.0) -> float:
+    def time_to_end(self, azimuth: Array, rate: Array, turned: float = 0.0) -> float:
         """Return the time until one of the track's balls passes an end of the loaded arc [s]; inf if none moves.
 
         ``azimuth``: of all balls ``(N,)`` [rad]; ``rate``: their speeds relative to the track ``(N,)`` [rad/s];
@@ -138,7 +138,7 @@ class Setting(Protocol):
     def begin(self) -> Place:
         """Return the state of the balls at the start."""
 
-    def to_end(self, azimuth: Array, omega: Array, time: float) -> float:
+    def time_to_end(self, azimuth: Array, omega: Array, time: float) -> float:
         """Return the time until a ball passes an end of its loaded arc [s]; inf if no ball does.
 
         ``azimuth``: of the balls ``(N,)`` [rad]; ``omega``: their speeds ``(N,)`` [rad/s]; ``time``: now [s].
@@ -272,7 +272,7 @@ class History:
     @cached_property
     def groups(self) -> Array:
         """Number of groups of touching balls ``(T,)``."""
-        return np.asarray(sum(groups(self.contact[:, track.balls]) for track in self.setting.tracks))
+        return np.asarray(sum(count_groups(self.contact[:, track.balls]) for track in self.setting.tracks))
 
     @cached_property
     def ratio(self) -> Array:
@@ -293,7 +293,7 @@ class History:
         return np.asarray(self.on_screw * turning + self.axial * along - self.torque * abs(turning))
 
 
-def groups(contact: Mask) -> Array:
+def count_groups(contact: Mask) -> Array:
     """Return the number of groups of touching balls on a closed track at each of T times ``(T,)``.
 
     Parameters
@@ -304,7 +304,7 @@ def groups(contact: Mask) -> Array:
     return np.asarray(np.sum(contact & ~np.roll(contact, 1, axis=1), axis=1) + np.all(contact, axis=1))
 
 
-def _to_meeting(place: Place, tracks: Sequence[ClosedTrack]) -> float:
+def _time_to_meeting(place: Place, tracks: Sequence[ClosedTrack]) -> float:
     """Return the time until two neighbours that are apart meet at their present speeds [s]; inf if none do."""
     least = np.inf
     for track in tracks:
@@ -315,7 +315,7 @@ def _to_meeting(place: Place, tracks: Sequence[ClosedTrack]) -> float:
     return least
 
 
-def _piece(left: float, step: float, event: float, after: bool) -> tuple[float, bool]:
+def _next_piece(left: float, step: float, event: float, after: bool) -> tuple[float, bool]:
     """Return the duration of the next piece of a step [s], and whether an event ends it.
 
     ``left``: time that remains of the step [s]; ``step``: duration of the whole step [s]; ``event``: time until the next
@@ -332,7 +332,7 @@ def _piece(left: float, step: float, event: float, after: bool) -> tuple[float, 
     return (left, ends) if left - piece < TINY * step else (piece, ends)
 
 
-def _history(rows: list[dict[str, Any]], setting: Setting, span: float, steps: int, status: str) -> History:
+def _history_of_pieces(rows: list[dict[str, Any]], setting: Setting, span: float, steps: int, status: str) -> History:
     """Return the run of which ``rows`` holds one dictionary of values by name for each piece; ``span``: in time [s].
 
     A converged ``status`` is replaced if a piece did not converge: it then names the first such angle.
@@ -388,8 +388,8 @@ def simulate(
         while left > 0.0:
             piece, begin, count = left, k * dt + (dt - left), count + 1
             if located and count < PIECES:
-                event = min(setting.to_end(place.azimuth, place.omega, begin), _to_meeting(place, setting.tracks))
-                piece, after = _piece(left, dt, event, after)
+                event = min(setting.time_to_end(place.azimuth, place.omega, begin), _time_to_meeting(place, setting.tracks))
+                piece, after = _next_piece(left, dt, event, after)
             ahead = 0.5 * piece if located else 0.0
             azimuth, time = place.azimuth + ahead * place.omega, begin + ahead
             slack = place.gap / piece
@@ -397,8 +397,8 @@ def simulate(
                 slack = np.where(slack > FASTEST * np.abs(place.omega).max(), np.inf, slack)
             instant = setting.instant(azimuth, time, slack, place.memory)
             if isinstance(instant, str):
-                return _history(rows, setting, span, steps, f"at {np.degrees(speed * time):.6g} deg: {instant}")
-            place = _moved(setting, place, instant, piece)
+                return _history_of_pieces(rows, setting, span, steps, f"at {np.degrees(speed * time):.6g} deg: {instant}")
+            place = _state_after_piece(setting, place, instant, piece)
             loss = sum(instant.losses)
             rows.append(
                 {name: value for name, value in vars(instant).items() if name != "memory"}
@@ -408,14 +408,14 @@ def simulate(
             )
             left -= piece
         report((k + 1) / steps)
-    return _history(rows, setting, span, steps, "converged")
+    return _history_of_pieces(rows, setting, span, steps, "converged")
 
 
 def no_report(steps: str, share: float) -> None:
     """Do nothing: the report on progress of a run that nobody watches."""
 
 
-def resolved(
+def run_with_step_errors(
     setting: Setting, span: float, steps: int | None, goal: float, report: Callable[[str, float], object] = no_report
 ) -> tuple[History, StepError | None]:
     """Return a run in time by the scheme "located", and the estimated errors by its finite steps.
@@ -448,7 +448,7 @@ def resolved(
     return solve_steps(run, steps, first, goal)
 
 
-def _moved(setting: Setting, place: Place, instant: Instant, piece: float) -> Place:
+def _state_after_piece(setting: Setting, place: Place, instant: Instant, piece: float) -> Place:
     """Return the state of the balls after ``piece`` seconds with the speeds of ``instant``."""
     gap = np.empty_like(place.gap)
     for track in setting.tracks:
@@ -476,7 +476,7 @@ ROUND_OFF = 1e-9
 
 
 @dataclass(frozen=True)
-class Observed:
+class ErrorEstimate:
     """Estimated discretisation error of one quantity."""
 
     #: Error over the mean friction torque.
@@ -497,7 +497,7 @@ class StepError:
     """Estimated errors of a run by its finite steps."""
 
     #: Errors by quantity: ``torque`` over the angle, the ``torques`` of `History` by their names, and its ``share``.
-    quantities: dict[str, Observed]
+    quantities: dict[str, ErrorEstimate]
     #: Numbers of steps of the three runs that are compared, coarsest first.
     steps: tuple[int, ...]
 
@@ -521,7 +521,7 @@ class StepError:
         return self.largest <= goal
 
 
-def change(coarse: Array, fine: Array) -> float:
+def mean_torque_difference(coarse: Array, fine: Array) -> float:
     """Return the mean absolute difference of the torques of two runs over the same time, in the unit of the torques.
 
     ``coarse``: mean torque of each of its S steps ``(S,)``; ``fine``: that of each of its S' >= S steps ``(S',)``, which
@@ -532,7 +532,7 @@ def change(coarse: Array, fine: Array) -> float:
     return float(np.mean(np.abs(np.diff(work) * (coarse.size / fine.size) - coarse)))
 
 
-def observed(before: float, last: float, jumps: bool = False) -> Observed:
+def estimated_error(before: float, last: float, jumps: bool = False) -> ErrorEstimate:
     """Return the estimated error of a quantity from its changes between three levels, each with half as long steps.
 
     ``before``: change from the coarsest to the middle level; ``last``: from the middle to the finest level, both over the
@@ -542,12 +542,12 @@ def observed(before: float, last: float, jumps: bool = False) -> Observed:
     """
     most = max(abs(before), abs(last), abs(before + last))
     if most <= ROUND_OFF:
-        return Observed(most)
+        return ErrorEstimate(most)
     order = float(np.log2(max(abs(before), 1e-300) / max(abs(last), 1e-300)))
     if before * last < 0.0 or order < LEAST:
-        return Observed(UNCLEAR * most, order, float("nan"))
+        return ErrorEstimate(UNCLEAR * most, order, float("nan"))
     used = min(order, SMOOTH if not jumps or order > SMOOTH - 0.5 else OF_JUMPS)
-    return Observed(SAFETY * max(abs(last), abs(before) / 2.0**used) / (2.0**used - 1.0), order, used)
+    return ErrorEstimate(SAFETY * max(abs(last), abs(before) / 2.0**used) / (2.0**used - 1.0), order, used)
 
 
 def step_error(levels: Sequence[History]) -> StepError | None:
@@ -562,14 +562,14 @@ def step_error(levels: Sequence[History]) -> StepError | None:
     one, two, three = (level.per_step for level in levels[-3:])
     size = abs(float(three.mean()))
     if size == 0.0:
-        return StepError({"torque": Observed(0.0)}, steps)
-    over = observed(change(one, two) / size, change(two, three) / size, jumps=True)
+        return StepError({"torque": ErrorEstimate(0.0)}, steps)
+    over = estimated_error(mean_torque_difference(one, two) / size, mean_torque_difference(two, three) / size, jumps=True)
     least = 0.5 * float(np.abs(np.diff(three)).max(initial=0.0)) / (steps[-1] * size)
     errors = {"torque": replace(over, error=max(over.error, least))}
     numbers = [{name: value / size for name, value in x.torques.items()} | {"share": x.share} for x in levels[-3:]]
     for name, value in numbers[-1].items():
         if not np.isnan(value):
-            errors[name] = observed(numbers[1][name] - numbers[0][name], value - numbers[1][name])
+            errors[name] = estimated_error(numbers[1][name] - numbers[0][name], value - numbers[1][name])
     return StepError(errors, steps)
 
 

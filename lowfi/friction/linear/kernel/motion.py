@@ -222,7 +222,7 @@ def _all_balls_supported(contacts: Array) -> bool:
 def _reduce_creeping_speed(
     chain: ChainArrays, point: ChainPoint, work: Work, eps_end: float, share: float, limit: int
 ) -> tuple[int, bool]:
-    """Solve at creeping speeds falling from ``FIRST`` to ``eps_end``, with a fraction ``share`` of the friction between balls.
+    """Solve at creeping speeds falling from ``FIRST`` to ``eps_end``, with a fraction ``share`` of ball-to-ball friction.
 
     limit: most Newton steps at one creeping speed. Returns the number of Newton steps, and whether all of them converged to
     a state whose determinant has the sign of the convex problem; another sign indicates another branch.

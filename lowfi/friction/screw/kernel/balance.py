@@ -46,7 +46,7 @@ def contact_map(groove: GrooveArrays, n_x: float, n_z: float, out: Array) -> Non
 
 
 @kernel
-def seen(groove: GrooveArrays, i: int, rows: Array, x: Array) -> tuple[float, float, float]:
+def contact_motion(groove: GrooveArrays, i: int, rows: Array, x: Array) -> tuple[float, float, float]:
     """Return the relative motion of ball and groove at contact i: vx, vz [m/s] and spin [rad/s].
 
     rows (3, 4): map of the contact (`contact_map`); x (4,): motion of the ball.
@@ -60,7 +60,7 @@ def seen(groove: GrooveArrays, i: int, rows: Array, x: Array) -> tuple[float, fl
 
 
 @kernel
-def friction(balls: BallArrays, x: Array, eps: float, motion: Array, pull: Array, loss: Array) -> None:
+def contact_friction(balls: BallArrays, x: Array, eps: float, motion: Array, pull: Array, loss: Array) -> None:
     """Write the relative motion, the friction and the loss at every contact of balls with motions x (N, 4).
 
     motion (N, 4, 3): sliding along x, z and spin about y in the contacts' axes, over ``speed``; pull (N, 4, 3): friction on
@@ -84,7 +84,7 @@ def friction(balls: BallArrays, x: Array, eps: float, motion: Array, pull: Array
 
 
 @kernel
-def rubbing(groove: GrooveArrays, this: Array, other: Array, eps: float) -> tuple[float, float, float]:
+def ball_sliding(groove: GrooveArrays, this: Array, other: Array, eps: float) -> tuple[float, float, float]:
     """Return two components of the sliding of a ball on the next one, and their size with eps, sqrt(u^2 + v^2 + eps^2).
 
     this, other (4,): motions of the ball and of the next one.
@@ -98,7 +98,7 @@ def rubbing(groove: GrooveArrays, this: Array, other: Array, eps: float) -> tupl
 
 
 @kernel
-def meeting(
+def neighbour_forces(
     groove: GrooveArrays,
     balls: BallArrays,
     x: Array,
@@ -118,7 +118,7 @@ def meeting(
     on_ball[:] = 0.0
     for k in range(n):
         ahead = (k + 1) % n
-        u, v, size = rubbing(groove, x[k], x[ahead], eps)
+        u, v, size = ball_sliding(groove, x[k], x[ahead], eps)
         bite = balls.mu[k] * f[k] / size
         loss[k] = bite * (u * u + v * v) * groove.speed
         for r in range(3):
@@ -144,14 +144,14 @@ REACH = 0.3
 
 
 @kernel
-def slack_left(groove: GrooveArrays, balls: BallArrays, x: Array, k: int) -> float:
+def remaining_slack(groove: GrooveArrays, balls: BallArrays, x: Array, k: int) -> float:
     """Return the rate by which ball k may still gain more on the next ball than it does, over the nut's speed."""
     ahead = (k + 1) % x.shape[0]
     return float(groove.closing * (x[ahead, 0] - x[k, 0]) + balls.slack[k])
 
 
 @kernel
-def residual(groove: GrooveArrays, balls: BallArrays, x: Array, f: Array, eps: float, parts: BalanceParts) -> float:
+def balance_residual(groove: GrooveArrays, balls: BallArrays, x: Array, f: Array, eps: float, parts: BalanceParts) -> float:
     """Write the forces out of balance and the complementarity to ``parts``; return the root of their sum of squares.
 
     x (N, 4), f (N,), eps: as in the head of this module. Force and remaining rate of the gap are complementary where
@@ -172,7 +172,7 @@ def residual(groove: GrooveArrays, balls: BallArrays, x: Array, f: Array, eps: f
     # what neighbours add: sliding friction and the force along the path (Lin 3.73-3.75)
     for k in range(n):
         ahead = (k + 1) % n
-        u, v, size = rubbing(groove, x[k], x[ahead], eps)
+        u, v, size = ball_sliding(groove, x[k], x[ahead], eps)
         bite = balls.mu[k] * max(f[k], 0.0) / size
         for j in range(4):
             balance[k, j] += bite * (u * first[0, j] + v * first[1, j])
@@ -181,20 +181,20 @@ def residual(groove: GrooveArrays, balls: BallArrays, x: Array, f: Array, eps: f
         balance[ahead, 0] -= closing * f[k]
         comp[k], slopes[k, 0], slopes[k, 1] = f[k], 1.0, 0.0
         if balls.allowed[k] > 0.0:
-            left = slack_left(groove, balls, x, k)
+            left = remaining_slack(groove, balls, x, k)
             size = max(sqrt(f[k] * f[k] + left * left), 1e-300)
             comp[k], slopes[k, 0], slopes[k, 1] = f[k] + left - size, 1.0 - f[k] / size, 1.0 - left / size
     return float(sqrt(np.sum(balance * balance) + np.sum(comp * comp)))
 
 
 @kernel
-def worst(parts: BalanceParts) -> float:
+def largest_residual(parts: BalanceParts) -> float:
     """Return the largest absolute entry of the forces out of balance and of the complementarity."""
     return float(max(np.max(np.abs(parts.balance)), np.max(np.abs(parts.complementarity))))
 
 
 @kernel
-def couple(
+def pair_blocks(
     groove: GrooveArrays, balls: BallArrays, x: Array, f: Array, slopes: Array, eps: float, k: int, out: Array
 ) -> None:
     """Write the derivatives of the forces between ball k and the next ball to ``out``, four blocks (4, 5, 5).
@@ -204,7 +204,7 @@ def couple(
     force and gap.
     """
     first, second, closing = groove.first, groove.second, groove.closing
-    u, v, size = rubbing(groove, x[k], x[(k + 1) % f.shape[0]], eps)
+    u, v, size = ball_sliding(groove, x[k], x[(k + 1) % f.shape[0]], eps)
     u, v = u / size, v / size
     bite = balls.mu[k] * max(f[k], 0.0) / size
     sliding = balls.mu[k] if f[k] > 0.0 else 0.0
@@ -228,13 +228,13 @@ def couple(
 
 
 @kernel
-def jacobian(
+def balance_jacobian(
     groove: GrooveArrays, balls: BallArrays, x: Array, f: Array, parts: BalanceParts, eps: float, start: int, K: Array
 ) -> None:
     """Write the banded Jacobian of the balance to K (5 N, 3 HALF + 1), in the form of ``contact.kernel.band``.
 
-    parts: derivatives that `residual` has written at x and f; start: ball whose rows come first. The closed track is cut
-    open before it: the coupling of the last ball with this one is left out.
+    parts: derivatives that `balance_residual` has written at x and f; start: ball whose rows come first. The closed track
+    is cut open before it: the coupling of the last ball with this one is left out.
     """
     n, out = f.shape[0], np.empty((4, 5, 5))
     K[:] = 0.0
@@ -243,7 +243,7 @@ def jacobian(
         for i in range(4):
             for j in range(4):
                 K[row + i, HALF + j - i] += parts.hessian[k, i, j]
-        couple(groove, balls, x, f, parts.slopes, eps, k, out)
+        pair_blocks(groove, balls, x, f, parts.slopes, eps, k, out)
         last = row == 5 * (n - 1)
         other = 0 if last else row + 5
         for i in range(5):
@@ -256,24 +256,24 @@ def jacobian(
 
 
 @kernel
-def opening(groove: GrooveArrays, balls: BallArrays, x: Array, f: Array) -> int:
+def ball_after_open_gap(groove: GrooveArrays, balls: BallArrays, x: Array, f: Array) -> int:
     """Return the number of the ball after the gap that is most clearly open: before it a closed track may be cut."""
     start, most = 0, -np.inf
     for k in range(f.shape[0]):
-        left = slack_left(groove, balls, x, k) - f[k] if balls.allowed[k] > 0.0 else np.inf
+        left = remaining_slack(groove, balls, x, k) - f[k] if balls.allowed[k] > 0.0 else np.inf
         if left > most:
             start, most = (k + 1) % f.shape[0], left
     return start
 
 
 @kernel
-def step(
+def newton_step(
     groove: GrooveArrays, balls: BallArrays, x: Array, f: Array, parts: BalanceParts, eps: float, dx: Array, df: Array
 ) -> None:
     """Write Newton's step of the motions to dx (N, 4) and of the forces to df (N,), from the ``parts`` at x and f."""
-    n, start = f.shape[0], opening(groove, balls, x, f)
+    n, start = f.shape[0], ball_after_open_gap(groove, balls, x, f)
     K, side = np.empty((5 * n, 3 * HALF + 1)), np.empty((5 * n, 1))
-    jacobian(groove, balls, x, f, parts, eps, start, K)
+    balance_jacobian(groove, balls, x, f, parts, eps, start, K)
     for k in range(n):
         row = 5 * ((k - start) % n)
         for j in range(4):
@@ -288,7 +288,7 @@ def step(
 
 
 @kernel
-def newton(
+def solve_balance(
     groove: GrooveArrays,
     balls: BallArrays,
     x: Array,
@@ -306,15 +306,15 @@ def newton(
     ``near``, where round-off may be the reason, few halvings are tried. Returns the residual and the number of steps.
     """
     n, dx, df = f.shape[0], np.empty_like(x), np.empty_like(f)
-    size = residual(groove, balls, x, f, eps, parts)
+    size = balance_residual(groove, balls, x, f, eps, parts)
     trial = BalanceParts(np.empty((n, 4)), np.empty(n), np.empty((n, 2)), np.empty((n, 4, 4)))
     for count in range(limit):
         if size <= goal:
             return size, count
-        step(groove, balls, x, f, parts, eps, dx, df)
+        newton_step(groove, balls, x, f, parts, eps, dx, df)
         length, new, better = min(1.0, REACH / max(np.max(np.abs(dx)), 1e-300)), size, False
         for _ in range(3 if size <= near else 25):
-            new = residual(groove, balls, x + length * dx, f + length * df, eps, trial)
+            new = balance_residual(groove, balls, x + length * dx, f + length * df, eps, trial)
             if new < (1.0 - 0.1 * length) * size:
                 better = True
                 break

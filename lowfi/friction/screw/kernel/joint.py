@@ -18,14 +18,14 @@ from rollbench.lowfi.jit import kernel
 
 from .balance import (
     REACH,
+    ball_after_open_gap,
+    ball_sliding,
     contact_map,
-    couple,
+    contact_motion,
     dissipation,
     hertz_contact,
-    opening,
-    rubbing,
-    seen,
-    slack_left,
+    pair_blocks,
+    remaining_slack,
     solve_with_pivots,
 )
 
@@ -38,7 +38,9 @@ OWN_ROWS, OWN_COLUMNS = 9, 8
 
 
 @kernel
-def _law(groove: GrooveArrays, i: int, f: float, rows: Array, x: Array, eps: float, g: Array, h: Array) -> None:
+def _dissipation_derivatives(
+    groove: GrooveArrays, i: int, f: float, rows: Array, x: Array, eps: float, g: Array, h: Array
+) -> None:
     """Write the derivatives of the dissipation D of contact i over its friction bound mu F.
 
     f: contact force F [N]; rows (3, 4): map of the contact; x (4,): motion of the ball. Written are the gradient g (3,) by
@@ -46,7 +48,7 @@ def _law(groove: GrooveArrays, i: int, f: float, rows: Array, x: Array, eps: flo
     D(s a, s b, vx, vz, spin) = D(a, b, vx, vz, s spin).
     """
     cube = f ** (1.0 / 3.0)
-    vx, vz, spin = seen(groove, i, rows, x)
+    vx, vz, spin = contact_motion(groove, i, rows, x)
     d = dissipation(groove.C_a[i] * cube, groove.C_b[i] * cube, vx, vz, spin, eps * groove.speed)
     g[0], g[1], g[2] = d.by_vx, d.by_vz, d.by_spin
     # rows 0 to 2: Hessian by (vx, vz, spin)
@@ -59,7 +61,7 @@ def _law(groove: GrooveArrays, i: int, f: float, rows: Array, x: Array, eps: flo
 
 
 @kernel
-def _acts(
+def _force_effects(
     n_x: float, n_z: float, rows: Array, speed: float, share: float, along: float, on: bool, load: Array, pull: Array
 ) -> None:
     """Write how the forces of one contact act on the nine rows of `ball_rows`.
@@ -105,12 +107,12 @@ def ball_rows(
         g[:] = 0.0
         h[:] = 0.0
         if np.max(balls.force[k]) > 0.0:  # others count as unloaded
-            _law(groove, i, f, rows, x, eps, g, h)
-        _acts(n_x, n_z, rows, speed, share, share, on, load, pull)
+            _dissipation_derivatives(groove, i, f, rows, x, eps, g, h)
+        _force_effects(n_x, n_z, rows, speed, share, share, on, load, pull)
         out += f * load + mu * f * (pull @ g)
         by[:, 2:6] += mu * f * (pull @ (h[:3] @ rows))  # columns 2 to 5: by the ball's motion
         for c in range(2):  # derivatives by n_x and by n_z, taken as independent
-            _acts(1.0 - c, float(c), affine[1 + c], speed, share, 0.0, on, d_load, d_pull)
+            _force_effects(1.0 - c, float(c), affine[1 + c], speed, share, 0.0, on, d_load, d_pull)
             seen_more = affine[1 + c] @ x - affine[1 + c, :, 0] * groove.ride[i]
             turned[c] = f * d_load + mu * f * (d_pull @ g + pull @ (h[:3] @ seen_more))
         # by the position: dF/d(approach) along the normal, and the turn of the normal across it
@@ -133,7 +135,7 @@ LONGEST_STEP = 0.1
 
 
 @kernel
-def _together(system: JointSystem, at: Place, k: int, share: float, eps: float, start: int, matrix: JointMatrix) -> None:
+def _add_pair(system: JointSystem, at: Place, k: int, share: float, eps: float, start: int, matrix: JointMatrix) -> None:
     """Add the force and friction between ball k and the next ball to the equations in ``matrix``, with their derivatives.
 
     start: ball whose rows come first, before which a closed track is cut open.
@@ -145,7 +147,7 @@ def _together(system: JointSystem, at: Place, k: int, share: float, eps: float, 
     n, ahead = f.shape[0], (k + 1) % f.shape[0]
     row, other = SIZE * ((k - start) % n), SIZE * ((ahead - start) % n)
     last = row == SIZE * (n - 1)
-    u, v, size = rubbing(groove, x[k], x[ahead], eps)
+    u, v, size = ball_sliding(groove, x[k], x[ahead], eps)
     u, v = u / size, v / size
     mu = balls.mu[k]
     bite = mu * max(f[k], 0.0)
@@ -159,11 +161,11 @@ def _together(system: JointSystem, at: Place, k: int, share: float, eps: float, 
     # row 6: complementarity of force and gap, Fischer-Burmeister
     side[row + 6], slopes[k, 0] = f[k], 1.0
     if balls.allowed[k] > 0.0:
-        left = slack_left(groove, balls, x, k)
+        left = remaining_slack(groove, balls, x, k)
         root = max(sqrt(f[k] * f[k] + left * left), 1e-300)
         side[row + 6] = f[k] + left - root
         slopes[k, 0], slopes[k, 1] = 1.0 - f[k] / root, 1.0 - left / root
-    couple(groove, balls, x, f, slopes, eps, k, blocks)
+    pair_blocks(groove, balls, x, f, slopes, eps, k, blocks)
     # blocks: ball k with itself, the next ball with itself, k with next, next with k
     for i in range(5):
         for j in range(5):
@@ -173,11 +175,11 @@ def _together(system: JointSystem, at: Place, k: int, share: float, eps: float, 
                 K[row + 2 + i, HALF + SIZE + j - i] += blocks[1, i, j]
                 K[other + 2 + i, HALF - SIZE + j - i] += blocks[2, i, j]
     for which in range(2):
-        _pushed(system, which, row, other, (u, v, size), f[k], mu, share, matrix)
+        _add_pair_force(system, which, row, other, (u, v, size), f[k], mu, share, matrix)
 
 
 @kernel
-def _pushed(
+def _add_pair_force(
     system: JointSystem,
     which: int,
     row: int,
@@ -215,7 +217,7 @@ def _pushed(
 
 
 @kernel
-def assemble(system: JointSystem, at: Place, share: float, eps: float, start: int, matrix: JointMatrix) -> float:
+def assemble_joint(system: JointSystem, at: Place, share: float, eps: float, start: int, matrix: JointMatrix) -> float:
     """Write residual and Jacobian of all equations to ``matrix``; return the root of the residual's sum of squares.
 
     at: unknowns; start: ball whose rows come first, before which a closed track is cut open. External forces on the screw
@@ -258,13 +260,13 @@ def assemble(system: JointSystem, at: Place, share: float, eps: float, start: in
                     for o in range(m):
                         corner[q, o] -= rows[k, r, q] * by[6 + r, 6 + c] * section[k, c, o] * length / unit
     for k in range(n):
-        _together(system, at, k, share, eps, start, matrix)
+        _add_pair(system, at, k, share, eps, start, matrix)
     return float(sqrt(np.sum(side * side) + np.sum(side_u * side_u)))
 
 
 @kernel
-def step(matrix: JointMatrix, start: int, length: float, d: Place) -> None:
-    """Write Newton's step to d, with positions in m; overwrite ``matrix``, which `assemble` has written, by its factors.
+def joint_newton_step(matrix: JointMatrix, start: int, length: float, d: Place) -> None:
+    """Write Newton's step to d, with positions in m; overwrite ``matrix`` of `assemble_joint` by its factors.
 
     start: ball whose rows come first; length: unit of positions [m]. Positions that no contact resists do not move.
     """
@@ -317,19 +319,19 @@ def newton_joint(system: JointSystem, at: Place, share: float, eps: float, goal:
         np.empty((m, m)),
     )
     d = Place(np.empty_like(p), np.empty_like(u), np.empty_like(x), np.empty_like(f))
-    start = opening(system.groove, system.balls, x, f)
-    size = assemble(system, at, share, eps, start, matrix)
+    start = ball_after_open_gap(system.groove, system.balls, x, f)
+    size = assemble_joint(system, at, share, eps, start, matrix)
     for count in range(limit):
         if size <= goal:
             return size, count
-        step(matrix, start, length, d)
+        joint_newton_step(matrix, start, length, d)
         moved = max(np.max(np.abs(d.ball)), np.max(np.abs(d.screw)) if m > 0 else 0.0)
         part_of = min(1.0, REACH / max(np.max(np.abs(d.motion)), 1e-300), LONGEST_STEP * reach / max(moved, 1e-300))
         better = False
         for _ in range(30):
             trial = Place(p + part_of * d.ball, u + part_of * d.screw, x + part_of * d.motion, f + part_of * d.ball_force)
-            start = opening(system.groove, system.balls, trial.motion, trial.ball_force)
-            new = assemble(system, trial, share, eps, start, matrix)
+            start = ball_after_open_gap(system.groove, system.balls, trial.motion, trial.ball_force)
+            new = assemble_joint(system, trial, share, eps, start, matrix)
             if new < (1.0 - 0.1 * part_of) * size:
                 better = True
                 break
