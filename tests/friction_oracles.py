@@ -101,12 +101,12 @@ def coupled_ball(cell: Cell, coupling: motion.Coupling = "ball and screw", fast:
     if coupling == "ball":
         cell = motion.hold_screw(cell, load)
         load = settle_load(cell, (load.ball, np.zeros(0)))
-    groove, mixer, bare = cell.groove, motion.Mixer(), (load.ball, load.inner)
+    groove, mixer, bare = cell.groove, motion.AndersonMixer(), (load.ball, load.inner)
     push, drag, start = cell.push, cell.drag, None
     rounds, change, good = 0, np.inf, False
     while True:
         moved = motion.ball_motion(groove, load.force[0], load.angle[0], start=start, fast=fast)
-        new_push, new_drag = motion.feedback(cell, moved.wrench[None], np.zeros((1, 2)), coupling)
+        new_push, new_drag = motion.forces_of_friction(cell, moved.wrench[None], np.zeros((1, 2)), coupling)
         x, g = np.append(push, drag), np.append(new_push, new_drag)
         change = float(np.max(np.abs(g - x)))
         good = load.converged and moved.motion.status != "failed"

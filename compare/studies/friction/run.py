@@ -13,7 +13,7 @@ from rollbench.compare.errors import ArgumentError, Refusal
 from rollbench.compare.quantities import number
 from rollbench.compare.running import progress_bar
 from rollbench.compare.studies.friction.answer import Line
-from rollbench.lowfi.friction.screw.travel import UNCLEAR, ClosedTrack, History, StepError, resolved
+from rollbench.lowfi.friction.screw.travel import UNCLEAR, ClosedTrack, History, StepError, run_with_step_errors
 from rollbench.lowfi.friction.whole.circuit import balls_of
 from rollbench.lowfi.friction.whole.run import AGAIN, Setting, in_motion
 from rollbench.meshes.arrays import Array
@@ -96,7 +96,7 @@ def solve_run(scene: Scene, friction: Friction, motion: Motion, model: str, memb
 def step_through_time(setting: Any, motion: Motion, time: Time, name: str) -> tuple[History, StepError | None]:
     """Compute a run with several step sizes, with a progress bar; return its history and the error of its steps."""
     with progress_bar(f"{name}, run in time") as progress:
-        return resolved(setting, time.span(motion), time.steps, time.goal, progress)
+        return run_with_step_errors(setting, time.span(motion), time.steps, time.goal, progress)
 
 
 def judge_history(history: History, error: StepError | None, time: Time) -> RunInTime:

@@ -51,7 +51,7 @@ from rollbench.lowfi.friction.linear.chain import prepare_chain, solve_linear_ch
 from rollbench.lowfi.friction.screw.chain import Chain, ChainMotion, solve_chain
 from rollbench.lowfi.friction.screw.groove import ON_SCREW, SIGN_X, SIGN_Z, ScrewGroove
 from rollbench.lowfi.friction.screw.motion import Cell, contact_wrench, hold_screw, screw_contacts, source_law
-from rollbench.lowfi.friction.screw.run import Pair, PairResult, Run, run_cell
+from rollbench.lowfi.friction.screw.run import Pair, PairResult, Run, cell_at_instant
 from rollbench.meshes.arrays import Array, Mask
 
 
@@ -416,7 +416,7 @@ def simulate_by_root(run: Run, steps: int | None = None) -> SourceRun:
     for k in range(steps or run.steps):
         turned = g.speed * dt * k
         azimuths, loaded = run.place(azimuth, turned)
-        load = loads_by_root(run_cell(run, azimuths, loaded, turned), None if before is None else before.at)
+        load = loads_by_root(cell_at_instant(run, azimuths, loaded, turned), None if before is None else before.at)
         at = BallPositions(load.ball, load.angle, load.inner)
         motion, order = _solve_step(run, load.force, load.angle, gap <= 0.0, law, before)
         good = load.converged and motion.status != "failed"

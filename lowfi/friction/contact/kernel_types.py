@@ -41,21 +41,21 @@ class DissipationTerms(NamedTuple):
 class CellArrays(NamedTuple):
     """Geometry, stiffness and loads of N balls between an inner rigid body, which moves by u (m,), and a fixed outer one.
 
-    The axes x and z lie in the plane of each ball's groove section. Contacts 0 and 1 of a ball are on the inner body, 2 and
-    3 on the outer body.
+    m: number of free motions of the inner body. The axes x and z lie in the plane of each ball's groove section. Contacts 0
+    and 1 of a ball are on the inner body, 2 and 3 on the outer body.
     """
 
     #: Vectors from the grooves' centres of curvature to the ball's centre (N, 4, 2) along x, z [m], at zero displacement.
     start: Array
     #: Interference of ball and groove at zero displacement (N, 4) [m].
     interference: Array
-    #: Hertz constants (4,) [m/N^(2/3)].
+    #: Hertz constants C of the approach C F^(2/3) at the four contacts of a ball (4,) [m/N^(2/3)].
     C: Array
-    #: Displacements of the inner body at each ball along x, z by unit u (N, 2, m).
+    #: Displacements of the inner body along x, z at each ball by unit u (N, 2, m).
     section: Array
-    #: Prescribed additional displacement of the inner body (N, 2) [m].
+    #: Prescribed additional displacement of the inner body along x, z at each ball (N, 2) [m].
     offset: Array
-    #: Applied forces on the balls (N, 2) [N].
+    #: Applied forces on the balls along x, z (N, 2) [N].
     push: Array
     #: Applied forces on the inner body along its motions u (m,) [N].
     pull: Array
@@ -66,11 +66,11 @@ class CellArrays(NamedTuple):
 class CellState(NamedTuple):
     """Derivatives of the elastic energy, and contact forces, at given positions of balls and inner body."""
 
-    #: Gradient by the positions of the balls (N, 2) [N].
+    #: Gradient of elastic energy less work of the applied forces by the positions of the balls (N, 2) [N].
     ball: Array
-    #: Gradient by the position of the inner body (m,) [N].
+    #: The same gradient by the position of the inner body (m,) [N].
     inner: Array
-    #: Stiffness of the contacts as xx, xz, zz (N, 4, 3) [N/m].
+    #: Stiffness of the contacts, entries xx, xz, zz of a symmetric matrix (N, 4, 3) [N/m].
     stiffness: Array
     #: Contact forces (N, 4) [N].
     force: Array

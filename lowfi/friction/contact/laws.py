@@ -55,9 +55,9 @@ class Dissipation:
 
     #: Dissipated power, a convex function of the motion ``(n,)`` [W].
     value: Array
-    #: Gradient with respect to (vx, vz, spin) ``(n, 3)``.
+    #: Derivatives by vx, vz [N] and spin [N m] ``(n, 3)``.
     gradient: Array
-    #: Second derivatives ``(n, 3, 3)``.
+    #: Second derivatives by vx, vz and spin ``(n, 3, 3)`` [N s/m, N s, N m s].
     hessian: Array
     #: Value less the friction loss ``(n,)`` [W]; zero without a regularising speed.
     excess: Array
@@ -85,18 +85,19 @@ def equal_contacts(a: ArrayLike, b: ArrayLike, load: ArrayLike, mu: ArrayLike) -
     arrays = np.broadcast_arrays(*(np.atleast_1d(np.asarray(v, dtype=float)) for v in (a, b, load, mu)))
     full = Contacts(*(np.array(v) for v in arrays))
     if not all(np.all(np.isfinite(v)) for v in arrays):
-        raise ValueError("contacts need finite semi-axes, forces and friction coefficients")
+        raise ValueError("semi-axes, normal forces and coefficients of friction of contacts must be finite")
     if np.any(full.b <= 0.0) or np.any(full.a < full.b):
-        raise ValueError("semi-axes must satisfy a >= b > 0")
+        raise ValueError("the semi-axes of every contact ellipse must satisfy a >= b > 0")
     if np.any(full.load < 0.0) or np.any(full.mu < 0.0):
-        raise ValueError("normal force and friction coefficient must not be negative")
+        raise ValueError("no normal force and no coefficient of friction of a contact may be negative")
     return full
 
 
 def rotation_about_point(spin: ArrayLike, c: ArrayLike, d: ArrayLike) -> Array:
-    """Return the motion (vx, vz, spin) ``(n, 3)`` of a rotation about the point x = c, z = d of a contact (Lin 3.12).
+    """Return the motion vx, vz [m/s], spin [rad/s] ``(n, 3)`` of a rotation about a point of a contact (Lin 3.12).
 
-    spin: angular speed about the contact normal [rad/s]; c, d: coordinates in the contact plane [m].
+    ``spin``: angular speed about the contact normal [rad/s]; ``c``, ``d``: coordinates of the point along x and z of the
+    contact plane [m].
     """
     s, x, z = np.broadcast_arrays(*(np.atleast_1d(np.asarray(v, dtype=float)) for v in (spin, c, d)))
     return np.stack([-s * z, s * x, s], axis=1)
@@ -108,10 +109,10 @@ def dissipated_power(at: Contacts, motion: Array, speed: float = 0.0, fast: bool
     Parameters
     ----------
     at
-        The contacts.
+        Ellipses, loads and coefficients of friction of n contacts.
     motion
-        Motion (vx, vz [m/s], spin [rad/s]) ``(n, 3)``. A contact at rest without regularisation has no gradient; zeros are
-        returned.
+        Sliding and spin of the contacts, vx, vz [m/s] and spin [rad/s] ``(n, 3)``. A contact at rest without regularisation
+        has no gradient; zeros are returned.
     speed
         Regularising speed >= 0 [m/s]; it raises the value by at most mu F speed.
     fast
@@ -138,11 +139,13 @@ def dissipated_power(at: Contacts, motion: Array, speed: float = 0.0, fast: bool
 def friction_forces(at: Contacts, motion: Array, speed: float = 0.0, fast: bool = False) -> Friction:
     """Return friction force, moment and loss of contacts for a given sliding motion.
 
-    Arguments are those of `dissipated_power`.
+    The arguments are those of `dissipated_power`: n contacts, their motions ``(n, 3)``, the regularising speed [m/s], and
+    whether to use compiled kernels.
 
     References
     ----------
-    Lin (2019), 3.16 to 3.18, for any d. His moment M_iO is about -y, so it has the opposite sign.
+    Lin (2019), 3.16 to 3.18, here for any coordinate d of the centre of rotation along z. Lin's moment M_iO is about -y, so
+    that it has the opposite sign.
 
     Examples
     --------
@@ -183,8 +186,8 @@ def linear_factor(ratio: ArrayLike) -> Array:
 def cubic_factor(ratio: ArrayLike) -> Array:
     """Return the factor g of the exact friction force over mu F, k_f t - g t^3, for rotation about x = c, t = c/a.
 
-    Valid for -1 <= t <= 1 and a centre of rotation on the semi-axis a. g = (b/a)^2 (R_D(0, 1, r^2) - R_D(0, r^2, 1))/(6 (1
-    - r^2)) with r = b/a <= 1 - 1e-6.
+    The force has this form for -1 <= t <= 1 and a centre of rotation on the semi-axis a. The factor is g = (b/a)^2 (R_D(0,
+    1, r^2) - R_D(0, r^2, 1))/(6 (1 - r^2)) with r = b/a <= 1 - 1e-6.
 
     Parameters
     ----------
@@ -207,16 +210,24 @@ def linear_error(ratio: ArrayLike, factor: ArrayLike, reach: float = 0.5) -> Arr
     ratio
         Ratio b/a of the semi-axes, in (0, 1].
     factor
-        Slope of the linear law; Lin uses 1.38.
+        Slope of the linear law, friction force over mu F against c/a; Lin uses 1.38.
     reach
-        Largest |c/a|, at most 1; Lin uses 0.5.
+        Largest |c/a| of the range, at most 1; Lin uses 0.5.
+
+    Raises
+    ------
+    ValueError
+        ``reach`` outside (0, 1].
 
     References
     ----------
     Lin (2019), 3.35 and appendix G.
     """
     if not 0.0 < reach <= 1.0:
-        raise ValueError("reach must lie in (0, 1]: the force is a cubic only for rotation about a point of the ellipse")
+        raise ValueError(
+            f"the largest |c/a| must lie in (0, 1], got {reach}: the friction force is a cubic of c/a only for rotation "
+            "about a point of the ellipse"
+        )
     start = linear_factor(ratio)
     end = start - cubic_factor(ratio) * reach**2
     return np.asarray(np.maximum(np.abs(np.asarray(factor) / start - 1.0), np.abs(np.asarray(factor) / end - 1.0)))
@@ -226,7 +237,11 @@ class Law(Protocol):
     """Interface of a friction law for contacts that slide and spin."""
 
     def friction(self, at: Contacts, motion: Array, fast: bool = False) -> Friction:
-        """Return the friction on the moving body of each contact for a motion (vx, vz, spin) ``(n, 3)``."""
+        """Return the friction on the moving body at each of n contacts.
+
+        ``at``: ellipses, loads and coefficients of friction; ``motion``: vx, vz [m/s] and spin [rad/s] of the contacts
+        ``(n, 3)``; ``fast``: whether to use compiled kernels.
+        """
 
 
 @dataclass(frozen=True)
@@ -271,7 +286,10 @@ class Sigmoid:
     magnitude: bool = True
 
     def factor(self, spin: Array) -> Array:
-        """Return the sigmoid Sig(k_S spin/reference), computed as a hyperbolic tangent, which cannot overflow."""
+        """Return the sigmoid Sig(k_S spin/reference) at each ``spin`` [rad/s], computed as a hyperbolic tangent.
+
+        A hyperbolic tangent cannot overflow.
+        """
         x = np.abs(spin) if self.magnitude else spin
         return np.asarray(np.tanh(0.5 * self.sharpness * x / self.reference))
 
@@ -285,12 +303,17 @@ class Sigmoid:
 
 
 def interpolated_friction(at: Contacts, motion: Array, spacing: float, exact: Friction, fast: bool) -> Friction:
-    """Return Coulomb friction interpolated linearly between multiples of ``spacing`` in c/a, as by Lin (3.2.1).
+    """Return Coulomb friction of n contacts, interpolated linearly in c/a as in section 3.2.1 of Lin's thesis.
 
-    Without spin c/a is not defined, and the friction ``exact`` is returned. Raises ValueError if vx is not 0 (d not 0).
+    ``motion``: vx, vz [m/s] and spin [rad/s] ``(n, 3)``; ``spacing``: step of c/a between the entries of the table;
+    ``exact``: friction without interpolation, which is returned for contacts without spin, whose c/a is not defined.
+    Raises ValueError if vx is not 0, the centre of rotation then lying off the semi-axis a (d not 0).
     """
     if np.any(motion[:, 0] != 0.0):
-        raise ValueError("Lin's tables cover only rotations about a point on the major axis: vx must be 0")
+        raise ValueError(
+            "Lin's tables of friction forces cover only rotations about a point on the major axis of the contact: the "
+            f"sliding velocity vx along that axis must be 0, got up to {float(np.max(np.abs(motion[:, 0])))} m/s"
+        )
     spin = motion[:, 2]
     place = np.zeros_like(spin)
     turns = np.abs(motion[:, 1]) < 1e12 * np.abs(spin) * at.a

@@ -28,29 +28,32 @@ HYBRID = {"xtol": 1e-13, "factor": 0.1}
 
 @dataclass(frozen=True)
 class Problem:
-    """Contacts, kinematics and forces that determine the motion of a body with m contacts and n unknowns."""
+    """Contacts, kinematics and forces that determine the motion of a body with m contacts and n unknown velocities."""
 
     #: Ellipses, loads and friction coefficients of the contacts.
     at: Contacts
-    #: Motion (vx, vz, spin) of the contacts by unit unknowns ``(m, 3, n)``.
+    #: Motion vx, vz [m/s], spin [rad/s] of the contacts by unit of each unknown ``(m, 3, n)``.
     maps: Array
-    #: Motion of the contacts that the drive imposes, at zero unknowns ``(m, 3)``.
+    #: Motion vx, vz [m/s], spin [rad/s] of the contacts at zero unknowns, which the drive imposes ``(m, 3)``.
     drives: Array
-    #: Generalised forces other than friction ``(n,)`` [W per unknown].
+    #: Generalised forces other than friction ``(n,)`` [W per unit of the unknown].
     push: Array
 
     def motion_at(self, q: Array) -> Array:
-        """Return the motions (vx, vz [m/s], spin [rad/s]) of the contacts ``(m, 3)`` for the unknowns q."""
+        """Return the motions vx, vz [m/s], spin [rad/s] of the contacts ``(m, 3)`` at the unknowns q ``(n,)``."""
         return np.asarray(self.drives + self.maps @ q)
 
     def units(self) -> Array:
-        """Return the surface speed of the loaded contacts per unit of each unknown ``(n,)``; 1 if it moves no contact."""
+        """Return the surface speed of the loaded contacts per unit of each unknown ``(n,)``; 1 for one that moves none."""
         rows = self.maps * np.stack([np.ones_like(self.at.a), np.ones_like(self.at.a), self.at.a], axis=1)[:, :, None]
         size = np.sqrt(np.sum(rows[self.at.strength > 0.0] ** 2, axis=(0, 1)))
         return np.asarray(np.where(size > 0.0, size, 1.0))
 
     def imbalance(self, friction: Friction) -> float:
-        """Return the largest unbalanced generalised force of friction and other forces, in units of force [N]."""
+        """Return the largest generalised force by which ``friction`` and the other forces are out of balance [N].
+
+        The generalised force on each unknown is divided by its entry of `units`.
+        """
         wrench = np.column_stack([friction.force, friction.moment])
         return float(np.max(np.abs((np.einsum("ir,irj->j", wrench, self.maps) + self.push) / self.units())))
 
@@ -59,9 +62,9 @@ class Problem:
 class Motion:
     """Computed motion of a body with m contacts and n unknowns, with its friction."""
 
-    #: Unknowns ``(n,)``.
+    #: Unknown velocities of the body ``(n,)``.
     q: Array
-    #: Motion (vx, vz, spin) of the contacts ``(m, 3)``.
+    #: Motion vx, vz [m/s], spin [rad/s] of the contacts ``(m, 3)``.
     motion: Array
     #: Friction on the body, with the reactions of contacts at rest.
     friction: Friction
@@ -69,10 +72,11 @@ class Motion:
     rest: NDArray[np.bool_]
     #: Largest unbalanced force [N].
     imbalance: float
-    #: Lower and upper bound of the least value of (1): dissipation less the power of the other forces [W].
+    #: Lower and upper bound of the least value of eq. (1) of this module: dissipation less power of the other forces [W].
     bounds: tuple[float, float]
-    #: ``"exact"``: equilibrium with exact rest and slip; ``"regularised"``: a contact on the verge of slip; ``"at rest"``:
-    #: no drive and no force; ``"failed"``: no equilibrium found.
+    #: ``"exact"``: equilibrium in which contacts rest or slip exactly; ``"regularised"``: equilibrium with regularised
+    #: friction, because a contact is on the verge of slip; ``"at rest"``: no motion, for lack of drive and force;
+    #: ``"failed"``: no equilibrium found.
     status: str
     #: Number of iterations or function calls.
     steps: int
@@ -84,7 +88,7 @@ class Motion:
 
 
 def least_dissipation(problem: Problem, start: Array | None = None, fast: bool = False) -> Motion:
-    """Return the motion of least dissipation, the minimum of (1).
+    """Return the motion of least dissipation, the minimum of eq. (1) of this module.
 
     Unknowns that cause no dissipation keep their values from the start.
 
@@ -93,7 +97,7 @@ def least_dissipation(problem: Problem, start: Array | None = None, fast: bool =
     problem
         Contacts, kinematics and forces, with any number of loaded contacts.
     start
-        First values of the unknowns ``(n,)``; None starts from the motion nearest to pure rolling.
+        Values of the unknowns ``(n,)`` from which the search begins; None begins with the motion nearest to pure rolling.
     fast
         Whether to use compiled kernels.
     """
@@ -131,17 +135,17 @@ def remove_friction_forces(motion: Motion) -> Motion:
     Parameters
     ----------
     motion
-        Motion of a ball with its friction forces.
+        Motion of a body with its friction forces.
     """
     none = Friction(*(np.zeros_like(v) for v in (motion.friction.force, motion.friction.moment, motion.friction.loss)))
     return replace(motion, friction=none, imbalance=0.0, bounds=(0.0, 0.0))
 
 
 def balance_by_root(problem: Problem, law: Law, start: Array, fast: bool = False) -> Motion:
-    """Return a root of the force balance by MINPACK's hybrid method, for comparison with Lin's method.
+    """Return the motion at a root of the force balance, found by MINPACK's hybrid method, for comparison with Lin's method.
 
-    It corresponds to Matlab's fsolve for Lin 3.19. It fails from many starts near two-point contact, and for sharp
-    sigmoids.
+    The search corresponds to Matlab's fsolve for eq. (3.19) of Lin's thesis. It fails from many starts near two-point
+    contact, and for sharp sigmoids.
 
     Parameters
     ----------
@@ -150,7 +154,7 @@ def balance_by_root(problem: Problem, law: Law, start: Array, fast: bool = False
     law
         Friction law.
     start
-        First values of the unknowns ``(n,)``.
+        Values of the unknowns ``(n,)`` from which the search begins.
     fast
         Whether to use compiled kernels.
     """
@@ -183,7 +187,7 @@ def balance_by_root(problem: Problem, law: Law, start: Array, fast: bool = False
 
 
 def balance_by_sharpening(problem: Problem, law: Sigmoid, start: Array, fast: bool = False) -> Motion:
-    """Return a root of the force balance by a sequence of sigmoids of increasing sharpness, up to that of ``law``.
+    """Return the motion at a root of the force balance, by a sequence of sigmoids of increasing sharpness up to ``law``.
 
     Each root is the start of the next search (`balance_by_root`). This is not Lin's method; it finds the roots that his
     table prints where the direct search fails. After a failure the step in sharpness is reduced; the status is "failed" if
@@ -196,9 +200,9 @@ def balance_by_sharpening(problem: Problem, law: Sigmoid, start: Array, fast: bo
     law
         Lin's sigmoid, the sharpest of the sequence.
     start
-        First values of the unknowns ``(n,)``.
+        Values of the unknowns ``(n,)`` from which the search begins.
     fast
-        Whether kernels are compiled.
+        Whether to use compiled kernels.
     """
     share, factor, calls = 0.05, 1.4, 0
     q = np.asarray(start, dtype=float)

@@ -14,7 +14,8 @@ import numpy as np
 from rollbench.lowfi.friction.contact.kernel_types import Array, CellArrays, CellState
 from rollbench.lowfi.jit import CONTACT, kernels
 
-#: Imbalance at which the iteration ends, and largest imbalance of a converged result, over the sum of forces.
+#: Unbalanced force, over the sum of all forces, at which the iteration ends, and up to which its result counts as
+#: converged.
 GOAL, ACCEPTED = 1e-13, 1e-8
 #: Largest number of Newton steps.
 STEPS = 600
@@ -22,15 +23,15 @@ STEPS = 600
 
 @dataclass(frozen=True)
 class SettledCell:
-    """Contact loads of N balls between two rigid bodies."""
+    """Contact loads of N balls between two rigid bodies, the inner of which has m free motions."""
 
     #: Contact forces ``(N, 4)`` [N].
     force: Array
     #: Contact angles under load ``(N, 4)`` [rad].
     angle: Array
-    #: Positions of the balls ``(N, 2)`` [m].
+    #: Displacements of the balls along x, z of their sections ``(N, 2)`` [m].
     ball: Array
-    #: Position of the inner body ``(m,)`` [m].
+    #: Displacement of the inner body along its free motions ``(m,)`` [m].
     inner: Array
     #: Largest unbalanced force [N].
     left: float
@@ -41,7 +42,7 @@ class SettledCell:
 
 
 def cell_state(cell: CellArrays) -> CellState:
-    """Return empty arrays for the results that the kernels write."""
+    """Return arrays of zeros, of the size of ``cell``, to which the kernels write forces, stiffness and gradients."""
     n, m = cell.interference.shape[0], cell.pull.shape[0]
     return CellState(np.zeros((n, 2)), np.zeros(m), np.zeros((n, 4, 3)), np.zeros((n, 4)), np.zeros((n, 4, 2)))
 
@@ -51,9 +52,9 @@ def settle_cell(
 ) -> SettledCell:
     """Return the contact loads of balls between two rigid bodies, by Newton's method with line search.
 
-    They are the minimum of sum (2/5) C^(-3/2) <approach>^(5/2) - pull . u - push . p over the positions u of the inner body
-    and p of the balls. Valid for approaches far below the distance r_G - r_B of groove and ball centres. The forces do not
-    depend on the start.
+    They are the minimum of sum (2/5) C^(-3/2) <approach>^(5/2) - pull . u - push . p over the displacements u of the inner
+    body and p of the balls. The model is valid for approaches far below the distance r_G - r_B of groove and ball centres.
+    The loads do not depend on the start.
 
     Parameters
     ----------
@@ -62,9 +63,10 @@ def settle_cell(
     load
         Sum of the magnitudes of the applied forces [N].
     ball, inner
-        First positions of balls ``(N, 2)`` and inner body ``(m,)`` [m]; overwritten.
+        Displacements of the balls ``(N, 2)`` and of the inner body ``(m,)`` [m] from which the search begins; both are
+        overwritten by the result.
     angles
-        Function that computes contact angles from contact normals ``(N, 4, 2)``.
+        Function that computes contact angles ``(N, 4)`` [rad] from contact normals ``(N, 4, 2)``.
     fast
         Whether to use compiled kernels.
     """
@@ -82,24 +84,26 @@ def settle_each_ball(
 
     Parameters
     ----------
-    start, interference
-        Arrays ``(N, 4, 2)`` and ``(N, 4)`` as in ``CellArrays``.
+    start
+        Vectors from the grooves' centres of curvature to the ball's centre along x, z ``(N, 4, 2)`` [m].
+    interference
+        Interference of ball and groove before any displacement ``(N, 4)`` [m].
     C
-        Hertz constants ``(N, 4)`` [m/N^(2/3)].
+        Hertz constants C of the approach C F^(2/3) ``(N, 4)`` [m/N^(2/3)].
     along
-        Direction in which the inner bodies move ``(2,)``.
+        Direction along x, z in which the inner bodies move ``(2,)``.
     given
-        Forces on ball and inner body ``(N, 3)`` [N].
+        Applied forces: on the ball along x, z, and on the inner body along its motion ``(N, 3)`` [N].
     shift
-        First positions of ball and inner body ``(N, 3)`` [m].
+        Displacements of ball (x, z) and inner body from which the search begins ``(N, 3)`` [m].
     fast
         Whether to use compiled kernels.
 
     Returns
     -------
     tuple[Array, Array, Array, Array]
-        Positions ``(N, 3)`` [m], contact loads ``(N, 4)`` [N], contact normals ``(N, 4, 2)``, and largest unbalanced force
-        ``(N,)`` [N].
+        Displacements of ball and inner body ``(N, 3)`` [m], contact loads ``(N, 4)`` [N], contact normals along x, z
+        ``(N, 4, 2)``, and largest unbalanced force ``(N,)`` [N].
     """
     x, n = shift.copy(), len(shift)
     force, normal, left = np.zeros((n, 4)), np.zeros((n, 4, 2)), np.zeros(n)

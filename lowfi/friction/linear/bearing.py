@@ -2,13 +2,13 @@
 
 Contacts are ordered BL, BR, TR, TL (bottom left, bottom right, top right, top left; Lin Figure 3.10). The bottom is at
 rest, the top (the carriage) moves along z. Angles are measured from -y (bottom) and +y (top) towards the sides. Loads are
-those under N_y (pressing) and N_x = rho N_y on the carriage, computed in three ways: friction does not enter, as it acts
-along the track, so that loads come first (Lin 3.3.2).
+those under the forces N_y (pressing) and N_x = rho N_y on the carriage, computed in three ways. They do not depend on
+friction, which acts along the track (section 3.3.2 of Lin's thesis).
 
-Closed formulas of Lin 3.3.3, rederived, give ball velocity, ball-to-ball force and loss in four-point contact. Valid where
-all four contacts carry load and their velocity centres stay within about half a semi-axis of the contact centres. The
-printed (3.42), (3.43), (3.51) carry 1 - cos 2 beta_0 where the derivation gives tan beta_0; both are 1 at the 45 degrees of
-the case study.
+The closed formulas of section 3.3.3 of Lin's thesis, rederived, give ball velocity, ball-to-ball force and loss in
+four-point contact. They are valid where all four contacts carry load and their centres of rotation stay within about half a
+semi-axis of the contact centres. The printed eqs. (3.42), (3.43), (3.51) of Lin's thesis have 1 - cos 2 beta_0 where the
+derivation gives tan beta_0; both are 1 at the 45 degrees of the case study.
 """
 
 from __future__ import annotations
@@ -24,17 +24,19 @@ from rollbench.lowfi.friction.contact.rings import settle_cell
 from rollbench.lowfi.hertz import HertzConstants, contact_modulus, hertz_constants
 from rollbench.meshes.arrays import Array
 
+#: How contact loads are computed: by `diagonal_loads`, `balanced_loads` or `elastic_loads`.
 Loads = Literal["diagonal", "balanced", "elastic"]
 
-#: Contacts with those of the carriage first, and back again.
+#: Order of the contacts with those of the carriage first; applied twice it is the original order.
 TOP_FIRST = [2, 3, 0, 1]
 
+#: Names of the four contacts, in the order of all arrays of contacts.
 CONTACTS = ("BL", "BR", "TR", "TL")
 
-#: Sense of the contacts' directions from the ball's centre: x, y.
+#: Signs of the directions from the ball's centre to the contacts along x, y.
 SENSE = np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
 
-#: Contacts on the moving carriage.
+#: 1 for contacts on the moving carriage, 0 for those on the rail.
 MOVING = np.array([0.0, 0.0, 1.0, 1.0])
 
 
@@ -42,7 +44,7 @@ MOVING = np.array([0.0, 0.0, 1.0, 1.0])
 class LinearBearing:
     """Linear ball bearing with the parameters of Lin's Table 3.3."""
 
-    #: R_B [m].
+    #: Ball radius R_B [m].
     ball_radius: float
     #: Groove radius over ball diameter.
     conformity: float
@@ -87,23 +89,23 @@ def _hertz_constants(ball_radius: float, conformity: float, young: float, poisso
 
 
 def contact_directions(angles: Array) -> Array:
-    """Return unit vectors ``(..., 4, 2)`` in (x, y) from the ball's centre to its contacts, from contact angles [rad].
+    """Return unit vectors along x, y from the ball's centre to its contacts ``(..., 4, 2)``.
 
     Parameters
     ----------
     angles
-        Contact angles, ``(..., 4)`` [rad].
+        Contact angles ``(..., 4)`` [rad].
     """
     return np.asarray(SENSE * np.stack([np.sin(angles), np.cos(angles)], axis=-1))
 
 
 def semi_axes(bearing: LinearBearing, loads: Array) -> tuple[Array, Array]:
-    """Return the semi-axes a >= b of the contacts [m].
+    """Return the semi-axes a and b, a >= b, of contact ellipses [m], each in the shape of the loads.
 
     Parameters
     ----------
     bearing
-        The bearing.
+        Bearing with the Hertz constants of its contacts.
     loads
         Normal forces [N], any shape.
     """
@@ -117,9 +119,10 @@ def angle_deviations(theta: Array, *, mated: bool = False) -> Array:
     Parameters
     ----------
     theta
-        [rad], any shape.
+        Deviation of the contact angles on the bottom groove [rad], any shape.
     mated
-        Whether the top groove is made to match (see `matching_top_deviations`): design (b) of Lin 3.3.4.2.
+        Whether the top groove deviates so as to match the bottom groove (see `matching_top_deviations`), as in design (b)
+        of section 3.3.4.2 of Lin's thesis; otherwise it has no deviation.
     """
     t = np.asarray(theta, dtype=float)
     bottom = np.stack([-t, t], axis=-1)
@@ -128,9 +131,10 @@ def angle_deviations(theta: Array, *, mated: bool = False) -> Array:
 
 
 def matching_top_deviations(bottom: Array) -> Array:
-    """Return the deviations (TR, TL) of the top groove for which ball velocity is independent of load, from (BL, BR).
+    """Return deviations of the contact angles (TR, TL) [rad] for which the ball's velocity does not depend on the loads.
 
-    Rule of Lin 3.3.4.2: each diagonal keeps its contacts opposite, so that (3.43) vanishes under any load.
+    ``bottom``: deviations at BL, BR ``(..., 2)`` [rad]. By the rule of section 3.3.4.2 of Lin's thesis, the contacts of
+    each diagonal stay opposite, so that the deviation of the velocity, eq. (3.43) of the thesis, is zero under any load.
     """
     return np.asarray(bottom, dtype=float).copy()
 
@@ -141,16 +145,16 @@ def diagonal_loads(vertical: float, side_ratio: Array, contact_angle: float = 0.
     Parameters
     ----------
     vertical
-        N_y [N].
+        Vertical force N_y on the carriage [N].
     side_ratio
-        rho = N_x/N_y.
+        Ratio rho = N_x/N_y of side force to vertical force, any shape ``(...)``.
     contact_angle
-        [rad].
+        Nominal contact angle beta_0 [rad].
 
     Returns
     -------
     Array
-        ``(..., 4)`` [N].
+        Loads of the contacts BL, BR, TR, TL ``(..., 4)`` [N].
 
     Raises
     ------
@@ -170,7 +174,10 @@ def diagonal_loads(vertical: float, side_ratio: Array, contact_angle: float = 0.
     upright, across = 0.5 / np.cos(contact_angle), 0.5 * rho / np.sin(contact_angle)
     up, down = vertical * (upright - across), vertical * (upright + across)
     if np.any(np.minimum(up, down) < -1e-12 * vertical):
-        raise ValueError("side force ratio rho must lie within the tangent of the contact angle: a diagonal opens")
+        raise ValueError(
+            f"the side force ratio N_x/N_y must lie within +-tan(contact angle) = +-{np.tan(contact_angle):.6g}, got up to "
+            f"{float(np.max(np.abs(rho))):.6g}: beyond, a diagonal opens, whose contacts cannot pull"
+        )
     up, down = np.maximum(up, 0.0), np.maximum(down, 0.0)
     return np.stack([up, down, up, down], axis=-1)
 
@@ -178,17 +185,17 @@ def diagonal_loads(vertical: float, side_ratio: Array, contact_angle: float = 0.
 def balanced_loads(angles: Array, vertical: float, side_ratio: Array) -> Array:
     """Return contact loads ``(N, 4)`` [N] in equilibrium at given contact angles.
 
-    Two equations give the top's two loads from the force on the carriage, two the bottom's from the ball; negative loads
-    are set to zero.
+    The two equations of equilibrium of the carriage give the two loads at the top, those of the ball the two loads at the
+    bottom; negative loads are set to zero.
 
     Parameters
     ----------
     angles
-        Contact angles ``(N, 4)`` [rad].
+        Contact angles of N balls ``(N, 4)`` [rad].
     vertical
-        N_y [N].
+        Vertical force N_y on the carriage at each ball [N].
     side_ratio
-        rho = N_x/N_y ``(N,)``.
+        Ratio rho = N_x/N_y of side force to vertical force ``(N,)``.
     """
     n, rho = contact_directions(angles), np.asarray(side_ratio, dtype=float)
     carriage = vertical * np.stack([rho, -np.ones_like(rho)], axis=-1)
@@ -198,37 +205,42 @@ def balanced_loads(angles: Array, vertical: float, side_ratio: Array) -> Array:
 
 
 def elastic_loads(bearing: LinearBearing, angles: Array, vertical: float, side_ratio: Array) -> tuple[Array, Array]:
-    """Return contact loads [N] and angles under load [rad], ``(N, 4)`` each: Hertz contacts, no clearance, no friction.
+    """Return contact loads [N] and contact angles under load [rad], ``(N, 4)`` each.
 
-    The least of the energy sum 2/5 C^(-3/2) <approach>^(5/2) - N_x u_x + N_y u_y over the motions of ball and carriage.
+    Balls and grooves have Hertz contacts without clearance and friction. The loads are those at the minimum of the energy
+    sum 2/5 C^(-3/2) <approach>^(5/2) - N_x u_x + N_y u_y over the displacements of ball and carriage (u_x, u_y).
 
     Parameters
     ----------
     bearing
-        The bearing.
+        Bearing with the Hertz constants of its contacts.
     angles
         Contact angles of the unloaded ball, which touches all four grooves ``(N, 4)`` [rad].
     vertical
-        N_y [N].
+        Vertical force N_y on the carriage at each ball [N].
     side_ratio
-        rho = N_x/N_y ``(N,)``.
+        Ratio rho = N_x/N_y of side force to vertical force ``(N,)``.
 
     Raises
     ------
     ArithmeticError
-        The search finds no balance.
+        The search for the minimum finds no balance of forces.
     """
     pairs = [_elastic_loads_and_angles(bearing, a, vertical, float(r)) for a, r in zip(angles, side_ratio, strict=True)]
     return np.array([p[0] for p in pairs]), np.array([p[1] for p in pairs])
 
 
 def _elastic_loads_and_angles(bearing: LinearBearing, angles: Array, vertical: float, rho: float) -> tuple[Array, Array]:
-    """Return loads and angles ``(4,)`` of one ball; the carriage, on contacts 2 and 3, is the inner body of the cell."""
+    """Return contact loads ``(4,)`` [N] and contact angles ``(4,)`` [rad] of one ball, as `elastic_loads` for many.
+
+    ``angles``: of the unloaded ball ``(4,)`` [rad]; ``rho``: side force over vertical force.
+    """
     n, slack, C = (
         contact_directions(angles),
         bearing.ball_radius * (2.0 * bearing.conformity - 1.0),
         float(bearing.hertz().C),
     )
+    # the carriage, with contacts 2 and 3, is the inner body of the cell
     pull, place = vertical * np.array([rho, -1.0]), np.array([rho, -1.0]) * C * vertical ** (2.0 / 3.0)
     cell = CellArrays(
         start=np.ascontiguousarray(slack * n[None, TOP_FIRST]),
@@ -247,28 +259,34 @@ def _elastic_loads_and_angles(bearing: LinearBearing, angles: Array, vertical: f
 
     settled = settle_cell(cell, float(np.linalg.norm(pull)), place[None].copy(), 2.0 * place, angles_of)
     if not settled.converged:
-        raise ArithmeticError(f"contact loads out of balance by {settled.left:.1e} N after {settled.steps} steps")
+        raise ArithmeticError(
+            f"no balance of the contact loads of a ball is found: {settled.left:.1e} N are left after {settled.steps} steps"
+        )
     return settled.force[0, TOP_FIRST], settled.angle[0]
 
 
 def elliptic_integral_second_kind(axis_ratio: float) -> float:
-    """Return the complete elliptic integral E(e) of an ellipse b/a."""
+    """Return the complete elliptic integral of the second kind E(e), e = sqrt(1 - (b/a)^2), of an ellipse of given b/a."""
     from scipy.special import ellipe
 
     return float(ellipe(1.0 - axis_ratio**2))
 
 
 def velocity_deviation(contact_angle: float, deviation: Array, up: Array, down: Array) -> Array:
-    """Return epsilon of Lin 3.43 with tan beta_0.
+    """Return the relative deviation epsilon of a ball's velocity from half the carriage's, by the closed formula.
 
     Parameters
     ----------
     contact_angle
-        beta_0 [rad].
+        Nominal contact angle beta_0 [rad].
     deviation
-        Delta beta ``(..., 4)`` [rad].
+        Deviations Delta beta of the contact angles ``(..., 4)`` [rad].
     up, down
-        Loads of the diagonals F_U and F_D [N].
+        Contact loads F_U of the diagonal BL, TR and F_D of the diagonal BR, TL ``(...)`` [N].
+
+    References
+    ----------
+    Lin (2019), 3.43, with tan beta_0 in place of 1 - cos 2 beta_0.
     """
     bl, br, tr, tl = np.moveaxis(np.asarray(deviation, dtype=float), -1, 0)
     u, d = np.cbrt(np.square(up)), np.cbrt(np.square(down))
@@ -276,22 +294,22 @@ def velocity_deviation(contact_angle: float, deviation: Array, up: Array, down: 
 
 
 def ball_force(bearing: LinearBearing, loads: Array, difference: Array, k_f: float) -> Array:
-    """Return the force between two balls in reach [N]; zero unless they approach each other.
+    """Return the force between two neighbouring balls [N] by the closed formula; zero unless they approach each other.
 
     Parameters
     ----------
     bearing
-        The bearing.
+        Bearing with its ball radius, contact angle and coefficients of friction.
     loads
-        F_U and F_D of balls 1 and 2 ``(..., 2, 2)`` [N].
+        Contact loads F_U and F_D (last axis) of balls 1 and 2 ``(..., 2, 2)`` [N].
     difference
-        epsilon_1 - epsilon_2.
+        Difference epsilon_1 - epsilon_2 of the relative deviations of the balls' velocities without contact.
     k_f
-        Slope of the friction force, see `rollbench.lowfi.friction.contact.laws.linear_factor`.
+        Slope of the friction force over mu F against c/a, see `rollbench.lowfi.friction.contact.laws.linear_factor`.
 
     References
     ----------
-    Lin (2019), 3.51 with exponents +2/3 and tan beta_0.
+    Lin (2019), 3.51, with exponents +2/3 and tan beta_0.
     """
     stiff = np.cbrt(np.square(loads)).sum(axis=-1)
     in_series = stiff[..., 0] * stiff[..., 1] / (stiff[..., 0] + stiff[..., 1])
@@ -305,15 +323,15 @@ def sliding_speed(bearing: LinearBearing) -> float:
 
 
 def ball_loss(bearing: LinearBearing, force: Array) -> Array:
-    """Return the loss between two balls under ``force`` [N], [W] (Lin 3.53)."""
+    """Return the loss [W] between two balls that press on each other with ``force`` [N] (Lin 3.53)."""
     return np.asarray(bearing.mu_balls * force * sliding_speed(bearing))
 
 
 def spin_loss(bearing: LinearBearing, loads: Array) -> Array:
-    """Return the groove loss of contacts that spin about their centres at nominal rolling [W].
+    """Return the friction loss [W] of contacts that spin about their centres at nominal rolling.
 
-    omega = v tan(beta_0)/(2 R_B), moment 3/8 mu F a E(e) of Lin 3.32; loads [N] of any shape. The baseline with which 3.53
-    is compared.
+    It is the loss with which that between balls, eq. (3.53) of Lin's thesis, is compared. ``loads``: contact loads F [N],
+    any shape. The spin is v tan(beta_0)/(2 R_B), and the moment 3/8 mu F a E(e) by eq. (3.32) of Lin's thesis.
     """
     constants = bearing.hertz()
     spin = 0.5 * abs(bearing.speed) * np.tan(bearing.contact_angle) / bearing.ball_radius

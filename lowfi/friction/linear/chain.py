@@ -1,9 +1,9 @@
 """Chains of balls in a linear bearing: quasi-static motion with friction, ball-to-ball contact as complementarity.
 
-Each ball moves so that the dissipation at its grooves is least (convex, Lin 3.25 is its gradient). Balls in reach of
-each other add 0 <= F, 0 <= v_(k+1) - v_k, F (v_(k+1) - v_k) = 0 (Lin 3.30, 3.31): the constraint v_k <= v_(k+1) of
-that minimisation, F its multiplier. Only the sliding friction mu F at ball-to-ball contact breaks the symmetry: its
-bound is the multiplier, which no energy gives.
+Each ball moves so that the dissipation at its grooves is least (a convex function, of which Lin 3.25 is the gradient).
+Neighbours that touch add 0 <= F, 0 <= v_(k+1) - v_k, F (v_(k+1) - v_k) = 0 (Lin 3.30, 3.31): this is the constraint v_k <=
+v_(k+1) of that minimisation, and the ball-to-ball force F is its multiplier. Only the sliding friction mu F between balls
+is not the gradient of an energy, because its bound is the multiplier.
 
 A solution always exists: F_k is the sum of the axial friction on balls 1 to k, no larger than the sum B of their bounds
 whatever friction the balls exert on each other, so that the multipliers F(G) of the convex problem with friction bounds
@@ -12,9 +12,9 @@ force. But there may be several solutions (two balls in two-point contact may pa
 other states too): friction between balls makes the very forces that cause it.
 The result then is the end of the path that begins without friction between balls, at the one solution of the convex
 problem with smoothed friction, and along which that friction rises and smoothing falls (``kernel.motion.trace_path``).
-Balls that all part without it do part. ``find_second_state`` looks for others.
+Balls that all part without this friction also part with it. `find_second_state` looks for other solutions.
 
-Two balls under opposite side forces are the case study of Lin 3.3.4, by this model and by the formulas.
+Two balls under opposite side forces are the case study of section 3.3.4 of Lin's thesis, by this model and by the formulas.
 """
 
 from __future__ import annotations
@@ -49,27 +49,29 @@ from rollbench.meshes.arrays import Array, Mask
 
 Status = Literal["converged", "not converged"]
 
-#: Creeping speed of sticking contacts in units of the carriage's speed, and force out of balance per largest bound.
+#: Creeping speed of sticking contacts, over the carriage's speed.
 CREEP = 1e-8
 
+#: Force out of balance at which the search ends, over the largest friction bound of a ball.
 TOLERANCE = 1e-12
 
-#: Spring to nominal rolling that settles motions without resistance, in units of the ball's friction bound.
+#: Stiffness of a weak spring to nominal rolling, which fixes motions without resistance, over the ball's friction bound.
 HOLD = 1e-11
 
-#: Forces out of balance up to this still count as converged (round-off where contacts stick).
+#: Force out of balance, over the largest friction bound of a ball, up to which a result counts as converged (there is
+#: round-off where contacts stick).
 ACCEPTED = 1e-9
 
-#: Difference of forces between balls that makes another state, over the largest friction bound of a ball.
+#: Least difference of the ball-to-ball forces of two different states, over the largest friction bound of a ball.
 ANOTHER = 1e-3
 
-#: Coefficients between balls with which a jammed state is looked for too, and the factor by which they then fall.
+#: Coefficients of friction between balls from which a jammed state is sought too, and the factor by which they then fall.
 RISEN, FALLING = (0.3, 1.0), 0.85
 
 #: Most Newton steps.
 STEPS = 50_000
 
-#: Narrowest ellipse b/a for which friction is good to many digits.
+#: Least ratio b/a of the semi-axes for which the friction of a contact is accurate to many digits.
 NARROWEST = 1e-3
 
 
@@ -79,36 +81,36 @@ class ChainResult:
 
     #: Velocity along the track ``(N,)`` [m/s].
     velocity: Array
-    #: omega_x, omega_y ``(N, 2)`` [rad/s].
+    #: Angular velocities omega_x, omega_y across the track ``(N, 2)`` [rad/s].
     rotation: Array
-    #: Sliding at the contacts ``(N, 4)`` [m/s].
+    #: Sliding along the track at the contacts ``(N, 4)`` [m/s].
     sliding: Array
     #: Spin at the contacts ``(N, 4)`` [rad/s].
     spin: Array
-    #: Axial force on the ball at the contacts ``(N, 4)`` [N].
+    #: Friction on the ball along the track at the contacts ``(N, 4)`` [N].
     friction: Array
-    #: ``(N, 4)`` [W].
+    #: Friction loss at the contacts with the grooves ``(N, 4)`` [W].
     groove_loss: Array
-    #: Ball force between neighbours ``(N-1,)`` [N].
+    #: Force between neighbours ``(N-1,)`` [N].
     ball_force: Array
-    #: Ball loss between neighbours ``(N-1,)`` [W].
+    #: Friction loss between neighbours ``(N-1,)`` [W].
     ball_loss: Array
-    #: Force on the carriage [N].
+    #: Force on the carriage along the track that keeps its speed [N].
     drive: float
     #: Speed of the carriage [m/s].
     speed: float
-    #: Newton steps.
+    #: Number of Newton steps.
     iterations: int
     #: Force out of balance over the largest friction bound of a ball.
     residual: float
-    #: Rate at which balls that press on each other still approach or part, over the creeping speed.
+    #: Largest speed at which balls that press on each other approach or part, over the creeping speed.
     lag: float
-    #: How the solution ended.
+    #: Whether forces are in balance and balls that press on each other stay together.
     status: Status
 
     @property
     def deviation(self) -> Array:
-        """Deviation epsilon of the velocities from half the carriage's, relative to it ``(N,)`` (Lin 3.42)."""
+        """Deviation epsilon of the balls' velocities from half the carriage's, over the latter ``(N,)`` (Lin 3.42)."""
         return np.asarray(2.0 * self.velocity / self.speed - 1.0)
 
     @property
@@ -124,15 +126,15 @@ class ChainResult:
 
 @dataclass(frozen=True)
 class Chain:
-    """Chain of balls as the kernels take it.
+    """Chain of balls with the scaled arrays of its kernels.
 
-    Motion does not depend on mu of the grooves, forces and losses are proportional to it; without friction (mu = 0) the
-    scale is that of mu = 1, so that the motion is the limit for a mu that vanishes.
+    The motion does not depend on the grooves' mu, and forces and losses are proportional to it. Without friction (mu = 0)
+    the unit of force is the one for mu = 1, so that the motion is the limit for a mu that vanishes.
     """
 
-    #: The bearing.
+    #: Bearing with speed and coefficients of friction.
     bearing: LinearBearing
-    #: Arrays of the kernels.
+    #: Contacts and neighbours of the balls, in units of the carriage's speed and of ``scale``.
     problem: ChainArrays
     #: Largest friction bound of a ball [N].
     scale: float
@@ -146,30 +148,32 @@ class Chain:
 
 
 def prepare_chain(bearing: LinearBearing, angles: Array, loads: Array, touching: Mask | bool = True) -> Chain:
-    """Return a chain of N balls.
+    """Return a chain of N balls under given contact loads, with the scaled arrays of its kernels.
 
     Parameters
     ----------
     bearing
-        The bearing.
+        Bearing with speed and coefficients of friction.
     angles
         Contact angles ``(N, 4)`` [rad].
     loads
-        Normal loads ``(N, 4)`` [N]; zero is no contact.
+        Normal loads of the contacts ``(N, 4)`` [N]; zero for a contact that is open.
     touching
-        Whether neighbours are in reach of each other, d <= 2 R_B ``(N-1,)``.
+        Whether the distance of each two neighbours is at most a ball diameter ``(N-1,)``, or one value for all.
 
     Raises
     ------
     ValueError
-        Bad shapes or values.
+        Arrays of other shapes, infinite angles or loads, or negative loads.
     """
     angles, loads = np.atleast_2d(np.asarray(angles, float)), np.atleast_2d(np.asarray(loads, float))
     count = angles.shape[0]
     if angles.shape != (count, 4) or loads.shape != (count, 4):
-        raise ValueError(f"angles and loads must both have shape (N, 4), not {angles.shape} and {loads.shape}")
+        raise ValueError(
+            f"contact angles and contact loads must both have shape (N, 4), got {angles.shape} and {loads.shape}"
+        )
     if not (np.all(np.isfinite(angles)) and np.all(np.isfinite(loads)) and np.all(loads >= 0.0)):
-        raise ValueError("contact angles must be finite, loads finite and not negative")
+        raise ValueError("contact angles must be finite, and contact loads finite and not negative")
     closed = np.broadcast_to(np.asarray(touching, dtype=bool), (count - 1,)).astype(float)
     bounds = (bearing.mu or 1.0) * loads
     scale = float(bounds.sum(axis=1).max())
@@ -188,43 +192,45 @@ def prepare_chain(bearing: LinearBearing, angles: Array, loads: Array, touching:
 
 
 def contact_shape(bearing: LinearBearing) -> Array:
-    """Return constants (b/a, q0, k1, k3) of the contacts' ellipses.
+    """Return the constants (b/a, q0, k1, k3) of the friction of the bearing's contacts ``(4,)``.
 
-    Where one spins about a point within it at t = c/a, with force F and mu = 1, f = F (k1 t - k3 t^3) and the moment about
-    the contact's centre M = a F (q0 - k1 t^2/2 + 3 k3 t^4/4); q0 = 3 E(e)/8 is Lin 3.32.
+    A contact with load F and mu = 1 that turns about a point of its ellipse at c = t a on the semi-axis a has the friction
+    force f = F (k1 t - k3 t^3) and, about its centre, the moment M = a F (q0 - k1 t^2/2 + 3 k3 t^4/4). q0 = 3 E(e)/8 is
+    that of eq. (3.32) of Lin's thesis.
 
     Raises
     ------
     ValueError
-        b/a below 1e-3.
+        Ratio b/a of the semi-axes below 1e-3.
     """
     constants = bearing.hertz()
     ratio = float(constants.C_b / constants.C_a)
     if not ratio >= NARROWEST:
-        raise ValueError(f"ratio b/a of the semi-axes must lie in [{NARROWEST}, 1], not {ratio}")
+        raise ValueError(f"the ratio b/a of the contacts' semi-axes must lie in [{NARROWEST}, 1], got {ratio}")
     return np.array([ratio, 0.375 * elliptic_integral_second_kind(ratio), linear_factor(ratio), cubic_factor(ratio)])
 
 
 def solve_linear_chain(chain: Chain, start: Array | None = None, fast: bool = True) -> ChainResult:
-    """Return motion and forces of a chain.
+    """Return motion, forces and losses of a chain of balls.
 
-    A carriage at rest, or a chain without load, has no motion and no friction force (any force below the bound would do).
-    Where a ball has motions without resistance (less than three contacts), forces are unique and these motions only roughly
-    so.
+    For a carriage at rest, or a chain without load, motion and friction forces are returned as zero, although any friction
+    force below its bound would balance. A ball with less than three loaded contacts has motions without resistance: its
+    forces are determined, and these motions only roughly.
 
     Parameters
     ----------
     chain
-        The chain.
+        Chain of balls under given contact loads.
     start
-        Motions ``(N, 3)`` to begin from, as in ``kernel.equations``; without influence on the result.
+        Motions v, R_B omega_x, R_B omega_y over the carriage's speed ``(N, 3)`` from which the search begins; they do not
+        influence the result.
     fast
         Whether to use compiled kernels.
 
     Returns
     -------
     ChainResult
-        The result; its ``status`` says where forces are not in balance.
+        Motion, forces and losses; the ``status`` says whether the forces are in balance.
 
     References
     ----------
@@ -241,31 +247,32 @@ def solve_linear_chain(chain: Chain, start: Array | None = None, fast: bool = Tr
 
 
 def may_jam(chain: Chain) -> bool:
-    """Return whether the chain may have several states: neighbours in reach of each other, and friction between them.
+    """Return whether a chain may have several states: some neighbours touch, and there is friction between them.
 
     Parameters
     ----------
     chain
-        Chain of balls.
+        Chain of balls under given contact loads.
     """
     return bool(chain.bearing.mu_balls > 0.0 and chain.problem.closed.any() and chain.scale > 0.0 and chain.sign != 0.0)
 
 
 def find_second_state(chain: Chain, known: ChainResult, fast: bool = True) -> ChainResult | None:
-    """Return a solution of the chain other than ``known``; None where the search finds none, which is no proof.
+    """Return a state of a chain of balls other than a known one; None if the search finds none, which is no proof.
 
-    The search has three starts: the end of the path of rising friction between balls, the balls as they are without it, and
-    all pairs pressed together; and where the path ends with more friction (``RISEN``), followed as that falls to the
-    chain's. Of several solutions, the one with the largest force. Without friction between balls there is only one.
+    The search begins from the end of the path of rising friction between balls, from the balls as they move without this
+    friction, and from all pairs pressed together. It also begins from the end of the path with more friction between balls
+    (``RISEN``), and follows that state while the friction falls to the chain's. Of several states, the one with the largest
+    ball-to-ball force is returned. Without friction between balls there is only one state.
 
     Parameters
     ----------
     chain
-        Chain of balls.
+        Chain of balls under given contact loads.
     known
-        Its known solution.
+        Known state of the chain, as `solve_linear_chain` returns it.
     fast
-        Whether kernels are compiled.
+        Whether to use compiled kernels.
     """
     engine = kernels(LINEAR, compiled=fast)
 
@@ -292,13 +299,17 @@ def find_second_state(chain: Chain, known: ChainResult, fast: bool = True) -> Ch
 
 
 def _work_arrays(chain: Chain) -> tuple[ChainPoint, Work]:
-    """Return the nominal motion, no forces between balls, and work arrays for Newton's method."""
+    """Return a point at the nominal motion without forces between balls, and work arrays for Newton's method."""
     count, n = chain.count, 4 * chain.count
     point = ChainPoint(np.zeros((count, 4, 2)), np.zeros((count - 1, 3)), np.zeros((count, 3)), np.zeros(count - 1))
     return point, Work(np.empty((n, WIDTH)), np.empty((n, FILLED)), np.empty(n), np.empty(n), np.zeros(n))
 
 
 def _chain_result(chain: Chain, point: ChainPoint, done: tuple[int, float], fast: bool) -> ChainResult:
+    """Return motion, forces and losses in SI units at the ``point`` where a search ended.
+
+    ``done``: number of Newton steps of the search, and its largest residual over the chain's ``scale``.
+    """
     contacts, shape, _, mu_balls, _, nominal = chain.problem
     slips, pair, drift, push = point
     speed = abs(chain.bearing.speed)
@@ -338,31 +349,31 @@ def _chain_result(chain: Chain, point: ChainPoint, done: tuple[int, float], fast
 
 @dataclass(frozen=True)
 class PairResult:
-    """Two balls of Lin's case study; ``free.deviation`` are the epsilons of Table 3.4."""
+    """Two balls of Lin's case study; ``free.deviation`` are the epsilons of Lin's Table 3.4."""
 
-    #: Balls without contact.
+    #: State of balls that are far apart.
     free: ChainResult
-    #: Balls in reach of each other.
+    #: State of balls at a distance of one ball diameter, which press on each other or part.
     touching: ChainResult
 
     @property
     def force(self) -> float:
-        """Ball-to-ball force [N]."""
+        """Ball-to-ball force [N]; zero for balls that part."""
         return float(self.touching.ball_force[0])
 
     @property
     def difference(self) -> float:
-        """epsilon_1 - epsilon_2 of the balls without contact; positive: the balls approach."""
+        """Difference epsilon_1 - epsilon_2 of the balls without contact; if it is positive, the balls approach."""
         return float(self.free.deviation[0] - self.free.deviation[1])
 
     @property
     def friction_increase(self) -> float:
-        """Relative increase of the drive force by ball-to-ball contact, and of the losses."""
+        """Increase of the losses by ball-to-ball contact over the losses without it; the drive force increases alike."""
         return self.touching.loss / self.free.loss - 1.0
 
     @property
     def rubbing_ratio(self) -> float:
-        """Groove loss of the balls without contact plus ball-to-ball loss, over the former (Lin Figure 3.15 (c))."""
+        """Groove loss without ball-to-ball contact plus loss between balls, over this groove loss (Lin Figure 3.15 (c))."""
         return 1.0 + float(self.touching.ball_loss[0]) / self.free.loss
 
 
@@ -371,22 +382,22 @@ def pair_angles_and_loads(
 ) -> tuple[Array, Array]:
     """Return contact angles [rad] and loads [N] of the two balls of Lin's case study, ``(2, 4)`` each.
 
-    The balls are under N_y and N_x = rho N_y, -rho N_y.
+    Both balls are under the vertical force N_y, the first under the side force rho N_y and the second under -rho N_y.
 
     Parameters
     ----------
     bearing
-        The bearing.
+        Bearing with the Hertz constants of its contacts.
     theta
         Deviation of the contact angles on the bottom groove [rad].
     rho
-        Side force ratio N_x/N_y.
+        Ratio N_x/N_y of side force to vertical force.
     vertical
-        N_y on each ball [N].
+        Vertical force N_y on each ball [N].
     mated
-        Whether the top groove is made to match, design (b).
+        Whether the top groove is made to match the bottom groove, design (b) of section 3.3.4.2 of Lin's thesis.
     loads
-        How the loads are computed, see `solve_pair`.
+        How the contact loads are computed, see `solve_pair`.
     """
     angles = bearing.contact_angle + angle_deviations(np.array([theta, theta]), mated=mated)
     side = np.array([rho, -rho])
@@ -408,23 +419,24 @@ def solve_pair(
     loads: Loads = "balanced",
     fast: bool = True,
 ) -> PairResult:
-    """Solve Lin's case study 3.3.4 of two balls.
+    """Return the states of two balls without and with contact, the case study of section 3.3.4 of Lin's thesis.
 
     Parameters
     ----------
     bearing
-        The bearing.
+        Bearing with speed and coefficients of friction.
     theta
         Deviation of the contact angles on the bottom groove [rad].
     rho
-        Side force ratio N_x/N_y.
+        Ratio N_x/N_y of side force to vertical force on the first ball; the second has the opposite side force.
     vertical
-        N_y on each ball [N].
+        Vertical force N_y on each ball [N].
     mated
-        Whether the top groove is made to match, design (b).
+        Whether the top groove is made to match the bottom groove, design (b) of section 3.3.4.2 of Lin's thesis.
     loads
-        ``"balanced"`` gives the printed epsilons of Table 3.4; ``"diagonal"`` is the text before 3.54, which makes both
-        equal and opposite; ``"elastic"`` lets the angles follow the loads.
+        How the contact loads are computed. ``"balanced"``, from equilibrium, gives the epsilons printed in Lin's Table 3.4;
+        ``"diagonal"``, equal loads on each diagonal as in Lin's text before eq. (3.54), makes the two epsilons equal and
+        opposite; ``"elastic"`` lets the contact angles follow the loads.
     fast
         Whether to use compiled kernels.
     """
@@ -434,16 +446,16 @@ def solve_pair(
 
 
 class BothModels(NamedTuple):
-    """One quantity by the numerical model and by the formulas, over T values of theta and R of rho."""
+    """One quantity by the numerical model and by the closed formulas, over T values of theta and R values of rho."""
 
-    #: ``(T, R)``.
+    #: Quantity by the numerical model ``(T, R)``.
     numerical: Array
-    #: ``(T, R)``.
+    #: Quantity by the closed formula ``(T, R)``.
     formula: Array
 
     @property
     def error(self) -> Array:
-        """Error of the formula."""
+        """Error of the formula: its value less that of the numerical model ``(T, R)``, in the quantity's unit."""
         return np.asarray(self.formula - self.numerical)
 
 
@@ -451,35 +463,35 @@ class BothModels(NamedTuple):
 class PairMaps:
     """Results of Lin's Figures 3.14 and 3.15."""
 
-    #: ``(T,)`` [rad].
+    #: Deviations of the contact angles on the bottom groove ``(T,)`` [rad].
     theta: Array
-    #: ``(R,)``.
+    #: Ratios of side force to vertical force ``(R,)``.
     rho: Array
-    #: epsilon_1 - epsilon_2.
+    #: Difference epsilon_1 - epsilon_2 of the balls' relative deviations from nominal velocity without contact.
     difference: BothModels
     #: Ball-to-ball force [N].
     force: BothModels
-    #: Baseline plus ball-to-ball loss over baseline.
+    #: Groove loss without ball-to-ball contact plus loss between balls, over this groove loss.
     ratio: BothModels
-    #: Number of solutions that did not converge.
+    #: Number of states of the numerical model that did not converge.
     failures: int
 
 
 def force_maps(bearing: LinearBearing, theta: Array, rho: Array, vertical: float, k_f: float) -> PairMaps:
-    """Return both models over theta and rho (Lin Figures 3.14, 3.15).
+    """Return the results of numerical model and closed formulas for two balls over theta and rho (Lin Figures 3.14, 3.15).
 
     Parameters
     ----------
     bearing
-        The bearing.
+        Bearing with speed and coefficients of friction.
     theta
         Deviations of the contact angles on the bottom groove ``(T,)`` [rad].
     rho
-        Side force ratios ``(R,)``.
+        Ratios of side force to vertical force ``(R,)``.
     vertical
-        N_y on each ball [N].
+        Vertical force N_y on each ball [N].
     k_f
-        Slope of the friction force in the formulas.
+        Slope of the friction force over mu F against c/a in the formulas.
     """
     values, failures = np.empty((3, 2, len(theta), len(rho))), 0
     for i, j in np.ndindex(len(theta), len(rho)):
@@ -494,24 +506,32 @@ def force_maps(bearing: LinearBearing, theta: Array, rho: Array, vertical: float
 def pair_formulas(
     bearing: LinearBearing, theta: float, rho: float, vertical: float, k_f: float, *, mated: bool = False
 ) -> tuple[float, float, float]:
-    """Return epsilon_1 - epsilon_2, force [N] and ratio of losses by Lin 3.43, 3.51, 3.53 at the loads before 3.54.
-
-    Arguments as for `force_maps`, for one theta and rho; mated: design (b).
+    """Return the results of the closed formulas for two balls, with equal contact loads on each diagonal.
 
     Parameters
     ----------
     bearing
-        The linear bearing.
+        Bearing with speed and coefficients of friction.
     theta
-        Deviation of the contact angles, as for `force_maps`.
+        Deviation of the contact angles on the bottom groove [rad].
     rho
-        Ratio of side force to vertical force, as for `force_maps`.
+        Ratio of side force to vertical force on the first ball; the second has the opposite side force.
     vertical
-        Vertical force [N].
+        Vertical force N_y on each ball [N].
     k_f
-        Slope of the friction force over c/a, as the source reads it off a figure.
+        Slope of the friction force over mu F against c/a; Lin reads it off a figure.
     mated
-        Whether the balls are those of design (b).
+        Whether the top groove is made to match the bottom groove, design (b) of section 3.3.4.2 of Lin's thesis.
+
+    Returns
+    -------
+    tuple[float, float, float]
+        Difference epsilon_1 - epsilon_2 of the relative deviations of the balls' velocities, ball-to-ball force [N], and
+        ratio of groove loss plus loss between balls to groove loss.
+
+    References
+    ----------
+    Lin (2019), 3.43, 3.51 and 3.53 at the loads of the text before 3.54.
     """
     loads = diagonal_loads(vertical, np.array([rho, -rho]), bearing.contact_angle)
     turn = angle_deviations(np.array([theta, theta]), mated=mated)

@@ -1,7 +1,8 @@
 """Arguments of the kernels of linear bearings, as named tuples: the plain and the compiled copy share them.
 
-N balls of a chain with C contacts each. Velocities are in units of the carriage's speed, forces in units of the largest
-friction bound of a ball. Unknowns of a ball: x = (v, R omega_x, R omega_y), and the force towards the next ball.
+There are N balls in a chain with C contacts each. Velocities are in units of the carriage's speed, forces in units of the
+largest friction bound of a ball. The unknowns of a ball are its motion x = (v, R omega_x, R omega_y), with the ball radius
+R, and one for its contact with the next ball (z of ``ChainPoint``).
 """
 
 from typing import Any, NamedTuple
@@ -13,61 +14,61 @@ Array = NDArray[Any]
 
 
 class ChainArrays(NamedTuple):
-    """Contacts and neighbours of the balls."""
+    """Contacts and neighbours of the balls of a chain."""
 
     #: Direction (n_x, n_y), speed of the body in contact, friction bound, semi-axis a over the ball's radius; (N, C, 5).
     contacts: Array
-    #: Constants (4,) of the contacts' friction, see `lowfi.friction.linear.chain.contact_shape`.
+    #: Constants (b/a, q0, k1, k3) of the contacts' friction (4,), see `lowfi.friction.linear.chain.contact_shape`.
     shape: Array
-    #: 1 where neighbours touch, else 0 (N - 1,).
+    #: 1 where neighbours are near enough to touch, else 0 (N - 1,).
     closed: Array
     #: Coefficient of friction from ball to ball.
     mu: float
-    #: Springs (N,) to the nominal motion.
+    #: Stiffness of weak springs that draw the balls to the nominal motion (N,).
     hold: Array
-    #: Nominal motion (N, 3).
+    #: Motion x of balls that roll at the nominal contact angle (N, 3).
     nominal: Array
 
 
 class ChainPoint(NamedTuple):
-    """Linear functions of the unknowns and ball-to-ball contacts.
+    """Present motion of the balls, with the relative motions of their contacts.
 
-    Moved by increments, so that nothing cancels where contacts stick.
+    All entries are changed by increments, so that nothing cancels where contacts stick.
     """
 
-    #: Sliding and spinning speed of the contacts (N, C, 2).
+    #: Sliding speed and semi-axis a times spin of the contacts (N, C, 2).
     slip: Array
-    #: Closing speed and sliding (2) of neighbours (N - 1, 3).
+    #: Speed at which neighbours approach, and two components of their sliding on each other (N - 1, 3).
     pair: Array
-    #: Deviation (N, 3) from the nominal motion.
+    #: Motion x of the balls less the nominal motion (N, 3).
     drift: Array
-    #: Unknowns (N - 1,) of the contacts: force where positive, rate of the gap turned round where negative.
+    #: Unknowns of the ball-to-ball contacts: the force where positive, minus the rate of the gap where negative (N - 1,).
     z: Array
 
 
 class Smoothing(NamedTuple):
     """How far the equations are from Coulomb's law and exact complementarity."""
 
-    #: Creeping speed.
+    #: Creeping speed: below it, sliding contacts exert less than their friction bound.
     eps: float
-    #: Fraction of the friction between balls.
+    #: Fraction of the friction between balls that acts, 0 to 1.
     share: float
-    #: Force times rate of a gap.
+    #: Product of ball-to-ball force and rate of the gap; zero for exact complementarity.
     smooth: float
-    #: Stiffness towards nominal rolling besides the balls' own.
+    #: Stiffness towards nominal rolling in addition to ``hold`` of ``ChainArrays``.
     spring: float
 
 
 class Work(NamedTuple):
     """Work arrays for Newton's method."""
 
-    #: Banded matrix (4 N, 11).
+    #: Jacobian of the equations as a band (4 N, 11).
     K: Array
-    #: Factors, with columns for exchanged rows (4 N, 16).
+    #: Factors of the Jacobian, with columns for exchanged rows (4 N, 16).
     factors: Array
-    #: Residual (4 N,).
+    #: Residual of the equations (4 N,).
     g: Array
-    #: Newton step (4 N,).
+    #: Newton step of the unknowns (4 N,).
     step: Array
-    #: Second right-hand side (4 N,).
+    #: Second right-hand side that is solved with the step (4 N,).
     other: Array

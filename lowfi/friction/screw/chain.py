@@ -1,15 +1,15 @@
 """Motion of many balls of a ball screw with friction and ball-to-ball contact as a complementarity problem.
 
-Every ball's motion is in balance with the friction at its grooves and the forces of its neighbours: 0 <= F, 0 <= rate
-at which the gap may still close, F rate = 0, and sliding friction mu F between balls (Lin 3.73-3.77). Semismooth
-Newton on motions and forces together, with a falling regularising speed of friction.
+On every ball the friction at its grooves is in balance with the forces of its neighbours: 0 <= F, 0 <= rate at which the
+gap may still close, F rate = 0, and sliding friction mu F between balls (Lin 3.73-3.77). A semismooth Newton method solves
+for motions and forces together while the regularising speed of friction falls (`solve_chain`).
 
-At loads that agree with the motion (`coupled_chain`, Lin 3.4.1): friction and ball-to-ball forces in the plane of the
-groove's section change the contact loads, and these the friction: both are solved in turn in accelerated rounds, and as one
-system where the rounds do not settle: friction that wedges a ball between grooves changes the loads by many times as much
-as it changes itself, so that rounds of loads and friction run away. Positions and motions together are well behaved: the
-ball's position is what the contact angles follow. Newton's method follows them from no friction, smooth, to all of it,
-sharp.
+`coupled_chain` lets the contact loads agree with the motion (section 3.4.1 of Lin's thesis): friction and ball-to-ball
+forces in the plane of the groove's section change the contact loads, and these the friction. Both are solved in turn in
+accelerated rounds. Friction that wedges a ball between grooves changes the loads by many times as much as it changes
+itself, so that these rounds run away. Loads and friction are then solved as one system (`solve_joint`), in which the
+contact angles follow the ball's position. Newton's method follows its solution from no friction, smoothed, to all of it,
+hardly smoothed.
 """
 
 from __future__ import annotations
@@ -32,11 +32,11 @@ from rollbench.lowfi.friction.screw.kernel_types import BalanceParts, BallArrays
 from rollbench.lowfi.friction.screw.motion import (
     AGREED,
     ROUNDS,
+    AndersonMixer,
     Cell,
     Coupling,
-    Mixer,
     contact_wrench,
-    feedback,
+    forces_of_friction,
     helical_power,
     hold_screw,
     load_arrays,
@@ -56,7 +56,7 @@ PARTS = (0.0, 0.1, 0.2, 0.4, 0.6, 0.8, 1.0)
 #: what counts as converged (largest, relative to the largest ball-to-ball force where that is larger).
 GOAL, ACCEPTED = 1e-12, 2e-9
 
-#: The same between regularising speeds; most Newton steps, and those of first tries.
+#: Residual aimed at between regularising speeds (as ``GOAL``), most Newton steps, and most Newton steps of a first try.
 COARSE, STEPS, SHORT = 1e-10, 60, 15
 
 #: A stage has failed where more than this is left; most halvings of stages.
@@ -70,14 +70,14 @@ NEGLIGIBLE = 1e-7
 
 
 @dataclass(frozen=True)
-class Rubs:
-    """Contacts of N balls as friction needs them, in axes x along the semi-axis a, z along b."""
+class FrictionContacts:
+    """Ellipses, friction bounds and kinematics of the contacts of N balls; axes x along the semi-axis a, z along b."""
 
     #: Semi-axes a >= b [m] and mu F [N], ``(N, 4, 3)``.
     shape: Array
-    #: Maps of vx, vz [m/s], spin [rad/s] by the ball's motion ``(N, 4, 3, 4)``.
+    #: Motion vx, vz [m/s], spin [rad/s] at each contact by unit of the ball's motion (orbit, three spins) ``(N, 4, 3, 4)``.
     maps: Array
-    #: Contact motions for a ball at rest ``(N, 4, 3)``.
+    #: Motion vx, vz [m/s], spin [rad/s] at each contact of a ball at rest ``(N, 4, 3)``.
     drives: Array
 
 
@@ -101,7 +101,7 @@ class AnyChain(ABC):
 
     @property
     @abstractmethod
-    def rubs(self) -> Rubs:
+    def friction_contacts(self) -> FrictionContacts:
         """Return the contacts with their semi-axes and maps."""
 
     @property
@@ -110,28 +110,34 @@ class AnyChain(ABC):
         """Return the coefficient of friction from ball to ball."""
 
     def wrench(self, pull: Array) -> Array:
-        """Return friction on balls in x3, y3, z3 ``(N, 4, 6)`` of forces along x, z and moments about y ``(N, 4, 3)``."""
+        """Return force and moment of friction on the balls in x3, y3, z3 ``(N, 4, 6)`` [N, N m].
+
+        ``pull``: friction in the contacts' axes ``(N, 4, 3)``: force along x and z [N], moment about y [N m].
+        """
         return contact_wrench(self.normals, pull[..., :2], pull[..., 2])
 
     @abstractmethod
     def input_power(self, wrench: Array) -> float:
-        """Return the power that screw and nut put in against friction on the balls ``(N, 4, 6)`` [W]."""
+        """Return the power [W] that screw and nut put in against friction.
+
+        ``wrench``: force and moment of friction on the balls at each contact in x3, y3, z3 ``(N, 4, 6)`` [N, N m].
+        """
 
 
 @dataclass(frozen=True)
 class Chain(AnyChain):
     """Balls of equal size in one pair of grooves."""
 
-    #: The grooves.
+    #: Grooves of screw and nut with their speeds.
     groove: ScrewGroove
 
     @property
-    def rubs(self) -> Rubs:
+    def friction_contacts(self) -> FrictionContacts:
         """Return the contacts with their semi-axes and maps."""
         at = screw_contacts(self.groove, self.force)
         maps, drives = self.groove.maps(self.normals)
         shape = np.stack([at.a, at.b, at.strength], axis=1).reshape(-1, 4, 3)
-        return Rubs(shape, maps, np.broadcast_to(drives, (*maps.shape[:2], 3)))
+        return FrictionContacts(shape, maps, np.broadcast_to(drives, (*maps.shape[:2], 3)))
 
     @property
     def mu_balls(self) -> float:
@@ -139,7 +145,10 @@ class Chain(AnyChain):
         return self.groove.between
 
     def input_power(self, wrench: Array) -> float:
-        """Return the power that screw and nut put in against friction on the balls ``(N, 4, 6)`` [W]."""
+        """Return the power [W] that screw and nut put in against friction.
+
+        ``wrench``: force and moment of friction on the balls at each contact in x3, y3, z3 ``(N, 4, 6)`` [N, N m].
+        """
         return helical_power(self.groove, self.normals, wrench)
 
 
@@ -147,40 +156,40 @@ class Chain(AnyChain):
 class ChainMotion:
     """Motion and friction of N balls of a screw."""
 
-    #: Motions ``(N, 4)`` [rad/s]: orbit and rotations.
+    #: Motions ``(N, 4)`` [rad/s]: orbit and rotations about x3, y3, z3.
     q: Array
     #: Force of ball k on ball k + 1 ``(N,)`` [N].
     ball_force: Array
-    #: Friction on the balls ``(N, 4, 6)`` [N, N m].
+    #: Force and moment of friction on the balls at each contact, in x3, y3, z3 ``(N, 4, 6)`` [N, N m].
     wrench: Array
-    #: vx, vz [m/s], spin [rad/s] at the contacts ``(N, 4, 3)``.
+    #: Relative motion at the contacts: sliding along x and z [m/s], spin about y [rad/s] ``(N, 4, 3)``.
     seen: Array
-    #: Friction along and about the same axes ``(N, 4, 3)`` [N, N m].
+    #: Friction on the balls in the same axes: force along x and z [N], moment about y [N m] ``(N, 4, 3)``.
     pull: Array
     #: All forces from neighbours on each ball in x3, y3, z3 ``(N, 3)`` [N].
     ball_push: Array
-    #: ``(N, 4)`` [W].
+    #: Friction loss at each contact with the grooves ``(N, 4)`` [W].
     groove_loss: Array
     #: Ball loss by sliding of balls on each other ``(N,)`` [W].
     ball_loss: Array
     #: Closing loss by gaps that close under force ``(N,)`` [W].
     closing_loss: Array
-    #: [W].
+    #: Power that screw and nut put in [W].
     input_power: float
     #: Largest force out of balance [N].
     left: float
-    #: Largest rate beyond the slack [rad/s].
+    #: Largest rate at which a ball gains on the next one beyond what their gap allows [rad/s].
     violation: float
-    #: Newton steps.
+    #: Number of Newton steps.
     steps: int
-    #: Whether forces balance.
+    #: Whether the forces on all balls are in balance.
     converged: bool
     #: Whether the given start led to the solution.
     from_start: bool = False
 
     @property
     def losses(self) -> tuple[float, float, float]:
-        """Dissipation [W] in the grooves, between balls that slide, and of gaps that close."""
+        """Dissipation in the grooves, between balls that slide on each other, and by gaps that close under force [W]."""
         return float(self.groove_loss.sum()), float(self.ball_loss.sum()), float(self.closing_loss.sum())
 
     @property
@@ -190,27 +199,29 @@ class ChainMotion:
 
 
 def residual_arrays(count: int) -> BalanceParts:
-    """Return arrays for the residual of that many balls and its derivatives."""
+    """Return arrays of zeros for the residual of ``count`` balls and its derivatives, which the kernels overwrite."""
     return BalanceParts(np.zeros((count, 4)), np.zeros(count), np.zeros((count, 2)), np.zeros((count, 4, 4)))
 
 
-class Search:
-    """Search for the balance of one chain, with scaled arrays.
+class BalanceSearch:
+    """Search for the balance of the balls of one chain, with scaled arrays.
 
-    Motions x ``(N, 4)`` are surface speeds per ``speed`` [m/s], forces f ``(N,)`` parts of ``bound`` [N], the largest
-    friction bound of a ball. Motion does not depend on mu of the grooves, forces are proportional to it; without friction
-    (mu = 0) the bound is that of mu = 1, so that the motion is the limit for a mu that vanishes.
+    The scaled motions x ``(N, 4)`` are surface speeds (orbit, and spins times the ball radius) over ``speed`` [m/s], the
+    nut's speed along the path. The scaled forces f ``(N,)`` act from ball k on ball k + 1 and are given over ``bound``
+    [N], the largest friction bound mu F of a ball. The motion does not depend on the grooves' mu, and all friction forces
+    are proportional to it. Without friction (mu = 0) the bound is computed with mu = 1, so that the motion is the limit
+    for a mu that vanishes.
     """
 
     def __init__(self, chain: AnyChain, fast: bool = True) -> None:
-        """Scale all arrays; balls without loads neither drive nor rub."""
-        g, rubs = chain.groove, chain.rubs
+        """Scale the arrays of ``chain``; balls without loads get no friction. ``fast``: whether kernels are compiled."""
+        g, contacts = chain.groove, chain.friction_contacts
         total = chain.force.sum(axis=1)
         loaded = total > NEGLIGIBLE * float(total.max())
         self.chain, self.count, self.loaded = chain, chain.force.shape[0], loaded
         self.kernels = kernels(SCREW, compiled=fast)
         self.units, self.speed, self.groove = speed_levers(g), nominal_speed(g), groove_arrays(g)
-        shape = rubs.shape
+        shape = contacts.shape
         self.rubbing = bool(np.any(shape[..., 2] > 0.0))
         if not self.rubbing:
             shape = np.concatenate([shape[..., :2], chain.force[..., None]], axis=-1)
@@ -228,40 +239,53 @@ class Search:
             mu=self.mu,
             strength=(g.mu or 1.0) / self.bound,
             shape=plain_array(shape * np.stack([ones, ones, loaded / self.bound], axis=1)[:, None]),
-            maps=plain_array(rubs.maps / self.units),
-            drives=plain_array(rubs.drives / self.speed),
+            maps=plain_array(contacts.maps / self.units),
+            drives=plain_array(contacts.drives / self.speed),
         )
         self.parts = residual_arrays(self.count)
 
-    def without_neighbours(self) -> Array:
+    def motions_without_neighbours(self) -> Array:
         """Return the scaled motions ``(N, 4)`` of the balls without neighbours."""
         x = np.tile(self.groove.nominal, (self.count, 1))
         self.kernels.move_without_neighbours(self.balls, x)
         return x
 
     def solve(self, x: Array, f: Array, eps: float, goal: float, limit: int) -> tuple[Array, Array, float, int]:
-        """Iterate by Newton's method from (x, f) at one regularising speed; return motions, forces, residual and steps."""
+        """Iterate by Newton's method at one regularising speed.
+
+        ``x``: scaled motions ``(N, 4)`` and ``f``: scaled ball-to-ball forces ``(N,)`` to begin from; ``eps``: regularising
+        speed over ``speed``; ``goal``: residual at which the iteration ends; ``limit``: most Newton steps. Returns the
+        scaled motions, the scaled forces, the residual (root of the sum of squares) and the number of steps.
+        """
         x, f = plain_array(x).copy(), plain_array(f).copy()
-        size, steps = self.kernels.newton(self.groove, self.balls, x, f, eps, goal, ACCEPTED, limit, self.parts)
+        size, steps = self.kernels.solve_balance(self.groove, self.balls, x, f, eps, goal, ACCEPTED, limit, self.parts)
         return x, f, float(size), int(steps)
 
-    def balanced(self, f: Array) -> bool:
-        """Return whether forces f ``(N,)`` are converged, with the motions of the last regularising speed."""
-        return bool(self.kernels.worst(self.parts) <= ACCEPTED * max(1.0, float(np.max(f))))
+    def is_converged(self, f: Array) -> bool:
+        """Return whether the balance last computed is converged.
 
-    def direct(self, x: Array, f: Array) -> tuple[Array, Array, bool, int]:
-        """Iterate at the last regularising speed, stopping early without progress; return also whether (x, f) converged."""
+        ``f``: its scaled ball-to-ball forces ``(N,)``; the largest of them, if above one, scales the tolerance.
+        """
+        return bool(self.kernels.largest_residual(self.parts) <= ACCEPTED * max(1.0, float(np.max(f))))
+
+    def solve_at_last_speed(self, x: Array, f: Array) -> tuple[Array, Array, bool, int]:
+        """Iterate at the last regularising speed only; stop after few steps if these do not lead to a balance.
+
+        ``x``, ``f``: scaled motions ``(N, 4)`` and ball-to-ball forces ``(N,)`` to begin from. Returns the scaled motions,
+        the scaled forces, whether they are in balance, and the number of Newton steps.
+        """
         x, f, _, steps = self.solve(x, f, SPEEDS[-1], GOAL, SHORT)
-        good = self.balanced(f)
+        good = self.is_converged(f)
         if good and steps == SHORT:
             x, f, _, further = self.solve(x, f, SPEEDS[-1], GOAL, STEPS)
             steps += further
         return x, f, good, steps
 
-    def by_stages(self, x: Array) -> tuple[Array, Array, int]:
+    def solve_by_stages(self, x: Array) -> tuple[Array, Array, int]:
         """Iterate with friction between balls rising at the first regularising speed, then with that speed falling.
 
-        A stage that fails is halved, DEPTH times in all.
+        A stage that fails is halved, DEPTH times in all. ``x``: scaled motions ``(N, 4)`` to begin from, without forces
+        between balls. Returns the scaled motions, the scaled ball-to-ball forces ``(N,)``, and the number of Newton steps.
         """
         f, full, total = np.zeros(self.count), self.mu, 0
         goals = [(share, SPEEDS[0]) for share in PARTS] + [(1.0, eps) for eps in SPEEDS[1:]]
@@ -283,46 +307,52 @@ class Search:
 def solve_chain(
     chain: AnyChain, start: tuple[Array, Array] | None = None, fast: bool = True, warm: bool = False
 ) -> ChainMotion:
-    """Return motions and ball-to-ball forces of a chain at given loads.
+    """Return motions and ball-to-ball forces of a chain of balls at given contact loads.
 
-    Newton's method at the last regularising speed from a start with contacts (``warm``: or without), then from the balls'
-    motions without neighbours, and where both fail by stages. A closed track needs a gap somewhere: one filled by its balls
-    is not determined.
+    Newton's method at the last regularising speed begins from ``start`` if balls press on each other there (with ``warm``
+    also if none do), then from the balls' motions without neighbours. Where both fail, friction between balls is raised and
+    the regularising speed lowered by stages. A closed track needs a gap somewhere: the forces in a track that its balls
+    fill are not determined.
 
     Parameters
     ----------
     chain
-        The chain.
+        Balls with their contact loads and the gaps between them.
     start
-        Motions ``(N, 4)`` [rad/s] and forces ``(N,)`` [N] of a similar chain.
+        Motions ``(N, 4)`` [rad/s] (orbit, and spins about x3, y3, z3) and ball-to-ball forces ``(N,)`` [N] of a similar
+        chain; with None the search begins from balls without neighbours.
     fast
         Whether to use compiled kernels.
     warm
-        Whether to use a start without contacts too.
+        Whether to begin from ``start`` even if no ball presses on the next one there.
 
     References
     ----------
     Lin (2019), 3.73 to 3.77.
     """
-    s = Search(chain, fast)
+    s = BalanceSearch(chain, fast)
     total = 0
     if start is not None and (warm or np.any(start[1] > 0.0)):
-        x, f, good, total = s.direct(start[0] * s.units / s.speed, start[1] / s.bound)
+        x, f, good, total = s.solve_at_last_speed(start[0] * s.units / s.speed, start[1] / s.bound)
         if good:
             return _chain_result(s, x, f, total, True)
-    alone = s.without_neighbours()
-    x, f, good, steps = s.direct(alone, np.zeros(s.count))
+    alone = s.motions_without_neighbours()
+    x, f, good, steps = s.solve_at_last_speed(alone, np.zeros(s.count))
     total += steps
     if not good:
-        x, f, steps = s.by_stages(alone)
+        x, f, steps = s.solve_by_stages(alone)
         total += steps
     return _chain_result(s, x, f, total)
 
 
-def _chain_result(s: Search, x: Array, f: Array, steps: int, from_start: bool = False) -> ChainMotion:
-    """Return forces and losses at the solution, in SI units."""
+def _chain_result(s: BalanceSearch, x: Array, f: Array, steps: int, from_start: bool = False) -> ChainMotion:
+    """Return motion, forces and losses of the balls in SI units.
+
+    ``s``: the search with its scales; ``x``: scaled motions ``(N, 4)``; ``f``: scaled ball-to-ball forces ``(N,)``;
+    ``steps``: Newton steps that were taken; ``from_start``: whether the start that was given led to the solution.
+    """
     chain, n, eps, g = s.chain, s.count, SPEEDS[-1], s.chain.groove
-    good, bound = s.balanced(f), s.bound if s.rubbing else 0.0
+    good, bound = s.is_converged(f), s.bound if s.rubbing else 0.0
     left, pair = float(np.max(np.abs(s.parts.balance))) * bound, g.pair
     ahead = np.append(x[1:, 0], x[0, 0])
     gap = np.where(s.allowed, s.groove.closing * (ahead - x[:, 0]) + s.balls.slack, 0.0)
@@ -334,9 +364,9 @@ def _chain_result(s: Search, x: Array, f: Array, steps: int, from_start: bool = 
         np.zeros((n, 3)),
         np.zeros(n),
     )
-    s.kernels.friction(s.balls, x, eps, motion, pull, loss)
+    s.kernels.contact_friction(s.balls, x, eps, motion, pull, loss)
     wrench = chain.wrench(bound * pull)
-    s.kernels.meeting(s.groove, s.balls, x, ball_force, eps, pair.push, pair.slide, push, ball_loss)
+    s.kernels.neighbour_forces(s.groove, s.balls, x, ball_force, eps, pair.push, pair.slide, push, ball_loss)
     return ChainMotion(
         q=x * s.speed / s.units,
         ball_force=ball_force,
@@ -373,44 +403,46 @@ FIRST, SHORTEST = 1.0 / 32.0, 1e-5
 
 
 @dataclass(frozen=True)
-class Joint:
+class JointSolution:
     """Balls and screw with loads and friction solved as one system."""
 
-    #: Positions of the balls ``(N, 2)`` [m].
+    #: Displacements of the balls along x3, z3 ``(N, 2)`` [m].
     ball: Array
-    #: Position of the screw ``(m,)`` [m].
+    #: Displacement of the screw along its m free motions ``(m,)`` [m].
     screw: Array
-    #: Motions ``(N, 4)`` [rad/s].
+    #: Motions: orbit and rotations about x3, y3, z3 ``(N, 4)`` [rad/s].
     q: Array
-    #: Ball-to-ball forces ``(N,)`` [N].
+    #: Force of ball k on ball k + 1 ``(N,)`` [N].
     ball_force: Array
     #: Forces on the balls with which the contacts are in balance ``(N, 2)`` [N], see `Cell`.
     push: Array
-    #: Forces on the screw likewise ``(m,)`` [N].
+    #: Forces on the screw with which the contacts are in balance ``(m,)`` [N].
     drag: Array
-    #: Whether all friction was reached; otherwise it is where the search ended.
+    #: Whether the search arrived at all friction; if not, this is the state where it ended.
     done: bool
-    #: Newton steps.
+    #: Number of Newton steps.
     steps: int
 
 
 def solve_joint(
     cell: Cell, slack: Array, start: tuple[Array, Array], near: tuple[Array, Array] | None = None, fast: bool = True
-) -> Joint:
-    """Solve loads and friction as one system, from positions in balance without friction.
+) -> JointSolution:
+    """Return loads and motion of balls with friction, solved as one system of equations.
 
-    Where several states exist, this is the one that grows out of the state without friction.
+    The search begins at positions in balance without friction and raises friction. Where several states exist, the result
+    is the one that grows out of the state without friction.
 
     Parameters
     ----------
     cell
-        The balls; its push and drag do not enter.
+        Balls between screw and nut; the forces ``push`` and ``drag`` in it are not used.
     slack
-        As in `AnyChain`.
+        Largest rate at which ball k may gain on ball k + 1 ``(N,)`` [rad/s], inf where they cannot touch.
     start
-        Positions of balls ``(N, 2)`` and screw ``(m,)`` [m].
+        Displacements of the balls ``(N, 2)`` and of the screw ``(m,)`` [m] without friction; m: free motions of the screw.
     near
-        Positions of a similar state with friction, for where no path leads from ``start``.
+        Displacements, as ``start``, of a similar state with friction, from which the search begins if it fails from
+        ``start``.
     fast
         Whether to use compiled kernels.
     """
@@ -420,18 +452,21 @@ def solve_joint(
     if near is not None:
         ways += [(near, eps, 1.0) for eps in reversed(SMOOTH)]
     for place, eps, share in ways:
-        path, smooth = _Path(bare, slack, place, fast), float(np.log(eps))
-        done = share == 1.0 or path.follow((share, smooth), (1.0, smooth))
-        done = done and path.follow((1.0, smooth), (1.0, sharp))
+        path, smooth = _JointPath(bare, slack, place, fast), float(np.log(eps))
+        done = share == 1.0 or path.follow_solution((share, smooth), (1.0, smooth))
+        done = done and path.follow_solution((1.0, smooth), (1.0, sharp))
         steps += path.steps
         if done:
             break
     push, drag = path.state.ball, path.state.inner
-    return Joint(path.ball, path.screw, path.q, path.ball_force, push, drag, done, steps)
+    return JointSolution(path.ball, path.screw, path.q, path.ball_force, push, drag, done, steps)
 
 
-def joint_kernel_arguments(cell: Cell, search: Search) -> JointSystem:
-    """Return the arguments of the joint kernels for a cell and the scaled arrays of its chain."""
+def joint_kernel_arguments(cell: Cell, search: BalanceSearch) -> JointSystem:
+    """Return the arguments of the kernels that solve loads and motion as one system.
+
+    ``cell``: balls between screw and nut; ``search``: the scaled arrays of the chain of these balls.
+    """
     pair, total = cell.groove.pair, float(search.balls.force.sum())
     length = float(np.max(cell.groove.constants.C)) * max(total, 1e-30) ** (2.0 / 3.0)
     return JointSystem(
@@ -446,39 +481,47 @@ def joint_kernel_arguments(cell: Cell, search: Search) -> JointSystem:
     )
 
 
-class _Path:
-    """State of the search for a joint solution; `follow` moves it."""
+class _JointPath:
+    """Solution of loads and motion as one system, followed while friction rises or its regularising speed falls.
+
+    `follow_solution` moves the solution; the attributes ``ball``, ``screw``, ``q`` and ``ball_force`` are those of
+    `JointSolution`.
+    """
 
     def __init__(self, cell: Cell, slack: Array, start: tuple[Array, Array], fast: bool) -> None:
-        """Begin at positions, with the motion at the loads there."""
+        """Begin at displacements of balls ``(N, 2)`` and screw ``(m,)`` [m], with the balls' motion at the loads there."""
         self.cell, self.slack, self.fast, self.steps = cell, slack, fast, 0
         self.ball, self.screw = start
-        self.measure()
+        self.update_loads()
         moved = solve_chain(self.search.chain, None, fast)
         self.q, self.ball_force = moved.q, moved.ball_force
 
-    def measure(self) -> None:
-        """Rescale forces and the set of loaded balls by the loads at the present state."""
+    def update_loads(self) -> None:
+        """Compute the contact loads at the present positions, and from them the scales and the set of loaded balls."""
         g, arrays = self.cell.groove, load_arrays(self.cell)
         self.state = cell_state(arrays)
         kernels(CONTACT, compiled=self.fast).contact_energy(arrays, self.ball, self.screw, self.state)
         n = self.state.normal
         normals = np.stack([n[..., 0], np.zeros_like(n[..., 0]), n[..., 1]], axis=-1)
-        self.search = Search(Chain(g, self.state.force, normals, self.slack), self.fast)
+        self.search = BalanceSearch(Chain(g, self.state.force, normals, self.slack), self.fast)
         self.system = joint_kernel_arguments(self.cell, self.search)
 
-    def follow(self, start: tuple[float, float], end: tuple[float, float]) -> bool:
-        """Continue from one fraction of the friction and regularising speed to others; return whether it arrived."""
+    def follow_solution(self, start: tuple[float, float], end: tuple[float, float]) -> bool:
+        """Follow the solution from one stage to another; return whether it arrived.
+
+        ``start``, ``end``: the fraction of friction that acts on the loads, and the natural logarithm of the regularising
+        speed over the speed of the balls.
+        """
         way, step = 0.0, FIRST
         last: tuple[float, Place] | None = None
         while way < 1.0 and step >= SHORTEST and self.steps < MOST:
-            goal, here = min(1.0, way + step), self.place()
+            goal, here = min(1.0, way + step), self.unknowns()
             guess = here
             if last is not None:
                 p, u, x, f = (a + (goal - way) / (way - last[0]) * (a - b) for a, b in zip(here, last[1], strict=True))
                 guess = Place(p, u, x, f)
             share, eps = start[0] + goal * (end[0] - start[0]), np.exp(start[1] + goal * (end[1] - start[1]))
-            used = self.stage(guess, float(share), float(eps))
+            used = self.solve_stage(guess, float(share), float(eps))
             if used is None:
                 step *= 0.5
                 continue
@@ -486,12 +529,16 @@ class _Path:
             step *= 1.5 if used <= EASY else 1.0
         return way >= 1.0
 
-    def place(self) -> Place:
-        """Return the unknowns of the kernels with forces in N, so that states with different scales can be compared."""
+    def unknowns(self) -> Place:
+        """Return the unknowns of the joint kernels with ball-to-ball forces in N, which states of any scale share."""
         return Place(self.ball, self.screw, self.q * self.search.units / self.search.speed, self.ball_force)
 
-    def stage(self, guess: Place, share: float, eps: float) -> int | None:
-        """Iterate at one fraction of the friction and one regularising speed; on failure return None without moving."""
+    def solve_stage(self, guess: Place, share: float, eps: float) -> int | None:
+        """Iterate by Newton's method at one stage; return the number of steps, or None if it fails and nothing moves.
+
+        ``guess``: unknowns to begin from, as `unknowns` returns them; ``share``: fraction of the friction that acts on the
+        loads; ``eps``: regularising speed over the speed of the balls.
+        """
         s = self.search
         p, u, x, f = (plain_array(a).copy() for a in guess)
         f /= s.bound
@@ -500,23 +547,23 @@ class _Path:
         if not left <= PASSED:
             return None
         self.ball, self.screw, self.q, self.ball_force = p, u, x * s.speed / s.units, f * s.bound
-        self.measure()
+        self.update_loads()
         return int(used)
 
 
 @dataclass(frozen=True)
 class CoupledChain:
-    """Loads and motion of a chain that agree."""
+    """Contact loads and motion of a chain of balls, in which the loads are those under the friction of the motion."""
 
-    #: Loads without friction, with which a fixed screw stays.
+    #: Contact loads without friction; a screw that friction does not move stays in their position.
     bare: SettledCell
-    #: Loads with friction.
+    #: Contact loads with friction.
     load: SettledCell
-    #: The motion.
+    #: Motion, friction and ball-to-ball forces.
     motion: ChainMotion
-    #: Last change of the friction fed back [N].
+    #: Change of the friction forces that act on the loads, in the last round [N].
     change: float
-    #: Rounds of loads and friction.
+    #: Number of rounds of loads and friction.
     rounds: int
     #: Whether the change is at most ``AGREED`` of the sum of contact loads, and loads and motion are in balance.
     converged: bool
@@ -528,11 +575,11 @@ class Guess:
 
     #: Forces on the balls ``(N, 2)`` [N], as in `Cell`.
     push: Array
-    #: Forces on the screw ``(m,)`` [N]; counts only where the screw keeps its freedoms.
+    #: Forces on the screw along its m free motions ``(m,)`` [N]; not used where friction does not move the screw.
     drag: Array
-    #: Motions ``(N, 4)`` [rad/s].
+    #: Motions: orbit and rotations about x3, y3, z3 ``(N, 4)`` [rad/s].
     q: Array
-    #: Ball force between neighbours ``(N,)`` [N].
+    #: Force of ball k on ball k + 1 ``(N,)`` [N].
     ball_force: Array
 
 
@@ -546,42 +593,43 @@ def coupled_chain(
 ) -> CoupledChain:
     """Return loads and motion of N balls in agreement, ball-to-ball forces included.
 
-    Not always unique: a ball that bears no load in ``bare``, or next to none, may float or be wedged between the grooves by
-    its own friction. What is found then depends on where the search begins.
+    The solution is not always unique: a ball that bears no load without friction, or next to none, may float or be wedged
+    between the grooves by its own friction. What is found then depends on where the search begins.
 
     Parameters
     ----------
     cell
-        The balls.
+        Balls between screw and nut, with the external loads.
     slack
-        See `AnyChain`.
+        Largest rate at which ball k may gain on ball k + 1 ``(N,)`` [rad/s], inf where they cannot touch.
     coupling
-        ``"ball"``: the screw stays where it is without friction and ball-to-ball forces (Lin 3.4.1); ``"ball and screw"``:
-        it keeps balance with them.
+        What friction and ball-to-ball forces may change. ``"none"``: nothing; ``"ball"``: the loads of the balls, while
+        the screw stays where it is without these forces (section 3.4.1 of Lin's thesis); ``"ball and screw"``: also the
+        position of the screw, which is in balance with them.
     near
-        Solution of a similar chain to begin from.
+        Solution of a similar chain from which the search begins.
     rounds
-        Largest number of rounds.
+        Largest number of rounds of loads and friction.
     guess
-        Any forces and motion to begin from, in place of those of ``near``.
+        Forces and motion to begin from, in place of those of ``near``.
 
     Returns
     -------
     CoupledChain
-        The solution; see ``converged`` for a failure.
+        The solution; if no agreement is found, its ``converged`` is False.
     """
     bare = settle_load(cell, None if near is None else (near.bare.ball, near.bare.inner))
     held = hold_screw(cell, bare) if coupling == "ball" else cell
     m = held.rows.shape[2]
     if guess is None:
-        guess = _start_values(held, coupling, near)
+        guess = _first_guess(held, coupling, near)
     push, drag, start = guess.push, guess.drag[:m], (guess.q, guess.ball_force)
-    place, mixer, count = (bare.ball, bare.inner[:m]), Mixer(), 0
+    place, mixer, count = (bare.ball, bare.inner[:m]), AndersonMixer(), 0
     while True:
         alike = held is cell and np.array_equal(push, cell.push) and np.array_equal(drag, cell.drag)
         load = bare if alike else settle_load(replace(held, push=push, drag=drag), place)
         moved = solve_chain(Chain(cell.groove, load.force, cell.groove.normals(load.angle), slack), start)
-        new_push, new_drag = feedback(held, moved.wrench, moved.ball_push[:, [0, 2]], coupling)
+        new_push, new_drag = forces_of_friction(held, moved.wrench, moved.ball_push[:, [0, 2]], coupling)
         x, g = np.append(push, drag), np.append(new_push, new_drag)
         change, count = float(np.max(np.abs(g - x))), count + 1
         agreed = change <= AGREED * float(np.sum(load.force))
@@ -601,12 +649,12 @@ def coupled_chain(
         place, start = (load.ball, load.inner), (moved.q, moved.ball_force)
 
 
-def _start_values(cell: Cell, coupling: Coupling, near: CoupledChain | None) -> Guess:
-    """Return forces and motion of a similar chain, or zeros."""
+def _first_guess(cell: Cell, coupling: Coupling, near: CoupledChain | None) -> Guess:
+    """Return the forces and motion of a similar chain to begin from; without one, the cell's forces and no motion."""
     n = cell.angle.shape[0]
     if near is None:
         return Guess(cell.push, cell.drag, np.zeros((n, 4)), np.zeros(n))
     push, drag = cell.push, cell.drag
     if coupling != "none":
-        push, drag = feedback(cell, near.motion.wrench, near.motion.ball_push[:, [0, 2]], coupling)
+        push, drag = forces_of_friction(cell, near.motion.wrench, near.motion.ball_push[:, [0, 2]], coupling)
     return Guess(push, drag, near.motion.q, near.motion.ball_force)

@@ -1,7 +1,8 @@
 """A ball between the grooves of two helical bodies with friction: kinematics, Hertz constants, arrays of the kernels.
 
-Axes at the ball's centre (Lin 3.4.1): x3 radially outward, y3 along the helical path, z3 the binormal, about which the
-lead angle tilts the screw's axis towards y3. Contacts in the order SL, SR, NL, NR (screw or nut, left or right).
+Axes at the ball's centre (section 3.4.1 of Lin's thesis): x3 radially outward, y3 along the helical path, z3 the binormal,
+about which the lead angle tilts the screw's axis towards y3. Contacts in the order SL, SR, NL, NR (screw or nut, left or
+right).
 """
 
 from __future__ import annotations
@@ -36,27 +37,27 @@ class HelicalMotion:
     Both bodies move along the helix, so that only nut_speed - screw_speed matters to the contacts.
     """
 
-    #: [m].
+    #: Ball radius R_B [m].
     ball_radius: float
-    #: [m].
+    #: Radius of the helix of ball centres [m].
     pitch_radius: float
     #: Nominal contact angle [rad].
     contact_angle: float
     #: Lead of a right-hand helix [m]; negative: left-hand, zero: bearing.
     lead: float
-    #: [rad/s].
+    #: Angular speed of the nut about the axis [rad/s].
     nut_speed: float
-    #: [rad/s].
+    #: Angular speed of the screw about the axis [rad/s].
     screw_speed: float
 
     @property
     def ratio(self) -> float:
-        """Advance per angle, lead/(2 pi) [m/rad] (Lin 3.55)."""
+        """Advance along the axis per angle, lead/(2 pi) [m/rad] (Lin 3.55)."""
         return self.lead / (2.0 * np.pi)
 
     @property
     def radius(self) -> float:
-        """Length of path per angle, L/(2 pi) [m] (Lin 3.66)."""
+        """Length of the helical path per angle, L/(2 pi) with the length L of a turn [m] (Lin 3.66)."""
         return float(np.hypot(self.pitch_radius, self.ratio))
 
     @property
@@ -78,7 +79,7 @@ class HelicalMotion:
     def nominal_orbit(self) -> float:
         """Orbital speed omega_B of a ball that rolls at the nominal contact angle [rad/s] (Lin 3.65).
 
-        F.5 without sliding along y3.
+        It is eq. (F.5) of Lin's thesis without sliding along y3.
         """
         lever = self.ball_radius * float(np.cos(self.contact_angle) * np.cos(self.lead_angle)) / self.radius
         return 0.5 * (self.nut_speed + self.screw_speed + lever * self.speed)
@@ -89,21 +90,28 @@ class HelicalMotion:
         return np.stack([SIGN_X * np.cos(beta), np.zeros_like(beta), SIGN_Z * np.sin(beta)], axis=-1)
 
     def maps(self, normals: Array, ball_radius: Array | None = None) -> tuple[Array, Array]:
-        """Return maps ``(..., 4, 3, 4)`` and drives ``(..., 4, 3)`` of the contacts' (vx, vz, spin).
+        """Return how the motion of the ball and that of the bodies move the contacts.
 
-        Unknowns: omega_B (orbit), omega_x, omega_y, omega_z [rad/s], the latter relative to the turning frame.
-        Contact axes: x across the groove, z along the path, y into the ball.
+        The motion of a contact is sliding vx, vz [m/s] and spin [rad/s] of the ball relative to the body, in axes x across
+        the groove, z along the path, y into the ball. It is ``maps @ q + drives`` with the ball's motion q: omega_B
+        (orbit), omega_x, omega_y, omega_z [rad/s], the latter three relative to the turning frame.
 
         Parameters
         ----------
         normals
-            Directions to the contacts ``(..., 4, 3)``.
+            Directions from the ball's centre to the contacts in x3, y3, z3 ``(..., 4, 3)``.
         ball_radius
-            ``(...,)`` [m] in place of that of all balls.
+            Radii of the balls ``(...,)`` [m]; with None all have the nominal radius.
+
+        Returns
+        -------
+        tuple[Array, Array]
+            ``maps``, motion of the contacts by unit of q ``(..., 4, 3, 4)``, and ``drives``, their motion at q = 0, which
+            the bodies impose ``(..., 4, 3)``.
 
         References
         ----------
-        Rederived from Lin 3.57 to 3.64; gives 3.65 and F.4 to F.6.
+        Rederived from Lin (2019), 3.57 to 3.64; the result contains Lin's eqs. (3.65) and (F.4) to (F.6).
         """
         axes = contact_axes(normals)
         size = self.ball_radius if ball_radius is None else np.asarray(ball_radius)[..., None, None, None]
@@ -121,12 +129,15 @@ class HelicalMotion:
 
     @cached_property
     def crosses(self) -> Array:
-        """Matrices ``(4, 3, 3)`` of the cross products with ``turns``."""
+        """Matrices of the cross products of each of ``turns`` with a vector ``(4, 3, 3)``."""
         return np.array([np.cross(t, np.eye(3)).T for t in self.turns])
 
 
 def contact_axes(normals: Array) -> Array:
-    """Return the contacts' axes x (across the groove), z (along the path), y (into the ball) as rows ``(..., 4, 3, 3)``."""
+    """Return the contacts' axes x (across the groove), z (along the path), y (into the ball) as rows ``(..., 4, 3, 3)``.
+
+    ``normals``: directions from the ball's centre to the contacts in x3, y3, z3 ``(..., 4, 3)``.
+    """
     axes = np.zeros((*normals.shape, 3))
     axes[..., 0, 0], axes[..., 0, 2] = normals[..., 2], -normals[..., 0]
     axes[..., 1, 1] = 1.0
@@ -138,28 +149,28 @@ def contact_axes(normals: Array) -> Array:
 class Constants:
     """Hertz constants of the four contacts of a ball."""
 
-    #: Constants of the approach, C F^(2/3) ``(4,)``.
+    #: C of the approach C F^(2/3) ``(4,)`` [m/N^(2/3)].
     C: Array
-    #: Constants of the semi-axis across the groove, C_a F^(1/3) ``(4,)``.
+    #: C_a of the semi-axis C_a F^(1/3) across the groove ``(4,)`` [m/N^(1/3)].
     C_a: Array
-    #: Constants of the semi-axis along the groove, C_b F^(1/3) ``(4,)``.
+    #: C_b of the semi-axis C_b F^(1/3) along the groove ``(4,)`` [m/N^(1/3)].
     C_b: Array
 
 
 class Grooved(HelicalMotion, ABC):
-    """Helical motions with grooves."""
+    """Interface of grooves in helical motion, with friction."""
 
-    #: Largest coefficient of friction.
+    #: Largest coefficient of friction of the grooves.
     mu: float
 
     @property
     @abstractmethod
     def constants(self) -> Constants:
-        """Hertz constants of nominal contacts."""
+        """Hertz constants of the contacts of a nominal ball at the nominal contact angle."""
 
     @cached_property
     def pair(self) -> PairGeometry:
-        """Two nominal balls that touch."""
+        """Geometry of the contact of two nominal balls that touch."""
         return pair_geometry(self)
 
 
@@ -168,14 +179,14 @@ class Grooved(HelicalMotion, ABC):
 class ScrewGroove(Grooved):
     """Four-point ball screw with friction.
 
-    Both bodies move along the helix, so that only nut_speed - screw_speed matters.
+    Both bodies move along the helix, so that only nut_speed - screw_speed matters to the contacts.
     """
 
-    #: [m].
+    #: Ball radius R_B [m].
     ball_radius: float
-    #: [m].
+    #: Radius of the arcs of the groove's section [m].
     groove_radius: float
-    #: [m].
+    #: Radius of the helix of ball centres [m].
     pitch_radius: float
     #: Lead of a right-hand helix [m]; negative: left-hand, zero: bearing.
     lead: float
@@ -187,23 +198,29 @@ class ScrewGroove(Grooved):
     poisson: float
     #: Coefficient of friction of the grooves.
     mu: float
-    #: [rad/s].
+    #: Angular speed of the nut about the axis [rad/s].
     nut_speed: float
-    #: [rad/s].
+    #: Angular speed of the screw about the axis [rad/s].
     screw_speed: float = usual(0.0)
-    #: Coefficient of friction from ball to ball; None: as the grooves.
+    #: Coefficient of friction from ball to ball; None stands for that of the grooves.
     mu_balls: float | None = usual(None)
-    #: Exact Hertz constants, or those with the errors of Lin's Table B.1.
+    #: Whether the Hertz constants are exact ("right") or have the errors of Lin's Table B.1 ("as printed").
     hertz: Mode = usual("right")
 
     def __post_init__(self) -> None:
-        """Refuse numbers that the model cannot treat."""
+        """Raise ValueError for numbers that the model cannot treat."""
         if not 0.0 < self.ball_radius < self.groove_radius or self.pitch_radius <= self.groove_radius:
-            raise ValueError("need 0 < ball_radius < groove_radius < pitch_radius")
+            raise ValueError(
+                "ball, groove and pitch radius must be positive and increase in this order, "
+                f"got {self.ball_radius}, {self.groove_radius} and {self.pitch_radius} m"
+            )
         if not 0.0 < self.contact_angle < 0.5 * np.pi:
-            raise ValueError("contact_angle must lie between 0 and pi/2")
+            raise ValueError(f"the contact angle must lie between 0 and pi/2, got {self.contact_angle} rad")
         if self.young <= 0.0 or not 0.0 <= self.poisson < 0.5 or self.mu < 0.0 or (self.mu_balls or 0.0) < 0.0:
-            raise ValueError("need young > 0, 0 <= poisson < 0.5, mu >= 0 and mu_balls >= 0")
+            raise ValueError(
+                "Young's modulus must be positive, Poisson's ratio lie in [0, 0.5), and no coefficient of friction be "
+                f"negative, got young {self.young} Pa, poisson {self.poisson}, mu {self.mu}, mu_balls {self.mu_balls}"
+            )
 
     @property
     def between(self) -> float:
@@ -217,7 +234,7 @@ class ScrewGroove(Grooved):
 
     @cached_property
     def constants(self) -> Constants:
-        """Hertz constants at the nominal contact angle, from the exact helicoids or with the errors of Table B.1."""
+        """Hertz constants at the nominal contact angle, from the exact helicoids or with the errors of Lin's Table B.1."""
         steel = Material(self.young, self.poisson)
         scene = Scene(
             "groove",
@@ -241,33 +258,38 @@ class ScrewGroove(Grooved):
 
 @dataclass(frozen=True)
 class PairGeometry:
-    """Two touching balls, the second at the larger azimuth; vectors in each ball's axes."""
+    """Contact of two balls that touch, the second at the larger azimuth; vectors are in each ball's x3, y3, z3."""
 
-    #: Difference of azimuths [rad].
+    #: Difference of their azimuths [rad].
     spacing: float
-    #: Closing velocity per difference of omega_B [m].
+    #: Speed at which the balls approach each other per difference of their omega_B [m].
     closing: float
-    #: Sliding of the first ball's surface at the contact by its motion ``(2, 4)``.
+    #: Velocity of the first ball's surface in two tangents of the contact by unit of its motion ``(2, 4)`` [m].
     first: Array
-    #: Likewise of the second ball.
+    #: Velocity of the second ball's surface in the same tangents by unit of its motion ``(2, 4)`` [m].
     second: Array
-    #: Direction of the force on each ball ``(2, 3)``.
+    #: Direction of the contact force on the first and on the second ball ``(2, 3)``.
     push: Array
-    #: Directions of the two sliding velocities on each ball ``(2, 2, 3)``.
+    #: Directions of the two tangents in the axes of the first and of the second ball ``(2, 2, 3)``.
     slide: Array
 
 
 def contact_spacing(screw: HelicalMotion) -> float:
     """Return the difference of azimuths at which two balls touch [rad]: their centres, on the helix, are 2 R_B apart.
 
+    Parameters
+    ----------
+    screw
+        Ball radius, pitch radius and lead.
+
     Raises
     ------
     ValueError
-        Balls so large that they cannot touch.
+        Balls so large that they touch only beyond a quarter turn.
 
     References
     ----------
-    Lin's 2 arcsin(R_B/(L/2 pi)) (3.72) is the same for zero lead only.
+    Lin (2019), 3.72, prints 2 arcsin(R_B/(L/2 pi)), which is the same for zero lead only.
     """
     pitch, rise, reach = screw.pitch_radius, screw.ratio, 2.0 * screw.ball_radius
 
@@ -275,23 +297,34 @@ def contact_spacing(screw: HelicalMotion) -> float:
         return float(np.hypot(2.0 * pitch * np.sin(0.5 * angle), rise * angle)) - reach
 
     if excess(0.5 * np.pi) <= 0.0:
-        raise ValueError("balls too large for the pitch radius")
+        raise ValueError(
+            f"the ball radius {screw.ball_radius} m is too large for the pitch radius {pitch} m: two balls that touch must "
+            "lie less than a quarter turn apart"
+        )
     return float(brentq(excess, 0.0, 0.5 * np.pi, xtol=1e-15, rtol=1e-14))
 
 
 def section_frame(screw: HelicalMotion, azimuth: ArrayLike) -> Array:
-    """Return x3, y3, z3 in fixed axes as rows ``(..., 3, 3)`` for balls at azimuths ``(...)`` [rad] (Lin 3.62)."""
+    """Return the axes x3, y3, z3 of balls in fixed axes x, y, z as rows ``(..., 3, 3)`` (Lin 3.62).
+
+    ``screw``: the helix, of which the lead angle is used; ``azimuth``: of the balls ``(...)`` [rad].
+    """
     c, s, ca, sa = np.cos(azimuth), np.sin(azimuth), np.cos(screw.lead_angle), np.sin(screw.lead_angle)
     rows = np.array([[c, s, 0.0 * c], [-ca * s, ca * c, sa + 0.0 * c], [sa * s, -sa * c, ca + 0.0 * c]])
     return np.moveaxis(rows, (0, 1), (-2, -1))
 
 
 def pair_geometry(screw: HelicalMotion) -> PairGeometry:
-    """Return the ball-to-ball contact on the exact helix.
+    """Return the geometry of the contact of two nominal balls on the exact helix.
+
+    Parameters
+    ----------
+    screw
+        Ball radius and helix.
 
     References
     ----------
-    Corrects Lin 3.73 to 3.75, which take a circle of radius L/2 pi.
+    Corrects Lin (2019), 3.73 to 3.75, which take a circle of radius L/2 pi in place of the helix.
     """
     spacing = contact_spacing(screw)
     frames = [section_frame(screw, -0.5 * spacing), section_frame(screw, 0.5 * spacing)]
@@ -322,7 +355,7 @@ def pair_geometry(screw: HelicalMotion) -> PairGeometry:
 
 @lru_cache(maxsize=64)
 def groove_arrays(groove: Grooved) -> GrooveArrays:
-    """Return the grooves as the kernels take them, motions scaled to surface speeds per nominal speed."""
+    """Return the arrays by which the kernels describe the grooves; motions are surface speeds over the nominal speed."""
     unit, speed, pair, h = speed_levers(groove), nominal_speed(groove), groove.pair, groove.constants
     scale = speed / unit
     ends = np.array([[1.0, 0.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
@@ -339,15 +372,15 @@ def groove_arrays(groove: Grooved) -> GrooveArrays:
 
 
 def plain_array(values: Array) -> Array:
-    """Return contiguous floats: machine code is made for each kind of array."""
+    """Return ``values`` as contiguous floats, so that the kernels are compiled for one kind of array only."""
     return np.ascontiguousarray(values, dtype=float)
 
 
 def speed_levers(groove: HelicalMotion) -> Array:
-    """Return levers ``(4,)`` [m] from omega_B, omega_x, omega_y, omega_z to surface speeds."""
+    """Return the levers [m] by which omega_B, omega_x, omega_y, omega_z become surface speeds ``(4,)``."""
     return np.array([groove.radius, groove.ball_radius, groove.ball_radius, groove.ball_radius])
 
 
 def nominal_speed(groove: HelicalMotion) -> float:
-    """Return the speed of the nut along the path relative to the screw [m/s]; one at rest."""
+    """Return the speed of the nut along the path relative to the screw [m/s]; 1 m/s for bodies at rest."""
     return float(abs(groove.speed) * groove.radius) or 1.0

@@ -1,7 +1,8 @@
 """Arguments of the kernels of ball screws with friction, as named tuples: the plain and the compiled copy share them.
 
-N balls, m free motions of the screw. Contacts 0 and 1 of a ball are on the screw, 2 and 3 on the nut. x3 points radially,
-y3 along the path, z3 along the binormal of a groove's section.
+There are N balls and m free motions u of the screw. The motion of a ball x (4,) is its orbit and its spins about x3, y3, z3
+as surface speeds over the speed of the nut along the path. Contacts 0 and 1 of a ball are on the screw, 2 and 3 on the nut.
+x3 points radially, y3 along the path, z3 along the binormal of a groove's section.
 """
 
 from typing import NamedTuple
@@ -12,9 +13,9 @@ from rollbench.lowfi.friction.contact.kernel_types import Array, CellArrays
 class GrooveArrays(NamedTuple):
     """Geometry of the grooves of screw and nut for the motion of a ball."""
 
-    #: Maps (3, 3, 4) of (vx, vz, spin) by x: constant, by n_x, by n_z.
+    #: Maps (3, 3, 4) from x to vx, vz [m/s], spin [rad/s] at a contact of normal (n_x, n_z): A_0 + n_x A_1 + n_z A_2.
     affine: Array
-    #: Orbital motion (4,) of the body that a contact is on.
+    #: Scaled rotation about the axis of the body that each contact of a ball is on, screw or nut (4,).
     ride: Array
     #: Hertz constants (4,) of the semi-axes across the groove, a = C_a F^(1/3) [m/N^(1/3)].
     C_a: Array
@@ -22,26 +23,26 @@ class GrooveArrays(NamedTuple):
     C_b: Array
     #: Motion (4,) of a ball that rolls along at the nominal speed.
     nominal: Array
-    #: Sliding (2, 4) at the contact of two balls by the motion of the first.
+    #: Sliding at the contact of two balls, along two tangents, by unit of x of the first ball (2, 4).
     first: Array
-    #: Minus the sliding (2, 4) by the motion of the second.
+    #: Minus this sliding by unit of x of the second ball (2, 4).
     second: Array
-    #: Rate at which a gap closes by x[0] of the first ball.
+    #: Rate at which the gap to the next ball closes by unit of x[0] of the first ball.
     closing: float
     #: Speed of the nut along the path relative to the screw [m/s].
     speed: float
 
 
 class BallArrays(NamedTuple):
-    """Contacts of balls of known loads; forces of friction in one unit of force."""
+    """Contacts of balls under known loads; all friction forces are in one unit of force, the largest friction bound."""
 
     #: Contact forces (N, 4) [N].
     force: Array
-    #: Normals (N, 4, 2) along x3, z3.
+    #: Contact normals along x3, z3 (N, 4, 2).
     normal: Array
-    #: Springs (N,) to the nominal motion.
+    #: Stiffness (N,) of weak springs that draw the balls to the nominal motion.
     hold: Array
-    #: Rate (N,) at which ball k may gain on ball k + 1, as a fraction of ``speed``.
+    #: Largest rate (N,) at which ball k may gain on ball k + 1, as a fraction of ``speed``.
     slack: Array
     #: 1 where ball k can touch ball k + 1, else 0 (N,).
     allowed: Array
@@ -49,18 +50,18 @@ class BallArrays(NamedTuple):
     mu: Array
     #: Coefficient of friction of the grooves over the unit of force [1/N].
     strength: float
-    #: Semi-axes [m] and mu F in the unit of force, (N, 4, 3).
+    #: Semi-axes a, b [m] and friction bound mu F (in the unit of force) of the contacts (N, 4, 3).
     shape: Array
-    #: Motion (vx, vz, spin) of the contacts as fractions of ``speed``, maps @ x + drives: (N, 4, 3, 4).
+    #: Motion (vx, vz, spin) of the contacts over ``speed`` by unit of x: it is maps @ x + drives (N, 4, 3, 4).
     maps: Array
-    #: Contact motions without motion of the ball (N, 4, 3).
+    #: Motion of the contacts over ``speed`` at x = 0 (N, 4, 3).
     drives: Array
 
 
 class BalanceParts(NamedTuple):
     """Residual of the balance of balls in motion and its derivatives."""
 
-    #: Generalised forces out of balance (N, 4).
+    #: Generalised forces out of balance along x, in the unit of force (N, 4).
     balance: Array
     #: Fischer-Burmeister function of ball-to-ball force and gap (N,).
     complementarity: Array
@@ -71,51 +72,51 @@ class BalanceParts(NamedTuple):
 
 
 class JointSystem(NamedTuple):
-    """Loads and motion as one system of equations."""
+    """Data of the system of equations for contact loads and motion together."""
 
-    #: Balls between the bodies.
+    #: Geometry, stiffness and loads of the balls between screw and nut.
     cell: CellArrays
-    #: Grooves.
+    #: Geometry of the grooves for the motion of a ball.
     groove: GrooveArrays
-    #: Contacts of the balls in motion.
+    #: Contacts of the balls in motion, with friction at given loads.
     balls: BallArrays
     #: Unit of force [N].
     unit: float
     #: Unit of positions [m].
     length: float
-    #: Directions of the force (2, 2) on either ball of a pair along x3, z3.
+    #: Direction of the contact force on the first and the second ball of a pair along x3, z3 (2, 2).
     push: Array
-    #: Directions of the two sliding velocities (2, 2, 2) on either ball along x3, z3.
+    #: Directions of the two tangents of their contact in the axes x3, z3 of the first and the second ball (2, 2, 2).
     slide: Array
-    #: Displacement of the screw (N, 3, m) along x3, y3, z3 by u.
+    #: Displacement of the screw along x3, y3, z3 at each ball by unit u (N, 3, m).
     rows: Array
 
 
 class Place(NamedTuple):
     """Unknowns of the joint system."""
 
-    #: Positions of the balls (N, 2) [m].
+    #: Displacements of the balls along x3, z3 (N, 2) [m].
     ball: Array
-    #: Position of the screw (m,) [m].
+    #: Displacement of the screw u (m,) [m].
     screw: Array
-    #: Motions (N, 4) in surface speeds per ``speed``.
+    #: Motions x (N, 4) of the balls, surface speeds over ``speed``.
     motion: Array
     #: Force (N,) of ball k on ball k + 1, in the unit of force.
     ball_force: Array
 
 
 class JointMatrix(NamedTuple):
-    """Residual and Jacobian of the joint system, seven unknowns a ball."""
+    """Residual and Jacobian of the system for loads and motion, a banded matrix with a border; 7 unknowns a ball."""
 
-    #: Right-hand side of the balls (7 N,).
+    #: Residual of the balls' equations (7 N,).
     side: Array
-    #: Right-hand side of the screw (m,).
+    #: Residual of the screw's equations (m,).
     side_screw: Array
-    #: Band (7 N, 3 x half bandwidth + 1) of the balls.
+    #: Derivatives of the balls' equations by their unknowns, as a band (7 N, 3 x half bandwidth + 1).
     band: Array
-    #: Columns (7 N, m) by u.
+    #: Derivatives of the balls' equations by u (7 N, m).
     columns: Array
-    #: Rows (m, 7 N) of the screw.
+    #: Derivatives of the screw's equations by the balls' unknowns (m, 7 N).
     lines: Array
-    #: Corner of the border (m, m).
+    #: Derivatives of the screw's equations by u (m, m).
     corner: Array

@@ -1,11 +1,12 @@
-"""Balls between a rigid screw and a rigid nut: contact loads, quasi-static motion, effect of friction on loads (Lin 3.4.1).
+"""Balls between a rigid screw and a rigid nut: contact loads, quasi-static motion, effect of friction on the loads.
 
-The motion of each ball is that of least dissipation. Its in-plane friction (the helix turns nut and screw against each
-other about y3) changes the contact loads through the ball's equilibrium: ``screw_coupled`` iterates both.
+The model is that of section 3.4.1 of Lin's thesis. The motion of each ball is that of least dissipation. Its friction in
+the plane of the groove's section (the helix turns nut and screw against each other about y3) changes the contact loads
+through the ball's equilibrium: ``chain.coupled_chain`` iterates both.
 
 Loads are the minimum of a convex energy over all positions. Each ball moves in the plane of its groove section (x3 radial,
-z3 binormal), the screw by its free motions u, the nut is fixed. In-plane friction enters as forces on balls and screw that
-do not change while they settle.
+z3 binormal), the screw by its free motions u, the nut is fixed. Friction in this plane is given by forces on balls and
+screw that do not change while the loads are computed.
 """
 
 from __future__ import annotations
@@ -34,7 +35,11 @@ from rollbench.meshes.arrays import Array, Mask
 
 
 def bare_cell(groove: ScrewGroove, angle: Array, interference: Array, rows: Array, force: Array) -> Cell:
-    """Return a cell with no forces but ``force`` on the screw, which begins at its nominal position."""
+    """Return balls between screw and nut with no forces but ``force``, the screw beginning at its nominal position.
+
+    ``angle``: groove angles ``(N, 4)`` [rad]; ``interference``: of ball and groove ``(N, 4)`` [m]; ``rows``: motion of the
+    screw along x3, y3, z3 by unit of its m free motions ``(N, 3, m)``; ``force``: on the screw along these ``(m,)`` [N].
+    """
     none = np.zeros((angle.shape[0], 2))
     return Cell(groove, angle, interference, rows, force, none, none, np.zeros(force.size))
 
@@ -43,31 +48,31 @@ def bare_cell(groove: ScrewGroove, angle: Array, interference: Array, rows: Arra
 class Cell:
     """N balls between screw and nut, with m free motions u of the screw."""
 
-    #: The grooves.
+    #: Grooves of screw and nut with their speeds.
     groove: ScrewGroove
-    #: Groove angles ``(N, 4)`` [rad].
+    #: Contact angles of the unloaded balls ``(N, 4)`` [rad].
     angle: Array
-    #: Interference along each contact ``(N, 4)`` [m].
+    #: Interference of ball and groove at each contact, before any displacement ``(N, 4)`` [m].
     interference: Array
-    #: Motion of the screw along x3, y3, z3 per u ``(N, 3, m)``.
+    #: Displacement of the screw along x3, y3, z3 at each ball by unit u ``(N, 3, m)``.
     rows: Array
-    #: Force on the screw along u ``(m,)`` [N].
+    #: External force on the screw along u ``(m,)`` [N].
     force: Array
-    #: Further displacement of the screw along x3, z3 ``(N, 2)`` [m].
+    #: Further displacement of the screw along x3, z3 at each ball, which is given ``(N, 2)`` [m].
     offset: Array
-    #: Forces on the balls along x3, z3 ``(N, 2)`` [N].
+    #: Forces on the balls along x3, z3, such as friction ``(N, 2)`` [N].
     push: Array
-    #: Further forces on the screw along u ``(m,)`` [N].
+    #: Forces of friction on the screw along u ``(m,)`` [N].
     drag: Array
 
     @property
     def screw_motion(self) -> Array:
-        """Motion of the screw along x3 and z3 per u ``(N, 2, m)``."""
+        """Displacement of the screw along x3 and z3 at each ball by unit u ``(N, 2, m)``."""
         return self.rows[:, [0, 2]]
 
 
 def load_arrays(cell: Cell) -> CellArrays:
-    """Return the cell as the kernels take it."""
+    """Return the arrays by which the kernels describe the balls, the bodies and their loads."""
     start = cell.groove.reach * np.stack([SIGN_X * np.cos(cell.angle), SIGN_Z * np.sin(cell.angle)], axis=-1)
     start, interference, C, section, offset, push, pull = map(
         plain_array,
@@ -85,7 +90,10 @@ def load_arrays(cell: Cell) -> CellArrays:
 
 
 def _first_guess(cell: Cell) -> tuple[Array, Array]:
-    """Return a start: screw pressed along its load by about the approach of an equal share, balls half way."""
+    """Return displacements from which the search for the loads begins: of the balls ``(N, 2)`` and the screw ``(m,)`` [m].
+
+    The screw moves along its load by about the approach under equal loads of all balls, and the balls move half as far.
+    """
     total = float(np.linalg.norm(cell.force))
     count, m = cell.angle.shape[0], cell.rows.shape[2]
     if total == 0.0 or m == 0:
@@ -96,16 +104,17 @@ def _first_guess(cell: Cell) -> tuple[Array, Array]:
 
 
 def settle_load(cell: Cell, start: tuple[Array, Array] | None = None, fast: bool = True) -> SettledCell:
-    """Return the loads of the cell, the minimum of sum (2/5) C^(-3/2) <approach>^(5/2) - force . u - push . p.
+    """Return the contact loads of balls between screw and nut, in balance with the forces on balls and screw.
 
-    By Newton's method with line search; forces do not depend on the start.
+    They are the minimum of sum (2/5) C^(-3/2) <approach>^(5/2) - (force + drag) . u - push . p over the displacements u of
+    the screw and p of the balls, found by Newton's method with line search. The loads do not depend on the start.
 
     Parameters
     ----------
     cell
-        The cell.
+        Balls between screw and nut with the forces on them.
     start
-        Positions of balls ``(N, 2)`` and screw ``(m,)`` to begin from [m].
+        Displacements of the balls ``(N, 2)`` and of the screw ``(m,)`` to begin from [m].
     fast
         Whether to use compiled kernels.
     """
@@ -117,13 +126,14 @@ def settle_load(cell: Cell, start: tuple[Array, Array] | None = None, fast: bool
 
 
 def screw_rows(groove: ScrewGroove, azimuth: Array, free: str) -> Array:
-    """Return the motion ``(N, 3, m)`` along x3, y3, z3 by the screw's free translations, letters of ``free`` in order.
+    """Return the displacement of the screw along x3, y3, z3 at each ball by unit of its free translations ``(N, 3, m)``.
 
-    "z": along the axis; "x", "y": across, in fixed axes; "r": radially at every ball (a ball with a separate screw).
+    ``azimuth``: of the balls ``(N,)`` [rad]. ``free`` has one letter for each of the m translations, in their order: "z"
+    along the axis, "x" and "y" across it, in fixed axes, "r" radially at every ball (each ball has a screw of its own).
     Raises ValueError for other letters.
     """
     if any(letter not in "xyzr" for letter in free):
-        raise ValueError(f'free motions of the screw are letters of "xyzr", not "{free}"')
+        raise ValueError(f'free motions of the screw must be letters of "xyzr", got "{free}"')
     turn = section_frame(groove, azimuth)
     out = np.zeros((*turn.shape[:2], len(free)))
     for j, letter in enumerate(free):
@@ -131,31 +141,32 @@ def screw_rows(groove: ScrewGroove, azimuth: Array, free: str) -> Array:
     return out
 
 
-#: What friction may change: nothing; the balls' places (as the source, 3.4.1); those and the screw's.
+#: What friction may change: nothing; the loads of the balls (section 3.4.1 of Lin's thesis); also the screw's position.
 Coupling = Literal["none", "ball", "ball and screw"]
 
-#: Change of friction [of the sum of contact loads] between rounds that counts as agreement, and most rounds.
+#: Change of the friction forces between rounds, over the sum of the contact loads, at which loads and friction agree, and
+#: largest number of rounds.
 AGREED, ROUNDS = 1e-11, 100
 
 
 @dataclass(frozen=True)
 class BallMotion:
-    """Motion of one ball."""
+    """Motion of one ball under given contact loads."""
 
-    #: The grooves.
+    #: Grooves of screw and nut with their speeds.
     groove: ScrewGroove
-    #: Contacts of the ball ``(4,)``.
+    #: Ellipses, loads and coefficients of friction of the ball's contacts ``(4,)``.
     at: Contacts
-    #: Directions to them ``(4, 3)``.
+    #: Directions from the ball's centre to the contacts in x3, y3, z3 ``(4, 3)``.
     normals: Array
-    #: Problem of its motion.
+    #: Contacts, kinematics and forces that determine the motion.
     problem: Problem
     #: Motion of least dissipation.
     motion: Motion
 
     @property
     def wrench(self) -> Array:
-        """Friction force and moment on the ball at each contact, in x3, y3, z3 ``(4, 6)`` [N, N m]."""
+        """Force (first three) and moment of friction on the ball at each contact in x3, y3, z3 ``(4, 6)`` [N, N m]."""
         return contact_wrench(self.normals, self.motion.friction.force, self.motion.friction.moment)
 
     @property
@@ -165,17 +176,22 @@ class BallMotion:
 
 
 def contact_wrench(normals: Array, force: Array, moment: Array) -> Array:
-    """Return friction in x3, y3, z3 ``(..., 4, 6)`` of forces ``(..., 4, 2)`` along x, z and moments ``(..., 4)``."""
+    """Return force (first three) and moment of friction on balls at each contact in x3, y3, z3 ``(..., 4, 6)`` [N, N m].
+
+    ``normals``: directions from the ball's centre to the contacts in x3, y3, z3 ``(..., 4, 3)``; ``force``: friction along
+    the contacts' axes x, z ``(..., 4, 2)`` [N]; ``moment``: about their axes y ``(..., 4)`` [N m].
+    """
     axes = contact_axes(normals)
     f = np.einsum("...r,...ri->...i", force, axes[..., :2, :])
     return np.concatenate([f, moment[..., None] * axes[..., 2, :]], axis=-1)
 
 
 def helical_power(groove: ScrewGroove, normals: Array, wrench: Array) -> float:
-    """Return the power that keeps nut and screw in helical motion against friction on the balls ``(..., 4, 6)`` [W].
+    """Return the power [W] that keeps nut and screw in helical motion against friction.
 
-    The bodies' friction is the opposite of the balls', so that the drives push with it: velocity of the body's surface
-    at the contact times force, axis times moment.
+    The drives of the bodies push with the friction on the balls: the power is the velocity of the body's surface at the
+    contact times the force plus the body's angular velocity times the moment. ``normals``: directions to the contacts
+    ``(..., 4, 3)``; ``wrench``: force and moment of friction on the balls in x3, y3, z3 ``(..., 4, 6)`` [N, N m].
     """
     body = np.where(ON_SCREW, groove.screw_speed, groove.nut_speed)
     surface = groove.ball_radius * (normals @ groove.crosses[0].T) + groove.radius * np.array([0.0, 1.0, 0.0])
@@ -184,7 +200,9 @@ def helical_power(groove: ScrewGroove, normals: Array, wrench: Array) -> float:
 
 
 def screw_contacts(groove: ScrewGroove, force: Array) -> Contacts:
-    """Return friction contacts ``(n,)`` of forces ``(..., 4)``, flattened; an unloaded one keeps a vanishing ellipse.
+    """Return ellipses, loads and coefficients of friction of contacts, all balls in one row ``(n,)``.
+
+    A contact without load has an ellipse of vanishing size.
 
     Parameters
     ----------
@@ -207,20 +225,20 @@ def ball_motion(
     start: Array | None = None,
     fast: bool = True,
 ) -> BallMotion:
-    """Return the motion of one ball at given loads.
+    """Return the motion of one ball under given contact loads, that of least dissipation.
 
     Parameters
     ----------
     groove
-        The grooves.
+        Grooves of screw and nut with their speeds.
     force
         Contact forces ``(4,)`` [N], two to four of them loaded.
     angle
         Contact angles ``(4,)`` [rad].
     push
-        Other generalised forces on omega_B, omega_x, omega_y, omega_z ``(4,)`` [N m].
+        Generalised forces other than friction along omega_B, omega_x, omega_y, omega_z ``(4,)`` [N m]; None for none.
     start
-        Motion to begin from ``(4,)`` [rad/s].
+        Motion omega_B, omega_x, omega_y, omega_z to begin from ``(4,)`` [rad/s]; None begins near pure rolling.
     fast
         Whether to use compiled kernels.
     """
@@ -232,16 +250,18 @@ def ball_motion(
 
 
 def source_law(groove: ScrewGroove, sharpness: float, map_spacing: float | None = None) -> Sigmoid:
-    """Return Lin's sigmoid with the relative spin of a diagonal pair as its reference, omega_I sin(beta) for a bearing.
+    """Return Lin's sigmoid friction law for the contacts of a screw.
+
+    Its reference spin is the relative spin of two opposite contacts, omega_I sin(beta) for a bearing.
 
     Parameters
     ----------
     groove
-        The grooves.
+        Grooves of screw and nut with their speeds.
     sharpness
-        k_S.
+        Sharpness k_S of the sigmoid.
     map_spacing
-        Step in c/a of his interpolated maps; None: exact integrals.
+        Step in c/a of Lin's tables of friction forces, between which he interpolates; None for exact integrals.
 
     References
     ----------
@@ -252,17 +272,23 @@ def source_law(groove: ScrewGroove, sharpness: float, map_spacing: float | None 
 
 
 def ball_motion_by_root(ball: BallMotion, law: Law, start: Array | None = None) -> Motion:
-    """Return the motion by Lin's method at the same loads, for comparison: a root of the balance (Lin 3.69, 3.71).
+    """Return the motion of a ball by Lin's method for comparison: a root of the balance of forces (Lin 3.69, 3.71).
 
-    law: friction law; start ``(4,)``: rolling at the nominal contact angle where None. "failed" from many starts near
-    two-point contact.
+    ``ball``: the same ball, of which contacts and kinematics are used; ``law``: friction law; ``start``: motion omega_B,
+    omega_x, omega_y, omega_z to begin from ``(4,)`` [rad/s], with None rolling at the nominal contact angle. The search
+    fails (status "failed") from many starts near two-point contact.
     """
     first = np.array([ball.groove.nominal_orbit, 0.0, 0.0, 0.0]) if start is None else start
     return balance_by_root(ball.problem, law, first, fast=True)
 
 
-def feedback(cell: Cell, wrench: Array, extra: Array, coupling: Coupling) -> tuple[Array, Array]:
-    """Return push on balls ``(N, 2)`` and drag on the screw ``(m,)`` of friction ``(N, 4, 6)`` and forces ``(N, 2)``."""
+def forces_of_friction(cell: Cell, wrench: Array, extra: Array, coupling: Coupling) -> tuple[Array, Array]:
+    """Return the forces by which friction and neighbours change the loads: on the balls ``(N, 2)``, the screw ``(m,)`` [N].
+
+    ``cell``: balls between screw and nut; ``wrench``: force and moment of friction on the balls at each contact in x3, y3,
+    z3 ``(N, 4, 6)`` [N, N m]; ``extra``: forces of neighbours on the balls along x3, z3 ``(N, 2)`` [N]; ``coupling``: what
+    friction may change. The forces are zero on what it may not.
+    """
     push = wrench[:, :, [0, 2]].sum(axis=1) + extra
     on_screw = wrench[:, ON_SCREW, :3].sum(axis=1)
     drag = -np.einsum("nim,ni->m", cell.rows, on_screw)
@@ -271,23 +297,24 @@ def feedback(cell: Cell, wrench: Array, extra: Array, coupling: Coupling) -> tup
     return push, drag if coupling == "ball and screw" else np.zeros_like(drag)
 
 
-class Mixer:
-    """Anderson acceleration of x = g(x) over the last few rounds, damped, and restarted after many rounds."""
+class AndersonMixer:
+    """Anderson acceleration of the iteration x = g(x) over the last few rounds, damped, and restarted after many rounds."""
 
     def __init__(self, depth: int = 3, patience: int = 20) -> None:
-        """Make a mixer without history.
+        """Begin without history.
 
-        depth: differences stored; patience: rounds after which steps are halved and the history dropped.
+        ``depth``: number of differences of rounds that are used; ``patience``: number of rounds after which the steps are
+        halved and the history is dropped.
         """
         self.depth, self.patience, self.rounds = depth, patience, 0
         self.x, self.r = list[Array](), list[Array]()
 
     def keep(self, which: Mask) -> None:
-        """Go on with some of many x."""
+        """Keep the history of only some of the many vectors x that are iterated together, those where ``which`` is true."""
         self.x, self.r = [x[which] for x in self.x], [r[which] for r in self.r]
 
     def next(self, x: Array, g: Array) -> Array:
-        """Return the next iterate after x gave g; x may be overwritten afterwards."""
+        """Return the next iterate: ``x`` is the present one and ``g`` = g(x); both may be overwritten afterwards."""
         if self.rounds % self.patience == 0:
             self.x, self.r = [], []
         damping = 0.5 ** (self.rounds // self.patience)
@@ -301,7 +328,7 @@ class Mixer:
 
 
 def hold_screw(cell: Cell, load: SettledCell) -> Cell:
-    """Return the cell with its screw fixed in its equilibrium position, without freedoms."""
+    """Return the balls of a cell with the screw fixed in the position of ``load``, without free motions."""
     return replace(
         cell,
         rows=np.zeros((cell.angle.shape[0], 3, 0)),

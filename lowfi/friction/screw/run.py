@@ -1,9 +1,11 @@
-"""Whole ball screw in time: recirculating balls that touch and part (Lin 3.4.4), between a rigid screw and a rigid nut.
+"""Whole ball screw in time: recirculating balls that touch and part, between a rigid screw and a rigid nut.
 
-The track is a ring: the loaded turns of the nut and a return tube of given length. See ``travel``.
+It is the case study of section 3.4.4 of Lin's thesis. The track is closed: the loaded turns of the nut and a return tube of
+given length. The module ``travel`` computes the balls' way in time.
 
-Two balls that touch are the case study of Lin 3.4.3, with every assumption a parameter. What the section does not print is
-the load state: clearance or oversize, how the force reaches the balls, which contact angles deviate.
+Two balls that touch are the case study of section 3.4.3 of Lin's thesis, with every assumption a parameter. What that
+section does not print is the load state: clearance or oversize, how the force reaches the balls, which contact angles
+deviate.
 """
 
 from __future__ import annotations
@@ -22,32 +24,33 @@ from rollbench.meshes.arrays import Array
 from rollbench.meshes.fields import keyed, usual
 from rollbench.meshes.numerics import brentq
 
-#: Contact angles (SL, SR, NL, NR) that grow with theta: both of the screw; those of a groove shifted sideways.
+#: Factors of the deviation theta at the contacts SL, SR, NL, NR: both contact angles on the screw deviate alike, or in
+#: opposite directions, as on a groove that is shifted sideways.
 BOTH, SHIFTED = (1.0, 1.0, 0.0, 0.0), (1.0, -1.0, 0.0, 0.0)
 
 
 @keyed
 @dataclass(frozen=True)
 class Pair:
-    """Two balls in touch, the first behind the second."""
+    """Two balls that touch, the first behind the second, with their loads."""
 
-    #: The grooves.
+    #: Grooves of screw and nut with their speeds.
     groove: ScrewGroove
-    #: Deviation of the contact angles of each ball [rad].
+    #: Deviation theta of the contact angles of each ball [rad].
     theta: tuple[float, float]
-    #: Factors of it at the contacts of each ball (SL, SR, NL, NR).
+    #: Factors of theta at the contacts SL, SR, NL, NR of each ball (screw or nut, left or right).
     pattern: tuple[tuple[float, ...], tuple[float, ...]] = usual((BOTH, BOTH))
     #: Oversize of the ball radii [m], negative for clearance.
     oversize: float = usual(0.0)
-    #: Free translations of the screw, see `screw_rows`.
+    #: Free translations of the screw, letters of "xyzr" (see `screw_rows`).
     free: str = usual("z")
-    #: Force on the screw along each of them [N].
+    #: Force on the screw along each of its free translations [N].
     force: tuple[float, ...] = usual((0.0,))
-    #: Coupling of loads and friction.
+    #: What friction may change: nothing, the loads of the balls, or also the screw's position.
     coupling: Coupling = usual("none")
 
     def cell(self) -> Cell:
-        """Return the balls, half the spacing before and behind azimuth 0, and their loads."""
+        """Return both balls, half their spacing before and behind azimuth 0, with their loads between screw and nut."""
         half = 0.5 * self.groove.pair.spacing
         angle = self.groove.contact_angle + np.array(self.theta)[:, None] * np.array(self.pattern)
         return bare_cell(
@@ -61,7 +64,7 @@ class Pair:
 
 @dataclass(frozen=True)
 class PairResult:
-    """Two balls of a screw."""
+    """Loads and motion of two balls of a screw, each alone and both in contact."""
 
     #: State without ball-to-ball contact.
     free: CoupledChain
@@ -75,13 +78,13 @@ class PairResult:
 
     @property
     def friction_increase(self) -> float:
-        """Relative increase of the dissipation by ball-to-ball contact; nan without friction."""
-        return _over(self.touching.motion.loss, self.free.motion.loss) - 1.0
+        """Relative increase of the total dissipation by ball-to-ball contact; nan without friction."""
+        return _ratio_or_nan(self.touching.motion.loss, self.free.motion.loss) - 1.0
 
     @property
     def rubbing_ratio(self) -> float:
-        """Ball-to-ball loss over the losses of the balls without contact; nan without friction."""
-        return _over(float(self.touching.motion.ball_loss.sum()), self.free.motion.loss)
+        """Loss by balls that slide on each other over the total loss without ball-to-ball contact; nan without friction."""
+        return _ratio_or_nan(float(self.touching.motion.ball_loss.sum()), self.free.motion.loss)
 
     @property
     def closing(self) -> float:
@@ -100,21 +103,23 @@ class PairResult:
         return self.free.converged and self.touching.converged
 
 
-def _over(amount: float, whole: float) -> float:
+def _ratio_or_nan(amount: float, whole: float) -> float:
+    """Return amount/whole; nan where ``whole`` is not positive."""
     return amount / whole if whole > 0.0 else float("nan")
 
 
 def solve_pair(pair: Pair, guess: Guess | None = None) -> PairResult:
-    """Return both states of the pair (Lin 3.69-3.76).
+    """Return the states of two balls without and with ball-to-ball contact (Lin 3.69-3.76).
 
-    Force and rate are complementary, so that balls that part stay apart.
+    The ball-to-ball force and the rate at which the gap opens are complementary, so that balls that part exert no force.
 
     Parameters
     ----------
     pair
-        The two balls.
+        The two balls with their loads.
     guess
-        Forces and motion from which both states are sought, in place of none and of the balls without contact.
+        Forces and motion from which the search for both states begins. With None the state without contact is sought from
+        no friction, and the state with contact from that without.
     """
     cell, apart = pair.cell(), None if guess is None else replace(guess, ball_force=np.zeros(2))
     free = coupled_chain(cell, np.full(2, np.inf), pair.coupling, guess=apart)
@@ -122,25 +127,26 @@ def solve_pair(pair: Pair, guess: Guess | None = None) -> PairResult:
 
 
 def sliding_speed(pair: Pair) -> float:
-    """Return the sliding speed at the ball-to-ball contact of a pair that touches [m/s]."""
+    """Return the speed at which the two balls of a pair slide on each other [m/s], from their loss over mu times force."""
     motion = solve_pair(pair).touching.motion
     return float(motion.ball_loss[0]) / (pair.groove.between * float(motion.ball_force[0]))
 
 
 def implied_load(pair: Pair, force: float, increase: float) -> float:
-    """Return the sum of contact loads of a ball that a ball-to-ball force and its friction increase imply [N].
+    """Return the sum of contact loads of one ball [N] that a ball-to-ball force and its increase of friction imply.
 
-    mu F v over the increase is the loss at the grooves of both balls; here four equal contacts of each cause it. Of the
-    pair only the kinematics enter: the sliding speed depends on its loads by per cents.
+    The loss mu F v of the balls on each other, over the relative increase, is the loss at the grooves of both balls; here
+    four equal contacts of each ball cause it. Of the pair only the kinematics are used: the sliding speed v depends on its
+    loads by per cents.
 
     Parameters
     ----------
     pair
-        The pair.
+        Two balls with their grooves and speeds.
     force
-        Ball-to-ball force [N].
+        Ball-to-ball force F [N].
     increase
-        Relative increase of the friction.
+        Increase of the friction loss by ball-to-ball contact, over the loss without it.
     """
     g = pair.groove
     loss = 0.5 * g.between * force * sliding_speed(pair) / increase
@@ -154,25 +160,25 @@ def implied_load(pair: Pair, force: float, increase: float) -> float:
 
 @dataclass(frozen=True)
 class PairMap:
-    """Results over a grid of two assumptions."""
+    """Results over a grid of m oversizes and n forces on the screw."""
 
-    #: Ball-to-ball force [N].
+    #: Ball-to-ball force ``(m, n)`` [N].
     force: Array
-    #: Relative increase of the friction.
+    #: Relative increase of the dissipation by ball-to-ball contact ``(m, n)``.
     increase: Array
-    #: Whether both states converged.
+    #: Whether both states, without and with contact, converged ``(m, n)``.
     converged: Array
 
 
 def oversize_map(pair: Pair, oversize: Array, axial: Array) -> PairMap:
-    """Return results over oversize [m] (rows) and force on the screw [N] (columns), each pair solved separately.
+    """Return results over oversize (rows) and force on the screw (columns), each pair solved separately.
 
-    The force is spread over the screw's free motions as given.
+    The force on the screw has the direction that ``pair`` gives by its forces along the screw's free translations.
 
     Parameters
     ----------
     pair
-        Two balls of a screw.
+        Two balls of a screw; oversize and magnitude of the force are replaced.
     oversize
         Oversizes of the ball radius, ``(m,)`` [m].
     axial
@@ -193,52 +199,58 @@ def oversize_map(pair: Pair, oversize: Array, axial: Array) -> PairMap:
 @keyed
 @dataclass(frozen=True)
 class Run:
-    """Run in time of a ball screw, a setting of ``travel`` with azimuths on the screw.
+    """Run in time of a ball screw (a ``Setting`` of ``travel``); azimuths are measured on the screw.
 
-    From ``oversize`` on, assumptions that Lin does not print.
+    The fields from ``oversize`` on are assumptions that Lin does not print.
     """
 
-    #: The grooves.
+    #: Grooves of screw and nut with their speeds.
     groove: ScrewGroove
     #: Number of balls.
     count: int
-    #: Loaded turns.
+    #: Number of loaded turns of the nut.
     turns: float
-    #: Force on the screw along its free translations [N].
+    #: Force on the screw along each of its free translations [N].
     force: tuple[float, ...]
-    #: Free translations of the screw, see `screw_rows`.
+    #: Free translations of the screw, letters of "xyzr" (see `screw_rows`).
     free: str
-    #: [s].
+    #: Time to cover [s].
     duration: float
     #: Number of steps, by the scheme "equal".
     steps: int
     #: Oversize of the ball radii [m].
     oversize: float = usual(0.0)
-    #: Amplitude of the deviation theta of the contact angles over the azimuth [rad].
+    #: Amplitude of the deviation theta of the contact angles, a sine of the azimuth [rad].
     amplitude: float = usual(0.0)
-    #: Cycles of theta per turn.
+    #: Number of cycles of theta per turn.
     cycles: float = usual(2.0)
-    #: Phase of theta [rad].
+    #: Phase of theta at azimuth 0 [rad].
     phase: float = usual(0.0)
-    #: Factors of theta at the contacts (SL, SR, NL, NR).
+    #: Factors of theta at the contacts SL, SR, NL, NR (screw or nut, left or right).
     pattern: tuple[float, ...] = usual(BOTH)
     #: Length of the return tube as an angle of the track [rad]; balls in it bear no load.
     tube: float = usual(0.0)
     #: Position of the first ball at the start as a fraction of the distance between balls.
     first: float = usual(0.5)
-    #: Coupling of loads and friction.
+    #: What friction may change: nothing, the loads of the balls, or also the screw's position.
     coupling: Coupling = usual("none")
-    #: Rounds of load and friction per step (one: friction of the step before).
+    #: Rounds of loads and friction per step; with one the loads are under the friction of the step before.
     rounds: int = usual(1)
-    #: Whether the screw or the nut carries the deviation.
+    #: Body with which the deviation theta of the contact angles turns.
     follows: Literal["screw", "nut"] = usual("screw")
 
     def __post_init__(self) -> None:
-        """Refuse numbers that do not fit together."""
+        """Raise ValueError for numbers that do not fit together."""
         if self.count < 2 or self.steps < 1 or self.duration <= 0.0 or self.tube < 0.0:
-            raise ValueError("need count >= 2, steps >= 1, duration > 0 and tube >= 0")
+            raise ValueError(
+                "a run needs at least 2 balls and 1 step, a positive duration and a return tube that is not negative, "
+                f"got count {self.count}, steps {self.steps}, duration {self.duration} s, tube {self.tube} rad"
+            )
         if self.count * self.groove.pair.spacing >= self.ring:
-            raise ValueError("more balls than the track holds")
+            raise ValueError(
+                f"{self.count} balls take {self.count * self.groove.pair.spacing:.6g} rad and do not fit into the closed "
+                f"track of {self.ring:.6g} rad: lower the number of balls or lengthen the track"
+            )
 
     @property
     def tracks(self) -> tuple[ClosedTrack]:
@@ -253,46 +265,56 @@ class Run:
 
     @property
     def number(self) -> NDArray[np.int64]:
-        """Numbers of the balls ``(N,)``."""
+        """Numbers of the balls, 0 to N - 1 ``(N,)``."""
         return np.arange(self.count)
 
     @property
     def ring(self) -> float:
-        """Length of the closed track [rad]."""
+        """Length of the closed track, return tube included, as an azimuth [rad]."""
         return 2.0 * np.pi * self.turns + self.tube
 
     @property
     def occupation(self) -> float:
-        """Part of the loaded track that the balls would fill (97.8 % in Lin 3.4.4)."""
+        """Length of all balls in touch over that of the loaded turns (97.8 % in section 3.4.4 of Lin's thesis)."""
         return self.count * self.groove.pair.spacing / (2.0 * np.pi * self.turns)
 
     def place(self, azimuth: Array, nut_angle: float) -> tuple[Array, NDArray[np.bool_]]:
-        """Return azimuths on the screw ``(N,)`` folded into the nut's turns, and which balls are in the loaded track."""
+        """Return the balls' azimuths folded into the closed track, and which balls are in its loaded turns.
+
+        ``azimuth``: of the balls on the screw, unwrapped ``(N,)`` [rad]; ``nut_angle``: angle by which the nut has turned
+        on the screw [rad]. Returns azimuths on the screw ``(N,)`` [rad] and a mask ``(N,)``.
+        """
         (track,) = self.tracks
         along = track.along(azimuth, nut_angle)
         return along + nut_angle + track.first, along < track.arc
 
     def begin(self) -> Place:
-        """Return evenly spread balls."""
+        """Return the state at the start: balls spread evenly over the closed track, at the nominal orbital speed."""
         azimuth = self.ring * (np.arange(self.count) + self.first) / self.count - np.pi * self.turns
         gap = np.full(self.count, self.ring / self.count - self.groove.pair.spacing)
         return Place(azimuth, gap, np.full(self.count, self.groove.nominal_orbit - self.groove.screw_speed), None)
 
-    def to_end(self, azimuth: Array, omega: Array, time: float) -> float:
-        """Return the time until a ball passes an end of the nut's turns [s].
+    def time_to_end(self, azimuth: Array, omega: Array, time: float) -> float:
+        """Return the time until a ball passes an end of the nut's loaded turns [s].
 
-        inf where contact angles there are the same as at the other end.
+        It is inf without a return tube if the contact angles are the same at both ends. ``azimuth``: of the balls on the
+        screw ``(N,)`` [rad]; ``omega``: their speeds ``(N,)`` [rad/s]; ``time``: now [s].
         """
         if self.tube == 0.0 and (self.amplitude == 0.0 or (self.cycles * self.turns).is_integer()):
             return np.inf
         speed = self.groove.speed
-        return self.tracks[0].to_end(azimuth, omega - speed, speed * time)
+        return self.tracks[0].time_to_end(azimuth, omega - speed, speed * time)
 
     def instant(self, azimuth: Array, time: float, slack: Array, memory: CoupledChain | None) -> Instant:
-        """Return loads and motions at azimuths on the screw ``(N,)``; memory: the solution before."""
+        """Return the loads and motions of the balls at one instant.
+
+        ``azimuth``: of the balls on the screw ``(N,)`` [rad]; ``time``: of the instant [s]; ``slack``: largest rate at
+        which each ball may gain on the next one ``(N,)`` [rad/s]; ``memory``: solution of the instant before, None at the
+        start.
+        """
         turned = self.groove.speed * time
         azimuths, loaded = self.place(azimuth, turned)
-        near = coupled_chain(run_cell(self, azimuths, loaded, turned), slack, self.coupling, memory, self.rounds)
+        near = coupled_chain(cell_at_instant(self, azimuths, loaded, turned), slack, self.coupling, memory, self.rounds)
         m = near.motion
         return Instant(
             omega=m.q[:, 0] - self.groove.screw_speed,
@@ -313,20 +335,21 @@ def deviation(run: Run, azimuth: Array, turned: float = 0.0) -> Array:
     Parameters
     ----------
     run
-        The run.
+        Run in time, which gives amplitude, cycles and phase of theta.
     azimuth
-        Of the balls on the screw ``(N,)`` [rad].
+        Azimuths of the balls on the screw ``(N,)`` [rad].
     turned
-        Angle of the nut [rad].
+        Angle by which the nut has turned on the screw [rad].
     """
     own = azimuth - (turned if run.follows == "nut" else 0.0)
     return np.asarray(run.amplitude * np.sin(run.cycles * own + run.phase))
 
 
-def run_cell(run: Run, azimuth: Array, loaded: NDArray[np.bool_], turned: float) -> Cell:
-    """Return balls at azimuths ``(N,)`` on the screw, the nut turned by an angle [rad].
+def cell_at_instant(run: Run, azimuth: Array, loaded: NDArray[np.bool_], turned: float) -> Cell:
+    """Return the balls of a run between screw and nut at one instant, with the force on the screw.
 
-    Balls that are not loaded are kept clear of the grooves.
+    ``azimuth``: of the balls on the screw ``(N,)`` [rad]; ``loaded``: which balls are in the loaded turns ``(N,)``, the
+    others being kept clear of the grooves; ``turned``: angle by which the nut has turned on the screw [rad].
     """
     g = run.groove
     angle = g.contact_angle + deviation(run, azimuth, turned)[:, None] * np.array(run.pattern)
@@ -336,39 +359,39 @@ def run_cell(run: Run, azimuth: Array, loaded: NDArray[np.bool_], turned: float)
 
 
 def equal_steps(run: Run) -> History:
-    """Return the run by Lin's scheme of equal steps, from evenly spread balls.
+    """Return the history of a run by Lin's scheme of equal steps, from evenly spread balls.
 
     Parameters
     ----------
     run
-        A whole screw in time.
+        Ball screw in time, with its duration and number of steps.
     """
     return simulate(run, run.duration, run.steps, "equal")
 
 
 @dataclass(frozen=True)
 class RunSummary:
-    """Numbers that Lin 3.4.4 states for its run."""
+    """Numbers that section 3.4.4 of Lin's thesis states for its run."""
 
     #: Largest ratio of ball-to-ball torque to groove torque.
     largest: float
-    #: Nut angle of it [deg].
+    #: Nut angle at which this ratio is largest [deg].
     at: float
-    #: Nut angle of the first step without contact after it [deg]; nan if none.
+    #: Nut angle of the first step after it at which no balls touch [deg]; nan if there is none.
     none_at: float
     #: Largest number of groups of touching balls.
     groups: int
-    #: Variation of the groove torque, (max - min)/mean.
+    #: Variation of the groove torque, (largest - least)/mean; nan without friction.
     groove_variation: float
 
 
 def summarise(result: History) -> RunSummary:
-    """Return the numbers that Lin 3.4.4 states.
+    """Return the numbers that section 3.4.4 of Lin's thesis states for its run.
 
     Parameters
     ----------
     result
-        Time series of a run.
+        History of a run in time.
     """
     angle = np.degrees(result.nut_angle)
     top = int(np.argmax(result.ratio))

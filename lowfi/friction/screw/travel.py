@@ -1,10 +1,11 @@
 """Balls that travel round closed tracks in time: loads and motions at successive instants, neighbours that meet and part.
 
-Over a step the gap of neighbours obeys 0 <= F, 0 <= gap + rate dt, F (gap + rate dt) = 0 (Lin 3.4.4): balls keep their
-order and never overlap. Torques jump where a ball enters or leaves the loaded arc, or meets its neighbour, and are smooth
-between these events. The scheme "located" ends a step at each event, takes a short piece on either side of it, so that the
-torque before and after it is sampled, and is of second order (midpoint rule). "equal" is Lin's: equal steps, loads and
-motions at their start, of first order, with the time of an event wrong by a part of a step.
+Over a step dt the gap of neighbours obeys 0 <= F, 0 <= gap + rate dt, F (gap + rate dt) = 0 (section 3.4.4 of Lin's
+thesis): balls keep their order and never overlap. Torques jump where a ball enters or leaves the loaded arc, or meets its
+neighbour, and are smooth between these events. The scheme "located" ends a step at each event, takes a short piece on
+either side of it, so that the torque before and after it is sampled, and is of second order (midpoint rule). The scheme
+"equal" is Lin's: equal steps with loads and motions computed at their start. It is of first order, and the time of an event
+is wrong by a part of a step.
 """
 
 from __future__ import annotations
@@ -22,32 +23,33 @@ from rollbench.meshes.arrays import Array, Mask
 
 
 class ClosedTrack(NamedTuple):
-    """One closed track; angles in rad."""
+    """One closed track of balls: a loaded arc and a return."""
 
-    #: Number of its start, from 0.
+    #: Number of the thread start on which the track lies, from 0.
     start: int
-    #: Azimuth where its loaded arc begins.
+    #: Azimuth where the loaded arc begins [rad].
     first: float
-    #: Length of the loaded arc.
+    #: Length of the loaded arc as an azimuth [rad].
     arc: float
-    #: Whole length.
+    #: Length of the whole track, return included, as an azimuth [rad].
     ring: float
-    #: Distance of touching nominal balls.
+    #: Difference of the azimuths of two nominal balls that touch [rad].
     spacing: float
-    #: Indices of its balls.
+    #: Which of all N balls are on this track.
     balls: slice
 
     def along(self, azimuth: Array, turned: float = 0.0) -> Array:
-        """Return positions of its balls on the track, 0 to its length [rad], from azimuths of all balls ``(N,)``.
+        """Return the positions of the track's balls behind the beginning of its loaded arc, 0 to ``ring`` [rad].
 
-        turned: angle of the track [rad].
+        ``azimuth``: of all balls ``(N,)`` [rad]; ``turned``: angle by which the track has turned about the axis [rad].
         """
         return np.asarray(np.mod(azimuth[self.balls] - turned - self.first, self.ring))
 
-    def to_end(self, azimuth: Array, rate: Array, turned: float = 0.0) -> float:
-        """Return the time until one of its balls passes an end of the loaded arc [s].
+    def time_to_end(self, azimuth: Array, rate: Array, turned: float = 0.0) -> float:
+        """Return the time until one of the track's balls passes an end of the loaded arc [s]; inf if none moves.
 
-        rate ``(N,)``: of all balls on the track [rad/s].
+        ``azimuth``: of all balls ``(N,)`` [rad]; ``rate``: their speeds relative to the track ``(N,)`` [rad/s];
+        ``turned``: angle by which the track has turned about the axis [rad].
         """
         along, rate = self.along(azimuth, turned), rate[self.balls]
         forward = np.where(along < self.arc, self.arc, self.ring) - along
@@ -66,23 +68,23 @@ CLOSED = 1e-10
 #: Rate of closing over the largest speed of a ball that no pair reaches.
 FASTEST = 10.0
 
-#: Names in a history of the torques of an instant's losses.
+#: Fields of `History` with the torques of the three entries of ``Instant.losses``, in their order.
 TORQUES = ("groove_torque", "ball_torque", "closing_torque")
 
-#: Steps to begin with: per ball diameter travelled, least and most.
+#: Steps to begin with where none are given: number per ball diameter travelled, and least and most of them.
 STEPS_PER_PITCH, FIRST_STEPS = 2.0, (8, 400)
 
 
 class Place(NamedTuple):
-    """State of N balls in time."""
+    """Positions and speeds of N balls at one time."""
 
-    #: ``(N,)`` [rad].
+    #: Azimuths of the balls ``(N,)`` [rad].
     azimuth: Array
     #: Gap to the next ball of the track ``(N,)`` [rad].
     gap: Array
-    #: Speeds ``(N,)`` [rad/s].
+    #: Speeds of the balls in the frame of the azimuths ``(N,)`` [rad/s].
     omega: Array
-    #: Start of the next solution.
+    #: Solution of the instant before, from which the setting begins its next one; None at the start.
     memory: Any
 
 
@@ -92,7 +94,7 @@ class Instant:
 
     #: Speeds in the frame of the azimuths ``(N,)`` [rad/s].
     omega: Array
-    #: Ball force of each ball on the next one ``(N,)`` [N].
+    #: Force of each ball on the next one of its track ``(N,)`` [N].
     ball_force: Array
     #: Contact forces ``(N, 4)`` [N].
     load: Array
@@ -100,13 +102,13 @@ class Instant:
     loaded: Mask
     #: Losses in the grooves, by ball-to-ball sliding, and by closing gaps [W].
     losses: tuple[float, float, float]
-    #: [W].
+    #: Power that screw and nut put in [W].
     input_power: float
     #: Whether loads and motions converged.
     converged: bool
-    #: Start of the next solution.
+    #: Solution from which the setting begins the one of the next instant.
     memory: Any
-    #: Change of friction fed back to loads [N].
+    #: Change, in the last round, of the friction forces that act on the loads [N].
     change: float = 0.0
     #: External axial load on the screw [N].
     axial: float = float("nan")
@@ -115,7 +117,7 @@ class Instant:
 
 
 class Setting(Protocol):
-    """Constants of a run in time."""
+    """Interface of what is run in time: geometry, loads and friction of the parts, and the solution at one instant."""
 
     @property
     def groove(self) -> HelicalMotion:
@@ -131,66 +133,70 @@ class Setting(Protocol):
 
     @property
     def number(self) -> NDArray[np.int64]:
-        """Numbers of the balls in the scene ``(N,)``, -1 for those that begin in the return."""
+        """Numbers of the balls in the scene ``(N,)``; -1 for a ball that begins in the return."""
 
     def begin(self) -> Place:
         """Return the state of the balls at the start."""
 
-    def to_end(self, azimuth: Array, omega: Array, time: float) -> float:
-        """Return the time until a ball passes an end of its loaded arc [s]; inf for none.
+    def time_to_end(self, azimuth: Array, omega: Array, time: float) -> float:
+        """Return the time until a ball passes an end of its loaded arc [s]; inf if no ball does.
 
-        azimuth ``(N,)`` [rad]; omega ``(N,)`` [rad/s].
+        ``azimuth``: of the balls ``(N,)`` [rad]; ``omega``: their speeds ``(N,)`` [rad/s]; ``time``: now [s].
         """
 
     def instant(self, azimuth: Array, time: float, slack: Array, memory: Any) -> Instant | str:
-        """Return loads and motions, or a text that says why no loads are found; slack ``(N,)``: see `AnyChain`."""
+        """Return the loads and motions at one instant, or a text that says why no loads are found.
+
+        ``azimuth``: of the balls ``(N,)`` [rad]; ``time``: of the instant [s]; ``slack``: largest rate at which each ball
+        may gain on the next one ``(N,)`` [rad/s], inf where they cannot touch; ``memory``: that of the instant before.
+        """
 
 
 @dataclass(frozen=True)
 class History:
-    """Run of N balls in time, over T pieces of equal steps; ball k pushes the next one of its track."""
+    """Run of N balls in time. Its equal steps are cut into T pieces in all; ball k pushes the next one of its track."""
 
-    #: Constants of the run.
+    #: What was run, see `Setting`.
     setting: Any
     #: Time that was to be covered [s].
     span: float
     #: Number of equal steps.
     steps: int
-    #: Where loads and motions are solved ``(T,)`` [s].
+    #: Times at which loads and motions are solved, one in each piece ``(T,)`` [s].
     time: Array
-    #: Length of each piece ``(T,)`` [s].
+    #: Duration of each piece ``(T,)`` [s].
     lasts: Array
-    #: Number of its step ``(T,)``.
+    #: Number of the step, from 0, to which each piece belongs ``(T,)``.
     step: NDArray[np.int64]
-    #: Azimuth at that time, unwrapped ``(T, N)`` [rad].
+    #: Azimuths of the balls at ``time``, unwrapped ``(T, N)`` [rad].
     azimuth: Array
     #: Which balls are on a loaded arc ``(T, N)``.
     loaded: Mask
-    #: Gaps at the end of the step ``(T, N)`` [rad].
+    #: Gap of each ball to the next one at the end of the piece ``(T, N)`` [rad].
     gap: Array
-    #: ``(T, N)`` [N].
+    #: Force of each ball on the next one ``(T, N)`` [N].
     ball_force: Array
     #: Speeds in the frame of the azimuths ``(T, N)`` [rad/s].
     omega: Array
     #: Contact forces ``(T, N, 4)`` [N].
     load: Array
-    #: Loss in the grooves per angle ``(T,)`` [N m].
+    #: Friction torque by losses in the grooves: power over the nut's speed on the screw ``(T,)`` [N m].
     groove_torque: Array
-    #: Loss by ball-to-ball sliding per angle ``(T,)`` [N m].
+    #: Friction torque by balls that slide on each other ``(T,)`` [N m].
     ball_torque: Array
-    #: Loss by closing gaps per angle ``(T,)`` [N m].
+    #: Friction torque by gaps that close under force ``(T,)`` [N m].
     closing_torque: Array
-    #: External axial load on the screw ``(T,)`` [N]; nan where the setting has none.
+    #: External axial load on the screw ``(T,)`` [N]; nan where the setting does not give it.
     axial: Array
-    #: Torque about +z that drives the screw ``(T,)`` [N m]; nan likewise.
+    #: Torque about +z that drives the screw ``(T,)`` [N m]; nan where the setting does not give it.
     on_screw: Array
-    #: Power taken in less losses, over the losses ``(T,)``.
+    #: Power taken in less losses, over the losses ``(T,)``; where there are no losses, the power taken in [W].
     imbalance: Array
-    #: Change of friction fed back to loads ``(T,)`` [N].
+    #: Change, in the last round, of the friction forces that act on the loads ``(T,)`` [N].
     change: Array
-    #: ``(T,)``.
+    #: Whether loads and motions of each piece converged ``(T,)``.
     converged: Mask
-    #: Status of the whole run.
+    #: ``"converged"``, or a text that says where the run ended or had no balance.
     status: str
 
     @cached_property
@@ -199,27 +205,27 @@ class History:
         return np.asarray(self.groove_torque + self.ball_torque + self.closing_torque)
 
     def mean(self, values: Array) -> float:
-        """Return the mean over the run of values ``(T,)``."""
+        """Return the mean over time of ``values``, one for each piece ``(T,)``; its unit is theirs."""
         return float(np.sum(self.lasts * values) / np.sum(self.lasts))
 
     @property
     def begun(self) -> int:
-        """Number of steps that were begun and solved, at least in parts."""
+        """Number of steps of which at least one piece was solved."""
         return int(self.step[-1]) + 1 if self.step.size else 0
 
     @cached_property
     def per_step(self) -> Array:
-        """Mean friction torque of every step that was begun [N m]."""
+        """Mean friction torque of each step of which at least one piece was solved ``(begun,)`` [N m]."""
         return np.asarray(np.bincount(self.step, self.lasts * self.torque) / np.bincount(self.step, self.lasts))
 
     @cached_property
     def torques(self) -> dict[str, float]:
-        """Mean, largest and least friction torque [N m]."""
+        """Mean, largest and least friction torque of the run [N m], by the names "mean", "largest" and "least"."""
         return {"mean": self.mean(self.torque), "largest": float(self.torque.max()), "least": float(self.torque.min())}
 
     @property
     def share(self) -> float:
-        """Largest torque by ball-to-ball contact over that of the grooves; nan without friction."""
+        """Largest ratio in the run of the torque by ball-to-ball contact to that of the grooves; nan without friction."""
         return float(self.ratio.max())
 
     @property
@@ -234,7 +240,7 @@ class History:
 
     @property
     def angles(self) -> tuple[float, float]:
-        """Angles by which the rotating part has turned at the run's end, and was to turn [rad]."""
+        """Angle by which the rotating part has turned at the run's end, and the angle it was to turn by [rad]."""
         speed = abs(self.setting.groove.speed)
         return speed * float(self.lasts.sum()), speed * self.span
 
@@ -266,7 +272,7 @@ class History:
     @cached_property
     def groups(self) -> Array:
         """Number of groups of touching balls ``(T,)``."""
-        return np.asarray(sum(groups(self.contact[:, track.balls]) for track in self.setting.tracks))
+        return np.asarray(sum(count_groups(self.contact[:, track.balls]) for track in self.setting.tracks))
 
     @cached_property
     def ratio(self) -> Array:
@@ -276,30 +282,30 @@ class History:
 
     @property
     def advance(self) -> tuple[float, float]:
-        """Angular speed of the screw against the nut [rad/s], and its speed along the axis without end play [m/s]."""
+        """Angular speed of the screw relative to the nut [rad/s], and the speed of its advance along the axis [m/s]."""
         turning = -self.setting.groove.speed
         return turning, self.setting.groove.ratio * turning
 
     @property
     def torque_balance(self) -> Array:
-        """Torque times speed and axial load times advance less all losses ``(T,)`` [W]: zero but for round-off."""
+        """Power of the torque and of the axial load on the screw less all losses ``(T,)`` [W]: zero but for round-off."""
         turning, along = self.advance
         return np.asarray(self.on_screw * turning + self.axial * along - self.torque * abs(turning))
 
 
-def groups(contact: Mask) -> Array:
-    """Return the number of groups of touching balls ``(T,)`` on a closed track, from contacts ``(T, N)``.
+def count_groups(contact: Mask) -> Array:
+    """Return the number of groups of touching balls on a closed track at each of T times ``(T,)``.
 
     Parameters
     ----------
     contact
-        Whether each ball touches the next one, ``(T, N)``.
+        Whether each of the track's balls touches the next one ``(T, N)``.
     """
     return np.asarray(np.sum(contact & ~np.roll(contact, 1, axis=1), axis=1) + np.all(contact, axis=1))
 
 
-def _to_meeting(place: Place, tracks: Sequence[ClosedTrack]) -> float:
-    """Return the time until neighbours meet that are apart [s]."""
+def _time_to_meeting(place: Place, tracks: Sequence[ClosedTrack]) -> float:
+    """Return the time until two neighbours that are apart meet at their present speeds [s]; inf if none do."""
     least = np.inf
     for track in tracks:
         gap, omega = place.gap[track.balls], place.omega[track.balls]
@@ -309,8 +315,12 @@ def _to_meeting(place: Place, tracks: Sequence[ClosedTrack]) -> float:
     return least
 
 
-def _piece(left: float, step: float, event: float, after: bool) -> tuple[float, bool]:
-    """Return the length of the next part of a step, of which ``left`` remains, and whether an event ends it."""
+def _next_piece(left: float, step: float, event: float, after: bool) -> tuple[float, bool]:
+    """Return the duration of the next piece of a step [s], and whether an event ends it.
+
+    ``left``: time that remains of the step [s]; ``step``: duration of the whole step [s]; ``event``: time until the next
+    event [s]; ``after``: whether an event ended the piece before, so that this one is short.
+    """
     short = SHORT * step
     limit = min(short, left) if after else left
     if event >= limit:
@@ -322,8 +332,11 @@ def _piece(left: float, step: float, event: float, after: bool) -> tuple[float, 
     return (left, ends) if left - piece < TINY * step else (piece, ends)
 
 
-def _history(rows: list[dict[str, Any]], setting: Setting, span: float, steps: int, status: str) -> History:
-    """Return the arrays of all pieces."""
+def _history_of_pieces(rows: list[dict[str, Any]], setting: Setting, span: float, steps: int, status: str) -> History:
+    """Return the run of which ``rows`` holds one dictionary of values by name for each piece; ``span``: in time [s].
+
+    A converged ``status`` is replaced if a piece did not converge: it then names the first such angle.
+    """
     direct = ("setting", "span", "steps", "status")
     arrays = {f.name: np.array([row[f.name] for row in rows]) for f in fields(History) if f.name not in direct}
     run = History(setting, span, steps, status=status, **arrays)
@@ -336,14 +349,14 @@ def _history(rows: list[dict[str, Any]], setting: Setting, span: float, steps: i
 def simulate(
     setting: Setting, span: float, steps: int, scheme: Scheme = "located", report: Callable[[float], object] = float
 ) -> History:
-    """Return a run in equal steps, which are cut at events or not.
+    """Return a run in equal steps, which the scheme "located" cuts at events.
 
-    Gaps stay >= 0 and sum up to the free length of their ring. Ends early where loads are not found.
+    Gaps stay >= 0 and sum up to the free length of their track. The run ends early where no loads are found.
 
     Parameters
     ----------
     setting
-        Constants of the run.
+        Parts, loads and friction of the run.
     span
         Time to cover [s].
     steps
@@ -351,14 +364,19 @@ def simulate(
     scheme
         ``"located"``: cut at events, second order; ``"equal"``: not cut, first order.
     report
-        Called with the share of the run that is done.
+        Function that is called after each step with the fraction of the run that is done.
+
+    Raises
+    ------
+    ValueError
+        No step, or no time to cover.
 
     References
     ----------
-    Lin (2019), 3.4.4, for the scheme "equal".
+    Lin (2019), section 3.4.4, for the scheme "equal".
     """
     if steps < 1 or not span > 0.0:
-        raise ValueError("need steps >= 1 and a duration above zero")
+        raise ValueError(f"a run in time needs at least 1 step and a duration above 0 s, got {steps} steps and {span} s")
     dt, place, rows, located = span / steps, setting.begin(), list[dict[str, Any]](), scheme == "located"
     speed = abs(setting.groove.speed)
     if located:
@@ -370,8 +388,8 @@ def simulate(
         while left > 0.0:
             piece, begin, count = left, k * dt + (dt - left), count + 1
             if located and count < PIECES:
-                event = min(setting.to_end(place.azimuth, place.omega, begin), _to_meeting(place, setting.tracks))
-                piece, after = _piece(left, dt, event, after)
+                event = min(setting.time_to_end(place.azimuth, place.omega, begin), _time_to_meeting(place, setting.tracks))
+                piece, after = _next_piece(left, dt, event, after)
             ahead = 0.5 * piece if located else 0.0
             azimuth, time = place.azimuth + ahead * place.omega, begin + ahead
             slack = place.gap / piece
@@ -379,8 +397,8 @@ def simulate(
                 slack = np.where(slack > FASTEST * np.abs(place.omega).max(), np.inf, slack)
             instant = setting.instant(azimuth, time, slack, place.memory)
             if isinstance(instant, str):
-                return _history(rows, setting, span, steps, f"at {np.degrees(speed * time):.6g} deg: {instant}")
-            place = _moved(setting, place, instant, piece)
+                return _history_of_pieces(rows, setting, span, steps, f"at {np.degrees(speed * time):.6g} deg: {instant}")
+            place = _state_after_piece(setting, place, instant, piece)
             loss = sum(instant.losses)
             rows.append(
                 {name: value for name, value in vars(instant).items() if name != "memory"}
@@ -390,33 +408,36 @@ def simulate(
             )
             left -= piece
         report((k + 1) / steps)
-    return _history(rows, setting, span, steps, "converged")
+    return _history_of_pieces(rows, setting, span, steps, "converged")
 
 
 def no_report(steps: str, share: float) -> None:
-    """Report nothing."""
+    """Do nothing: the report on progress of a run that nobody watches."""
 
 
-def resolved(
+def run_with_step_errors(
     setting: Setting, span: float, steps: int | None, goal: float, report: Callable[[str, float], object] = no_report
 ) -> tuple[History, StepError | None]:
-    """Return the run over ``span`` [s] with the errors of its steps.
-
-    Steps that are not given are chosen so that no error is above ``goal``, a share of the mean friction torque. report:
-    called with a text on the steps, and the share of them that is done.
+    """Return a run in time by the scheme "located", and the estimated errors by its finite steps.
 
     Parameters
     ----------
     setting
-        What runs: parts, motion, friction.
+        Parts, loads and friction of the run.
     span
         Time of the run [s].
     steps
-        Number of time steps; None: chosen by ``goal``.
+        Number of equal steps. With None it is doubled until no estimated error is above ``goal``.
     goal
-        Largest error of the steps, as a share of the mean friction torque.
+        Largest error that finite steps may cause, over the mean friction torque.
     report
-        Called with a text on the steps, and the share of them that is done.
+        Function that is called with a text, which names the number of steps, and the fraction of them that is done.
+
+    Returns
+    -------
+    tuple[History, StepError | None]
+        The run with the most steps, and its errors; None in their place where the run ended early or has fewer than four
+        steps.
     """
     pitches = abs(float(setting.begin().omega[0])) * span / setting.tracks[0].spacing
     first = int(np.clip(np.ceil(STEPS_PER_PITCH * pitches), *FIRST_STEPS))
@@ -427,8 +448,8 @@ def resolved(
     return solve_steps(run, steps, first, goal)
 
 
-def _moved(setting: Setting, place: Place, instant: Instant, piece: float) -> Place:
-    """Return the state of the balls after a piece with the speeds of an instant."""
+def _state_after_piece(setting: Setting, place: Place, instant: Instant, piece: float) -> Place:
+    """Return the state of the balls after ``piece`` seconds with the speeds of ``instant``."""
     gap = np.empty_like(place.gap)
     for track in setting.tracks:
         omega = instant.omega[track.balls]
@@ -437,10 +458,11 @@ def _moved(setting: Setting, place: Place, instant: Instant, piece: float) -> Pl
     return Place(place.azimuth + piece * instant.omega, gap, instant.omega, instant.memory)
 
 
-#: Orders of smooth motion and of jumps; factor of the change between levels where no order is seen, and the order below
-#: which Richardson's extrapolation has that factor too.
+#: Order of convergence of smooth motion, that of jumps of the torque, and the factor from the change between two levels
+#: to the error where no order is observed.
 SMOOTH, OF_JUMPS, UNCLEAR = 2.0, 1.0, 10.0
 
+#: Order below which Richardson's extrapolation has the factor ``UNCLEAR`` too.
 LEAST = float(np.log2(1.0 + 1.0 / UNCLEAR))
 
 #: Safety factor on an extrapolated error.
@@ -454,14 +476,14 @@ ROUND_OFF = 1e-9
 
 
 @dataclass(frozen=True)
-class Observed:
+class ErrorEstimate:
     """Estimated discretisation error of one quantity."""
 
-    #: Part of the mean torque.
+    #: Error over the mean friction torque.
     error: float
-    #: Order over three levels; nan where the change is round-off.
+    #: Order of convergence observed over three levels; nan where the change is round-off.
     order: float = float("nan")
-    #: Order that is used; nan where none is clear.
+    #: Order with which the error is extrapolated; nan where no order is observed.
     used: float = SMOOTH
 
     @property
@@ -472,21 +494,21 @@ class Observed:
 
 @dataclass(frozen=True)
 class StepError:
-    """Estimated errors by finite steps."""
+    """Estimated errors of a run by its finite steps."""
 
-    #: Quantities of ``torque`` over the angle, of torques by name and of ``share``.
-    quantities: dict[str, Observed]
-    #: Numbers of steps of the levels.
+    #: Errors by quantity: ``torque`` over the angle, the ``torques`` of `History` by their names, and its ``share``.
+    quantities: dict[str, ErrorEstimate]
+    #: Numbers of steps of the three runs that are compared, coarsest first.
     steps: tuple[int, ...]
 
     @property
     def torque(self) -> float:
-        """Mean absolute error of the torque over the run."""
+        """Mean absolute error of the torque over the run, over the mean torque."""
         return self.quantities["torque"].error
 
     @property
     def largest(self) -> float:
-        """Largest error of all quantities."""
+        """Largest error of all quantities, over the mean torque."""
         return max(q.error for q in self.quantities.values())
 
     @property
@@ -495,42 +517,44 @@ class StepError:
         return tuple(name for name, q in self.quantities.items() if q.unclear)
 
     def small(self, goal: float) -> bool:
-        """Return whether every error is at most ``goal``."""
+        """Return whether every error is at most ``goal``, a fraction of the mean torque."""
         return self.largest <= goal
 
 
-def change(coarse: Array, fine: Array) -> float:
-    """Return the mean absolute difference of torques ``(T,)`` and ``(T',)``, T' >= T.
+def mean_torque_difference(coarse: Array, fine: Array) -> float:
+    """Return the mean absolute difference of the torques of two runs over the same time, in the unit of the torques.
 
-    Means of the finer one over the coarser steps.
+    ``coarse``: mean torque of each of its S steps ``(S,)``; ``fine``: that of each of its S' >= S steps ``(S',)``, which
+    is averaged over the coarser steps.
     """
     at = np.arange(coarse.size + 1) * (fine.size / coarse.size)
     work = np.interp(at, np.arange(fine.size + 1), np.concatenate([[0.0], np.cumsum(fine)]))
     return float(np.mean(np.abs(np.diff(work) * (coarse.size / fine.size) - coarse)))
 
 
-def observed(before: float, last: float, jumps: bool = False) -> Observed:
-    """Return the error from the changes of a quantity between three levels, each with half the steps of the one before.
+def estimated_error(before: float, last: float, jumps: bool = False) -> ErrorEstimate:
+    """Return the estimated error of a quantity from its changes between three levels, each with half as long steps.
 
-    Richardson's extrapolation by the observed order, at most that of smooth motion, and where ``jumps`` are possible that
-    of jumps unless it is near the former. Changes that grow, keep their size, or turn their sign give no order: the error
-    is then UNCLEAR times the largest of them.
+    ``before``: change from the coarsest to the middle level; ``last``: from the middle to the finest level, both over the
+    mean torque. Richardson's extrapolation takes the observed order, at most that of smooth motion. Where the quantity may
+    have ``jumps``, it takes the order of jumps unless the observed one is near that of smooth motion. Changes that grow,
+    keep their size, or turn their sign give no order: the error is then UNCLEAR times the largest of them.
     """
     most = max(abs(before), abs(last), abs(before + last))
     if most <= ROUND_OFF:
-        return Observed(most)
+        return ErrorEstimate(most)
     order = float(np.log2(max(abs(before), 1e-300) / max(abs(last), 1e-300)))
     if before * last < 0.0 or order < LEAST:
-        return Observed(UNCLEAR * most, order, float("nan"))
+        return ErrorEstimate(UNCLEAR * most, order, float("nan"))
     used = min(order, SMOOTH if not jumps or order > SMOOTH - 0.5 else OF_JUMPS)
-    return Observed(SAFETY * max(abs(last), abs(before) / 2.0**used) / (2.0**used - 1.0), order, used)
+    return ErrorEstimate(SAFETY * max(abs(last), abs(before) / 2.0**used) / (2.0**used - 1.0), order, used)
 
 
 def step_error(levels: Sequence[History]) -> StepError | None:
-    """Return the errors of the last of three runs, each with twice the steps of the one before; None for fewer.
+    """Return the errors of the last of the runs ``levels``, from the last three, each with more steps than the one before.
 
-    Levels may agree by chance on a wrong time of a jump in the torque: its error is never below the largest jump between
-    two steps for half a step.
+    None for fewer than three runs. Runs may agree by chance on a wrong time of a jump in the torque: its error is never
+    below the largest jump between two steps for half a step.
     """
     steps = tuple(level.per_step.size for level in levels[-3:])
     if len(steps) < 3 or not steps[0] < steps[1] < steps[2]:
@@ -538,23 +562,25 @@ def step_error(levels: Sequence[History]) -> StepError | None:
     one, two, three = (level.per_step for level in levels[-3:])
     size = abs(float(three.mean()))
     if size == 0.0:
-        return StepError({"torque": Observed(0.0)}, steps)
-    over = observed(change(one, two) / size, change(two, three) / size, jumps=True)
+        return StepError({"torque": ErrorEstimate(0.0)}, steps)
+    over = estimated_error(mean_torque_difference(one, two) / size, mean_torque_difference(two, three) / size, jumps=True)
     least = 0.5 * float(np.abs(np.diff(three)).max(initial=0.0)) / (steps[-1] * size)
     errors = {"torque": replace(over, error=max(over.error, least))}
     numbers = [{name: value / size for name, value in x.torques.items()} | {"share": x.share} for x in levels[-3:]]
     for name, value in numbers[-1].items():
         if not np.isnan(value):
-            errors[name] = observed(numbers[1][name] - numbers[0][name], value - numbers[1][name])
+            errors[name] = estimated_error(numbers[1][name] - numbers[0][name], value - numbers[1][name])
     return StepError(errors, steps)
 
 
 def solve_steps(
     simulate: Callable[[int], History], steps: int | None, first: int, goal: float
 ) -> tuple[History, StepError | None]:
-    """Return run at given steps, with about half and a quarter of them; without, at doubled steps until errors are small.
+    """Return the run with the most steps of a series, and the estimated errors by its finite steps.
 
-    first: steps to begin with where none are given. No error (None) where a run ended early, or for fewer than four steps.
+    ``simulate``: returns the run with a given number of steps. ``steps``: number of steps, from which the series also has
+    about a quarter and half; with None the series begins with ``first`` steps and doubles them until no error is above
+    ``goal``, a fraction of the mean torque. The errors are None where a run ended early, or for fewer than four steps.
     """
     if steps is not None:
         counts = sorted({max(1, steps // 4), max(1, steps // 2), steps})

@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from rollbench.lowfi.friction.screw.chain import AnyChain, ChainMotion, Rubs, solve_chain
+from rollbench.lowfi.friction.screw.chain import AnyChain, ChainMotion, FrictionContacts, solve_chain
 from rollbench.lowfi.friction.screw.groove import ON_SCREW, Constants, Grooved, contact_spacing
 from rollbench.lowfi.friction.screw.travel import ClosedTrack
 from rollbench.lowfi.friction.whole.contacts import StaticContacts, contacts_of_result
@@ -179,12 +179,12 @@ class SceneChain(AnyChain):
     #: Contacts of the balls.
     at: StaticContacts
     #: The contacts as friction needs them.
-    contacts: Rubs
+    contacts: FrictionContacts
     #: Coefficient of friction from ball to ball.
     between: float
 
     @property
-    def rubs(self) -> Rubs:
+    def friction_contacts(self) -> FrictionContacts:
         """Return the contacts with their semi-axes and maps."""
         return self.contacts
 

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from rollbench.lowfi.friction.contact.rings import settle_each_ball
 from rollbench.lowfi.friction.screw.groove import ON_SCREW
-from rollbench.lowfi.friction.screw.motion import Mixer
+from rollbench.lowfi.friction.screw.motion import AndersonMixer
 from rollbench.lowfi.friction.whole.contacts import StaticContacts, replace_loads
 from rollbench.lowfi.friction.whole.losses import BallFriction, ball_friction
 from rollbench.lowfi.statics.result import StaticResult
@@ -146,7 +146,7 @@ def feed_back(
     count = at.force.shape[0]
     along, loaded = place.axis[[0, 2]], at.force.sum(axis=1) > 0.0
     still = _left(at.force, at.normals[..., [0, 2]], along, np.zeros((count, 3)))
-    guess, shift, mixer = np.zeros((count, 3)), np.zeros((count, 3)), Mixer(2, ROUNDS)
+    guess, shift, mixer = np.zeros((count, 3)), np.zeros((count, 3)), AndersonMixer(2, ROUNDS)
     contacts, active, rounds = at, np.flatnonzero(loaded), 0
     if near is not None and active.size:
         guess[active] = near[active]

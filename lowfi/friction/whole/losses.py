@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rollbench.lowfi.friction.contact.motion import STATUS
-from rollbench.lowfi.friction.screw.chain import Rubs
+from rollbench.lowfi.friction.screw.chain import FrictionContacts
 from rollbench.lowfi.friction.screw.groove import ON_SCREW, HelicalMotion, contact_axes
 from rollbench.lowfi.friction.screw.motion import contact_wrench
 from rollbench.lowfi.friction.whole.contacts import StaticContacts
@@ -182,12 +182,14 @@ def shares(friction: Friction) -> tuple[Array, float]:
     return (mu / top if top > 0.0 else np.ones(4)), top
 
 
-def rubs_of(scene: Scene, at: StaticContacts, share: Array, drive: Drive) -> Rubs:
+def rubs_of(scene: Scene, at: StaticContacts, share: Array, drive: Drive) -> FrictionContacts:
     """Return the contacts as friction needs them, with coefficients ``share`` ``(4,)``; axes x along the long semi-axis."""
     maps, drives = ball_path(scene, drive, scene.balls.radius).maps(at.normals, at.ball_radius)
     for rows in (maps, drives):
         rows[~at.across] = _quarter(rows[~at.across])
-    return Rubs(np.stack([at.a, at.b, share * at.force], axis=-1), np.ascontiguousarray(maps), np.ascontiguousarray(drives))
+    return FrictionContacts(
+        np.stack([at.a, at.b, share * at.force], axis=-1), np.ascontiguousarray(maps), np.ascontiguousarray(drives)
+    )
 
 
 def turn_back(at: StaticContacts, values: Array) -> None:

@@ -211,11 +211,11 @@ class Setting:
         gap = np.maximum(self.balls.gaps(self.balls.azimuth), 0.0)
         return Place(self.balls.azimuth, gap, np.full(count, nominal), memory)
 
-    def to_end(self, azimuth: Array, omega: Array, time: float) -> float:  # noqa: ARG002 - the arcs are fixed in the nut
+    def time_to_end(self, azimuth: Array, omega: Array, time: float) -> float:  # noqa: ARG002 - arcs are fixed in the nut
         """Return the time until a ball passes an end of its loaded arc [s]; inf for a bearing, which has none."""
         if self.scene.track.lead == 0.0:
             return np.inf
-        return min(track.to_end(azimuth, omega) for track in self.tracks)
+        return min(track.time_to_end(azimuth, omega) for track in self.tracks)
 
     def instant(self, azimuth: Array, time: float, slack: Array, memory: Memory) -> Instant | str:
         """Return loads at the balls' positions, then their motions; azimuths ``(N,)`` in the nut's frame."""

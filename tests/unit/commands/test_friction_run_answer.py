@@ -12,7 +12,7 @@ from tests.helpers import small_screw
 from rollbench.compare.errors import InputError
 from rollbench.compare.studies.friction.run import judge_history, run_json, run_lines
 from rollbench.compare.studies.friction.whole import Choices, solve_scene
-from rollbench.lowfi.friction.screw.travel import Observed, StepError, simulate
+from rollbench.lowfi.friction.screw.travel import ErrorEstimate, StepError, simulate
 from rollbench.meshes.parts import Time
 
 pytestmark = pytest.mark.xdist_group("run in time")
@@ -63,7 +63,7 @@ def test_error_of_the_steps_stands_in_every_result(answer):
 def test_an_error_above_the_goal_or_that_nobody_knows_has_not_converged_in_the_step():
     history, names = simulate(setting(sparse()), 0.02, 4), ("torque", "mean", "largest", "least", "share")
     for name, size in product(names, (0.005, 0.02, 2.2)):
-        found = {key: Observed(size if key == name else 0.001) for key in names}
+        found = {key: ErrorEstimate(size if key == name else 0.001) for key in names}
         run = judge_history(history, StepError(found, (1, 2, 4)), Time(angle=0.2, steps=4))
         assert run.converged is (size < 0.01)
         if not run.converged:

@@ -231,7 +231,11 @@ def test_root_finding_of_the_source():
 
 @pytest.mark.parametrize(
     ("change", "message"),
-    [({"groove_radius": 6e-3}, "groove_radius"), ({"contact_angle": 0.0}, "contact_angle"), ({"mu": -0.1}, "mu")],
+    [
+        ({"groove_radius": 6e-3}, "ball, groove and pitch radius"),
+        ({"contact_angle": 0.0}, "contact angle"),
+        ({"mu": -0.1}, "mu"),
+    ],
 )
 def test_refused(change, message):
     with pytest.raises(ValueError, match=message):

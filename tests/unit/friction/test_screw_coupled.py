@@ -8,7 +8,7 @@ from tests.friction_oracles import ball_cell, coupled_ball
 
 from rollbench.compare.cases.lin.evidence.source_cases import case_as_printed, inferred, table_3_6
 from rollbench.lowfi.friction.screw.chain import PATIENCE, CoupledChain, Guess, coupled_chain, solve_joint
-from rollbench.lowfi.friction.screw.motion import feedback, hold_screw, settle_load
+from rollbench.lowfi.friction.screw.motion import forces_of_friction, hold_screw, settle_load
 from rollbench.lowfi.friction.screw.run import BOTH, Pair, solve_pair
 
 #: One of the cases below: the way with the first regularising speed ends in a fold.
@@ -61,7 +61,7 @@ def test_one_system_gives_what_rounds_give(make, coupling: str) -> None:
     found = solve_joint(held, np.array([0.0, np.inf]), (bare.ball, bare.inner[: held.force.size]))
     assert found.done
     friction, pushed = rounds.motion.wrench, rounds.motion.ball_push[:, [0, 2]]
-    push, drag = feedback(held, friction, pushed, coupling)  # type: ignore[arg-type]
+    push, drag = forces_of_friction(held, friction, pushed, coupling)  # type: ignore[arg-type]
     scale = float(rounds.load.force.sum())
     assert found.push == pytest.approx(push, abs=1e-8 * scale)
     assert found.drag == pytest.approx(drag, abs=1e-8 * scale)

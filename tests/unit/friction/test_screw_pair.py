@@ -9,7 +9,7 @@ from tests.helpers import SCREW_STATES as STATES
 
 from rollbench.compare.cases.lin.evidence.source_cases import case_as_printed, inferred, table_3_6
 from rollbench.lowfi.friction.contact.laws import dissipated_power
-from rollbench.lowfi.friction.screw.chain import Chain, Search, solve_chain
+from rollbench.lowfi.friction.screw.chain import BalanceSearch, Chain, solve_chain
 from rollbench.lowfi.friction.screw.groove import SIGN_X, SIGN_Z
 from rollbench.lowfi.friction.screw.motion import ball_motion, screw_contacts, settle_load
 from rollbench.lowfi.friction.screw.run import BOTH, implied_load, oversize_map, sliding_speed, solve_pair
@@ -102,7 +102,7 @@ def test_frictionless_chain_is_a_constrained_least_dissipation() -> None:
     chain = open_chain(screw, force, angle)
     r = solve_chain(chain)
     assert np.all(r.ball_loss == 0.0)
-    s, at = Search(chain), screw_contacts(screw, force)
+    s, at = BalanceSearch(chain), screw_contacts(screw, force)
     maps, drives = screw.maps(chain.normals)
 
     def seen(x):
@@ -118,7 +118,7 @@ def test_frictionless_chain_is_a_constrained_least_dissipation() -> None:
 
     order = [{"type": "ineq", "fun": lambda x, k=k: x[4 * k + 4] - x[4 * k]} for k in range(2)]
     best = minimize(
-        loss, s.without_neighbours().ravel(), jac=slope, method="SLSQP", constraints=order, options={"ftol": 1e-14}
+        loss, s.motions_without_neighbours().ravel(), jac=slope, method="SLSQP", constraints=order, options={"ftol": 1e-14}
     )
     assert best.fun == pytest.approx(1.0, rel=1e-7)
     assert best.x[::4] == pytest.approx(r.q[:, 0] * s.units[0] / s.speed, rel=1e-5)
@@ -168,8 +168,8 @@ def test_map_of_the_assumptions() -> None:
 @pytest.mark.parametrize(
     ("change", "match"),
     [
-        ({"groove_radius": 1e-3}, "ball_radius"),
-        ({"contact_angle": 0.0}, "contact_angle"),
+        ({"groove_radius": 1e-3}, "ball, groove and pitch radius"),
+        ({"contact_angle": 0.0}, "contact angle"),
         ({"mu": -0.1}, "mu"),
         ({"pitch_radius": 3.2e-3, "lead": 0.0}, "too large"),
     ],

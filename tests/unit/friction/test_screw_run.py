@@ -9,7 +9,7 @@ from scipy.interpolate import CubicSpline
 
 from rollbench.compare.cases.lin.evidence.source_cases import lin_3_4_4
 from rollbench.lowfi.friction.screw.motion import ball_motion
-from rollbench.lowfi.friction.screw.run import deviation, equal_steps, run_cell, summarise
+from rollbench.lowfi.friction.screw.run import cell_at_instant, deviation, equal_steps, summarise
 from rollbench.lowfi.friction.screw.travel import History
 
 pytestmark = pytest.mark.xdist_group("whole run of the source")
@@ -84,7 +84,7 @@ def test_recirculation_folds_balls_into_the_nut() -> None:
     assert list(loaded) == [True, True, True, True, False, True]
     later, _ = run.place(azimuth + 1.0, 1.0)
     assert later == pytest.approx(there + 1.0)
-    cell = run_cell(run, there, loaded, 0.0)
+    cell = cell_at_instant(run, there, loaded, 0.0)
     assert cell.interference[4].max() < -1e-4
 
 
@@ -116,7 +116,7 @@ def test_reversed_motion_and_mirrored_pattern() -> None:
     assert two.ball_force[:, ::-1] == pytest.approx(np.roll(one.ball_force, 1, axis=1), abs=1e-5)
 
 
-@pytest.mark.parametrize(("change", "match"), [({"count": 38}, "more balls"), ({"steps": 0}, "steps")])
+@pytest.mark.parametrize(("change", "match"), [({"count": 38}, "38 balls"), ({"steps": 0}, "steps")])
 def test_bad_input(change: dict[str, int], match: str) -> None:
     with pytest.raises(ValueError, match=match):
         lin_3_4_4(**change)

@@ -14,7 +14,7 @@ from tests.whole_screws import contacts_in, scene_of
 from rollbench.compare.cases.lin.evidence.source_cases import lin_3_4_4
 from rollbench.lowfi.friction.screw.chain import Chain, solve_chain
 from rollbench.lowfi.friction.screw.motion import settle_load
-from rollbench.lowfi.friction.screw.run import run_cell
+from rollbench.lowfi.friction.screw.run import cell_at_instant
 from rollbench.lowfi.friction.screw.travel import simulate
 from rollbench.lowfi.friction.whole.circuit import balls_of, chain_motion, grooves_of
 from rollbench.lowfi.friction.whole.state import friction_state
@@ -167,7 +167,7 @@ def test_given_loads_move_balls_as_in_the_source_s_module(clearance):
     case = lin_3_4_4()
     g, azimuth = case.groove, case.ring * (np.arange(37) + 0.5) / 37 - np.pi * case.turns
     loads, slack = (
-        settle_load(run_cell(case, azimuth, np.ones(37, dtype=bool), 0.0)),
+        settle_load(cell_at_instant(case, azimuth, np.ones(37, dtype=bool), 0.0)),
         np.append(np.full(36, clearance), np.inf),
     )
     expected = solve_chain(Chain(g, loads.force, g.normals(loads.angle), slack))

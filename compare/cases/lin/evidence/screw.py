@@ -34,7 +34,7 @@ from rollbench.lowfi.friction.screw.run import (
     solve_pair,
     summarise,
 )
-from rollbench.lowfi.friction.screw.travel import History, StepError, groups, resolved
+from rollbench.lowfi.friction.screw.travel import History, StepError, count_groups, run_with_step_errors
 from rollbench.lowfi.friction.whole.circuit import Onset, contact_onset
 from rollbench.meshes.arrays import Array
 from rollbench.reports.content import Quantity, Row
@@ -74,7 +74,7 @@ def simulate_with_step_control(amplitude: float) -> tuple[History, StepError | N
     ``amplitude``: of theta [deg].
     """
     run = source_cases.shipped_run(amplitude)
-    return resolved(run, run.duration, None, STEP_GOAL)
+    return run_with_step_errors(run, run.duration, None, STEP_GOAL)
 
 
 @cache
@@ -555,7 +555,7 @@ def lin_method_row(run: Run) -> Row:
     value = f"as the case study, 3°; balls overlap in {r.overlapping} steps, by up to {overlap:.1f} % of their size"
     spread, steps = 100.0 * float(np.ptp(torque) / torque.mean()), f"{len(r.status) - r.failures} of {len(r.status)}"
     first = SOURCE_RULE, value, 100.0 * float(ratio[top]), float(angle[top]), none_at
-    values = *first, int(np.max(groups(touching))), spread, 1e3 * float(torque.mean()), steps
+    values = *first, int(np.max(count_groups(touching))), spread, 1e3 * float(torque.mean()), steps
     return dict(zip(RUN, values, strict=True))
 
 

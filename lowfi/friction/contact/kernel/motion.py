@@ -3,6 +3,12 @@
 The unknown is the motion q (n,) of the body. Contact i has (vx, vz, spin) = ``maps[i] @ q + drives[i]`` and the friction
 bound strength_i = mu F. The convex function sum_i strength_i D_i(v_i; speed) - push . q is minimised by Newton's method for
 a sequence of decreasing regularising speeds. Then contacts that nearly stand still are set to rest exactly.
+
+The functions of this module share their arguments. m: number of contacts, n: number of unknowns. shape (m, 3): semi-axes
+a, b [m] and friction bound mu F [N] of the contacts; maps (m, 3, n): motion vx, vz [m/s], spin [rad/s] of the contacts by
+unit of each unknown; drives (m, 3): their motion at q = 0, which the drive imposes; push (n,): generalised forces other
+than friction [W per unit of the unknown]; units (n,): surface speed per unit of each unknown (`column_units`); speed:
+regularising speed [m/s].
 """
 
 from math import sqrt
@@ -19,10 +25,10 @@ from .dissipation import dissipation
 def evaluate_dissipation(
     shape: Array, maps: Array, drives: Array, push: Array, speed: float, q: Array, grad: Array, hess: Array
 ) -> tuple[float, float]:
-    """Return the dissipation less the power of other forces at q; write its gradient (n,) and Hessian (n, n).
+    """Return the dissipation less the power of other forces at q (n,), and its excess over the friction loss [W].
 
-    shape (m, 3): semi-axes a, b [m] and friction bound mu F [N] of the contacts; maps (m, 3, n); drives (m, 3); push (n,).
-    The second value returned is sum_i strength_i speed dD_i/dspeed, the excess of the dissipation over the friction loss.
+    The excess is sum_i strength_i speed dD_i/dspeed. Writes the gradient by q to grad (n,) and the lower triangle of the
+    Hessian to hess (n, n). shape, maps, drives, push, speed: as in the head of this module.
     """
     n = q.shape[0]
     value, excess = 0.0, 0.0
@@ -54,9 +60,10 @@ def evaluate_dissipation(
 
 @kernel
 def newton_step(hess: Array, grad: Array, units: Array, step: Array) -> None:
-    """Write Newton's step (n,) by Cholesky factors of ``hess`` (lower triangle), with pivots bounded below.
+    """Write Newton's step to ``step`` (n,), by Cholesky factors of the Hessian with pivots bounded below.
 
-    units: surface speed per unit of each unknown (`column_units`).
+    hess (n, n): Hessian, of which the lower triangle is overwritten by its factors; grad (n,): gradient; units (n,):
+    surface speed per unit of each unknown (`column_units`).
     """
     n = grad.shape[0]
     top = 0.0
@@ -85,9 +92,9 @@ def newton_step(hess: Array, grad: Array, units: Array, step: Array) -> None:
 
 @kernel
 def column_units(shape: Array, maps: Array) -> Array:
-    """Return the surface speed of the loaded contacts per unit of each unknown (n,).
+    """Return the surface speed of the loaded contacts per unit of each unknown (n,); 1 for one that moves none of them.
 
-    It is the root of the sum of squares of vx, vz and a spin over the contacts.
+    It is the root of the sum of squares of vx, vz and a spin over the contacts, a being the larger semi-axis.
     """
     n = maps.shape[2]
     units = np.empty(n)
@@ -103,7 +110,7 @@ def column_units(shape: Array, maps: Array) -> Array:
 
 @kernel
 def largest_imbalance(grad: Array, units: Array) -> float:
-    """Return the largest unbalanced generalised force, in units of force [N]."""
+    """Return the largest unbalanced generalised force, the gradient grad (n,) over units (n,) [N]."""
     worst = 0.0
     for j in range(grad.shape[0]):
         worst = max(worst, abs(grad[j]) / units[j])
@@ -124,9 +131,10 @@ def minimise_dissipation(
 ) -> tuple[float, float, float, int]:
     """Minimise the dissipation at one regularising speed by Newton's method from q (n,), which is overwritten.
 
-    Arguments are those of `evaluate_dissipation`. The iteration ends if the largest unbalanced force is below ``tolerance``
-    times the sum of the friction bounds, after ``limit`` steps, or at a surface speed above ``reach`` [m/s], where the
-    other forces exceed friction. Returns value, excess, largest unbalanced force [N] and number of steps.
+    Other arguments are those of `evaluate_dissipation`. The iteration ends if the largest unbalanced force is below
+    ``tolerance`` times the sum of the friction bounds, after ``limit`` steps, or at a surface speed above ``reach`` [m/s],
+    where the other forces exceed friction. Returns the dissipation less the power of other forces [W], its excess over the
+    friction loss [W], the largest unbalanced force [N] and the number of steps.
     """
     n = q.shape[0]
     grad, step, trial, next_grad = np.empty(n), np.empty(n), np.empty(n), np.empty(n)
@@ -195,7 +203,7 @@ def drive_speed(shape: Array, drives: Array) -> float:
 
 @kernel
 def contact_speeds(shape: Array, maps: Array, drives: Array, q: Array) -> tuple[Array, Array]:
-    """Return the motions (vx, vz, spin) of the contacts (m, 3) for the unknowns q, and their surface speeds (m,) [m/s]."""
+    """Return the motions vx, vz, spin of the contacts (m, 3) at the motion q (n,), and their surface speeds (m,) [m/s]."""
     m, n = shape.shape[0], q.shape[0]
     motion, size = drives.copy(), np.empty(m)
     for i in range(m):
@@ -216,7 +224,10 @@ ROLLING, GIVEN, NEAR = 0, 1, 2
 
 @kernel
 def friction_gradients(shape: Array, motion: Array, speed: float, forces: Array) -> None:
-    """Write the gradient of each contact's dissipation by (vx, vz, spin) to forces (m, 3); friction is its negative."""
+    """Write the gradient of each contact's dissipation by (vx, vz, spin) to forces (m, 3); friction is its negative.
+
+    motion (m, 3): vx, vz [m/s] and spin [rad/s] of the contacts; forces: along x, z [N] and moment about y [N m].
+    """
     for i in range(shape.shape[0]):
         f = shape[i, 2]
         d = dissipation(shape[i, 0], shape[i, 1], motion[i, 0], motion[i, 1], motion[i, 2], speed)
@@ -225,10 +236,11 @@ def friction_gradients(shape: Array, motion: Array, speed: float, forces: Array)
 
 @kernel
 def contact_can_stick(shape: Array, force: Array) -> bool:
-    """Return whether one contact, shape (1, 3), can carry the generalised force (3,) without sliding.
+    """Return whether one contact can carry a force without sliding.
 
-    It can if the dissipation D(v; 1 m/s) less force . v has a minimum: the force is then a gradient of D and lies inside
-    the limit surface of friction.
+    shape (1, 3): semi-axes and friction bound; force (3,): along x, z [N] and moment about the normal [N m]. The contact
+    can if the dissipation D(v; 1 m/s) less force . v has a minimum: the force is then a gradient of D and lies inside the
+    limit surface of friction.
     """
     maps, q = np.eye(3).reshape(1, 3, 3), np.zeros(3)
     _, _, left, _ = minimise_dissipation(shape, maps, np.zeros((1, 3)), force, 1.0, q, 1e-9, int(np.int64(100)), 1e9)
@@ -239,9 +251,11 @@ def contact_can_stick(shape: Array, force: Array) -> bool:
 def minimise_free_motion(
     slipping: Array, maps: Array, drives: Array, push: Array, basis: Array, q: Array, reach: float
 ) -> int:
-    """Minimise the dissipation without regularisation over q plus combinations of the rows of ``basis`` (f, n).
+    """Minimise the dissipation without regularisation over q plus any combination of the rows of ``basis``.
 
-    Overwrites q (n,) and returns the number of steps.
+    slipping (m, 3): ``shape`` with a friction bound of zero for contacts at rest; basis (f, n): the f motions of the body
+    at which these remain at rest; reach: surface speed at which the search is given up [m/s]. Overwrites q (n,) and returns
+    the number of steps.
     """
     reduced = np.empty((maps.shape[0], 3, basis.shape[0]))
     for i in range(maps.shape[0]):
@@ -264,9 +278,11 @@ def sticking_reactions(
     q: Array,
     forces: Array,
 ) -> float:
-    """Write friction gradients and the reactions of sticking contacts that balance the body to ``forces`` (m, 3).
+    """Write friction gradients and the reactions of sticking contacts that balance the body to ``forces`` (m, 3) [N, N m].
 
-    Returns the largest unbalanced force that remains [N].
+    slipping (m, 3): ``shape`` with a friction bound of zero for sticking contacts; resting (k,): numbers of the sticking
+    contacts, whose reactions before are read from ``forces``; inverse (n, 3k): see `rest_space`. Returns the largest
+    unbalanced force that remains [N].
     """
     n = maps.shape[2]
     out, hess, held = np.zeros(n), np.zeros((n, n)), forces[resting]
@@ -286,9 +302,10 @@ def sticking_reactions(
 
 @kernel
 def rest_space(rows: Array, units: Array) -> tuple[Array, Array]:
-    """Return the pseudo-inverse (n, 3k) of the kinematic rows of k sticking contacts, and their null space (f, n).
+    """Return the pseudo-inverse (n, 3k) of the kinematic equations of k sticking contacts, and their null space (f, n).
 
-    The null space are the motions of the body at which these contacts remain at rest.
+    rows (3k, n): surface speeds of these contacts by each of the n unknowns times its entry of ``units``. The rows of the
+    null space are the f motions of the body, in its unknowns, at which these contacts remain at rest.
     """
     n = rows.shape[1]
     left, size, right = np.linalg.svd(rows, True)
@@ -305,8 +322,9 @@ def impose_rest(
 ) -> tuple[bool, float, int]:
     """Set contacts slower than ``still`` [m/s] to rest and minimise the dissipation of the others.
 
-    Overwrites q, forces and rest. Returns whether the result is the least dissipation (rest is kinematically possible, and
-    every reaction lies inside its limit surface), the largest unbalanced force [N], and the number of steps.
+    Overwrites the motion q (n,), the negative friction and reactions forces (m, 3), and rest (m,), which becomes 1 for
+    contacts at rest and 0 for others. Returns whether the result is the least dissipation (rest is kinematically possible,
+    and every reaction lies inside its limit surface), the largest unbalanced force [N], and the number of steps.
     """
     n, units, count = maps.shape[2], column_units(shape, maps), 0
     (motion, size), slipping = contact_speeds(shape, maps, drives, q), shape.copy()
@@ -338,12 +356,13 @@ def least_dissipation(
 ) -> tuple[int, float, int]:
     """Compute the motion of least dissipation; write q (n,), forces (m, 3), rest (m,) and bounds (2,).
 
-    Arguments are those of `evaluate_dissipation`. The regularising speed decreases from 0.1 to 1e-6 times the drive's speed
-    (to 1e-10 if a contact is on the verge of slip); each minimum is the start of the next. Then contacts that stand still
-    are set to rest. bounds: lower and upper bound of the least dissipation less the power of ``push``, by joint convexity
-    in motion and speed. start: ``ROLLING``, ``GIVEN`` (start from q), or ``NEAR`` (start from q with the speed 1e-6 at
-    once, and from ``ROLLING`` if this fails). Returns the status, the largest unbalanced force [N], and the number of
-    steps.
+    Written are the motion q, the negative friction and reactions ``forces`` [N, N m], ``rest`` (1 for contacts at rest, 0
+    for others), and the lower and upper bound [W] of the least dissipation less the power of ``push``, by joint convexity
+    in motion and speed. Other arguments are those of `evaluate_dissipation`. The regularising speed decreases from 0.1 to
+    1e-6 times the drive's speed (to 1e-10 if a contact is on the verge of slip); each minimum is the start of the next.
+    Then contacts that stand still are set to rest. start: ``ROLLING``, ``GIVEN`` (start from q), or ``NEAR`` (start from q
+    with the speed 1e-6 at once, and from ``ROLLING`` if this fails). Returns the status (``EXACT``, ``REGULARISED``,
+    ``AT_REST``), the largest unbalanced force [N], and the number of steps.
     """
     top = drive_speed(shape, drives)
     if top == 0.0 and np.sum(np.abs(push)) == 0.0:
@@ -397,8 +416,9 @@ def least_dissipation_of_bodies(
 ) -> None:
     """Compute the motions of least dissipation of N independent bodies without forces other than friction.
 
-    shape (N, m, 3), maps (N, m, 3, n), drives (N, m, 3) as in `least_dissipation`; q (N, n): motions in a similar state,
-    nan if none is known. Writes q, forces (N, m, 3), rest (N, m), and outcome (N, 2): status, largest unbalanced force [N].
+    shape (N, m, 3), maps (N, m, 3, n), drives (N, m, 3) have the arguments of `least_dissipation` for each body; q (N, n):
+    motions in a similar state to begin from, nan if none is known. Writes q, forces (N, m, 3) and rest (N, m) as
+    `least_dissipation`, and outcome (N, 2): its status and the largest unbalanced force [N].
     """
     none, bounds = np.zeros(q.shape[1]), np.empty(2)
     for k in range(q.shape[0]):

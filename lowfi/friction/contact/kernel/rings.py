@@ -36,10 +36,10 @@ def hertz_contact(
 
 @kernel
 def contact_energy(cell: CellArrays, p: Array, u: Array, state: CellState) -> float:
-    """Return the elastic energy [J] of balls at the positions p (N, 2) and the inner body at u (m,) [m]; write ``state``.
+    """Return the elastic energy [J] of balls displaced by p (N, 2) and the inner body by u (m,) [m]; write ``state``.
 
-    The energy is sum (2/5) C^(-3/2) <approach>^(5/2). The gradient in ``state`` is that of the energy less push . p +
-    pull . u, which is convex.
+    N: number of balls, m: number of free motions of the inner body. The energy is sum (2/5) C^(-3/2) <approach>^(5/2). The
+    gradient in ``state`` is that of the energy less push . p + pull . u, which is convex.
     """
     start, interference, C, section, offset, push, pull, _ = cell
     ball, inner, stiff, force, normal = state
@@ -73,9 +73,10 @@ def contact_energy(cell: CellArrays, p: Array, u: Array, state: CellState) -> fl
 
 @kernel
 def newton_step(cell: CellArrays, state: CellState, floor: float, dp: Array, du: Array) -> None:
-    """Write Newton's step of the balls to dp (N, 2) and of the inner body to du (m,), by eliminating the balls.
+    """Write Newton's step of the balls to dp (N, 2) and of the inner body to du (m,) [m], by eliminating the balls.
 
-    floor: stiffness that is added on the diagonal [N/m].
+    state: gradient and stiffness that `contact_energy` has written; floor: stiffness that is added on the diagonal [N/m],
+    so that balls without contact have a finite step.
     """
     section, ball, inner, stiff = cell.section, state.ball, state.inner, state.stiffness
     n, m = ball.shape[0], inner.shape[0]
@@ -137,9 +138,9 @@ def largest_entry(balls: Array, inner: Array) -> float:
 def minimise_energy(cell: CellArrays, load: float, p: Array, u: Array, state: CellState, goal: float, limit: int) -> int:
     """Minimise the energy from positions p of the balls and u of the inner body; return the number of steps.
 
-    p, u and ``state`` are overwritten. load: sum of the magnitudes of the applied forces [N]. The iteration ends when the
-    largest unbalanced force is below ``goal`` times the sum of all forces, after ``limit`` steps, or when round-off
-    prevents a further decrease of energy and imbalance.
+    p (N, 2) and u (m,): displacements [m]; they and ``state`` are overwritten by the result. load: sum of the magnitudes of
+    the applied forces [N]. The iteration ends when the largest unbalanced force is below ``goal`` times the sum of all
+    forces, after ``limit`` steps, or when round-off prevents a further decrease of energy and imbalance.
     """
     reach = cell.reach
     dp, du = np.zeros_like(p), np.zeros_like(u)
@@ -190,9 +191,10 @@ def minimise_each(
 ) -> None:
     """Minimise the energy of N independent balls, each with its own inner body that moves along ``along`` (2,).
 
-    start, interference as in ``CellArrays``; C (N, 4); given (N, 3): applied forces on ball and inner body [N]. Overwrites
-    positions x (N, 3) [m], forces (N, 4) [N] and normals (N, 4, 2); writes the largest unbalanced force to left (N,) [N].
-    See `minimise_energy`.
+    start (N, 4, 2) and interference (N, 4) are those of ``CellArrays``; C (N, 4): Hertz constants [m/N^(2/3)]; given (N,
+    3): applied forces on the ball along x, z and on the inner body [N]; goal, limit: see `minimise_energy`. x (N, 3) are
+    the displacements of ball and inner body [m] to begin from, which are overwritten by the result. Writes contact forces
+    to force (N, 4) [N], contact normals to normal (N, 4, 2), and the largest unbalanced force to left (N,) [N].
     """
     section, offset, stiff = along.copy().reshape(1, 2, 1), np.zeros((1, 2)), np.zeros((1, 4, 3))
     for k in range(x.shape[0]):

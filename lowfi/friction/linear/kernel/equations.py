@@ -3,10 +3,11 @@
 Velocities are in units of the carriage's speed, forces in units of the largest friction bound of a ball. Unknowns of a
 ball: axial velocity and ball radius times the two spin components across the track, x = (v, R omega_x, R omega_y), and
 last z of the contact with the next ball: its force where z is positive, and minus the rate of its gap where it is
-negative. F = max(z, 0), rate = max(-z, 0) are complementary by construction. Smoothed, F rate = ``smooth`` instead of zero.
-Exact, the rate is in units of eps, what sticking contacts yield to a force, so that Newton's method passes z = 0 with ease.
+negative. F = max(z, 0), rate = max(-z, 0) are complementary by construction. In the smoothed equations F rate = ``smooth``
+instead of zero. In the exact equations the rate is in units of the creeping speed eps, by which sticking contacts yield to
+a force, so that Newton's method passes z = 0 with ease. Newton's method solves the equations.
 
-Newton's method solves them.
+Arrays of the whole chain: g (4 N,) is the residual, K (4 N, 11) its Jacobian as a band, of N balls with four unknowns each.
 """
 
 from math import sqrt
@@ -20,9 +21,10 @@ _OTHER = kernels(CONTACT, compiled=is_compiled(__name__))
 
 dissipation, solve_with_pivots = _OTHER.dissipation, _OTHER.solve_with_pivots
 
-#: Columns of the banded matrix: half a band, the diagonal, half a band.
+#: Entries of the banded matrix on either side of its diagonal.
 HALF = 5
 
+#: Columns of the banded matrix: half a band, the diagonal, half a band.
 WIDTH = 11
 
 #: Columns while rows are exchanged: what lies right of the diagonal may grow to twice the band.
@@ -31,7 +33,11 @@ FILLED = 16
 
 @kernel
 def solve_banded(K: Array, A: Array, x: Array, y: Array) -> float:
-    """Solve K ``(n, 11)`` for x and y in place, with work array A ``(n, 16)``; return the sign of K's determinant."""
+    """Solve two linear systems with one banded matrix; return the sign of its determinant.
+
+    K (n, 11): the matrix; A (n, 16): work array, which becomes its factors; x, y (n,): right-hand sides, which are
+    overwritten by the solutions.
+    """
     both = np.empty((x.size, 2))
     A[:, :WIDTH], A[:, WIDTH:] = K, 0.0
     both[:, 0], both[:, 1] = x, y
@@ -42,10 +48,11 @@ def solve_banded(K: Array, A: Array, x: Array, y: Array) -> float:
 
 @kernel
 def slide_and_spin_friction(s: float, w: float, shape: Array) -> tuple[float, float, float, float, float]:
-    """Return the friction of one elliptical contact sliding at s along its minor axis and spinning at w/a, per unit bound.
+    """Return the friction of one elliptical contact in motion, over its friction bound, and its derivatives.
 
-    shape: (b/a, q0, k1, k3), see ``contact_shape``. Returns force and moment/a, the gradient of the dissipation
-    s f + w m, a norm, and its Hessian (3: ss, sw, ww); not at rest.
+    s: sliding speed along the minor axis; w: semi-axis a times spin; shape (4,): (b/a, q0, k1, k3), see ``contact_shape``.
+    Returns the force f and the moment over a, m, which are the gradient of the dissipation s f + w m by s and w, and then
+    its second derivatives by ss, sw and ww. s and w must not both be zero.
     """
     ratio, q0, k1, k3 = shape
     if abs(s) >= abs(w):  # the centre of rotation lies outside the ellipse
@@ -59,9 +66,12 @@ def slide_and_spin_friction(s: float, w: float, shape: Array) -> tuple[float, fl
 
 @kernel
 def regularised_friction(s: float, w: float, shape: Array, eps: float) -> tuple[float, float, float, float, float]:
-    """Return gradient (2) and Hessian (3: ss, sw, ww) by (s, w) of the convex energy sqrt(phi^2 + eps^2) - eps.
+    """Return the regularised friction of one elliptical contact, over its friction bound, and its derivatives.
 
-    The force is phi/sqrt(phi^2 + eps^2) times Coulomb's, so contacts stick at creeping speeds below eps.
+    s: sliding speed; w: semi-axis a times spin; shape (4,): see ``contact_shape``; eps: creeping speed. Returns the force
+    and the moment over a, the gradient of the convex function sqrt(phi^2 + eps^2) - eps with Coulomb's dissipation phi(s,
+    w), and its second derivatives by ss, sw and ww. The friction is phi/sqrt(phi^2 + eps^2) times Coulomb's, so that
+    contacts stick at creeping speeds below eps.
     """
     if s == 0.0 and w == 0.0:
         return 0.0, 0.0, 1.0 / eps, 0.0, shape[1] * shape[1] / eps
@@ -74,7 +84,10 @@ def regularised_friction(s: float, w: float, shape: Array, eps: float) -> tuple[
 
 @kernel
 def force_and_gap_rate(z: float, smooth: float) -> tuple[float, float, float]:
-    """Return contact load, rate of the gap, and the force's slope; force - rate = z, force times rate = ``smooth``."""
+    """Return the force between two balls, the rate of their gap, and the derivative of the force by z.
+
+    They obey force - rate = z and force times rate = ``smooth``, neither being negative.
+    """
     if smooth == 0.0:
         return max(z, 0.0), max(-z, 0.0), 1.0 if z > 0.0 else 0.0
     root = sqrt(z * z + 4.0 * smooth)
@@ -86,7 +99,7 @@ def force_and_gap_rate(z: float, smooth: float) -> tuple[float, float, float]:
 
 @kernel
 def _add_groove_friction(chain: ChainArrays, point: ChainPoint, eps: float, K: Array, g: Array) -> None:
-    """Add friction at the grooves to g ``(4N,)`` and K ``(4N, 11)``."""
+    """Add the friction at the grooves, regularised by the creeping speed eps, to the residual g and its Jacobian K."""
     contacts, slip = chain.contacts, point.slip
     for j in range(contacts.shape[0]):
         for i in range(contacts.shape[1]):
@@ -108,7 +121,10 @@ def _add_groove_friction(chain: ChainArrays, point: ChainPoint, eps: float, K: A
 
 @kernel
 def _add_ball_friction(eps: float, bound: float, slope: float, k: int, pair: Array, K: Array, g: Array) -> None:
-    """Add friction between balls k and k+1 that slide at ``pair[k, 1:]``; slope: growth of its bound with z."""
+    """Add the friction between balls k and k + 1, which slide at ``pair[k, 1:]``, to the residual g and its Jacobian K.
+
+    eps: creeping speed; bound: coefficient of friction times force; slope: derivative of the bound by z.
+    """
     i, tx, ty = 4 * k, pair[k, 1], pair[k, 2]
     eta = sqrt(tx * tx + ty * ty + eps * eps)
     across = (tx / eta, ty / eta)
@@ -125,7 +141,11 @@ def _add_ball_friction(eps: float, bound: float, slope: float, k: int, pair: Arr
 
 @kernel
 def assemble_equations(chain: ChainArrays, point: ChainPoint, law: Smoothing, K: Array, g: Array) -> None:
-    """Write forces out of balance and gaps' equations g ``(4N,)``, and their Jacobian K ``(4N, 11)``."""
+    """Write the residual of all equations to g (4 N,) and its Jacobian to K (4 N, 11).
+
+    Rows of a ball: its three forces out of balance, and the equation of the gap to the next ball. law: how far the
+    equations are from Coulomb's law and exact complementarity.
+    """
     pair, drift, z = point.pair, point.drift, point.z
     eps, share, smooth, spring = law
     closed, mu, hold = chain.closed, chain.mu, chain.hold
@@ -163,7 +183,7 @@ def assemble_equations(chain: ChainArrays, point: ChainPoint, law: Smoothing, K:
 
 @kernel
 def _add_ball_motions(contacts: Array, point: ChainPoint, x: Array) -> None:
-    """Add motions x ``(N, 3)`` of the balls to slips and differences of neighbours."""
+    """Add what motions x (N, 3) of the balls change to the point's ``slip`` and ``pair``; contacts: of ``ChainArrays``."""
     slip, pair, _, _ = point
     p, q, nx, ny = x[:, 1:2], x[:, 2:3], contacts[:, :, 0], contacts[:, :, 1]
     slip[:, :, 0] += x[:, 0:1] + ny * p - nx * q
@@ -174,14 +194,14 @@ def _add_ball_motions(contacts: Array, point: ChainPoint, x: Array) -> None:
 
 @kernel
 def rebuild_slips(chain: ChainArrays, point: ChainPoint) -> None:
-    """Write slips and differences of neighbours from the drift of the motion."""
+    """Write the point's ``slip`` and ``pair``, the relative motions at all contacts, from its ``drift``."""
     point.slip[:, :, 0], point.slip[:, :, 1], point.pair[:] = -chain.contacts[:, :, 2], 0.0, 0.0
     _add_ball_motions(chain.contacts, point, chain.nominal + point.drift)
 
 
 @kernel
 def apply_step(chain: ChainArrays, point: ChainPoint, step: Array, t: float) -> None:
-    """Add t times the step ``(4N,)`` of the unknowns to the point and everything that depends on them."""
+    """Add t times a step (4 N,) of the unknowns to the point, with the relative motions that depend on them."""
     n = point.drift.shape[0]
     change = t * step[: 4 * n].reshape(n, 4)
     point.z[:] += change[:-1, 3]
@@ -191,7 +211,7 @@ def apply_step(chain: ChainArrays, point: ChainPoint, step: Array, t: float) -> 
 
 @kernel
 def reset_open_gaps(point: ChainPoint, eps: float) -> None:
-    """Take z of open gaps from their rates, in the units of exact complementarity at ``eps``."""
+    """Set z of open gaps to minus their present rates in units of the creeping speed eps, as the exact equations need."""
     for k in range(point.z.shape[0]):
         if point.z[k] <= 0.0:
             point.z[k] = min(0.0, point.pair[k, 0] / eps)
@@ -205,20 +225,20 @@ def copy_point(point: ChainPoint) -> ChainPoint:
 
 @kernel
 def restore_point(point: ChainPoint, kept: ChainPoint) -> None:
-    """Overwrite the point by ``kept``: moving back by increments would leave round-off in the slips."""
+    """Overwrite the point by its copy ``kept``, because moving back by increments would leave round-off in the slips."""
     point.slip[:], point.pair[:], point.drift[:], point.z[:] = kept
 
 
-#: Longest step of a velocity: longer ones, back and forth in the line search, would cost digits.
+#: Longest step of a velocity, over the carriage's speed: longer ones, back and forth in the line search, would cost digits.
 LONGEST = 2.0
 
-#: Least damping of velocities.
+#: Least damping of velocities: stiffness that is added to the Jacobian's diagonal.
 SOFTEST = 1e-14
 
 
 @kernel
 def largest_entry(x: Array) -> float:
-    """Return the largest size of an entry; nan where there is one."""
+    """Return the largest absolute value of the entries of x; nan if one of them is nan."""
     size = 0.0
     for i in range(x.shape[0]):
         if not abs(x[i]) <= size:
@@ -228,7 +248,7 @@ def largest_entry(x: Array) -> float:
 
 @kernel
 def _step_limit(step: Array) -> float:
-    """Return the part of the step after which no velocity has changed by more than ``LONGEST``."""
+    """Return the largest fraction, up to 1, of a step (4 N,) that changes no velocity by more than ``LONGEST``."""
     return float(LONGEST / max(LONGEST, np.max(np.abs(step.reshape(-1, 4)[:, :3]))))
 
 
@@ -238,8 +258,9 @@ def semismooth_newton(
 ) -> tuple[int, float]:
     """Iterate by a semismooth Newton method on the coupled equations, steps halved until the residual falls.
 
-    Where it does not, velocities are damped by up to ``firmest``: steps of motions without resistance are noise.
-    Returns iterations and the largest residual; leaves ``work`` as assembled at the point.
+    Where it does not fall, velocities are damped by a stiffness of up to ``firmest``, because steps of motions without
+    resistance are noise. The point is moved. The search ends when the largest residual is at most ``tolerance``, or after
+    ``limit`` steps. Returns the number of steps and the largest residual; ``work`` has the equations at the point.
     """
     K, factors, g, step, other = work
     assemble_equations(chain, point, law, K, g)
@@ -282,7 +303,8 @@ def undamped_newton(
 ) -> tuple[int, float]:
     """Iterate by undamped Newton steps on the coupled equations: at kinks the residual rises before it falls.
 
-    Returns iterations and the largest residual; the point is left where it was if that has not fallen.
+    The search ends when the largest residual is at most ``tolerance``, or after ``limit`` steps; if the residual has not
+    fallen then, the point is moved back to where it was. Returns the number of steps and the largest residual.
     """
     K, factors, g, step, other = work
     assemble_equations(chain, point, law, K, g)

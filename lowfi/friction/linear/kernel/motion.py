@@ -1,9 +1,11 @@
 """Motion of a chain of balls: without friction between balls, then with all of it.
 
-Solutions are followed from the one to the other, round the folds of their path. A contact load is the sum of the axial
-friction on the balls behind it, so that no force on the path can exceed the sum of their bounds, and the path begins at the
-one solution of a convex problem. It cannot run off to infinity nor come back: its other end is a solution with the whole
-friction (Leray and Schauder), whatever folds lie between.
+Solutions are followed from the one to the other, round the folds of their path. Its parameter s rises from 0, without
+friction between balls, to 1, with all of it. The creeping speed eps is in units of the carriage's speed.
+
+A ball-to-ball force is the sum of the axial friction on the balls behind it, so that no force on the path can exceed the
+sum of their bounds, and the path begins at the one solution of a convex problem. It cannot run off to infinity nor come
+back: its other end is a solution with the whole friction (Leray and Schauder), whatever folds lie between.
 """
 
 from math import exp, log, sqrt
@@ -26,27 +28,28 @@ from .equations import (
     undamped_newton,
 )
 
-#: Creeping speed at the beginning of the path.
+#: Creeping speed at the beginning of the path, over the carriage's speed.
 FIRST = 0.1
 
-#: Residual that counts as being on the path, and most Newton steps back to it.
+#: Largest residual of a point on the path, and largest number of Newton steps back to the path.
 ON_PATH, STEPS = 1e-9, 7
 
-#: Step of the parameter to differentiate by it.
+#: Difference of the parameter s for derivatives by it.
 DIFFERENCE = 1e-6
 
 #: Distance of points that belong to the same path whatever the step's length: what the residual leaves open at folds.
 NEAR = 1e-4
 
-#: First and shortest length of a step, and the one below which a kink may turn the path.
+#: Length of the first step along the path, shortest length, and the length below which a kink may turn the path.
 LENGTH, SHORTEST, KINK = 0.05, 1e-9, 1e-5
 
 
 @kernel
 def path_smoothing(s: float, eps: float) -> Smoothing:
-    """Return law at parameter s of the path, 0 to 1: friction between balls comes early, creeping speeds fall to ``eps``.
+    """Return the smoothing of the equations at parameter s of the path, 0 to 1.
 
-    Springs keep motions without resistance fixed where forces are known to no more than ``ON_PATH``.
+    Friction between balls rises early, and the creeping speed falls to ``eps`` at s = 1. Springs hold motions without
+    resistance, because forces are accurate to ``ON_PATH`` only.
     """
     rest = (1.0 - s) ** 4
     creep = FIRST * exp(s * log(eps / FIRST))
@@ -55,7 +58,10 @@ def path_smoothing(s: float, eps: float) -> Smoothing:
 
 @kernel
 def convex_sign(point: ChainPoint) -> float:
-    """Return the sign of the Jacobian's determinant without friction between balls: each force and the idle row turn it."""
+    """Return the sign of the Jacobian's determinant in the convex problem, which has no friction between balls.
+
+    The row of each of the N - 1 gaps, and the unused last row, changes the sign once.
+    """
     return 1.0 if point.drift.shape[0] % 2 == 0 else -1.0
 
 
@@ -63,9 +69,10 @@ def convex_sign(point: ChainPoint) -> float:
 def _path_tangent(
     chain: ChainArrays, point: ChainPoint, s: float, eps: float, work: Work, change: Array, tau: Array
 ) -> float:
-    """Return 1 if the path goes on with the tangent tau, or -1; tau: four entries a ball and last s, unit length, s rising.
+    """Write the tangent of the path at a point; return 1 if the path goes on along it, or -1 if against it.
 
-    Needs ``work`` as assembled at the point; change: the residual's derivative by s.
+    tau (4 N + 1,): tangent of unit length, with four entries a ball and last that of s, which is positive; change (4 N,):
+    derivative of the residual by s. Both are overwritten. ``work`` must have the equations at the point.
     """
     K, factors, g, _, other = work
     assemble_equations(chain, point, path_smoothing(s + DIFFERENCE, eps), factors, other)
@@ -92,10 +99,11 @@ def _correct_point(
     length: float,
     fixed: bool,
 ) -> tuple[bool, int, float]:
-    """Correct a predicted point by iteration back to the solution path, normal to tau or, if ``fixed``, at constant s.
+    """Correct a predicted point by Newton steps to the path, normal to the tangent tau or, if ``fixed``, at constant s.
 
-    Return whether it converged, the number of steps, and s. It gives up where the corrections exceed most of the step's
-    ``length``, because they may lead to another path.
+    change (4 N,): derivative of the residual by s; length: length of the step along the path. The correction is given up
+    where it exceeds most of this length, because it may lead to another path. Returns whether the point is on the path, the
+    number of Newton steps, and the parameter s there.
     """
     K, factors, g, step, other = work
     n, moved = g.shape[0], 0.0
@@ -119,16 +127,17 @@ def _correct_point(
 
 @kernel
 def _longest_step(tau: Array) -> float:
-    """Return the longest step: what moves no velocity by more than 0.5 and s by more than 0.1."""
+    """Return the longest step along the tangent tau that moves no velocity by more than 0.5 and s by no more than 0.1."""
     n = tau.shape[0] - 1
     return float(1.0 / max(abs(tau[n]) / 0.1, np.max(np.abs(tau[:n].reshape(-1, 4)[:, :3])) / 0.5))
 
 
 @kernel
 def trace_path(chain: ChainArrays, point: ChainPoint, eps: float, work: Work, limit: int) -> tuple[int, bool]:
-    """Follow the path from a point near its beginning; returns Newton steps and whether its end was reached.
+    """Follow the path from a point near its beginning; return the number of Newton steps and whether it came to the end.
 
-    The determinant's sign tells which way is on: it changes where s turns.
+    The sign of the Jacobian's determinant tells in which direction the path goes on, as it changes where s turns. The point
+    is moved; limit: number of Newton steps after which no further step along the path is taken.
     """
     n: int = work.g.shape[0]
     change, tau, ahead = np.zeros(n), np.zeros(n + 1), np.zeros(n + 1)
@@ -164,10 +173,11 @@ def trace_path(chain: ChainArrays, point: ChainPoint, eps: float, work: Work, li
     return total, False
 
 
-#: Stiffness towards nominal rolling per creeping speed, until the last: motions without resistance stay in place.
+#: Stiffness towards nominal rolling over the creeping speed, which holds motions without resistance before the last
+#: solution.
 SPRING = 1e-3
 
-#: Force times rate of a gap from which the order of the balls is sought.
+#: Product of ball-to-ball force and rate of the gap in the first, smoothed solution, which tells which balls press.
 ROUND = 1e-3
 
 #: Friction between balls, over that of the grooves, up to which Newton's method may try without the path, and up to
@@ -178,10 +188,11 @@ LARGE, SLIGHT = 0.8, 0.3
 #: Contacts of a ball without which it has a motion that meets no resistance.
 SUPPORTS = 3
 
-#: Most damping of velocities at the end, and most whole steps.
+#: Most damping of velocities in the last solution, and largest number of undamped steps there.
 FIRMEST, LEAPS = 1.0, 20
 
-#: Residual that counts as converged between creeping speeds, and most Newton steps at one of them.
+#: Residual that counts as converged between creeping speeds, and largest number of Newton steps at one of them, where
+#: friction between balls is large or not.
 COARSE, FEW, MANY = 1e-6, 8, 60
 
 #: Starts of the search for other solutions, and the force that presses pairs in one of them, over the largest friction
@@ -191,7 +202,7 @@ STARTS, PRESSED = 3, 3.0
 
 @kernel
 def _solve_without_ball_friction(chain: ChainArrays, point: ChainPoint, work: Work) -> int:
-    """Solve without friction between balls at creeping speed ``FIRST``, from any drift; return the Newton steps."""
+    """Solve without friction between balls at the creeping speed ``FIRST``, from any drift; return the number of steps."""
     rebuild_slips(chain, point)
     total = 0
     for smooth in (ROUND, 0.0):
@@ -203,7 +214,7 @@ def _solve_without_ball_friction(chain: ChainArrays, point: ChainPoint, work: Wo
 
 @kernel
 def _all_balls_supported(contacts: Array) -> bool:
-    """Return whether every ball has at least ``SUPPORTS`` loaded contacts."""
+    """Return whether every ball has at least ``SUPPORTS`` loaded contacts with the grooves."""
     return bool(np.min((contacts[:, :, 3] > 0.0).sum(axis=1)) >= SUPPORTS)
 
 
@@ -211,9 +222,10 @@ def _all_balls_supported(contacts: Array) -> bool:
 def _reduce_creeping_speed(
     chain: ChainArrays, point: ChainPoint, work: Work, eps_end: float, share: float, limit: int
 ) -> tuple[int, bool]:
-    """Solve at creeping speeds from ``FIRST`` to ``eps_end``, with a share of the friction between balls.
+    """Solve at creeping speeds falling from ``FIRST`` to ``eps_end``, with a fraction ``share`` of ball-to-ball friction.
 
-    Returns Newton steps and whether all went well: a determinant of the other sign indicates another branch.
+    limit: most Newton steps at one creeping speed. Returns the number of Newton steps, and whether all of them converged to
+    a state whose determinant has the sign of the convex problem; another sign indicates another branch.
     """
     total, eps = 0, FIRST
     while True:
@@ -232,12 +244,13 @@ def _reduce_creeping_speed(
 def chain_motion(
     chain: ChainArrays, point: ChainPoint, work: Work, eps: float, tolerance: float, limit: int
 ) -> tuple[int, float]:
-    """Solve for the motion of the balls and forces between them, from the drift of the point.
+    """Solve for the motion of the balls and the forces between them, from the ``drift`` of the point, which is moved.
 
-    The first step has no ball-to-ball friction, so that only a convex problem decides where the solution starts from.
+    eps: creeping speed of the result; tolerance: largest residual aimed at; limit: most Newton steps on the path. The first
+    step has no ball-to-ball friction, so that only a convex problem decides where the solution starts from.
     Where friction between balls may bring further solutions, and where Newton's method does not follow from there at
     once while creeping speeds fall, the path by `trace_path` decides, unless the balls all part without that friction.
-    Returns iterations and largest residual.
+    Returns the number of Newton steps and the largest residual.
     """
     total = _solve_without_ball_friction(chain, point, work)
     first = copy_point(point)
@@ -264,9 +277,10 @@ def chain_motion(
 def motion_from_other_start(
     chain: ChainArrays, point: ChainPoint, work: Work, eps: float, tolerance: float, limit: int, start: int
 ) -> tuple[int, float]:
-    """Solve as `chain_motion`, from another of ``STARTS`` starts.
+    """Solve for motion and forces as `chain_motion`, from one of ``STARTS`` other starts.
 
-    The end of the path, the balls as they are without friction between them, all pairs pressed together.
+    start: 0 for the end of the path, 1 for the balls as they move without friction between them, 2 for all pairs pressed
+    together. Returns the number of Newton steps and the largest residual.
     """
     total = _solve_without_ball_friction(chain, point, work)
     if start == 0:
@@ -284,7 +298,10 @@ def motion_from_other_start(
 
 @kernel
 def motion_from_state(chain: ChainArrays, point: ChainPoint, work: Work, eps: float, tolerance: float) -> tuple[int, float]:
-    """Solve as `chain_motion`, by Newton's method only, from the state given, one of a similar chain."""
+    """Solve for motion and forces as `chain_motion`, but by Newton's method only, from the point of a similar chain.
+
+    Returns the number of Newton steps and the largest residual.
+    """
     reset_open_gaps(point, eps)
     return _solve_exact_equations(chain, point, work, eps, tolerance)
 
@@ -293,7 +310,7 @@ def motion_from_state(chain: ChainArrays, point: ChainPoint, work: Work, eps: fl
 def _solve_exact_equations(
     chain: ChainArrays, point: ChainPoint, work: Work, eps: float, tolerance: float
 ) -> tuple[int, float]:
-    """Iterate on the exact equations from the point; return the steps and the largest residual."""
+    """Iterate on the equations without smoothing from the point; return the number of steps and the largest residual."""
     exact = Smoothing(eps, 1.0, 0.0, 0.0)
     total, residual = semismooth_newton(chain, point, exact, work, tolerance, int(np.int64(100)), FIRMEST)
     if residual > tolerance:

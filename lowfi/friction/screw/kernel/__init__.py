@@ -1,17 +1,26 @@
 """Kernels of ball screws with friction in a subset of Python that numba compiles; see ``lowfi.jit``."""
 
-from .balance import friction, jacobian, meeting, move_without_neighbours, newton, residual, semi_axes, worst
-from .joint import assemble, newton_joint
+from .balance import (
+    balance_jacobian,
+    balance_residual,
+    contact_friction,
+    largest_residual,
+    move_without_neighbours,
+    neighbour_forces,
+    semi_axes,
+    solve_balance,
+)
+from .joint import assemble_joint, newton_joint
 
 __all__ = [
-    "assemble",
-    "friction",
-    "jacobian",
-    "meeting",
+    "assemble_joint",
+    "balance_jacobian",
+    "balance_residual",
+    "contact_friction",
+    "largest_residual",
     "move_without_neighbours",
-    "newton",
+    "neighbour_forces",
     "newton_joint",
-    "residual",
     "semi_axes",
-    "worst",
+    "solve_balance",
 ]

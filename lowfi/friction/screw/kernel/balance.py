@@ -1,6 +1,9 @@
 """Balance of many balls in motion with ball-to-ball contact as a complementarity problem, and Newton's method on it.
 
-Also relative motion at the contacts of balls with grooves and with each other, friction and losses.
+The module also computes the relative motion at the contacts of balls with grooves and with each other, friction and losses.
+Motions x (N, 4) are the balls' surface speeds (orbit, and spins about x3, y3, z3) over the speed of the nut along the path;
+eps is the regularising speed over the same speed. Ball-to-ball forces f (N,) act from ball k on ball k + 1, in the unit of
+force of ``BallArrays``.
 """
 
 from math import sqrt
@@ -22,7 +25,10 @@ hertz_contact, solve_with_pivots, ROLLING = _OTHER.hertz_contact, _OTHER.solve_w
 
 @kernel
 def semi_axes(force: Array, C_a: Array, C_b: Array, a: Array, b: Array) -> None:
-    """Write semi-axes (N, 4) [m] of Hertz contacts of forces (N, 4) [N]; unloaded ones keep a vanishing ellipse."""
+    """Write the semi-axes of Hertz ellipses to a and b (N, 4) [m]; a contact without load gets a vanishing ellipse.
+
+    force (N, 4): contact forces [N]; C_a, C_b (4,): Hertz constants of the semi-axes [m/N^(1/3)].
+    """
     least = max(1e-9 * np.max(force), 1e-30)
     for k in range(force.shape[0]):
         for i in range(4):
@@ -32,7 +38,7 @@ def semi_axes(force: Array, C_a: Array, C_b: Array, a: Array, b: Array) -> None:
 
 @kernel
 def contact_map(groove: GrooveArrays, n_x: float, n_z: float, out: Array) -> None:
-    """Write the map (3, 4) of a contact in direction (n_x, n_z)."""
+    """Write to out (3, 4) the map from a ball's motion x to vx, vz [m/s], spin [rad/s] at a contact normal (n_x, n_z)."""
     affine = groove.affine
     for r in range(3):
         for j in range(4):
@@ -40,8 +46,11 @@ def contact_map(groove: GrooveArrays, n_x: float, n_z: float, out: Array) -> Non
 
 
 @kernel
-def seen(groove: GrooveArrays, i: int, rows: Array, x: Array) -> tuple[float, float, float]:
-    """Return the motion (vx, vz, spin) of contact i with the map ``rows`` (3, 4) in the ball's motion x (4,)."""
+def contact_motion(groove: GrooveArrays, i: int, rows: Array, x: Array) -> tuple[float, float, float]:
+    """Return the relative motion of ball and groove at contact i: vx, vz [m/s] and spin [rad/s].
+
+    rows (3, 4): map of the contact (`contact_map`); x (4,): motion of the ball.
+    """
     orbit = x[0] - groove.ride[i]
     return (
         rows[0, 0] * orbit + rows[0, 1] * x[1] + rows[0, 2] * x[2] + rows[0, 3] * x[3],
@@ -51,10 +60,11 @@ def seen(groove: GrooveArrays, i: int, rows: Array, x: Array) -> tuple[float, fl
 
 
 @kernel
-def friction(balls: BallArrays, x: Array, eps: float, motion: Array, pull: Array, loss: Array) -> None:
-    """Write relative motions (N, 4, 3), friction on the balls (N, 4, 3) and losses (N, 4) at motions x (N, 4).
+def contact_friction(balls: BallArrays, x: Array, eps: float, motion: Array, pull: Array, loss: Array) -> None:
+    """Write the relative motion, the friction and the loss at every contact of balls with motions x (N, 4).
 
-    In the contacts' axes: along x, z, about y. Motions as parts of ``speed``, forces in the unit of ``BallArrays``.
+    motion (N, 4, 3): sliding along x, z and spin about y in the contacts' axes, over ``speed``; pull (N, 4, 3): friction on
+    the balls along and about the same axes, in the unit of ``BallArrays``; loss (N, 4): force times motion in these units.
     """
     shape, maps, drives = balls.shape, balls.maps, balls.drives
     for k in range(x.shape[0]):
@@ -74,8 +84,11 @@ def friction(balls: BallArrays, x: Array, eps: float, motion: Array, pull: Array
 
 
 @kernel
-def rubbing(groove: GrooveArrays, this: Array, other: Array, eps: float) -> tuple[float, float, float]:
-    """Return the sliding (2) of a ball of motion (4,) on the next one, and its size above ``eps``."""
+def ball_sliding(groove: GrooveArrays, this: Array, other: Array, eps: float) -> tuple[float, float, float]:
+    """Return two components of the sliding of a ball on the next one, and their size with eps, sqrt(u^2 + v^2 + eps^2).
+
+    this, other (4,): motions of the ball and of the next one.
+    """
     first, second = groove.first, groove.second
     u, v = 0.0, 0.0
     for j in range(4):
@@ -85,7 +98,7 @@ def rubbing(groove: GrooveArrays, this: Array, other: Array, eps: float) -> tupl
 
 
 @kernel
-def meeting(
+def neighbour_forces(
     groove: GrooveArrays,
     balls: BallArrays,
     x: Array,
@@ -96,15 +109,16 @@ def meeting(
     on_ball: Array,
     loss: Array,
 ) -> None:
-    """Write forces of neighbours on balls (N, 3) [N] and the losses (N,) [W] where ball k slides on k + 1.
+    """Write the forces of neighbours on balls to on_ball (N, 3) [N], and the losses of balls that slide to loss (N,) [W].
 
-    f (N,): forces between them [N]; push (2, 3), slide (2, 2, 3): as in ``screw_groove.PairGeometry``.
+    f (N,): force from ball k on ball k + 1, here in N; loss[k] is that of ball k on ball k + 1; push (2, 3), slide (2, 2,
+    3): directions of the force and of the two tangents as in ``screw.groove.PairGeometry``.
     """
     n = f.shape[0]
     on_ball[:] = 0.0
     for k in range(n):
         ahead = (k + 1) % n
-        u, v, size = rubbing(groove, x[k], x[ahead], eps)
+        u, v, size = ball_sliding(groove, x[k], x[ahead], eps)
         bite = balls.mu[k] * f[k] / size
         loss[k] = bite * (u * u + v * v) * groove.speed
         for r in range(3):
@@ -114,14 +128,14 @@ def meeting(
 
 @kernel
 def move_without_neighbours(balls: BallArrays, x: Array) -> None:
-    """Overwrite the motions (N, 4) of loaded balls by those of least dissipation without neighbours."""
+    """Overwrite the motions x (N, 4) of loaded balls by those of least dissipation without neighbours."""
     forces, rest, bounds, none, start = np.empty((4, 3)), np.empty(4), np.empty(2), np.zeros(4), int(np.int64(ROLLING))
     for k in range(x.shape[0]):
         if np.sum(balls.shape[k, :, 2]) > 0.0:
             least_dissipation(balls.shape[k], balls.maps[k], balls.drives[k], none, start, x[k], forces, rest, bounds)
 
 
-#: Half bandwidth with a ball's motion and the force on the next in one block of five.
+#: Half bandwidth of the matrix, in which a ball's motion (4) and its force on the next ball are one block of five rows.
 HALF = 9
 
 #: Largest step of a ball's surface speeds, as a fraction of its nominal speed: further off, friction no longer gives the
@@ -130,17 +144,18 @@ REACH = 0.3
 
 
 @kernel
-def slack_left(groove: GrooveArrays, balls: BallArrays, x: Array, k: int) -> float:
-    """Return the rest of the slack between ball k and the next, scaled."""
+def remaining_slack(groove: GrooveArrays, balls: BallArrays, x: Array, k: int) -> float:
+    """Return the rate by which ball k may still gain more on the next ball than it does, over the nut's speed."""
     ahead = (k + 1) % x.shape[0]
     return float(groove.closing * (x[ahead, 0] - x[k, 0]) + balls.slack[k])
 
 
 @kernel
-def residual(groove: GrooveArrays, balls: BallArrays, x: Array, f: Array, eps: float, parts: BalanceParts) -> float:
-    """Write ``parts`` at motions x (N, 4) and forces f (N,) from ball k to k + 1; return the root of the sum of squares.
+def balance_residual(groove: GrooveArrays, balls: BallArrays, x: Array, f: Array, eps: float, parts: BalanceParts) -> float:
+    """Write the forces out of balance and the complementarity to ``parts``; return the root of their sum of squares.
 
-    Complementarity by Fischer-Burmeister's function f + gap - sqrt(f^2 + gap^2).
+    x (N, 4), f (N,), eps: as in the head of this module. Force and remaining rate of the gap are complementary where
+    Fischer-Burmeister's function f + gap - sqrt(f^2 + gap^2) is zero.
     """
     hold, shape, maps, drives = balls.hold, balls.shape, balls.maps, balls.drives
     nominal, first, second, closing = groove.nominal, groove.first, groove.second, groove.closing
@@ -157,7 +172,7 @@ def residual(groove: GrooveArrays, balls: BallArrays, x: Array, f: Array, eps: f
     # what neighbours add: sliding friction and the force along the path (Lin 3.73-3.75)
     for k in range(n):
         ahead = (k + 1) % n
-        u, v, size = rubbing(groove, x[k], x[ahead], eps)
+        u, v, size = ball_sliding(groove, x[k], x[ahead], eps)
         bite = balls.mu[k] * max(f[k], 0.0) / size
         for j in range(4):
             balance[k, j] += bite * (u * first[0, j] + v * first[1, j])
@@ -166,28 +181,30 @@ def residual(groove: GrooveArrays, balls: BallArrays, x: Array, f: Array, eps: f
         balance[ahead, 0] -= closing * f[k]
         comp[k], slopes[k, 0], slopes[k, 1] = f[k], 1.0, 0.0
         if balls.allowed[k] > 0.0:
-            left = slack_left(groove, balls, x, k)
+            left = remaining_slack(groove, balls, x, k)
             size = max(sqrt(f[k] * f[k] + left * left), 1e-300)
             comp[k], slopes[k, 0], slopes[k, 1] = f[k] + left - size, 1.0 - f[k] / size, 1.0 - left / size
     return float(sqrt(np.sum(balance * balance) + np.sum(comp * comp)))
 
 
 @kernel
-def worst(parts: BalanceParts) -> float:
-    """Return the largest entry of balance and complementarity."""
+def largest_residual(parts: BalanceParts) -> float:
+    """Return the largest absolute entry of the forces out of balance and of the complementarity."""
     return float(max(np.max(np.abs(parts.balance)), np.max(np.abs(parts.complementarity))))
 
 
 @kernel
-def couple(
+def pair_blocks(
     groove: GrooveArrays, balls: BallArrays, x: Array, f: Array, slopes: Array, eps: float, k: int, out: Array
 ) -> None:
-    """Write the four blocks (4, 5, 5) of the matrix for ball k and the next ball.
+    """Write the derivatives of the forces between ball k and the next ball to ``out``, four blocks (4, 5, 5).
 
-    Order: diagonal of k, right of it, below it, diagonal of the next.
+    The blocks are those on the diagonal at ball k, right of it, below it, and on the diagonal at the next ball; rows and
+    columns of a block are a ball's motion and its force on the next. slopes (N, 2): derivatives of the complementarity by
+    force and gap.
     """
     first, second, closing = groove.first, groove.second, groove.closing
-    u, v, size = rubbing(groove, x[k], x[(k + 1) % f.shape[0]], eps)
+    u, v, size = ball_sliding(groove, x[k], x[(k + 1) % f.shape[0]], eps)
     u, v = u / size, v / size
     bite = balls.mu[k] * max(f[k], 0.0) / size
     sliding = balls.mu[k] if f[k] > 0.0 else 0.0
@@ -211,10 +228,14 @@ def couple(
 
 
 @kernel
-def jacobian(
+def balance_jacobian(
     groove: GrooveArrays, balls: BallArrays, x: Array, f: Array, parts: BalanceParts, eps: float, start: int, K: Array
 ) -> None:
-    """Write the banded Jacobian (see ``band``) of motions and forces with ball ``start`` first, cut open before it."""
+    """Write the banded Jacobian of the balance to K (5 N, 3 HALF + 1), in the form of ``contact.kernel.band``.
+
+    parts: derivatives that `balance_residual` has written at x and f; start: ball whose rows come first. The closed track
+    is cut open before it: the coupling of the last ball with this one is left out.
+    """
     n, out = f.shape[0], np.empty((4, 5, 5))
     K[:] = 0.0
     for k in range(n):
@@ -222,7 +243,7 @@ def jacobian(
         for i in range(4):
             for j in range(4):
                 K[row + i, HALF + j - i] += parts.hessian[k, i, j]
-        couple(groove, balls, x, f, parts.slopes, eps, k, out)
+        pair_blocks(groove, balls, x, f, parts.slopes, eps, k, out)
         last = row == 5 * (n - 1)
         other = 0 if last else row + 5
         for i in range(5):
@@ -235,24 +256,24 @@ def jacobian(
 
 
 @kernel
-def opening(groove: GrooveArrays, balls: BallArrays, x: Array, f: Array) -> int:
-    """Return the ball after the contact that is most clearly open: there a closed track may be cut."""
+def ball_after_open_gap(groove: GrooveArrays, balls: BallArrays, x: Array, f: Array) -> int:
+    """Return the number of the ball after the gap that is most clearly open: before it a closed track may be cut."""
     start, most = 0, -np.inf
     for k in range(f.shape[0]):
-        left = slack_left(groove, balls, x, k) - f[k] if balls.allowed[k] > 0.0 else np.inf
+        left = remaining_slack(groove, balls, x, k) - f[k] if balls.allowed[k] > 0.0 else np.inf
         if left > most:
             start, most = (k + 1) % f.shape[0], left
     return start
 
 
 @kernel
-def step(
+def newton_step(
     groove: GrooveArrays, balls: BallArrays, x: Array, f: Array, parts: BalanceParts, eps: float, dx: Array, df: Array
 ) -> None:
-    """Write Newton's step (N, 4), (N,)."""
-    n, start = f.shape[0], opening(groove, balls, x, f)
+    """Write Newton's step of the motions to dx (N, 4) and of the forces to df (N,), from the ``parts`` at x and f."""
+    n, start = f.shape[0], ball_after_open_gap(groove, balls, x, f)
     K, side = np.empty((5 * n, 3 * HALF + 1)), np.empty((5 * n, 1))
-    jacobian(groove, balls, x, f, parts, eps, start, K)
+    balance_jacobian(groove, balls, x, f, parts, eps, start, K)
     for k in range(n):
         row = 5 * ((k - start) % n)
         for j in range(4):
@@ -267,7 +288,7 @@ def step(
 
 
 @kernel
-def newton(
+def solve_balance(
     groove: GrooveArrays,
     balls: BallArrays,
     x: Array,
@@ -278,23 +299,22 @@ def newton(
     limit: int,
     parts: BalanceParts,
 ) -> tuple[float, int]:
-    """Iterate by Newton's method from (x, f), overwritten, at one regularising speed.
+    """Iterate by Newton's method at one regularising speed, steps halved until the residual falls.
 
-    Steps are halved until the residual falls.
-
-    Ends at ``goal``, after ``limit`` steps, or where round-off lets the residual, below ``near``, fall no more.
-    Returns its size and the steps; ``parts`` are those of the end.
+    x (N, 4) and f (N,) are the start and are overwritten; ``parts`` become those of the end. The iteration ends when the
+    residual (root of the sum of squares) is at most ``goal``, after ``limit`` steps, or when no step lets it fall; below
+    ``near``, where round-off may be the reason, few halvings are tried. Returns the residual and the number of steps.
     """
     n, dx, df = f.shape[0], np.empty_like(x), np.empty_like(f)
-    size = residual(groove, balls, x, f, eps, parts)
+    size = balance_residual(groove, balls, x, f, eps, parts)
     trial = BalanceParts(np.empty((n, 4)), np.empty(n), np.empty((n, 2)), np.empty((n, 4, 4)))
     for count in range(limit):
         if size <= goal:
             return size, count
-        step(groove, balls, x, f, parts, eps, dx, df)
+        newton_step(groove, balls, x, f, parts, eps, dx, df)
         length, new, better = min(1.0, REACH / max(np.max(np.abs(dx)), 1e-300)), size, False
         for _ in range(3 if size <= near else 25):
-            new = residual(groove, balls, x + length * dx, f + length * df, eps, trial)
+            new = balance_residual(groove, balls, x + length * dx, f + length * df, eps, trial)
             if new < (1.0 - 0.1 * length) * size:
                 better = True
                 break

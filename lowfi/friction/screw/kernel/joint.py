@@ -3,7 +3,9 @@
 Unknowns of a ball, in this order: position p (x3, z3) in units of ``length``, motion x (4,), force f on the next ball;
 after all balls the screw's u (m,), in units of ``length`` too. Forces are in the unit of ``BallArrays``.
 
-`ball_rows` is what one ball adds to it: forces out of balance and their derivatives.
+`ball_rows` computes what one ball adds to the equations: forces out of balance and their derivatives. In all functions x
+(4,) are a ball's surface speeds over the nut's speed along the path, ``eps`` is the regularising speed over the same speed,
+and ``share`` is the fraction of the friction that acts on the loads, by which the search approaches the solution.
 """
 
 from math import sqrt
@@ -16,32 +18,37 @@ from rollbench.lowfi.jit import kernel
 
 from .balance import (
     REACH,
+    ball_after_open_gap,
+    ball_sliding,
     contact_map,
-    couple,
+    contact_motion,
     dissipation,
     hertz_contact,
-    opening,
-    rubbing,
-    seen,
-    slack_left,
+    pair_blocks,
+    remaining_slack,
     solve_with_pivots,
 )
 
 #: Contacts 0 and 1 of a ball are on the screw, 2 and 3 on the nut.
 ON_SCREW = 2
 
-#: Rows of a ball's own part: position, motion, force on the screw; columns: position, motion, place of the screw.
+#: Rows of a ball's own part of the equations: forces on it (2), gradient by its motion (4), its force on the screw (3);
+#: columns: its position (2), its motion (4), displacement of the screw in its section (2).
 OWN_ROWS, OWN_COLUMNS = 9, 8
 
 
 @kernel
-def _law(groove: GrooveArrays, i: int, f: float, rows: Array, x: Array, eps: float, g: Array, h: Array) -> None:
-    """Write the gradient g (3,) of contact i's dissipation per mu F, its Hessian h[:3], and h[3]: F g derived by F.
+def _dissipation_derivatives(
+    groove: GrooveArrays, i: int, f: float, rows: Array, x: Array, eps: float, g: Array, h: Array
+) -> None:
+    """Write the derivatives of the dissipation D of contact i over its friction bound mu F.
 
-    Semi-axes go with F^(1/3), and D(s a, s b, vx, vz, spin) = D(a, b, vx, vz, s spin).
+    f: contact force F [N]; rows (3, 4): map of the contact; x (4,): motion of the ball. Written are the gradient g (3,) by
+    (vx, vz, spin), the Hessian in h[:3], and the derivative of F g by F in h[3]. The semi-axes grow with F^(1/3), and
+    D(s a, s b, vx, vz, spin) = D(a, b, vx, vz, s spin).
     """
     cube = f ** (1.0 / 3.0)
-    vx, vz, spin = seen(groove, i, rows, x)
+    vx, vz, spin = contact_motion(groove, i, rows, x)
     d = dissipation(groove.C_a[i] * cube, groove.C_b[i] * cube, vx, vz, spin, eps * groove.speed)
     g[0], g[1], g[2] = d.by_vx, d.by_vz, d.by_spin
     # rows 0 to 2: Hessian by (vx, vz, spin)
@@ -54,13 +61,15 @@ def _law(groove: GrooveArrays, i: int, f: float, rows: Array, x: Array, eps: flo
 
 
 @kernel
-def _acts(
+def _force_effects(
     n_x: float, n_z: float, rows: Array, speed: float, share: float, along: float, on: bool, load: Array, pull: Array
 ) -> None:
-    """Write the effect of a contact's normal force (9,) and of each friction component (9, 3) on the rows of `ball_rows`.
+    """Write how the forces of one contact act on the nine rows of `ball_rows`.
 
-    rows: map (3, 4) of the contact's motion; along: share of the friction along the path. Linear in (n_x, n_z, rows,
-    along).
+    load (9,): effect of a normal force of one; pull (9, 3): effect of each component (vx, vz, spin) of the friction.
+    n_x, n_z: contact normal; rows (3, 4): map of the contact; speed: of the nut along the path [m/s]; along: share of the
+    friction along the path that acts on the screw; on: whether the contact is on the screw. The result is linear in (n_x,
+    n_z, rows, along).
     """
     load[:] = 0.0
     pull[:] = 0.0
@@ -75,10 +84,11 @@ def _acts(
 def ball_rows(
     system: JointSystem, k: int, p: Array, shift: Array, x: Array, share: float, eps: float, out: Array, by: Array
 ) -> None:
-    """Write out (9,) and its derivatives (9, 8) for ball k at p (2,) [m], motion x (4,), screw shifted by shift (2,).
+    """Write what ball k adds to the equations to out (9,) [N], and its derivatives to by (9, 8).
 
-    Rows: force out of balance in x3, z3 with ``share`` of the friction, the grooves' gradient by the motion, force of
-    the ball on the screw in x3, y3, z3.
+    p (2,): displacement of the ball [m]; shift (2,): that of the screw in its section [m]; x (4,): motion of the ball.
+    Rows: force on the ball in x3, z3 with ``share`` of the friction (2), gradient of the grooves' dissipation by the motion
+    (4), force of the ball on the screw in x3, y3, z3 (3). Columns of ``by``: p (2), x (4), shift (2).
     """
     cell, groove, balls = system.cell, system.groove, system.balls
     start, interference, C, affine = cell.start, cell.interference, cell.C, groove.affine
@@ -97,12 +107,12 @@ def ball_rows(
         g[:] = 0.0
         h[:] = 0.0
         if np.max(balls.force[k]) > 0.0:  # others count as unloaded
-            _law(groove, i, f, rows, x, eps, g, h)
-        _acts(n_x, n_z, rows, speed, share, share, on, load, pull)
+            _dissipation_derivatives(groove, i, f, rows, x, eps, g, h)
+        _force_effects(n_x, n_z, rows, speed, share, share, on, load, pull)
         out += f * load + mu * f * (pull @ g)
         by[:, 2:6] += mu * f * (pull @ (h[:3] @ rows))  # columns 2 to 5: by the ball's motion
         for c in range(2):  # derivatives by n_x and by n_z, taken as independent
-            _acts(1.0 - c, float(c), affine[1 + c], speed, share, 0.0, on, d_load, d_pull)
+            _force_effects(1.0 - c, float(c), affine[1 + c], speed, share, 0.0, on, d_load, d_pull)
             seen_more = affine[1 + c] @ x - affine[1 + c, :, 0] * groove.ride[i]
             turned[c] = f * d_load + mu * f * (d_pull @ g + pull @ (h[:3] @ seen_more))
         # by the position: dF/d(approach) along the normal, and the turn of the normal across it
@@ -117,7 +127,7 @@ def ball_rows(
             by[:, 7] -= b_z
 
 
-#: Unknowns of a ball, half bandwidth.
+#: Number of unknowns of a ball, and half bandwidth of the matrix.
 SIZE, HALF = 7, 12
 
 #: Longest step of positions as a fraction of the groove's reach.
@@ -125,8 +135,11 @@ LONGEST_STEP = 0.1
 
 
 @kernel
-def _together(system: JointSystem, at: Place, k: int, share: float, eps: float, start: int, matrix: JointMatrix) -> None:
-    """Add the contact load and friction between ball k and the next ball, with their derivatives."""
+def _add_pair(system: JointSystem, at: Place, k: int, share: float, eps: float, start: int, matrix: JointMatrix) -> None:
+    """Add the force and friction between ball k and the next ball to the equations in ``matrix``, with their derivatives.
+
+    start: ball whose rows come first, before which a closed track is cut open.
+    """
     groove, balls = system.groove, system.balls
     first, second, closing = groove.first, groove.second, groove.closing
     x, f = at.motion, at.ball_force
@@ -134,7 +147,7 @@ def _together(system: JointSystem, at: Place, k: int, share: float, eps: float, 
     n, ahead = f.shape[0], (k + 1) % f.shape[0]
     row, other = SIZE * ((k - start) % n), SIZE * ((ahead - start) % n)
     last = row == SIZE * (n - 1)
-    u, v, size = rubbing(groove, x[k], x[ahead], eps)
+    u, v, size = ball_sliding(groove, x[k], x[ahead], eps)
     u, v = u / size, v / size
     mu = balls.mu[k]
     bite = mu * max(f[k], 0.0)
@@ -148,11 +161,11 @@ def _together(system: JointSystem, at: Place, k: int, share: float, eps: float, 
     # row 6: complementarity of force and gap, Fischer-Burmeister
     side[row + 6], slopes[k, 0] = f[k], 1.0
     if balls.allowed[k] > 0.0:
-        left = slack_left(groove, balls, x, k)
+        left = remaining_slack(groove, balls, x, k)
         root = max(sqrt(f[k] * f[k] + left * left), 1e-300)
         side[row + 6] = f[k] + left - root
         slopes[k, 0], slopes[k, 1] = 1.0 - f[k] / root, 1.0 - left / root
-    couple(groove, balls, x, f, slopes, eps, k, blocks)
+    pair_blocks(groove, balls, x, f, slopes, eps, k, blocks)
     # blocks: ball k with itself, the next ball with itself, k with next, next with k
     for i in range(5):
         for j in range(5):
@@ -162,11 +175,11 @@ def _together(system: JointSystem, at: Place, k: int, share: float, eps: float, 
                 K[row + 2 + i, HALF + SIZE + j - i] += blocks[1, i, j]
                 K[other + 2 + i, HALF - SIZE + j - i] += blocks[2, i, j]
     for which in range(2):
-        _pushed(system, which, row, other, (u, v, size), f[k], mu, share, matrix)
+        _add_pair_force(system, which, row, other, (u, v, size), f[k], mu, share, matrix)
 
 
 @kernel
-def _pushed(
+def _add_pair_force(
     system: JointSystem,
     which: int,
     row: int,
@@ -177,7 +190,11 @@ def _pushed(
     share: float,
     matrix: JointMatrix,
 ) -> None:
-    """Add the force in the groove's plane on the first or second ball of a pair; rub: sliding, direction and size."""
+    """Add the force between two balls, in the plane of the groove's section, to the balance of one of them.
+
+    which: 0 for the first ball, 1 for the second; row, other: first row of each ball in the matrix; rub: direction (u, v)
+    of the sliding of the first on the second ball, and its size; f: force between them; mu: coefficient of friction.
+    """
     first, second, push, slide = system.groove.first, system.groove.second, system.push, system.slide
     side, K = matrix.side, matrix.band
     u, v, size = rub
@@ -200,10 +217,11 @@ def _pushed(
 
 
 @kernel
-def assemble(system: JointSystem, at: Place, share: float, eps: float, start: int, matrix: JointMatrix) -> float:
-    """Write residual and Jacobian with ball ``start`` first, a closed track cut open before it; return the residual's size.
+def assemble_joint(system: JointSystem, at: Place, share: float, eps: float, start: int, matrix: JointMatrix) -> float:
+    """Write residual and Jacobian of all equations to ``matrix``; return the root of the residual's sum of squares.
 
-    share: of the friction that moves balls and screw; the screw's forces besides friction are those of the cell.
+    at: unknowns; start: ball whose rows come first, before which a closed track is cut open. External forces on the screw
+    are those of the system's ``cell``.
     """
     cell, unit, length, rows = system.cell, system.unit, system.length, system.rows
     hold, nominal = system.balls.hold, system.groove.nominal
@@ -242,13 +260,16 @@ def assemble(system: JointSystem, at: Place, share: float, eps: float, start: in
                     for o in range(m):
                         corner[q, o] -= rows[k, r, q] * by[6 + r, 6 + c] * section[k, c, o] * length / unit
     for k in range(n):
-        _together(system, at, k, share, eps, start, matrix)
+        _add_pair(system, at, k, share, eps, start, matrix)
     return float(sqrt(np.sum(side * side) + np.sum(side_u * side_u)))
 
 
 @kernel
-def step(matrix: JointMatrix, start: int, length: float, d: Place) -> None:
-    """Overwrite the matrix by its factors and write Newton's step to d; positions that nothing resists stay."""
+def joint_newton_step(matrix: JointMatrix, start: int, length: float, d: Place) -> None:
+    """Write Newton's step to d, with positions in m; overwrite ``matrix`` of `assemble_joint` by its factors.
+
+    start: ball whose rows come first; length: unit of positions [m]. Positions that no contact resists do not move.
+    """
     side, side_u, K, columns, lines, corner = matrix
     n, m = d.ball_force.shape[0], side_u.shape[0]
     top = 0.0  # stiffest position: a tiny part of it keeps free positions where they are
@@ -282,11 +303,10 @@ def step(matrix: JointMatrix, start: int, length: float, d: Place) -> None:
 
 @kernel
 def newton_joint(system: JointSystem, at: Place, share: float, eps: float, goal: float, limit: int) -> tuple[float, int]:
-    """Iterate by Newton's method from ``at``, overwritten; return residual and steps.
+    """Iterate by Newton's method on loads and motion together, steps halved until the residual falls.
 
-    Steps are halved until the residual falls.
-
-    Ends at ``goal``, after ``limit`` steps, or where no step lets the residual fall.
+    ``at`` is the start and is overwritten. The iteration ends when the residual is at most ``goal``, after ``limit`` steps,
+    or when no step lets the residual fall. Returns the residual (root of the sum of squares) and the number of steps.
     """
     p, u, x, f = at
     n, m, length, reach = f.shape[0], u.shape[0], system.length, system.cell.reach
@@ -299,19 +319,19 @@ def newton_joint(system: JointSystem, at: Place, share: float, eps: float, goal:
         np.empty((m, m)),
     )
     d = Place(np.empty_like(p), np.empty_like(u), np.empty_like(x), np.empty_like(f))
-    start = opening(system.groove, system.balls, x, f)
-    size = assemble(system, at, share, eps, start, matrix)
+    start = ball_after_open_gap(system.groove, system.balls, x, f)
+    size = assemble_joint(system, at, share, eps, start, matrix)
     for count in range(limit):
         if size <= goal:
             return size, count
-        step(matrix, start, length, d)
+        joint_newton_step(matrix, start, length, d)
         moved = max(np.max(np.abs(d.ball)), np.max(np.abs(d.screw)) if m > 0 else 0.0)
         part_of = min(1.0, REACH / max(np.max(np.abs(d.motion)), 1e-300), LONGEST_STEP * reach / max(moved, 1e-300))
         better = False
         for _ in range(30):
             trial = Place(p + part_of * d.ball, u + part_of * d.screw, x + part_of * d.motion, f + part_of * d.ball_force)
-            start = opening(system.groove, system.balls, trial.motion, trial.ball_force)
-            new = assemble(system, trial, share, eps, start, matrix)
+            start = ball_after_open_gap(system.groove, system.balls, trial.motion, trial.ball_force)
+            new = assemble_joint(system, trial, share, eps, start, matrix)
             if new < (1.0 - 0.1 * part_of) * size:
                 better = True
                 break
