@@ -15,8 +15,15 @@ from rollbench.lowfi.friction.screw.chain import AnyChain, ChainMotion, Rubs, so
 from rollbench.lowfi.friction.screw.groove import ON_SCREW, Constants, Grooved, contact_spacing
 from rollbench.lowfi.friction.screw.travel import ClosedTrack
 from rollbench.lowfi.friction.whole.contacts import StaticContacts, contacts_of_result
-from rollbench.lowfi.friction.whole.losses import BallPath, ball_friction, ball_path, rubs_of, shares, turn_back
-from rollbench.lowfi.friction.whole.torque import ONE_TURN, about_axis
+from rollbench.lowfi.friction.whole.losses import (
+    BallPath,
+    ball_friction,
+    ball_path,
+    friction_contacts,
+    relative_coefficients,
+    rotate_to_groove_axes,
+)
+from rollbench.lowfi.friction.whole.torque import ONE_TURN, axial_force_and_moment
 from rollbench.lowfi.jit import CONTACT, is_copy_loaded
 from rollbench.lowfi.statics.contacts import error_free_hertz
 from rollbench.lowfi.statics.result import StaticResult
@@ -81,9 +88,9 @@ def circuits(scene: Scene) -> tuple[Circuit, ...]:
         allowed = f"a number that divides the {azimuths.size} balls of a start"
         raise CircuitError("circuits", allowed, "circuits share the balls of their start equally")
     apart = scene.circulation is None and not ring
-    groups = np.split(azimuths, _gaps(azimuths) if apart else loop.circuits)
+    groups = np.split(azimuths, _first_balls_after_gaps(azimuths) if apart else loop.circuits)
     turns = None if loop.turns is None else 2.0 * np.pi * loop.turns / loop.circuits
-    arcs = [2.0 * np.pi if ring else _arc(group, turns, spacing) for group in groups]
+    arcs = [2.0 * np.pi if ring else _loaded_arc_length(group, turns, spacing) for group in groups]
     middles = [0.5 * float(group[0] + group[-1]) for group in groups]
     for k in range(1, len(groups)):
         if middles[k] - middles[k - 1] < 0.5 * (arcs[k] + arcs[k - 1]) - CLOSE:
@@ -105,13 +112,13 @@ def circuits(scene: Scene) -> tuple[Circuit, ...]:
     return tuple(out)
 
 
-def _gaps(azimuths: Array) -> NDArray[np.int64]:
+def _first_balls_after_gaps(azimuths: Array) -> NDArray[np.int64]:
     """Return the numbers of the balls, in the order of their azimuths [rad], before which a gap between circuits lies."""
     apart = np.diff(azimuths)
     return np.flatnonzero(apart > APART * np.median(apart)) + 1 if apart.size else np.zeros(0, dtype=np.int64)
 
 
-def _arc(group: Array, given: float | None, spacing: float) -> float:
+def _loaded_arc_length(group: Array, given: float | None, spacing: float) -> float:
     """Return the length of the loaded arc of one circuit [rad].
 
     It is ``given`` [rad], or if this is None, the length that the balls fill, with half a distance between neighbours beyond
@@ -215,7 +222,7 @@ class SceneChain(AnyChain):
         ``pull``: friction in the axes of each contact ``(N, 4, 3)``, two forces [N] and the drilling moment [N m].
         """
         turned = pull.copy()
-        turn_back(self.at, turned)
+        rotate_to_groove_axes(self.at, turned)
         return super().wrench(turned)
 
     def input_power(self, wrench: Array) -> float:
@@ -223,7 +230,7 @@ class SceneChain(AnyChain):
 
         ``wrench``: friction on the balls, forces [N] and moments [N m] in the sections' axes ``(N, 4, 6)`` (`wrench`).
         """
-        axial, moment = about_axis(self.at, wrench)
+        axial, moment = axial_force_and_moment(self.at, wrench)
         helical = moment + self.groove.ratio * axial
         return float(np.sum(helical * np.where(ON_SCREW, self.groove.screw_speed, self.groove.nut_speed)))
 
@@ -265,13 +272,13 @@ def chain_motion(
     ChainMotion
         The motion; its field ``converged`` is False if no solution was found.
     """
-    share, top = shares(friction)
-    rubs = rubs_of(scene, at, top * share, drive)
+    share, top = relative_coefficients(friction)
+    rubs = friction_contacts(scene, at, top * share, drive)
     motion = solve_chain(
         SceneChain(grooves, at.force, at.normals, slack, at, rubs, friction.between_balls), start, fast, True
     )
     for rows in (motion.seen, motion.pull):
-        turn_back(at, rows)
+        rotate_to_groove_axes(at, rows)
     return motion
 
 

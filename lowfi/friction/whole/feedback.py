@@ -51,7 +51,7 @@ class Seats:
     axis: Array
 
 
-def seats(at: StaticContacts, C: Array, reach: Array, centre: Array) -> Seats:
+def ball_seats(at: StaticContacts, C: Array, reach: Array, centre: Array) -> Seats:
     """Return balls between their grooves from their contacts.
 
     A flank without contact moves with the other one of its body. A ball without load keeps its nominal position.
@@ -68,21 +68,21 @@ def seats(at: StaticContacts, C: Array, reach: Array, centre: Array) -> Seats:
     return Seats(away, reach, C, np.asarray(at.frames[0, :, 2]))
 
 
-def seats_of(scene: Scene, result: StaticResult, at: StaticContacts, member: int = 0) -> Seats:
+def ball_seats_of_result(scene: Scene, result: StaticResult, at: StaticContacts, member: int = 0) -> Seats:
     """Return Hertz constants and geometry of all contacts of a solved scene; member: as for `contacts_of`."""
-    return seats_at(at, specimen(scene, at.layout, member), result.hertz_C)
+    return ball_seats_with_errors(at, specimen(scene, at.layout, member), result.hertz_C)
 
 
-def seats_at(at: StaticContacts, drawn: Specimen, C: Array) -> Seats:
+def ball_seats_with_errors(at: StaticContacts, drawn: Specimen, C: Array) -> Seats:
     """Return the geometry of contacts with errors ``drawn`` and Hertz constants C ``(N, 4)``."""
     inward = np.zeros_like(at.angle)
     for s, row in enumerate(drawn.profile):
         inward[:, s] = np.polynomial.polynomial.polyval(at.angle[:, s], row) if row.size else 0.0
     reach = drawn.radius[None, :] - inward - drawn.ball_radius[:, None]
-    return seats(at, C, reach, drawn.centre)
+    return ball_seats(at, C, reach, drawn.centre)
 
 
-def _left(force: Array, normal: Array, along: Array, applied: Array) -> Array:
+def _unbalanced_forces(force: Array, normal: Array, along: Array, applied: Array) -> Array:
     """Return forces ``(N, 3)`` [N] by which contacts leave balls (x3, z3) and screw (z) out of balance with given ones."""
     push = force[..., None] * normal
     screw = -np.einsum("nsi,i->n", push[:, ON_SCREW], along)
@@ -145,12 +145,14 @@ def feed_back(
     """
     count = at.force.shape[0]
     along, loaded = place.axis[[0, 2]], at.force.sum(axis=1) > 0.0
-    still = _left(at.force, at.normals[..., [0, 2]], along, np.zeros((count, 3)))
+    still = _unbalanced_forces(at.force, at.normals[..., [0, 2]], along, np.zeros((count, 3)))
     guess, shift, mixer = np.zeros((count, 3)), np.zeros((count, 3)), Mixer(2, ROUNDS)
     contacts, active, rounds = at, np.flatnonzero(loaded), 0
     if near is not None and active.size:
         guess[active] = near[active]
-        contacts, shift[active], _ = _seated(at, place, active, still[active] + guess[active], shift[active], at, fast)
+        contacts, shift[active], _ = _contacts_under_forces(
+            at, place, active, still[active] + guess[active], shift[active], at, fast
+        )
     failed = np.zeros(count, dtype=bool)
     q = np.full((count, 4), np.nan) if motion is None else motion.copy()
     while active.size and rounds < ROUNDS:
@@ -158,12 +160,12 @@ def feed_back(
         chosen = contacts.subset(active)
         by_ball = ball_friction(scene, chosen, friction, drive, fast, q[active])
         q[active] = by_ball.q
-        answer = _answer(by_ball, chosen, place.axis)
+        answer = _friction_on_balls_and_screw(by_ball, chosen, place.axis)
         unsettled = (np.abs(answer - guess[active]).max(axis=1) > AGREED * chosen.force.sum(axis=1)) | failed[active]
         active = active[unsettled]
         mixer.keep(unsettled)
         guess[active] = mixer.next(guess[active], answer[unsettled])
-        contacts, shift[active], failed[active] = _seated(
+        contacts, shift[active], failed[active] = _contacts_under_forces(
             contacts, place, active, still[active] + guess[active], shift[active], at, fast
         )
     for ball in active:
@@ -172,21 +174,28 @@ def feed_back(
         one, size = np.array([ball]), float(contacts.force[ball].sum())
 
         def excess(x: Array, one: NDArray[np.int64] = one, size: float = size) -> Array:
-            there, _, _ = _seated(at, place, one, still[one] + size * x, shift[one], at, fast)
+            there, _, _ = _contacts_under_forces(at, place, one, still[one] + size * x, shift[one], at, fast)
             chosen = there.subset(one)
             by_ball = ball_friction(scene, chosen, friction, drive, fast, q[one])
-            return np.asarray(_answer(by_ball, chosen, place.axis)[0] / size - x)
+            return np.asarray(_friction_on_balls_and_screw(by_ball, chosen, place.axis)[0] / size - x)
 
         options = {"xtol": SOLVED, "eps": DIFFERENCE**2, "maxfev": TRIALS}
         guess[ball] = size * root(excess, guess[ball] / size, options=options).x
-        contacts, shift[one], failed[one] = _seated(contacts, place, one, still[one] + guess[one], shift[one], at, fast)
+        contacts, shift[one], failed[one] = _contacts_under_forces(
+            contacts, place, one, still[one] + guess[one], shift[one], at, fast
+        )
     final = ball_friction(scene, contacts, friction, drive, fast, q)
-    off = _left(contacts.force, contacts.normals[..., [0, 2]], along, still + _answer(final, contacts, place.axis))
+    off = _unbalanced_forces(
+        contacts.force,
+        contacts.normals[..., [0, 2]],
+        along,
+        still + _friction_on_balls_and_screw(final, contacts, place.axis),
+    )
     change = np.abs(off).max(axis=1) / np.maximum(contacts.force.sum(axis=1), 1e-300)
     return FedBack(contacts, final, failed | (change > ACCEPTED), rounds, float(change.max(initial=0.0)), guess)
 
 
-def _answer(by_ball: BallFriction, at: StaticContacts, axis: Array) -> Array:
+def _friction_on_balls_and_screw(by_ball: BallFriction, at: StaticContacts, axis: Array) -> Array:
     """Return the friction on balls along x3, z3 and on the screw along its axis ``(3,)``, ``(N, 3)`` [N]."""
     wrench = by_ball.wrench(at.normals)[..., :3]
     drag = -np.einsum("nsi,i->n", wrench[:, ON_SCREW], axis)
@@ -212,7 +221,7 @@ def second_states(
     return tuple(int(k) for k in np.flatnonzero(other))
 
 
-def _seated(
+def _contacts_under_forces(
     contacts: StaticContacts,
     place: Seats,
     balls: NDArray[np.int64],

@@ -112,7 +112,9 @@ class ScrewTorque:
         return self.translating and self.backward <= 0.0
 
 
-def sum_up(scene: Scene, at: StaticContacts, by_ball: BallFriction, drive: Motion, coupled: bool = False) -> ScrewTorque:
+def sum_friction(
+    scene: Scene, at: StaticContacts, by_ball: BallFriction, drive: Motion, coupled: bool = False
+) -> ScrewTorque:
     """Return the sums over all contacts of a scene whose screw or nut turns with ``drive``.
 
     coupled: whether contact loads and friction together carry the axial load, or only the contact loads.
@@ -121,7 +123,7 @@ def sum_up(scene: Scene, at: StaticContacts, by_ball: BallFriction, drive: Motio
     friction = by_ball.wrench(normals)
     total = friction.copy()
     total[..., :3] -= at.force[..., None] * normals
-    axial, moment = about_axis(at, total)
+    axial, moment = axial_force_and_moment(at, total)
     ratio = reduced_lead(scene.track)
     speed = drive.speed if drive.turns == "screw" else -drive.speed
     helical = moment + ratio * axial  # on the balls: the drives push with it
@@ -143,7 +145,7 @@ def sum_up(scene: Scene, at: StaticContacts, by_ball: BallFriction, drive: Motio
     )
 
 
-def about_axis(at: StaticContacts, wrench: Array) -> tuple[Array, Array]:
+def axial_force_and_moment(at: StaticContacts, wrench: Array) -> tuple[Array, Array]:
     """Return axial forces [N] and moments about axis [N m], ``(N, 4)`` each, of wrenches ``(N, 4, 6)`` at the contacts."""
     turn = at.frames
     force = np.einsum("nsi,nij->nsj", wrench[..., :3], turn)
