@@ -121,9 +121,10 @@ def _first_balls_after_gaps(azimuths: Array) -> NDArray[np.int64]:
 def _loaded_arc_length(group: Array, given: float | None, spacing: float) -> float:
     """Return the length of the loaded arc of one circuit [rad].
 
-    It is ``given`` [rad], or if this is None, the length that the balls fill, with half a distance between neighbours beyond
-    each outer ball. ``group``: sorted azimuths of the balls on the arc [rad]; ``spacing``: azimuth between two balls that
-    touch [rad], the length of an arc with a single ball. Raises CircuitError if the given arc is too short for its balls.
+    It is ``given`` [rad], or if this is None, the length that the balls fill, with half a distance between neighbours
+    beyond each outer ball. ``group``: sorted azimuths of the balls on the arc [rad]; ``spacing``: azimuth between two balls
+    that touch [rad], the length of an arc with a single ball. Raises CircuitError if the given arc is too short for its
+    balls.
     """
     span = float(group[-1] - group[0])
     if given is None:
@@ -137,9 +138,9 @@ def _loaded_arc_length(group: Array, given: float | None, spacing: float) -> flo
 def _track_length(loop: Circulation, loaded: int, arc: float, spacing: float, radius: float) -> float:
     """Return the length of a closed track, loaded arc and return together, as an azimuth [rad].
 
-    ``loop``: table [circulation], whose filling or gap determines the length; ``loaded``: number of balls on the loaded arc;
-    ``arc``: its length [rad]; ``spacing``: azimuth between two balls that touch [rad]; ``radius``: length of the track per
-    angle [m]. Raises CircuitError if the loaded arc and the return cannot hold their balls.
+    ``loop``: table [circulation], whose filling or gap determines the length; ``loaded``: number of balls on the loaded
+    arc; ``arc``: its length [rad]; ``spacing``: azimuth between two balls that touch [rad]; ``radius``: length of the track
+    per angle [m]. Raises CircuitError if the loaded arc and the return cannot hold their balls.
     """
     count = loaded + loop.returning
     if loop.filling is not None:
@@ -173,7 +174,7 @@ def travel(scene: Scene) -> Array:
 
 @dataclass(frozen=True, eq=False)
 class SceneGrooves(BallPath, Grooved):
-    """Nominal grooves of a scene in motion. One object serves a whole run, as the compiled functions cache arrays for it."""
+    """Nominal grooves in motion. One object serves a whole run, because compiled functions cache arrays for it."""
 
     #: Largest coefficient of friction.
     mu: float
@@ -331,8 +332,8 @@ class Balls:
     def layout(self, scene: Scene, folded: Array, turned: float = 0.0) -> BallLayout:
         """Return the positions of all balls in space.
 
-        ``folded``: azimuths of the balls ``(N,)`` [rad], the first value that `place` returns; ``turned``: angle by which the
-        nut has turned since the start [rad].
+        ``folded``: azimuths of the balls ``(N,)`` [rad], the first value that `place` returns; ``turned``: angle by which
+        the nut has turned since the start [rad].
         """
         track, starts = scene.track, np.empty(folded.size)
         for loop in self.tracks:
@@ -381,8 +382,8 @@ def balls_of(scene: Scene, friction: Friction, drive: Drive, drawn: Drawn, membe
     for members in (track.balls for track in tracks):
         if members.stop - members.start > 1 and gaps[members].sum() < FULL:
             raise ValueError(
-                "a circuit has no clearance, so that the forces between its balls are not determined; it needs gaps between "
-                "the balls"
+                "a circuit has no clearance, so that the forces between its balls are not determined; "
+                "it needs gaps between the balls"
             )
     return balls
 

@@ -68,13 +68,13 @@ def ball_path(scene: Scene, drive: Drive, ball_radius: float) -> BallPath:
 
 @dataclass(frozen=True)
 class BallFriction:
-    """Motion and friction of N balls. The four contacts of a ball are in the order SL, SR, NL, NR (screw, nut; left, right)."""
+    """Motion and friction of N balls, each with four contacts in the order SL, SR, NL, NR (screw, nut; left, right)."""
 
     #: Angular speed of each ball's centre around the axis ``(N,)`` [rad/s], seen from the part that does not rotate; nan
     #: without load.
     orbit: Array
-    #: Angular speed of each ball about x3, y3, z3, relative to its section, which goes round with it ``(N, 3)`` [rad/s]; nan
-    #: without load.
+    #: Angular speed of each ball about x3, y3, z3, relative to its section, which goes round with it ``(N, 3)`` [rad/s];
+    #: nan without load.
     rotation: Array
     #: Of the ball against the groove: sliding of the contact's centre across (x) and along (z) the groove, and spin about
     #: the normal ``(N, 4, 3)`` [m/s, rad/s].
@@ -108,7 +108,7 @@ class BallFriction:
         return float(self.loss.sum())
 
     def wrench(self, normals: Array) -> Array:
-        """Return the friction on the ball at each contact in x3, y3, z3: three forces [N], three moments [N m] ``(N, 4, 6)``.
+        """Return the friction on the ball at each contact in x3, y3, z3 ``(N, 4, 6)``: three forces [N], three moments [N m].
 
         ``normals``: unit vectors from each ball's centre to its contacts in x3, y3, z3 ``(N, 4, 3)``.
         """
@@ -178,8 +178,9 @@ def friction_of_motions(
     """Return a `BallFriction` of N balls, with the losses that follow from their motions and friction.
 
     ``at``: contacts of the balls; ``q``: motions ``(N, 4)`` [rad/s], orbit and then rotation, nan without load; ``motion``:
-    sliding and spin of the contacts ``(N, 4, 3)`` [m/s, rad/s]; ``pull``: friction on the ball ``(N, 4, 3)``, two forces [N]
-    and the moment about the normal [N m]. ``rest``, ``status`` and ``left`` are taken over as the fields of the same names.
+    sliding and spin of the contacts ``(N, 4, 3)`` [m/s, rad/s]; ``pull``: friction on the ball ``(N, 4, 3)``, two forces
+    [N] and the moment about the normal [N m]. ``rest``, ``status`` and ``left`` are taken over as the fields of the same
+    names.
     """
     loaded = at.force[..., None] > 0.0
     loss = np.where(loaded, -pull * np.nan_to_num(motion), 0.0) + 0.0
@@ -201,8 +202,9 @@ def relative_coefficients(friction: Friction) -> tuple[Array, float]:
 def friction_contacts(scene: Scene, at: StaticContacts, share: Array, drive: Drive) -> Rubs:
     """Return the sliding contacts of all balls in axes whose x lies along the long semi-axis of each contact ellipse.
 
-    ``at``: contact forces and ellipses; ``share``: coefficients of friction of the contacts SL, SR, NL, NR ``(4,)``, absolute
-    or relative; the friction bounds in the result are products of these and the forces. ``drive``: motion of screw or nut.
+    ``at``: contact forces and ellipses; ``share``: coefficients of friction of the contacts SL, SR, NL, NR ``(4,)``,
+    absolute or relative; the friction bounds in the result are products of these and the forces. ``drive``: motion of screw
+    or nut.
     """
     maps, drives = ball_path(scene, drive, scene.balls.radius).maps(at.normals, at.ball_radius)
     for rows in (maps, drives):
@@ -227,9 +229,9 @@ def _rotate_quarter_turn(rows: Array, sign: float = 1.0) -> Array:
 
 
 def closing_speeds(scene: Scene, at: StaticContacts, by_ball: BallFriction, drive: Drive) -> Array:
-    """Return the speed at which each ball approaches the next one of the same start ``(N,)`` [m/s]; negative: they separate.
+    """Return the speed at which each ball approaches the next one of the same start ``(N,)`` [m/s].
 
-    The next ball is the neighbour at the larger azimuth. The last ball of a ring is followed by its first. The speed is nan
+    It is negative if they separate. The next ball is the neighbour at the larger azimuth. The last ball of a ring is followed by its first. The speed is nan
     for a ball without a next one and where one of both has no load. ``at``: contacts of the N balls; ``by_ball``: their
     motions; ``drive``: motion of screw or nut.
     """
@@ -264,7 +266,8 @@ def quadrature(outwards: int = OUTWARDS, around: int = ROUND) -> tuple[Array, Ar
     Returns
     -------
     tuple
-        Coordinates x, then z, of the points ``(k,)`` as fractions of the semi-axes, then the weights ``(k,)``, whose sum is 1.
+        Coordinates x, then z, of the points ``(k,)`` as fractions of the semi-axes, then the weights ``(k,)``, whose sum is
+        1.
     """
     node, weight = np.polynomial.legendre.leggauss(outwards)
     height, half = 0.5 * (1.0 + node), 0.5 * weight  # radius^2 = 1 - height^2 makes pressure a polynomial
@@ -277,8 +280,8 @@ def quadrature(outwards: int = OUTWARDS, around: int = ROUND) -> tuple[Array, Ar
 def surface_speeds(scene: Scene, at: StaticContacts, drive: Drive, curved: float) -> tuple[Array, Array]:
     """Return how points in the contacts slide by the motions of the balls and by the motion of screw and nut.
 
-    ``at``: contacts of N balls, each with the k points of `quadrature`; ``drive``: motion of screw or nut; ``curved``: factor of
-    the contacts' curvature across the groove, 1 for the actual one and 0 for flat ellipses.
+    ``at``: contacts of N balls, each with the k points of `quadrature`; ``drive``: motion of screw or nut; ``curved``:
+    factor of the contacts' curvature across the groove, 1 for the actual one and 0 for flat ellipses.
 
     Returns
     -------
@@ -323,7 +326,7 @@ def least_power(rows: Array, added: Array, strength: Array, start: Array, slide:
     q = start.copy()
 
     def value(motion: Array, eps: float) -> tuple[Array, Array, Array]:
-        """Return the power of each ball, the sliding of its points [m/s], and the regularised size of this sliding [m/s]."""
+        """Return the power of each ball, the sliding of its points and the regularised size of this sliding [m/s]."""
         v = (rows @ motion[..., None]).reshape(added.shape) + added
         size = np.sqrt(v[..., 0] ** 2 + v[..., 1] ** 2 + eps * eps)
         return (weight * size).sum(axis=1), v, size

@@ -29,13 +29,13 @@ from rollbench.meshes.helix import BallLayout, layout_at, reduced_lead
 from rollbench.meshes.parts import Friction, Scene, Track
 from rollbench.meshes.parts import Motion as Drive
 
-#: Length of a window of `TravellingCompliance` and the least one [rad], how far beyond it balls may be as a part of it, and how far
-#: they may move against each other [rad].
+#: Length of a window of `TravellingCompliance` and the least one [rad], how far beyond it balls may be as a part of it, and
+#: how far they may move against each other [rad].
 WINDOW, LEAST, BEYOND, APART = np.radians(8.0), 1e-4, 0.01, 5e-4
 
 
 class ComplianceWindow(NamedTuple):
-    """Compliance of a body at three positions of its balls: at the start of a stretch of the track, its middle and its end."""
+    """Compliance of a body at three positions of its balls: at the start, middle and end of a piece of the track."""
 
     #: Azimuth of the balls at the start [rad].
     azimuth: Array
@@ -52,9 +52,9 @@ class TravellingCompliance:
     """Compliance of bodies between contacts that travel round the track together, in place of `whole_body`.
 
     The compliance is computed at three positions of a window, and between them by the parabola through these. A body of
-    revolution with a groove in it responds in the same way to balls that turn and advance together, except near its ends, so
-    that the compliance changes slowly. Where balls have moved by more than ``APART`` relative to each other, or other balls
-    are on the loaded arc, a new window begins. An object serves one scene and one backend.
+    revolution with a groove in it responds in the same way to balls that turn and advance together, except near its ends,
+    so that the compliance changes slowly. Where balls have moved by more than ``APART`` relative to each other, or other
+    balls are on the loaded arc, a new window begins. An object serves one scene and one backend.
     """
 
     #: Length of a window [rad], with the sign of the balls' travel in the nut.
@@ -63,7 +63,7 @@ class TravellingCompliance:
     windows: dict[tuple[object, ...], list[ComplianceWindow]] = field(default_factory=dict)
 
     def __call__(self, scene: Scene, layout: BallLayout, screw: bool, backend: Backend, flanks: Sequence[int]) -> Array:
-        """Return the compliance of screw or nut between its contacts [m/N], with the arguments and shape of `whole_body`."""
+        """Return the compliance of screw or nut between its contacts [m/N]; arguments and shape are those of `whole_body`."""
         track, rate = scene.track, reduced_lead(scene.track)
         known = self.windows.setdefault((screw, tuple(flanks), layout.z.size), [])
         for window in known:
@@ -82,8 +82,9 @@ class TravellingCompliance:
     def begin(self, layout: BallLayout, track: Track, compute: Callable[[BallLayout], Array]) -> ComplianceWindow:
         """Return the window that begins at the balls' positions ``layout``.
 
-        It is shorter than ``ahead`` where a ball would otherwise pass the nut's face. ``compute``: function that returns the
-        compliance [m/N] at given positions of the balls. Raises ValueError if this function does so at the first position.
+        It is shorter than ``ahead`` where a ball would otherwise pass the nut's face. ``compute``: function that returns
+        the compliance [m/N] at given positions of the balls. Raises ValueError if this function does so at the first
+        position.
         """
         rate, length = reduced_lead(track), self.ahead
         while True:
@@ -133,7 +134,7 @@ class Memory(NamedTuple):
 
 @dataclass(frozen=True)
 class Setting:
-    """Constants of a run of a scene in time, as ``lowfi.friction.screw.travel`` needs them. Azimuths are in the nut's frame."""
+    """Constants of a run of a scene in time, used by ``lowfi.friction.screw.travel``; azimuths are in the nut's frame."""
 
     #: The scene.
     scene: Scene
@@ -165,14 +166,16 @@ class Setting:
         time
             Time since the start [s].
         push
-            Friction fed back in the previous step ``(N, 3)`` [N], which is overwritten by that of this step (`FedBack.push`).
+            Friction fed back in the previous step ``(N, 3)`` [N], which is overwritten by that of this step
+            (`FedBack.push`).
         q
             Motions of the balls in the previous step ``(N, 4)`` [rad/s], first estimates for `feed_back`.
 
         Returns
         -------
         tuple
-            The contacts; which balls are on a loaded arc ``(N,)``; ``"converged"``, or a sentence part that says what failed.
+            The contacts; which balls are on a loaded arc ``(N,)``; ``"converged"``, or a sentence part that says what
+            failed.
         """
         scene, track = self.scene, self.scene.track
         on_screw, on_nut = self.angles(time)
@@ -221,9 +224,10 @@ class Setting:
         return Place(self.balls.azimuth, gap, np.full(count, nominal), memory)
 
     def to_end(self, azimuth: Array, omega: Array, time: float) -> float:  # noqa: ARG002 - the arcs are fixed in the nut
-        """Return the time until the next ball passes an end of its loaded arc [s]; infinite for a bearing, which has no ends.
+        """Return the time until a ball passes an end of its loaded arc [s]; infinite for a bearing, which has no ends.
 
-        ``azimuth``: positions of the balls in the nut's frame ``(N,)`` [rad]; ``omega``: their speeds there ``(N,)`` [rad/s].
+        ``azimuth``: positions of the balls in the nut's frame ``(N,)`` [rad]; ``omega``: their speeds there ``(N,)``
+        [rad/s].
         """
         if self.scene.track.lead == 0.0:
             return np.inf
@@ -232,8 +236,9 @@ class Setting:
     def instant(self, azimuth: Array, time: float, slack: Array, memory: Memory) -> Instant | str:
         """Return the loads and motions of the balls at one instant, or a sentence part that says what failed.
 
-        ``azimuth``: positions of the balls in the nut's frame ``(N,)`` [rad]; ``time`` [s]; ``slack``: largest rate at which each
-        ball may gain on the next one ``(N,)`` [rad/s]; ``memory``: results of the previous instant, the first estimates.
+        ``azimuth``: positions of the balls in the nut's frame ``(N,)`` [rad]; ``time`` [s]; ``slack``: largest rate at
+        which each ball may gain on the next one ``(N,)`` [rad/s]; ``memory``: results of the previous instant, the first
+        estimates.
         """
         push = memory.push.copy()
         at, loaded, status = self.contacts(azimuth, time, push, memory.q)
@@ -275,8 +280,8 @@ def _screw_torque(setting: Setting, at: StaticContacts, wrench: Array, axial: fl
     """Return the torque about +z that drives the screw under an external axial load ``axial`` [N], in N m.
 
     It is the moment of contact loads and friction about the axis. The axial force of friction that the contact loads do not
-    balance adds its work along the helix. ``at``: contacts of the N balls; ``wrench``: friction on the balls, forces [N] and
-    moments [N m] in their sections' axes ``(N, 4, 6)``.
+    balance adds its work along the helix. ``at``: contacts of the N balls; ``wrench``: friction on the balls, forces [N]
+    and moments [N m] in their sections' axes ``(N, 4, 6)``.
     """
     wrenches = wrench.copy()
     wrenches[..., :3] -= at.force[..., None] * at.normals
