@@ -1,22 +1,22 @@
-"""Lin's method for a ball screw, for comparison: roots for loads, for balls and for a run (Lin 3.4).
+"""Lin's method for a ball screw, for comparison: root finding for contact loads, for balls and for a run in time.
 
-Loads and motion of balls are one root (Lin 3.4.1, 3.4.2).
+Numbers of sections and equations in this module are those of Lin's thesis (2019); the method is described in section 3.4.
 
-Unknowns of a ball, as above Lin 3.71: position in the groove section (2), contact angles gamma (4), motion (4); of two
-that touch: the force between them. First the loads without friction and the screw's position, which then stays.
+Contact loads without friction: the unknowns are the position of each ball in its groove section (2), its contact angles
+gamma (4), and the screw's motions. If the screw is rigid, this is the state of chapter 2 (equations 2.11 to 2.25), searched
+by the hybrid method.
 
-Contact loads without friction are a root.
+Contact loads coupled with friction (sections 3.4.1 and 3.4.2): loads and motion of balls are the root of one system. The
+unknowns of a ball, named above equation 3.71, are its position in the groove section (2), its contact angles gamma (4) and
+its motion (4); two touching balls add the force between them. The loads without friction and the screw's position are
+computed first, and this position is then held.
 
-Unknowns: position of each ball in its groove section (2), its contact angles gamma (4) and the screw's motions. Where the
-beam is rigid that is chapter 2's state (Lin 2.11-2.25), searched by the hybrid method.
+A whole ball screw in time (section 3.4.4): in each step the loads are found as a root, then the motion of every ball
+separately, then that of the groups of balls which are within reach and approach each other (equation 3.77). The positions
+advance with these speeds. The method does not prevent negative gaps; `SourceRun.overlap` says how large they become.
 
-A whole ball screw in time is a root for every touching group (Lin 3.4.4).
-
-Each step: loads as a root, every ball's motion separately, then the groups of those that are within reach and approach
-(Lin 3.77); positions move on with these speeds. Nothing keeps gaps from becoming negative: how far is reported.
-
-To count failures the root is sought from several starts, rolling and at random about our solution. Every search yields what
-it found, None where Lin's method finds no loads to begin with.
+To count failures, the root is searched from several starts: from rolling balls, and from random deviations from our own
+solution. Every search yields the motion that it found, or None if Lin's method finds no contact loads to begin with.
 """
 
 from __future__ import annotations
@@ -322,11 +322,16 @@ def screw_pair_by_root(
         No loads are found.
     """
     if pair.coupling == "ball and screw":
-        raise ValueError('the source fixes the screw in its position without friction; allowed: coupling "none" or "ball"')
+        raise ValueError(
+            "Lin's method for two balls holds the screw in its position without friction, so that it has no coupling of "
+            'friction with ball and screw; it needs coupling "none" or "ball"'
+        )
     cell, law = pair.cell(), source_law(pair.groove, SHARPNESS) if law is None else law
     load, reach = loads_by_root(cell), np.array([True])
     if not load.converged:
-        raise RuntimeError(f"no root for the loads: {load.left:.1e} N left after {load.steps} calls")
+        raise RuntimeError(
+            f"root finding of the contact loads failed: {load.left:.1e} N are out of balance after {load.steps} evaluations"
+        )
     if pair.coupling == "ball":
         return coupled_by_root(cell, load, reach, law, start, touching)
     motion = solve_by_root(
@@ -406,7 +411,10 @@ def simulate_by_root(run: Run, steps: int | None = None) -> SourceRun:
         Balls in a return tube, or loads coupled with friction, which the comparison leaves out.
     """
     if run.tube > 0.0 or run.coupling != "none":
-        raise ValueError('the run by root finding needs tube = 0 and coupling = "none"')
+        raise ValueError(
+            "a run by Lin's root finding needs a track without return tube (tube = 0) and contact loads that do not depend "
+            'on friction (coupling = "none")'
+        )
     g, n, dt = run.groove, run.count, run.duration / run.steps
     law = source_law(g, SHARPNESS)
     azimuth = run.ring * (np.arange(n) + run.first) / n - np.pi * run.turns
@@ -442,7 +450,9 @@ def _solve_step(
     Raises RuntimeError where all neighbours touch.
     """
     if np.all(reach):
-        raise RuntimeError("every ball touches the next: the ring has no place to be cut")
+        raise RuntimeError(
+            "the motion of the balls cannot be solved because every ball touches the next one; at least one gap is needed"
+        )
     order = np.roll(np.arange(run.count), -int(np.argmin(reach)) - 1)
     balls = screw_balls(run.groove, force[order], angle[order])
     near = reach[order[:-1]]
@@ -483,7 +493,7 @@ def linear_solutions_from_starts(
     count
         Number of starts.
     off
-        Largest relative deviation of a start.
+        Largest relative deviation of a start from our own solution.
     """
     apart, together = (solve_linear_chain(prepare_chain(bearing, angles, loads, touching)) for touching in (False, True))
     balls = linear_balls(bearing, angles, loads)
@@ -521,13 +531,13 @@ def pair_solutions_from_starts(
     pair
         Two balls of a screw.
     solved
-        Solution of the pair, whose contact positions are taken.
+        Our own solution of the pair.
     rng
         Source of the random starts.
     count
         Number of starts.
     off
-        Largest relative deviation of a start.
+        Largest relative deviation of a start from our own solution.
     """
     free, touching, units = (
         start_from_result(solved, False),
@@ -562,13 +572,13 @@ def screw_solutions_from_starts(
     angle
         Contact angles, ``(N, 4)`` [rad].
     solved
-        Solution of the chain.
+        Our own solution of the chain.
     rng
         Source of the random starts.
     count
         Number of starts.
     off
-        Largest relative deviation of a start.
+        Largest relative deviation of a start from our own solution.
     """
     alone = solve_chain(replace(chain, slack=np.full(chain.slack.shape, np.inf)))
     balls, law = screw_balls(chain.groove, chain.force, angle), screw_sigmoid(chain.groove)

@@ -108,9 +108,9 @@ class BallFriction:
         return float(self.loss.sum())
 
     def wrench(self, normals: Array) -> Array:
-        """Return the friction on the ball at each contact in x3, y3, z3 ``(N, 4, 6)``: three forces [N], three moments [N m].
+        """Return the friction on each ball at its contacts ``(N, 4, 6)``: three forces [N], three moments [N m].
 
-        ``normals``: unit vectors from each ball's centre to its contacts in x3, y3, z3 ``(N, 4, 3)``.
+        The components are in x3, y3, z3. ``normals``: unit vectors from each ball's centre to its contacts in x3, y3, z3 ``(N, 4, 3)``.
         """
         return contact_wrench(normals, self.force, self.moment)
 
