@@ -74,9 +74,10 @@ class Chain:
     contact_angle: float
     #: Lead angle [rad].
     lead_angle: float
-    #: Interpretation of Liu's equation of the contact angle.
+    #: Interpretation of Liu's equation of the contact angle: one of ``LAWS``.
     law: Law = "exact"
-    #: Distances between neighbouring balls over their mean, for which c is given ``(M - 1,)``; empty for equal distances.
+    #: Distances between neighbouring balls as ratios to their mean ``(M - 1,)``; the compliance c is that of the mean
+    #: distance. Empty for equal distances.
     spacing: tuple[float, ...] = ()
 
     def __post_init__(self) -> None:
@@ -97,7 +98,7 @@ class Chain:
 
     @property
     def parameters(self) -> Array:
-        """Values for the kernels: K, A, sine and cosine of the unloaded contact angle, cosine of the lead angle."""
+        """Values for the compiled functions ``(5,)``: K, A, sine and cosine of the unloaded contact angle, cosine of lead angle."""
         a = self.contact_angle
         return np.array([self.stiffness, self.groove_distance, np.sin(a), np.cos(a), np.cos(self.lead_angle)])
 
@@ -118,15 +119,15 @@ class ChainState:
 
     #: Contact loads Q ``(M,)`` [N].
     load: Array
-    #: Axial motions u of nut against screw at the balls ``(M,)`` [m].
+    #: Axial motions u of the nut relative to the screw at the balls ``(M,)`` [m].
     motion: Array
-    #: Axial motion at which the first ball touches [m].
+    #: Axial motion at which the first ball comes into contact [m].
     touch: float
-    #: Axial stiffness dF/du_1 [N/m].
+    #: Axial stiffness dF/du_1 at ball 1, where the load acts [N/m].
     stiffness: float
     #: Number of Newton steps.
     iterations: int
-    #: Largest error of a ball's force over the load.
+    #: Largest error of the axial force of a ball over the axial load.
     residual: float
     #: Whether the residual is below the tolerance.
     converged: bool
@@ -143,7 +144,10 @@ class ChainState:
 
     @property
     def displacement_first_loaded(self) -> float:
-        """Axial motion at the first loaded ball, from the first touch (Liu's 19) [m]; without the segments before it."""
+        """Axial motion at the first loaded ball, from the first contact of any ball [m] (eq. (19) of Liu et al.).
+
+        It does not contain the stretch of the segments before this ball.
+        """
         return float(self.motion[int(np.argmax(self.load > 0.0))] - self.touch)
 
 
@@ -256,7 +260,7 @@ def calibrate_compliance(chain: Chain, ratio: float, load: float) -> Chain:
 def first_carrying_load(chain: Chain, errors: Array, ball: int, high: float) -> float:
     """Return the axial load above which a ball carries load [N]; 0 for the ball that touches first.
 
-    The motion at each ball increases with the load, so the load is unique.
+    The motion at each ball increases with the axial load, so that there is only one such load.
 
     Parameters
     ----------
@@ -310,9 +314,9 @@ class Ensemble:
 
     #: Axial loads ``(L,)`` [N].
     loads: Array
-    #: Stored quantities ``(n, L, 6)``; the last axis is in the order of ``QUANTITIES``.
+    #: Results of each screw under each load ``(n, L, 6)``; the last axis is in the order of ``QUANTITIES``.
     kept: Array
-    #: Largest residual over the load.
+    #: Largest error of a ball's axial force over the axial load, of all screws and loads.
     residual: float
     #: Number of screws for which Newton's method did not converge under some load.
     failed: int
@@ -352,7 +356,7 @@ def draw_errors(seed: int, first: int, count: int, balls: int, half_range: float
 
 
 def solve_errors(chain: Chain, errors: Array, loads: Array) -> tuple[Array, Array]:
-    """Solve n ball screws with errors ``(n, M)`` [m] under L axial loads ``(L,)`` [N].
+    """Solve n ball screws with errors ``(n, M)`` [m] under L axial loads ``(L,)`` [N], by compiled functions.
 
     Returns
     -------
@@ -446,7 +450,7 @@ class PercentileRank:
 
     @property
     def tail_bound(self) -> float:
-        """Upper 95 % confidence bound of ``tail`` (Wilson's score interval; 2.7/size if no value is as extreme)."""
+        """Upper 95 % confidence bound of ``tail`` by Wilson's score interval; 2.7/size if no value is as extreme."""
         z, n, p = 1.645, self.size, self.tail
         return float((p + z * z / (2 * n) + z * np.sqrt(p * (1 - p) / n + z * z / (4 * n * n))) / (1 + z * z / n))
 

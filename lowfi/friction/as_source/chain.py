@@ -348,8 +348,8 @@ def linear_pair_by_root(
 ) -> SourceMotion:
     """Return the motion of the two balls in section 3.3.4 of Lin's thesis by his method; they are near enough to touch.
 
-    ``theta``: angle of the case study [rad]; ``rho``: ratio of side force to vertical force; ``vertical``: vertical force
-    N_y on each ball [N]; ``law``: friction law; None: Coulomb's law. The contact loads are in equilibrium at the given
-    angles, in closed form (`pair_angles_and_loads`).
+    ``theta``: deviation of the contact angles on the bottom groove [rad]; ``rho``: ratio N_x/N_y of side force to vertical
+    force; ``vertical``: vertical force N_y on each ball [N]; ``law``: friction law; None: Coulomb's law. The contact loads
+    are in equilibrium at the given angles, in closed form (`pair_angles_and_loads`).
     """
     return solve_linear_by_root(bearing, *pair_angles_and_loads(bearing, theta, rho, vertical), True, law)

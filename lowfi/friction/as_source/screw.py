@@ -57,20 +57,28 @@ from rollbench.meshes.arrays import Array, Mask
 
 @dataclass(frozen=True)
 class BallPositions:
-    """Positions of N balls and the screw."""
+    """Positions of N balls between their grooves, and of the screw with its m motions."""
 
     #: Displacement of the balls along x3, z3 ``(N, 2)`` [m].
     ball: Array
     #: Contact angles ``(N, 4)`` [rad].
     gamma: Array
-    #: ``(m,)`` [m].
+    #: Displacements of the screw in its motions ``(m,)`` [m].
     screw: Array
 
 
 def contact_forces(cell: Cell, at: BallPositions) -> tuple[Array, Array, Array]:
-    """Return contact loads ``(N, 4)`` [N], misalignment n . t of groove and line of centres, and normals ``(N, 4, 2)``.
+    """Return the contact loads of N balls in given positions, with the conditions for the contact angles.
 
-    Contact conditions of Lin's chapter 2: the groove's tangent at gamma is normal to the line of centres.
+    They follow from the contact conditions in chapter 2 of Lin's thesis: at the contact angle gamma, the tangent of the
+    groove is perpendicular to the line of centres. ``cell``: the balls and their grooves; ``at``: positions of balls and
+    screw.
+
+    Returns
+    -------
+    tuple
+        Contact loads ``(N, 4)`` [N]; scalar product of the line of centres and the groove's tangent over the distance of
+        the centres, zero if the condition is satisfied ``(N, 4)``; unit normals of the contacts ``(N, 4, 2)``.
     """
     g, c, s = cell.groove, np.cos(at.gamma), np.sin(at.gamma)
     screw = (cell.screw_motion @ at.screw + cell.offset)[:, None, :]
@@ -82,15 +90,20 @@ def contact_forces(cell: Cell, at: BallPositions) -> tuple[Array, Array, Array]:
 
 
 def load_scale(cell: Cell) -> tuple[float, float]:
-    """Return the force of a ball's share of the load [N] and its approach [m], by which the equations are scaled."""
+    """Return the load on the screw divided by the number of balls [N], then a ball's approach under this load [m].
+
+    The equations of `loads_by_root` are scaled by them.
+    """
     share = max(float(np.linalg.norm(cell.force)) / cell.angle.shape[0], 1e-300)
     return share, float(np.max(cell.groove.constants.C)) * share ** (2.0 / 3.0)
 
 
 def starting_positions(cell: Cell) -> BallPositions:
-    """Return start of the search: screw pressed by four approaches of a ball's share (and the clearance), balls half way.
+    """Return the positions from which the search of the contact loads starts.
 
-    The text's nominal state has no stiffness without preload; this is the start of ``rings.settle_cell``.
+    The screw is displaced along its load by four times the approach of a ball under its part of the load, and by the
+    clearance; the balls are half way. The nominal state of Lin's text has no stiffness without preload. `rings.settle_cell`
+    starts from the same positions.
     """
     total, (_, size) = float(np.linalg.norm(cell.force)), load_scale(cell)
     size += max(0.0, -float(np.min(cell.interference)))
@@ -99,9 +112,10 @@ def starting_positions(cell: Cell) -> BallPositions:
 
 
 def loads_by_root(cell: Cell, start: BallPositions | None = None) -> SettledCell:
-    """Return the loads of a cell of N balls as a root of 6 N + m equations; from `starting_positions` where start is None.
+    """Return the contact loads of N balls without friction, as the root of 6 N + m equations (m: motions of the screw).
 
-    ``left`` [N]: largest force out of balance; ``steps``: calls; ``converged`` is False where no root is found.
+    ``start``: positions from which the search starts; None: `starting_positions`. In the result, ``left`` is the largest
+    force out of balance [N], ``steps`` the number of evaluations, and ``converged`` is False if no root was found.
     """
     n = cell.angle.shape[0]
     scale, size = load_scale(cell)
@@ -126,9 +140,10 @@ def loads_by_root(cell: Cell, start: BallPositions | None = None) -> SettledCell
 
 
 def neighbour_interaction(groove: ScrewGroove) -> NeighbourInteraction:
-    """Return the interaction of balls of a screw in touch, on the exact helix.
+    """Return the interaction of touching balls of a screw, on the exact helix.
 
-    Unknowns omega_B, omega_x, omega_y, omega_z; corrects Lin 3.73-3.75.
+    The unknowns of a ball are its angular speeds omega_B around the axis and omega_x, omega_y, omega_z [rad/s]. The exact
+    helix corrects equations 3.73 to 3.75 of Lin's thesis.
     """
     p, r = groove.pair, groove.ball_radius
     return NeighbourInteraction(
@@ -137,9 +152,9 @@ def neighbour_interaction(groove: ScrewGroove) -> NeighbourInteraction:
 
 
 def least_sliding_motion(groove: ScrewGroove) -> Array:
-    """Return the motion ``(4,)`` [rad/s] of a ball that slides least at four contacts at the nominal angle.
+    """Return the motion of a ball that slides least at four contacts at the nominal contact angle ``(4,)`` [rad/s].
 
-    Where searches begin; an assumption, as the text names no start.
+    Searches start from it. This is an assumption, because Lin's text does not say where they start.
     """
     maps, drives = groove.maps(groove.normals(np.full(4, groove.contact_angle)))
     units = np.array([groove.radius, *[groove.ball_radius] * 3])
@@ -148,47 +163,53 @@ def least_sliding_motion(groove: ScrewGroove) -> Array:
 
 
 def screw_balls(groove: ScrewGroove, force: Array, angle: Array) -> Balls:
-    """Return N balls at given contact loads [N] and angles [rad], both ``(N, 4)``, in the order SL, SR, NL, NR."""
+    """Return N balls of a screw with their contacts.
+
+    ``force``: contact loads ``(N, 4)`` [N]; ``angle``: contact angles ``(N, 4)`` [rad], both in the order SL, SR, NL, NR
+    (screw or nut, left or right).
+    """
     maps, drives = groove.maps(groove.normals(angle))
     return Balls(screw_contacts(groove, force), maps, drives, neighbour_interaction(groove))
 
 
 @dataclass(frozen=True)
 class SourceState:
-    """N balls with their loads by Lin's method."""
+    """Positions, contact loads and motions of N balls by Lin's method."""
 
-    #: Positions.
+    #: Positions of the balls and the screw.
     at: BallPositions
     #: Contact forces ``(N, 4)`` [N].
     force: Array
     #: Motions ``(N, 4)`` [rad/s].
     q: Array
-    #: ``(N-1,)`` [N].
+    #: Force of each ball on the next one ``(N-1,)`` [N].
     ball_force: Array
     #: Largest residual of the scaled equations.
     left: float
-    #: Calls of the equations.
+    #: Number of evaluations of the equations.
     calls: int
 
 
 @dataclass(frozen=True)
 class SourceScrew:
-    """Balls of a screw by Lin's method."""
+    """Contact loads and motions of the balls of a screw by Lin's method."""
 
-    #: Loads without friction.
+    #: Contact loads without friction.
     load: SettledCell
     #: Contact forces with friction ``(N, 4)`` [N].
     force: Array
     #: Contact angles with friction ``(N, 4)`` [rad].
     angle: Array
-    #: The motion.
+    #: Motion of the balls and forces between them.
     motion: SourceMotion
 
 
 def solve_coupled_group(cell: Cell, law: Law, start: SourceState, scale: float) -> SourceState:
-    """Return N touching balls with their loads as one root, with the screw as in ``start`` (Lin 3.71, 3.75-3.77).
+    """Return the state of N touching balls whose loads and motions are one root, with the screw held in position.
 
-    scale [N]: sum of a ball's contact loads, by which the equations are scaled.
+    The equations are 3.71 and 3.75 to 3.77 of Lin's thesis. ``cell``: the balls and their grooves; ``law``: friction law;
+    ``start``: state from which the search starts, which also gives the screw's position; ``scale``: sum of a ball's contact
+    loads [N], by which the equations are scaled.
     """
     g, pair = cell.groove, neighbour_interaction(cell.groove)
     n, turn = cell.angle.shape[0], pair.units / pair.speed
@@ -225,7 +246,10 @@ def solve_coupled_group(cell: Cell, law: Law, start: SourceState, scale: float) 
 
 
 def solve_coupled_groups(cell: Cell, law: Law, touching: Mask, start: SourceState, scale: float) -> SourceState:
-    """Return all N balls, group by group, for given contacts ``(N-1,)``."""
+    """Return the coupled state of all N balls, group by group, if it is given which balls touch.
+
+    ``touching``: whether each ball touches the next one ``(N-1,)``; the other arguments are those of `solve_coupled_group`.
+    """
     n = cell.angle.shape[0]
     ball, gamma, q = start.at.ball.copy(), start.at.gamma.copy(), start.q.copy()
     force, between, left, calls = np.zeros((n, 4)), np.zeros(n - 1), 0.0, 0
@@ -249,14 +273,21 @@ def solve_coupled_groups(cell: Cell, law: Law, touching: Mask, start: SourceStat
 
 
 def start_from_result(result: PairResult, touching: bool) -> SourceState:
-    """Return a solution of the chain solver, balls in contact or not, as a start."""
+    """Return the solution of our own solver for two balls as a state from which Lin's searches start.
+
+    ``touching``: whether to take the solution with forces between the balls (True) or that of separate balls.
+    """
     solution = result.touching if touching else result.free
     at = BallPositions(solution.load.ball, solution.load.angle, np.zeros(0))
     return SourceState(at, solution.load.force, solution.motion.q, solution.motion.ball_force[:1], 0.0, 0)
 
 
 def solve_separate_balls(cell: Cell, load: SettledCell, law: Law) -> SourceState:
-    """Return separate balls at loads without friction, searched from rolling: the start where no other is given."""
+    """Return the state of separate balls at contact loads without friction, searched from nominal rolling.
+
+    Coupled searches start from it if no other start is given. ``load``: contact loads without friction; ``law``: friction
+    law.
+    """
     n, pair = cell.angle.shape[0], neighbour_interaction(cell.groove)
     none, first = np.zeros(n - 1), np.tile(pair.nominal, (n, 1))
     q, _, left, calls = solve_source_chain(screw_balls(cell.groove, load.force, load.angle), law, none > 0.0, (first, none))
@@ -271,9 +302,10 @@ def coupled_by_root(
     start: SourceState | None = None,
     touching: SourceState | None = None,
 ) -> SourceScrew:
-    """Return N balls whose friction changes their loads, by Lin's method.
+    """Return the contact loads and motions of N balls whose friction changes their contact loads, by Lin's method.
 
-    Groups of balls that touch are those that approach each other when separate (Lin 3.76, 3.77).
+    Balls that approach each other when they are computed separately form groups that touch (equations 3.76 and 3.77 of
+    Lin's thesis). Lin's text does not say where the searches start.
 
     Parameters
     ----------
@@ -309,10 +341,12 @@ def coupled_by_root(
 def screw_pair_by_root(
     pair: Pair, law: Law | None = None, start: SourceState | None = None, touching: SourceState | None = None
 ) -> SourceScrew:
-    """Return two balls of a screw in reach (Lin 3.4.3) by Lin's method; law: his sigmoid with SHARPNESS where None.
+    """Return the loads and motions of two balls of a screw that are near enough to touch, by Lin's method (section 3.4.3).
 
-    Loads by root finding first; the motion at these where the pair's coupling is "none", else both together, from
-    starts as in `coupled_by_root`.
+    The contact loads without friction are found first. If the coupling of the pair is "none", the motion is solved at these
+    loads, otherwise loads and motion together. ``law``: friction law; None: Lin's sigmoid with the factor ``SHARPNESS``.
+    ``start``, ``touching``: states from which the searches for separate and for touching balls start, as in
+    `coupled_by_root`.
 
     Raises
     ------
@@ -346,57 +380,59 @@ def screw_pair_by_root(
 
 @dataclass(frozen=True)
 class SourceRun:
-    """Run in time by Lin's method: T steps, N balls; ball k pushes ball k + 1, the last one the first."""
+    """Run of N balls in time by Lin's method, with T steps. Ball k pushes ball k + 1; the last ball pushes the first."""
 
-    #: ``(T,)`` [rad].
+    #: Angle of the nut at the beginning of each step ``(T,)`` [rad].
     nut_angle: Array
-    #: Gaps at the end of each step ``(T, N)`` [rad], negative for overlap.
+    #: Gap between each ball and the next one at the end of each step ``(T, N)`` [rad]; negative if they overlap.
     gap: Array
-    #: ``(T, N)`` [N].
+    #: Force of each ball on the next one ``(T, N)`` [N].
     ball_force: Array
-    #: ``(T, N)`` [rad/s].
+    #: Angular speed of each ball around the axis, relative to the screw ``(T, N)`` [rad/s].
     omega: Array
-    #: ``(T,)`` [N m].
+    #: Friction torque of the contacts with the grooves ``(T,)`` [N m].
     groove_torque: Array
-    #: ``(T,)`` [N m].
+    #: Friction torque of the contacts between balls ``(T,)`` [N m].
     ball_torque: Array
-    #: Status of each step's motion; ``"failed"`` also where no loads were found: then the speeds of the step before go on.
+    #: Status of each step's motion (`SourceMotion.status`); ``"failed"`` also if no contact loads were found. After a
+    #: failure the speeds of the previous step continue.
     status: tuple[str, ...]
 
     @property
     def failures(self) -> int:
-        """Number of steps without a root."""
+        """Number of steps for which no root was found."""
         return self.status.count("failed")
 
     @property
     def overlapping(self) -> int:
-        """Number of steps with a root whose neighbours in reach approach nevertheless or pull."""
+        """Number of steps with the status "overlapping": a root was found, but neighbours approach each other or pull."""
         return self.status.count("overlapping")
 
     @property
     def overlap(self) -> float:
-        """Largest overlap of neighbours [rad]."""
+        """Largest overlap of neighbouring balls in all steps [rad]."""
         return max(0.0, -float(self.gap.min()))
 
 
 @dataclass
 class _PreviousStep:
-    """State of the previous step: positions of the balls, their motions ``(N, 4)`` and ball-to-ball forces ``(N,)``."""
+    """State of N balls in the previous step, from which searches start."""
 
-    #: Positions.
+    #: Positions of the balls.
     at: BallPositions
-    #: Motions without ball-to-ball contact.
+    #: Motions of the balls if none touches another ``(N, 4)`` [rad/s].
     free: Array
-    #: Motions with ball-to-ball contact.
+    #: Motions of the balls with the forces between them ``(N, 4)`` [rad/s].
     q: Array
-    #: Ball-to-ball forces [N].
+    #: Force of each ball on the next one ``(N,)`` [N].
     force: Array
 
 
 def simulate_by_root(run: Run, steps: int | None = None) -> SourceRun:
-    """Return the first ``steps`` of a run (all where None) from evenly spread balls, under Lin's sigmoid.
+    """Return the first steps of a run of a screw in time by Lin's method with his sigmoid friction law.
 
-    Starts of each search: the step before, rolling at first; the text names none.
+    The balls are spread evenly at the beginning. Every search starts from the previous step, the first one from rolling;
+    Lin's text does not say where they start.
 
     Parameters
     ----------
@@ -445,9 +481,12 @@ def simulate_by_root(run: Run, steps: int | None = None) -> SourceRun:
 def _solve_step(
     run: Run, force: Array, angle: Array, reach: NDArray[np.bool_], law: Law, before: _PreviousStep | None
 ) -> tuple[SourceMotion, NDArray[np.intp]]:
-    """Return the motion of the balls and their order, which begins after a neighbour out of reach, where the ring is cut.
+    """Return the motion of the balls in one step, then the order of the balls in this motion (indices ``(N,)``).
 
-    Raises RuntimeError where all neighbours touch.
+    The order begins after a ball that is out of reach of the next one, where the ring of balls is cut open. ``force`` [N],
+    ``angle`` [rad]: contact loads and angles ``(N, 4)``; ``reach``: whether each ball is near enough to the next one to
+    touch it ``(N,)``; ``law``: friction law; ``before``: previous step. Raises RuntimeError if every ball touches the next
+    one.
     """
     if np.all(reach):
         raise RuntimeError(
@@ -464,9 +503,10 @@ def _solve_step(
 
 
 def perturbed_motions(q: Array, units: Array, rng: np.random.Generator, off: float) -> Array:
-    """Return motions ``(N, n)``, each unknown off by up to ``off`` of itself, at least of 1 % of the largest surface speed.
+    """Return motions of N balls with random relative deviations, for searches from several starts.
 
-    units ``(n,)``: surface speed per unknown.
+    ``q``: motions ``(N, n)``; ``units``: surface speed per unit of each unknown ``(n,)``; ``off``: largest deviation of an
+    unknown as a fraction of its value, or of 1 % of the ball's largest surface speed if this is more.
     """
     x = q * units
     size = np.maximum(np.abs(x), 0.01 * np.max(np.abs(x), axis=1, keepdims=True))
@@ -476,9 +516,10 @@ def perturbed_motions(q: Array, units: Array, rng: np.random.Generator, off: flo
 def linear_solutions_from_starts(
     bearing: LinearBearing, angles: Array, loads: Array, rng: np.random.Generator, count: int, off: float
 ) -> Iterator[SourceMotion]:
-    """Yield solutions for balls of a linear bearing, all in reach, from random starts; forces at random up to doubled.
+    """Yield motions of N balls of a linear bearing by Lin's method, each from another random start; all balls are in reach.
 
-    angles [rad], loads [N]: ``(N, 4)``.
+    The first start is rolling. The others deviate from our own solution, with the forces between the balls multiplied by
+    random factors from 0 to 2.
 
     Parameters
     ----------
@@ -509,7 +550,7 @@ def linear_solutions_from_starts(
 
 
 def screw_sigmoid(groove: ScrewGroove, sharpness: float = SHARPNESS) -> Sigmoid:
-    """Return Lin's law; at rest, where its reference is zero, with a spin of 1 rad/s.
+    """Return Lin's sigmoid friction law for a screw. At rest, where its reference spin is zero, the reference is 1 rad/s.
 
     Parameters
     ----------
@@ -524,7 +565,9 @@ def screw_sigmoid(groove: ScrewGroove, sharpness: float = SHARPNESS) -> Sigmoid:
 def pair_solutions_from_starts(
     pair: Pair, solved: PairResult, rng: np.random.Generator, count: int, off: float
 ) -> Iterator[SourceMotion | None]:
-    """Yield solutions for a pair of a screw with its loads from random starts; positions as in our solution ``solved``.
+    """Yield motions of two balls of a screw by Lin's method, each from another random start; None without contact loads.
+
+    The first start is rolling, the others deviate from our own solution.
 
     Parameters
     ----------
@@ -559,11 +602,10 @@ def pair_solutions_from_starts(
 def screw_solutions_from_starts(
     chain: Chain, angle: Array, solved: ChainMotion, rng: np.random.Generator, count: int, off: float
 ) -> Iterator[SourceMotion]:
-    """Yield solutions for an open chain of a screw at given loads from random starts.
+    """Yield motions of an open chain of balls of a screw by Lin's method at given contact loads, each from a random start.
 
-    Only closed gaps are in reach: one that closes within a step comes to contact in the solver here and overlaps in Lin's.
-
-    angle ``(N, 4)`` [rad]: its contact angles; solved: our solution.
+    Only neighbours without gap are in reach of each other: if a gap closes within a step, the balls come into contact in
+    our own solver, but overlap in Lin's.
 
     Parameters
     ----------

@@ -110,7 +110,8 @@ class BallFriction:
     def wrench(self, normals: Array) -> Array:
         """Return the friction on each ball at its contacts ``(N, 4, 6)``: three forces [N], three moments [N m].
 
-        The components are in x3, y3, z3. ``normals``: unit vectors from each ball's centre to its contacts in x3, y3, z3 ``(N, 4, 3)``.
+        The components are in x3, y3, z3. ``normals``: unit vectors from each ball's centre to its contacts in x3, y3, z3
+        ``(N, 4, 3)``.
         """
         return contact_wrench(normals, self.force, self.moment)
 
@@ -231,9 +232,9 @@ def _rotate_quarter_turn(rows: Array, sign: float = 1.0) -> Array:
 def closing_speeds(scene: Scene, at: StaticContacts, by_ball: BallFriction, drive: Drive) -> Array:
     """Return the speed at which each ball approaches the next one of the same start ``(N,)`` [m/s].
 
-    It is negative if they separate. The next ball is the neighbour at the larger azimuth. The last ball of a ring is followed by its first. The speed is nan
-    for a ball without a next one and where one of both has no load. ``at``: contacts of the N balls; ``by_ball``: their
-    motions; ``drive``: motion of screw or nut.
+    It is negative if they separate. The next ball is the neighbour at the larger azimuth. The last ball of a ring is
+    followed by its first. The speed is nan for a ball without a next one and where one of both has no load. ``at``:
+    contacts of the N balls; ``by_ball``: their motions; ``drive``: motion of screw or nut.
     """
     path = ball_path(scene, drive, scene.balls.radius)
     count, starts = at.force.shape[0], scene.track.starts

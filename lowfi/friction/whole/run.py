@@ -63,7 +63,10 @@ class TravellingCompliance:
     windows: dict[tuple[object, ...], list[ComplianceWindow]] = field(default_factory=dict)
 
     def __call__(self, scene: Scene, layout: BallLayout, screw: bool, backend: Backend, flanks: Sequence[int]) -> Array:
-        """Return the compliance of screw or nut between its contacts [m/N]; arguments and shape as those of `whole_body`."""
+        """Return the compliance of screw or nut between its contacts [m/N].
+
+        Arguments and the shape of the result are those of `whole_body`.
+        """
         track, rate = scene.track, reduced_lead(scene.track)
         known = self.windows.setdefault((screw, tuple(flanks), layout.z.size), [])
         for window in known:
