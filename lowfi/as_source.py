@@ -125,7 +125,7 @@ class System:
     axes: Array
 
     def motion_of_flank(self, side: int, gamma: Array) -> tuple[NDArray[np.int64], Array, Array, Array]:
-        """Return the matrices that map nodal motions of the screw to motions of one of its flanks at the contacts of N balls.
+        """Return the matrices that map nodal motions of the screw to motions of one of its flanks at the contacts.
 
         Parameters
         ----------
@@ -226,11 +226,6 @@ def equations_and_jacobian(
     The equations are the contact conditions and the equilibrium of balls and screw, Phi(x) = 0 in equation 2.25 of Lin's
     thesis; appendix E has the Jacobian.
 
-    Returns
-    -------
-    tuple
-        Residuals ``(6 N + 6 n,)``, in the order of the unknowns; Jacobian, or None; contact loads ``(N, 4)`` [N].
-
     Parameters
     ----------
     system
@@ -241,6 +236,11 @@ def equations_and_jacobian(
         Loads on the nodes ``(6 n,)`` [N, N m].
     jacobian
         Whether to compute the Jacobian; if not, None is returned in its place.
+
+    Returns
+    -------
+    tuple
+        Residuals ``(6 N + 6 n,)``, in the order of the unknowns; Jacobian, or None; contact loads ``(N, 4)`` [N].
     """
     problem = system.problem
     count = problem.C.shape[0]

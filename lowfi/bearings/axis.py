@@ -77,7 +77,7 @@ def _series_stiffness(*stiffness: float | Array) -> Array:
 
 
 def branch_stiffnesses(axis: Axis, position: Array | float) -> tuple[Array, Array]:
-    """Return the axial stiffnesses k_l and k_r of (1) [N/m]: from the nut to the frame through the left and right support.
+    """Return the axial stiffnesses k_l and k_r in eq. (1) of this module [N/m]: from nut to frame through left and right support.
 
     Parameters
     ----------
@@ -102,7 +102,7 @@ def branch_stiffnesses(axis: Axis, position: Array | float) -> tuple[Array, Arra
 def shaft_stiffness(axis: Axis, position: Array | float) -> Array:
     """Return the axial stiffness of shaft and supports at the nut, k_l + k_r [N/m].
 
-    With rigid supports it is EA L/(x (L - x)) (Smith 4.7), with one free end EA/x (Smith 4.8).
+    With rigid supports it is EA L/(x (L - x)) (Smith 1994, eq. 4.7), with one free end EA/x (eq. 4.8).
 
     Parameters
     ----------
@@ -127,7 +127,7 @@ def shaft_stiffness(axis: Axis, position: Array | float) -> Array:
 
 
 def axis_stiffness(axis: Axis, position: Array | float, nut: float) -> Array:
-    """Return the axial stiffness k of (1) between carriage and frame, through nut, shaft and supports [N/m].
+    """Return the axial stiffness k in eq. (1) of this module [N/m]: from carriage to frame through nut, shaft and supports.
 
     Parameters
     ----------
@@ -177,8 +177,9 @@ def support_loads(axis: Axis, position: float, force: float, tension: float = 0.
 def shaft_tension(axis: Axis, stretch: float, expansion: float = 0.0, warming: float = 0.0) -> float:
     """Return the tension of the shaft after a stretch of its ends and a uniform warming [N]; negative is compression.
 
-    F = E A (eps - alpha dT), as the elastic strain is the total less the thermal strain. Elastic supports take a part of
-    the stretch. Both supports carry the whole tension.
+    It is F = E A (eps - alpha dT) with the strain eps by the stretch and the warming dT, because the elastic strain is the
+    total strain less the thermal strain. Elastic supports take a part of the stretch. Both supports carry the whole
+    tension.
 
     Parameters
     ----------
@@ -315,13 +316,13 @@ def reflected_inertia(mass: float, lead: float, efficiency: float = 1.0) -> floa
 class TorqueBudget:
     """Parts of the drive torque of a ball-screw axis [N m]."""
 
-    #: Torque that the axial load on the ball screw needs.
+    #: Torque that the axial load on the ball screw needs [N m].
     screw: float
-    #: Friction of the nut.
+    #: Friction torque of the nut [N m].
     nut: float
-    #: Friction of each support.
+    #: Friction torque of each support [N m].
     supports: tuple[float, ...]
-    #: Torque that the acceleration needs.
+    #: Torque that the acceleration needs [N m].
     acceleration: float
 
     @property
@@ -355,7 +356,7 @@ def acceleration_torque(inertias: Sequence[float], speed: float, time: float) ->
 
 
 class Row(Protocol):
-    """Load-deflection law of one of several bearing rows on a shaft; thrust is zero where the row is loose."""
+    """Load-deflection law of one of several bearing rows on a shaft. A loose row has no thrust."""
 
     def thrust(self, deflection: float) -> float:
         """Return the thrust [N] at an axial deflection [m]."""
@@ -403,7 +404,7 @@ class BearingSet:
     rows: tuple[Row, ...]
     #: Direction of each row: +1 if it takes thrust in the positive direction, else -1.
     directions: tuple[int, ...]
-    #: Deflection g_j of each row by the gaps that the locknut closes [m].
+    #: Deflection g_j of each row by the part of the gaps between the rings that the locknut closes [m].
     offsets: tuple[float, ...]
 
     def __post_init__(self) -> None:
@@ -432,9 +433,10 @@ class BearingSetState:
 
 
 def _evaluate_each_row(bearings: BearingSet, displacement: float, law: Callable[[Row, float], float]) -> Array:
-    """Return load [N] or stiffness [N/m] of each row, as ``law`` gives it, at a displacement of the inner rings [m].
+    """Return load [N] or stiffness [N/m] of each row at a displacement of the inner rings [m].
 
-    Equal rows with the same deflection are evaluated once.
+    ``law``: method of `Row` that gives the load or the stiffness of a row at its deflection [m]. Equal rows with the same
+    deflection are evaluated once.
     """
     known, values = dict[tuple[int, float], float](), []
     for row, s, g in zip(bearings.rows, bearings.directions, bearings.offsets, strict=True):
@@ -457,7 +459,7 @@ def bearing_set_state(bearings: BearingSet, displacement: float) -> BearingSetSt
 
 
 def equilibrium(bearings: BearingSet, force: float = 0.0) -> BearingSetState:
-    """Return the state in which the bearings on a shaft balance an external thrust on their inner rings, by (2).
+    """Return the state in which the bearings on a shaft balance an external thrust on their inner rings, eq. (2) of this module.
 
     Rows that lose contact carry no load. The displacement is solved for without linearisation, to round-off.
 

@@ -35,11 +35,11 @@ _WEIGHTS = 0.03 * np.pi * np.cosh(_T) * _PLACES / (1.0 + np.exp(np.pi * np.sinh(
 class LoadZone:
     """Load zone, the loaded part of the circumference of a row of rolling elements, with Sjovall's integrals."""
 
-    #: Load zone parameter: 1/2 for half of the circumference, infinite for pure thrust.
+    #: Load zone parameter: 1/2 if half of the circumference is loaded, infinite for pure thrust.
     eps: float
-    #: Sjovall's integral J_a.
+    #: Sjovall's integral J_a of the thrust, dimensionless.
     axial: float
-    #: Sjovall's integral J_r.
+    #: Sjovall's integral J_r of the radial load, dimensionless.
     radial: float
     #: Half of the angle over which the row is loaded [rad].
     half_angle: float
@@ -89,7 +89,7 @@ def load_zone(eps: float, exponent: float) -> LoadZone:
 def load_zone_of_forces(axial: float, radial: float, angle: float, exponent: float) -> LoadZone:
     """Return the load zone of a row of rolling elements under thrust and radial load.
 
-    It is the one with J_r/J_a = F_r tan(alpha)/F_a (Smith 3.14).
+    It is the load zone for which J_r/J_a = F_r tan(alpha)/F_a (Smith 1994, eq. 3.14).
 
     Parameters
     ----------
@@ -132,7 +132,7 @@ class CombinedState:
     radial: float
     #: Load Q of either race on every roller ``(N,)`` [N].
     loads: Array
-    #: Derivative of (axial, radial) force by (axial, radial) displacement ``(2, 2)`` [N/m].
+    #: Derivatives of the axial and radial force with respect to the axial and radial displacement ``(2, 2)`` [N/m].
     stiffness: Array
     #: Largest unbalanced force over the thrust.
     residual: float
@@ -199,7 +199,11 @@ def combined_equilibrium(bearing: TaperedBearing, axial: float, radial: float) -
 
 
 def _damped_step(bearing: TaperedBearing, x: Array, step: Array, level: float, force: Array) -> float:
-    """Return the largest fraction 1, 1/2, 1/4, ... of a Newton step that does not raise the energy beyond round-off."""
+    """Return the largest fraction 1, 1/2, 1/4, ... of a Newton step that does not raise the potential energy beyond round-off.
+
+    ``x``, ``step``: displacement and Newton step, axial and radial ``(2,)`` [m]; ``level``: potential energy at ``x`` [J];
+    ``force``: external axial and radial force ``(2,)`` [N].
+    """
     fraction = 1.0
     while fraction > 1e-6:
         trial = x + fraction * step
@@ -210,7 +214,10 @@ def _damped_step(bearing: TaperedBearing, x: Array, step: Array, level: float, f
 
 
 def _elastic_energy(bearing: TaperedBearing, x: Array) -> float:
-    """Return the strain energy of the bearing [J]; infinite where a trial step leaves the range of the line contact."""
+    """Return the strain energy of the bearing [J]; infinite where a trial step leaves the range of the line contact.
+
+    ``x``: axial and radial displacement of the inner ring ``(2,)`` [m].
+    """
     try:
         return energy_and_derivatives(bearing, x)[0]
     except ValueError:

@@ -50,7 +50,7 @@ _U, _W = np.polynomial.legendre.leggauss(32)
 
 @dataclass(frozen=True)
 class Rib:
-    """Geometry of the contact of a roller's spherical end with the rib, by (1) to (3)."""
+    """Geometry of the contact of a roller's spherical end with the rib, by eqs. (1) to (3) of this module."""
 
     #: Angle theta of the contact normal against the roller's axis [rad].
     tilt: float
@@ -61,7 +61,7 @@ class Rib:
 
 
 def rib_geometry(bearing: TaperedBearing, end_radius: float, height: float) -> Rib:
-    """Return the geometry of the contact of a roller's end with the rib, by (1) to (3).
+    """Return the geometry of the contact of a roller's end with the rib, by eqs. (1) to (3) of this module.
 
     Parameters
     ----------
@@ -225,6 +225,9 @@ def mean_distance(a: Array, b: Array, height: float) -> Array:
 
 
 def roller_speed_ratios(bearing: TaperedBearing) -> tuple[float, float]:
-    """Return the angular speeds of a roller relative to cone and cup, over that of the rings to each other, by (4)."""
+    """Return the angular speeds of a roller relative to the cone, then relative to the cup, by eq. (4) of this module.
+
+    Both are ratios to the angular speed of the rings relative to each other.
+    """
     over = float(np.sin(2.0 * bearing.roller_angle))
     return float(np.sin(bearing.cup_angle)) / over, float(np.sin(bearing.cone_angle)) / over

@@ -83,12 +83,12 @@ class BallSolution:
     problem: Problem
     #: Motion and friction of the ball.
     motion: Motion
-    #: Torque on the inner ring [N m].
+    #: Torque that drives the inner ring against the friction of this ball [N m].
     torque: float
 
     @property
     def input_power(self) -> float:
-        """Power that drives the inner ring, torque times speed [W]; equals the friction loss in equilibrium."""
+        """Power that drives the inner ring, torque times speed [W]; in equilibrium it equals the friction loss."""
         return self.torque * self.bearing.screw_speed
 
 
@@ -171,7 +171,7 @@ def ball_contacts(bearing: Bearing, load: SettledCell) -> Contacts:
 
 
 def motion_problem(bearing: Bearing, load: SettledCell, at: Contacts) -> Problem:
-    """Return the problem of a ball's motion at given contact loads and angles; omega_z is zero by symmetry.
+    """Return the equations for a ball's motion at given contact loads and angles, without omega_z, which is zero by symmetry.
 
     Parameters
     ----------
@@ -230,10 +230,11 @@ def solve_ball(bearing: Bearing, force_x: float, u_y: float, fast: bool = False)
 
 
 def solve_ball_as_printed(bearing: Bearing, force_x: float, u_y: float, law: Sigmoid, fast: bool = False) -> BallSolution:
-    """Return contact loads and motion of one ball by Lin's method, with its errors.
+    """Return contact loads and motion of one ball by Lin's method, errors in its equations included.
 
-    It uses the Hertz constants of Table B.1, the sigmoid friction law, a root of 3.19 and the torque 3.21. The root is
-    searched from the motion of least dissipation and, if this fails, with sigmoids of increasing sharpness.
+    It uses the Hertz constants of Table B.1 of Lin's thesis, the sigmoid friction law, a root of equation 3.19 and the
+    torque by equation 3.21. The root is searched from the motion of least dissipation and, if this fails, with sigmoids of
+    increasing sharpness.
 
     Parameters
     ----------
@@ -258,7 +259,7 @@ def solve_ball_as_printed(bearing: Bearing, force_x: float, u_y: float, law: Sig
 def solve_over_displacements(
     bearing: Bearing, force_x: float, u_y: Array, law: Sigmoid | None = None
 ) -> list[BallSolution]:
-    """Return the solutions of one ball for several radial displacements of the inner ring (Lin Figure 3.7).
+    """Return the solutions of one ball for several radial displacements of the inner ring (Figure 3.7 of Lin's thesis).
 
     Parameters
     ----------
@@ -285,11 +286,11 @@ ALL, DIAGONAL, OTHER = (True, True, True, True), (True, False, False, True), (Fa
 
 @dataclass(frozen=True)
 class BallRow:
-    """Row of balls of a bearing, with its position and the contacts that its grooves allow."""
+    """Row of balls of a bearing: its axial position and the contacts that its grooves allow."""
 
     #: Axial position [m].
     place: float
-    #: Whether its grooves have the contacts SL, SR, NL, NR (S: inner ring, N: outer ring).
+    #: Whether its grooves have the contacts SL, SR, NL, NR (S: inner ring, N: outer ring; L, R: left and right flank).
     contacts: tuple[bool, bool, bool, bool]
 
 
@@ -298,7 +299,7 @@ class BallRow:
 class BearingCase:
     """Bearing with a rotating, loaded inner ring and a fixed outer ring."""
 
-    #: Grooves of the bearing, with zero lead.
+    #: Grooves of the bearing, as those of a screw with zero lead.
     groove: ScrewGroove
     #: Number of balls in a row.
     count: int
@@ -325,7 +326,7 @@ class BearingCase:
 class BearingState:
     """Loads and friction of a bearing with N balls, row after row."""
 
-    #: Contact loads ``(N, 4)`` [N] and angles.
+    #: Contact loads ``(N, 4)`` [N] and contact angles ``(N, 4)`` [rad].
     load: SettledCell
     #: Friction losses at the contacts ``(N, 4)`` [W].
     loss: Array
@@ -340,7 +341,7 @@ class BearingState:
 
 
 def ring_motion_maps(case: BearingCase) -> Array:
-    """Return the displacements of the inner ring at each ball by its unit motions ``(N, 3, m)``.
+    """Return the displacements of the inner ring at each of N balls by its m unit motions ``(N, 3, m)``.
 
     The motions are three translations and, if the ring may tilt, rotations about x and y. Rotations are multiplied by the
     pitch radius, so that all unknowns are lengths [m].
@@ -369,10 +370,7 @@ def bearing_cell(case: BearingCase, angle: float) -> Cell:
 
 
 def describe_free_motion(case: BearingCase, angle: float) -> str:
-    """Return a description of a motion of the inner ring that the force drives and no contact resists; empty if none.
-
-    A contact resists motion along its normal at the nominal contact angle. The test is exact for the existence of a linear
-    equilibrium of contact loads and force, apart from the signs of the contact loads.
+    """Return a sentence part on a motion of the inner ring that the force drives and no contact resists; empty if none.
 
     Parameters
     ----------
@@ -431,7 +429,7 @@ def solve_bearing(case: BearingCase, angle: float, near: BearingState | None = N
 
 @dataclass(frozen=True)
 class TorqueCurve:
-    """Friction torque of a bearing against the angle of its load (Lin Figure 4.7)."""
+    """Friction torque of a bearing at several angles of its load (Figure 4.7 of Lin's thesis)."""
 
     #: Angles of the force from the axis ``(n,)`` [rad].
     angle: Array
@@ -449,7 +447,7 @@ class TorqueCurve:
 
 
 def bearing_states(case: BearingCase, angle: Array) -> list[BearingState]:
-    """Return the states of a bearing for several angles of the force from its axis, each the start of the next.
+    """Return the states of a bearing at several angles of the force from its axis; each search starts from the state before.
 
     Parameters
     ----------
@@ -465,7 +463,7 @@ def bearing_states(case: BearingCase, angle: Array) -> list[BearingState]:
 
 
 def torque_curve(case: BearingCase, angle: Array) -> TorqueCurve:
-    """Return the friction torque of a bearing against the angle of the force from its axis (Lin Figure 4.7).
+    """Return the friction torque of a bearing at several angles of the force from its axis (Figure 4.7 of Lin's thesis).
 
     Parameters
     ----------

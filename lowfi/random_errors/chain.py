@@ -98,7 +98,7 @@ class Chain:
 
     @property
     def parameters(self) -> Array:
-        """Values for the compiled functions ``(5,)``: K, A, sine and cosine of the unloaded contact angle, cosine of lead angle."""
+        """Values for the compiled functions ``(5,)``: K, A, sine and cosine of the unloaded contact angle, cosine of the lead."""
         a = self.contact_angle
         return np.array([self.stiffness, self.groove_distance, np.sin(a), np.cos(a), np.cos(self.lead_angle)])
 
