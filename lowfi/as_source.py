@@ -138,7 +138,7 @@ class System:
         -------
         tuple[NDArray[np.int64], Array, Array, Array]
             Index of the first of m nodal unknowns ``(N,)``; matrices M ``(N, 2, m)`` of Lin 2.17-2.21, and their first and
-            second derivative by the contact angle (Lin E.13).
+            second derivative by the contact angle (eq. E.13 of Lin's thesis).
         """
         p = self.problem
         if self.kinematics == "arc":
@@ -317,7 +317,7 @@ def solve_source(
     member: int = 0,
     tolerance: float = 1e-12,
 ) -> SourceSolution:
-    """Solve a scene by Lin's equations and Newton's method without line search (Lin 2.26).
+    """Solve a scene by Lin's equations and Newton's method without line search (eq. 2.26 of Lin's thesis).
 
     Parameters
     ----------
@@ -342,7 +342,7 @@ def solve_source(
     """
     begin = perf_counter()
     if scene.ingredients.screw == "rigid":
-        raise ValueError("Lin's formulation needs a screw that is modelled as a beam")
+        raise ValueError("Lin's equations cannot be set up for a rigid screw; they need a screw that is modelled as a beam")
     layout = ball_layout(scene)
     problem = build(scene, specimen(scene, layout, member), layout, np.ones(4, dtype=bool), everything=everything)
     axes = np.stack([layout.radial, layout.binormal], axis=1)

@@ -77,7 +77,9 @@ def _series_stiffness(*stiffness: float | Array) -> Array:
 
 
 def branch_stiffnesses(axis: Axis, position: Array | float) -> tuple[Array, Array]:
-    """Return the axial stiffnesses k_l and k_r in eq. (1) of this module [N/m]: from nut to frame through left and right support.
+    """Return the axial stiffnesses from the nut to the frame [N/m], through the left and through the right support.
+
+    They are k_l and k_r in eq. (1) of this module.
 
     Parameters
     ----------
@@ -270,8 +272,8 @@ def screw_inertia(shaft: Assembly, density: float) -> float:
     """Return the moment of inertia of a whole screw shaft about its axis [kg m^2], without bearing rings and nuts.
 
     Plain segments follow Smith's 4.14. The threaded length is taken for a cylinder of the same volume as the thread of the
-    shaft's first nut (Lin C.8). Smith takes the root diameter instead, which gives less by the fourth power of the
-    diameters' ratio.
+    shaft's first nut (eq. C.8 of Lin's thesis). Smith takes the root diameter instead, which gives less by the fourth power
+    of the diameters' ratio.
 
     Parameters
     ----------
@@ -327,12 +329,12 @@ class TorqueBudget:
 
     @property
     def constant_speed(self) -> float:
-        """Drive torque at constant speed [N m] (Smith 4.10)."""
+        """Drive torque at constant speed [N m] (Smith 1994, eq. 4.10)."""
         return self.screw + self.nut + sum(self.supports)
 
     @property
     def start_up(self) -> float:
-        """Largest drive torque, which includes acceleration [N m] (Smith 4.11)."""
+        """Largest drive torque, which includes acceleration [N m] (Smith 1994, eq. 4.11)."""
         return self.constant_speed + self.acceleration
 
 
@@ -459,9 +461,10 @@ def bearing_set_state(bearings: BearingSet, displacement: float) -> BearingSetSt
 
 
 def equilibrium(bearings: BearingSet, force: float = 0.0) -> BearingSetState:
-    """Return the state in which the bearings on a shaft balance an external thrust on their inner rings, eq. (2) of this module.
+    """Return the state in which the bearings on a shaft balance an external thrust on their inner rings.
 
-    Rows that lose contact carry no load. The displacement is solved for without linearisation, to round-off.
+    It solves eq. (2) of this module. Rows that lose contact carry no load. The displacement is solved for without
+    linearisation, to round-off.
 
     Parameters
     ----------
@@ -490,6 +493,7 @@ def equilibrium(bearings: BearingSet, force: float = 0.0) -> BearingSetState:
         return bearing_set_state(bearings, -s[0] * max(bearings.offsets))
 
     def excess(u: float) -> float:
+        """Return the sum of the rows' forces on the shaft less the external thrust [N] at a displacement u [m]."""
         return float(s @ _thrust_of_rows(bearings, u)) - force
 
     # bracket: one end where the rows of one direction are loose, the other where they carry the whole force

@@ -251,7 +251,7 @@ def taper_torque(geometry: float, viscosity: float, speed: float, axial: float) 
     """Return the running torque of a tapered roller bearing under thrust by Timken's formula [N m].
 
     The formula is 3.54e-5 G_1 (n mu)^0.62 F_a^0.30 in-lb, in rpm, cP and lb. It is valid for run-in bearings in circulating
-    oil, and too low at speeds below 1700 F_a^0.67/(G_2 mu) rpm in lb and cP (Smith 3.30).
+    oil, and too low at speeds below 1700 F_a^0.67/(G_2 mu) rpm in lb and cP (Smith 1994, eq. 3.30).
 
     Parameters
     ----------

@@ -75,7 +75,10 @@ FAR, BESIDE_FACE = Patch(NARROW, (4, 4), 4.0), Patch(0.07, (8, 6), 12.0)
 
 @dataclass(frozen=True)
 class NearFace:
-    """Compliance that ring grooves and an end face add between contacts of one groove, for k distances and n harmonics."""
+    """Compliance that ring grooves and an end face add between contacts of one groove.
+
+    Arrays are for k distances of the face, n harmonics around the axis, and f loaded flanks.
+    """
 
     #: Distances of the face from mid groove ``(k,)`` [m].
     distance: Array
@@ -128,7 +131,10 @@ class NearFace:
 
 
 def sum_of_harmonics(waves: Array, angle: Array) -> Array:
-    """Return values ``(m, ...)`` at angles ``(m,)`` [rad] of cosine series with the coefficients ``waves`` ``(n, ...)``."""
+    """Return the values ``(m, ...)`` of cosine series at m angles.
+
+    ``waves`` ``(n, ...)``: coefficients of the harmonics; ``angle`` ``(m,)``: angles [rad].
+    """
     step = np.pi / (4 * len(waves))
     sums = np.fft.hfft(0.5 * np.concatenate([2.0 * waves[:1], waves[1:]]), 8 * len(waves), axis=0)
     turned = np.abs((angle + np.pi) % (2.0 * np.pi) - np.pi)
@@ -229,8 +235,8 @@ def append_high_harmonics(flank: Flank, waves: Array) -> Array:
 def motions_by_wrench(points: Points, side: Array, strains: Array) -> Array:
     """Return the motions ``(k c, 6)`` of c contacts, with k axes each, by a unit wrench on their own section.
 
-    Only tension and bending moments have an effect. strains: see `groove_strains`; side: -1 for a flank at negative z of
-    its groove, 1 at positive z.
+    Only tension and bending moments have an effect. ``points``: the contacts; ``side`` ``(c,)``: -1 for a flank at negative
+    z of its groove, 1 at positive z; ``strains``: see `groove_strains`.
     """
     along_r, along_z = points.axes[..., 0], points.axes[..., 2] * side[:, None]
     stretch, bend = (along_r * x + along_z * y for x, y in strains)
@@ -333,7 +339,10 @@ def groove_nodes(flank: Flank, count: int, ends: Array) -> tuple[Array, Array]:
 
 
 def quarter_turn(along: Array) -> Array:
-    """Return the directions ``(..., 2)`` (r, z) perpendicular to ``along``, turned by 90 deg from r towards z."""
+    """Return the directions ``(..., 2)`` (r, z) perpendicular to given ones, turned by 90 deg from r towards z.
+
+    ``along`` ``(..., 2)``: the given directions (r, z).
+    """
     return np.stack([-along[..., 1], along[..., 0]], axis=-1)
 
 
@@ -364,7 +373,11 @@ def flank_patch_loads(flank: Flank, grid: Grid, cuts: Sequence[int], width: floa
 
 
 def smooth_patch_loads(flank: Flank, grid: Grid, line: int, cuts: Sequence[int], width: float, kinds: int = 1) -> Array:
-    """Return nodal forces of unit loads on the grid line ``line`` of the smooth body, shaped as `flank_patch_loads`."""
+    """Return nodal forces of unit loads on one axial grid line of the smooth body, shaped as those of `flank_patch_loads`.
+
+    ``line``: number of the grid line in r; ``cuts``: numbers of the lines in z at which the end face may be; ``width``:
+    standard deviation of the patches [m]; ``kinds``: 1 for loads along the nominal load, 2 also across it.
+    """
     places, directions = pressed_points(flank, grid.z[0, 0])
     out = np.zeros((len(places), kinds, len(cuts), *grid.shape, 3))
     for away, (place, along) in enumerate(zip(places, directions, strict=True)):
@@ -376,10 +389,10 @@ def smooth_patch_loads(flank: Flank, grid: Grid, line: int, cuts: Sequence[int],
 
 
 def pressed_points(flank: Flank, low: float) -> tuple[Array, Array]:
-    """Return positions z ``(f,)`` [m] and nominal load directions ``(f, 2)`` (r, z) of the contacts on a groove's flanks.
+    """Return the positions z ``(f,)`` [m], then the load directions ``(f, 2)`` (r, z) of the contacts on a groove's flanks.
 
-    The flank pressed towards high z comes first, then the other one. Both flanks of the groove behind follow if the body,
-    which begins at z = low [m], contains it.
+    The load directions are nominal. The flank pressed towards high z comes first, then the other one. Both flanks of the
+    groove behind follow if the body, which begins at z = ``low`` [m], contains it.
     """
     m = flank.map
     place, along = flank.contact()[1], m.signs[flank.side] * np.array([np.cos(m.beta), np.sin(m.beta)])
@@ -470,10 +483,11 @@ def cut_motions(
 
 
 def distinct_loads(loads: Array, cuts: Sequence[int]) -> tuple[Array, list[list[int]]]:
-    """Return the different loads as rows, and for each end face (``cuts``) the numbers of the rows that act.
+    """Return the different loads as rows, and for each end face the numbers of the rows that act.
 
-    loads ``(f, cuts, nodes of the grid, 3)``: nodal forces for each end face. If a patch lies wholly below an end face, its
-    load equals that for the furthest face and is solved only once.
+    ``loads`` ``(f, cuts, nodes of the grid, 3)``: nodal forces for each end face; ``cuts``: numbers of the grid lines in z
+    at which the end face may be. If a patch lies wholly below an end face, its load equals that for the furthest face and
+    is solved only once.
     """
     rows, of = [x.ravel() for x in loads[:, -1]], [[0] * len(loads) for _ in cuts]
     for k, cut in enumerate(cuts):

@@ -32,7 +32,10 @@ WEIGHT = np.array([5.0, 8.0, 5.0]) / 9.0
 
 
 def quadratic_shape_functions(x: Array) -> tuple[Array, Array]:
-    """Return values and slopes ``(..., 3)`` at x of the quadratic Lagrange polynomials with nodes at -1, 0, 1."""
+    """Return the values, then the slopes of the quadratic Lagrange polynomials with nodes at -1, 0, 1, each ``(..., 3)``.
+
+    ``x`` ``(...)``: positions between -1 and 1.
+    """
     values = np.stack([0.5 * x * (x - 1.0), 1.0 - x * x, 0.5 * x * (x + 1.0)], axis=-1)
     return values, np.stack([x - 0.5, -2.0 * x, x + 0.5], axis=-1)
 
@@ -148,7 +151,9 @@ def element_matrices(grid: Grid, young: float, poisson: float, layer: Layer | No
             J = np.stack([r @ along_r, z @ along_r, r @ along_z, z @ along_z], axis=-1)
             det = J[:, 0] * J[:, 3] - J[:, 1] * J[:, 2]
             if not (det > 0.0).all():
-                raise ValueError("an element of the section is turned inside out")
+                raise ValueError(
+                    "an element of the finite-element grid is turned inside out; the geometry of the body is impossible"
+                )
             by_r = (J[:, 3, None] * along_r - J[:, 1, None] * along_z) / det[:, None]
             by_z = (J[:, 0, None] * along_z - J[:, 2, None] * along_r) / det[:, None]
             radius = r @ N
@@ -166,7 +171,8 @@ def element_matrices(grid: Grid, young: float, poisson: float, layer: Layer | No
 def strain_rows(over_r: Array, by_r: Array, by_z: Array) -> tuple[Array, Array]:
     """Return the strain matrices B_0 and B_1 ``(elements, 6, 27)`` at one point of every element.
 
-    over_r: shape functions divided by r; by_r, by_z: their derivatives ``(elements, 9)``.
+    ``over_r``: shape functions divided by r; ``by_r``, ``by_z``: their derivatives along r and z, each ``(elements, 9)``
+    [1/m].
     """
     B0, B1 = np.zeros((len(by_r), 6, 27)), np.zeros((len(by_r), 6, 27))
     U, V, W = slice(0, 27, 3), slice(1, 27, 3), slice(2, 27, 3)
@@ -185,7 +191,7 @@ def factor_c(n: int) -> float:
 def solve_harmonic(bands: Array, n: int, loads: Array) -> Array:
     """Return the displacements ``(k, ...)`` of harmonic n by loads ``(k, ...)`` on the k free degrees of freedom.
 
-    bands: stiffness parts from `Body.bands`.
+    ``bands``: stiffness parts from `Body.bands`.
 
     Raises
     ------
@@ -265,9 +271,9 @@ class Body:
         return tuple(coo_array((k.ravel(), (row, column)), (size, size)).tocsr() for k in self.elements)
 
     def stiffness_of_rows(self, chosen: slice | Index = slice(None)) -> Array:
-        """Return the stiffness parts ``(3, rows, 3, m, 3, m)`` of rows of elements along r, assembled.
+        """Return the stiffness parts K_0, K_1, K_2 of rows of elements along r, assembled ``(3, rows, 3, m, 3, m)``.
 
-        Each row has three grid lines with m degrees of freedom. chosen: selection of the rows.
+        Each row of elements has three grid lines with m degrees of freedom each. ``chosen``: selection of the rows.
         """
         columns, width = self.grid.shape[1] // 2, self.grid.shape[1]
         elements = self.elements.reshape(3, -1, columns, *(3,) * 6)[:, chosen]
@@ -319,7 +325,7 @@ class Body:
 
 
 def end_motions(body: Body, n: int) -> Array:
-    """Return `mean_motions` of the section at a body's low end for harmonic n."""
+    """Return the rows that give the mean rigid motions of a body's low end, for harmonic n (`mean_motions`)."""
     return mean_motions(body.grid.r[0], n)
 
 
@@ -355,7 +361,7 @@ class BlockSum:
     blocks: tuple[tuple[int, Array], ...]
 
     def whole(self) -> Array:
-        """Return the full matrix ``(size, size)``."""
+        """Return the full matrix ``(size, size)`` as the sum of its blocks."""
         out = np.zeros((self.size, self.size))
         for first, block in self.blocks:
             rows = slice(first, first + len(block))
@@ -451,7 +457,10 @@ def join_stretches(a: Stretch, b: Stretch, loads: Array) -> Stretch:
 
 
 def eliminate_freedoms(stretch: Stretch, line: slice) -> Stretch:
-    """Eliminate the degrees of freedom ``line`` from the remaining ones of a stretch, by static condensation."""
+    """Eliminate degrees of freedom of a stretch by static condensation, and return the stretch with the remaining ones.
+
+    ``line``: range of the degrees of freedom that are eliminated.
+    """
     K, forces, motion = stretch.stiffness, stretch.forces, stretch.motion
     left = np.delete(np.arange(K.shape[1]), line)
     reach = np.flatnonzero((np.abs(forces[:, line]) > NONE_LEFT).any(axis=(0, 1)))
@@ -467,7 +476,10 @@ def eliminate_freedoms(stretch: Stretch, line: slice) -> Stretch:
 
 
 def repeat_stretch(stretch: Stretch, count: int, loads: Array) -> Stretch:
-    """Join ``count`` equal stretches in a row into one, by repeated doubling; loads: unit loads on each line between."""
+    """Join ``count`` equal stretches in a row into one, by repeated doubling.
+
+    ``loads`` ``(h, m, j)``: unit loads on each grid line between two stretches.
+    """
     if count == 1:
         return stretch
     half = repeat_stretch(stretch, count // 2, loads)

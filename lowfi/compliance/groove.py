@@ -64,6 +64,7 @@ def groove_layer(flank: Flank, section: BeamSection) -> Layer:
     twist = 2.0 * section.GJ / (np.pi * shear) - (far**4 - root**4)
 
     def power(weight: Array, wanted: float) -> float:
+        """Return the exponent p for which the integral of ``weight`` times share^p over the layer is ``wanted``."""
         exponent = brentq(lambda p: float(np.trapezoid(weight * share**p, r)) - wanted, 1e-3, LARGEST_POWER)
         return float(exponent)
 
@@ -211,9 +212,9 @@ def self_motion_harmonics(flank: Flank, grid: Grid, load: tuple[Array, Array], n
 
 
 def self_motion(flank: Flank, grid: Grid, load: tuple[Array, Array], width: float) -> float:
-    """Return the motion of a patch of ``width`` [m] on one flank by a unit load on it [m/N], the sum over its harmonics.
+    """Return the motion of a patch on one flank by a unit load on it [m/N], as the sum over its harmonics.
 
-    load: see `self_motion_harmonics`.
+    ``load``: see `self_motion_harmonics`; ``width``: standard deviation of the patch [m].
     """
     n = sampled_harmonics(2.6 * flank.contact()[0] / width)
     waves = interpolate_harmonics(n, self_motion_harmonics(flank, grid, load, n))
@@ -221,9 +222,10 @@ def self_motion(flank: Flank, grid: Grid, load: tuple[Array, Array], width: floa
 
 
 def equal_patch_loads(flank: Flank, grid: Grid, width: float) -> tuple[Array, Array]:
-    """Return the loads for `self_motion_harmonics` of a patch of ``width`` [m] on the true flank, along its normals.
+    """Return the loads for `self_motion_harmonics` of a patch on the true flank, along its normals.
 
-    The symmetric and the antisymmetric load are the same on the computed half of the groove.
+    The symmetric and the antisymmetric load are the same on the computed half of the groove. ``width``: standard deviation
+    of the patch [m].
     """
     force = np.zeros((*grid.shape, 3))
     force[:, grid.shape[1] - 1 if flank.screw else 0, ::2] = normal_load(flank, grid, width, flank.contact()[1])

@@ -46,7 +46,8 @@ CLAMPED = ("low", "high", "both", "flange")
 class Backend:
     """Choice of models for the compliance of screw, nut and balls in addition to Hertz contact."""
 
-    #: Section of the screw's beam: that of the scene (Lin C.8), or computed from half a lead with its groove.
+    #: Section of the screw's beam: that of the scene (eq. C.8 of Lin's thesis), or computed from half a lead with its
+    #: groove.
     section: Literal["scene", "cell"] = "cell"
     #: Screw as a beam only, or with an elastic body of revolution (solved by Fourier harmonics) beyond the beam.
     screw: Literal["beam", "kernel"] = "kernel"

@@ -63,11 +63,14 @@ def groove_line(m: GrooveMap, land: float, screw: bool, count: int) -> tuple[Arr
     sign = -1.0 if screw else 1.0
 
     def beyond(gamma: float) -> bool:
+        """Return whether the flank's point at the contact angle gamma [rad] lies beyond the cylinder of the land."""
         x3, z3 = m.section_point(side, np.array(gamma), radius)
         return bool(sign * (float(m.unroll(x3, z3)[0]) - land) < 0.0)
 
     if beyond(low) or not beyond(high):
-        raise ValueError("the land's cylinder does not cut the groove")
+        raise ValueError(
+            "the cylinder of the land does not cut the groove's flank; it needs a land radius within the groove"
+        )
     for _ in range(60):
         middle = 0.5 * (low + high)
         low, high = (low, middle) if beyond(middle) else (middle, high)
@@ -105,7 +108,7 @@ def cell_grid(
     half = pi * abs(m.rg) / m.starts if half is None else half
     r, zeta = groove_line(m, land, screw, 2 * mesh[0] + 1)
     if zeta[-1] >= half:
-        raise ValueError("the grooves of neighbouring turns overlap")
+        raise ValueError("the grooves of neighbouring turns overlap; a larger lead or a smaller groove is needed")
     along = refine_lines(np.linspace(zeta[-1], half, mesh[1] + 1))[1:]
     surface, z = np.append(r, np.full(along.size, land)), np.append(zeta, along)
     share = refine_lines(1.0 - np.linspace(1.0, 0.0, mesh[2] + 1) ** 1.5)
@@ -134,7 +137,7 @@ def cell_section(m: GrooveMap, land: float, far: float, screw: bool, material: M
         Material of the body.
     """
     if m.rg == 0.0:
-        raise ValueError("a track without lead has no repeating cell of half a lead")
+        raise ValueError("the beam section of a groove is computed on half a lead; a track with a lead is needed")
     grid = cell_grid(m, land, far, screw)
     young, poisson = material.youngs_modulus, material.poissons_ratio
     body = Body(grid, young, poisson)
@@ -308,6 +311,7 @@ def radial_ends(tube: Tube) -> tuple[Array, int]:
     h = tube.size[1]
 
     def graded(length: float) -> Array:
+        """Return distances of element ends from 0 to ``length`` [m], with elements that grow with the distance."""
         count = max(1, round(2.0 * (np.sqrt(1.0 + length / h) - 1.0)))
         return np.asarray(length * (np.arange(count + 1) / count) ** 1.6)
 
@@ -327,6 +331,7 @@ def axial_ends(tube: Tube, zone: tuple[float, float]) -> Array:
     middle = np.linspace(a, b, max(2, int(np.ceil((b - a) / h))) + 1)
 
     def beyond(length: float) -> Array:
+        """Return distances of element ends beyond the loaded zone, up to ``length`` [m]; elements grow outwards."""
         if length <= 0.0:
             return np.zeros(0)
         count = max(1, round(2.5 * (np.sqrt(1.0 + length / h) - 1.0)))
@@ -336,7 +341,10 @@ def axial_ends(tube: Tube, zone: tuple[float, float]) -> Array:
 
 
 def add_flange_ends(tube: Tube, r_ends: Array, z_ends: Array) -> tuple[Array, Array]:
-    """Add the flange of a tube, and the surfaces where it may be fixed, to element ends in r and z [m]."""
+    """Return element ends in r and in z [m] with those of the flange added, and the surfaces where it may be fixed.
+
+    ``r_ends``, ``z_ends``: element ends of the tube without its flange [m].
+    """
     if tube.flange is None:
         return r_ends, z_ends
     size, stops = tube.size[0], np.unique([tube.outer, *tube.flange.seat, tube.flange.diameter / 2.0])
@@ -372,7 +380,10 @@ def fixed_freedoms(tube: Tube, grid: Grid) -> NDArray[np.bool_]:
 
 
 def tube_compliance(tube: Tube, zone: tuple[float, float]) -> TubeCompliance:
-    """Return the compliance of a tube's loaded grid line in all harmonics; ``zone``: range in z [m] of all contacts."""
+    """Return the compliance of a tube's loaded grid line in all harmonics.
+
+    ``zone``: lower and upper end of the axial range that contains all contacts [m].
+    """
     r_ends, line = radial_ends(tube)
     grid = tube_grid(*add_flange_ends(tube, r_ends, axial_ends(tube, zone)))
     z = grid.z[:, 0]
@@ -390,10 +401,11 @@ def tube_compliance(tube: Tube, zone: tuple[float, float]) -> TubeCompliance:
 
 
 def motions_by_section_load(tube: Tube, zone: tuple[float, float], at: float) -> TubeCompliance:
-    """Return the motions of a shaft's loaded grid line by loads on one of its cross-sections, in `TubeCompliance.ends`.
+    """Return the motions of a shaft's loaded grid line by unit loads on one of its cross-sections.
 
-    The shaft is fixed by the mean motions of its low end. The loads act on the mean rigid motions (by least squares) of the
-    material in a thin slice at the axial position ``at`` [m].
+    They are in the field ``ends`` of the result. The shaft is fixed by the mean motions of its low end. The loads act on
+    the mean rigid motions (by least squares) of the material in a thin slice at the axial position ``at`` [m]. ``zone``:
+    lower and upper end of the axial range that contains all contacts [m].
     """
     r_ends, line = radial_ends(tube)
     grid = tube_grid(r_ends, axial_ends(tube, zone))
@@ -512,10 +524,10 @@ def project_on_surface(tube: Tube, x: Array) -> Array:
 
 
 def motion_rows(x: Array, axes: Array, origin: float | None = None) -> Array:
-    """Return the motions of contacts along their axes by unit rigid motions of a cross-section ``(2 c, 6)``.
+    """Return the motions of c contacts along their axes by six unit rigid motions of a cross-section ``(2 c, 6)``.
 
-    x ``(c, 3)``: contact points [m]; axes ``(c, 2, 3)``. The section is at each contact's axial position, or at ``origin``
-    [m] if given; its motions are three translations, then three rotations.
+    ``x`` ``(c, 3)``: contact points [m]; ``axes`` ``(c, 2, 3)``: directions of their motions. The section is at each
+    contact's axial position, or at ``origin`` [m] if given. Its motions are three translations, then three rotations.
     """
     arm = x * np.array([1.0, 1.0, 0.0]) if origin is None else x - np.array([0.0, 0.0, origin])
     out = np.empty((*axes.shape[:2], 6))
@@ -526,7 +538,10 @@ def motion_rows(x: Array, axes: Array, origin: float | None = None) -> Array:
 
 
 def spring_compliance(tube: Tube, x: Array, axes: Array) -> Array:
-    """Return the part ``(2 c, 2 c)`` [m/N] of the end springs (`end_springs`) in the compliance between contacts."""
+    """Return the part of the end springs (`end_springs`) in the compliance between c contacts ``(2 c, 2 c)`` [m/N].
+
+    ``x`` ``(c, 3)``: contact points [m]; ``axes`` ``(c, 2, 3)``: directions of their motions.
+    """
     shift, tilt, axial, twist = end_springs(tube)
     rows = motion_rows(x, axes, tube.ends[0])
     return np.asarray((rows / np.array([shift, shift, axial, tilt, tilt, twist])) @ rows.T)
@@ -568,11 +583,11 @@ def cantilever_compliance(
 
 
 def section_jump_compliance(feel: Array, rows: Array, stations: Array, base: float) -> Array:
-    """Return the compliance ``(k, k)`` that local strains at grooves add to k motions on a beam fixed at ``base`` [m].
+    """Return the compliance ``(k, k)`` [m/N] that local strains at grooves add to k motions on a beam.
 
-    feel ``(k, 6)``: each motion by a unit wrench on its own cross-section. The wrench is that of all loads beyond the
-    section and of half the loads in it. By reciprocity a load at a section also moves all points beyond that section. rows,
-    stations: see `cantilever_compliance`.
+    ``feel`` ``(k, 6)``: each motion by a unit wrench on its own cross-section. The wrench is that of all loads beyond the
+    section and of half the loads in it. By reciprocity a load at a section also moves all points beyond that section.
+    ``base``: axial position at which the beam is fixed [m]; ``rows``, ``stations``: see `cantilever_compliance`.
     """
     reach, side = stations[:, None] - stations, np.sign(stations - base)
     moved = rows @ feel.T + reach * (np.outer(rows[:, 0], feel[:, 4]) - np.outer(rows[:, 1], feel[:, 3]))
@@ -583,9 +598,10 @@ def section_jump_compliance(feel: Array, rows: Array, stations: Array, base: flo
 def clamped_beam_compliance(
     rows: Array, stations: Array, ends: tuple[float, float], held: str, section: BeamSection, feel: Array | None = None
 ) -> Array:
-    """Return the compliance ``(k, k)`` of k motions on a Timoshenko beam clamped at its "low", "high" or "both" ends.
+    """Return the compliance ``(k, k)`` [m/N] of k motions on a Timoshenko beam clamped at its "low", "high" or "both" ends.
 
-    rows, stations: see `cantilever_compliance`; ends: axial positions [m]; feel: see `section_jump_compliance`.
+    ``rows``, ``stations``: see `cantilever_compliance`; ``ends``: axial positions of the low and the high end [m];
+    ``held``: name of the clamped ends; ``feel``: see `section_jump_compliance`; None leaves the local strains out.
     """
     low, high = ends
     if held != "both":

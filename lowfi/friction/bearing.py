@@ -1,5 +1,6 @@
-"""Friction of balls in rotary bearings: one ball with up to four contacts (Lin 3.2), and whole bearings (Lin 4.3.1).
+"""Friction of balls in rotary bearings: one ball with up to four contacts, and whole bearings.
 
+Both follow sections 3.2 and 4.3.1 of Lin's thesis.
 A bearing is treated as a ball screw of zero lead whose "screw" is the inner ring. At the ball, x is along the bearing's
 axis, y radially outward, and z along the ball's path (z3, x3, y3 of a screw). The contacts are IL, IR, OR, OL (inner or
 outer ring; left or right, towards -x or +x). The inner ring rotates about x, the outer ring is at rest. Contact loads lie
@@ -171,7 +172,9 @@ def ball_contacts(bearing: Bearing, load: SettledCell) -> Contacts:
 
 
 def motion_problem(bearing: Bearing, load: SettledCell, at: Contacts) -> Problem:
-    """Return the equations for a ball's motion at given contact loads and angles, without omega_z, which is zero by symmetry.
+    """Return the equations for a ball's motion at given contact loads and angles.
+
+    The unknown omega_z is left out, because it is zero by symmetry.
 
     Parameters
     ----------
@@ -447,7 +450,9 @@ class TorqueCurve:
 
 
 def bearing_states(case: BearingCase, angle: Array) -> list[BearingState]:
-    """Return the states of a bearing at several angles of the force from its axis; each search starts from the state before.
+    """Return the states of a bearing at several angles of the force from its axis.
+
+    The search at each angle starts from the state at the angle before.
 
     Parameters
     ----------

@@ -98,7 +98,7 @@ class Chain:
 
     @property
     def parameters(self) -> Array:
-        """Values for the compiled functions ``(5,)``: K, A, sine and cosine of the unloaded contact angle, cosine of the lead."""
+        """Values for compiled functions ``(5,)``: K, A, sine and cosine of the contact angle, cosine of the lead angle."""
         a = self.contact_angle
         return np.array([self.stiffness, self.groove_distance, np.sin(a), np.cos(a), np.cos(self.lead_angle)])
 
@@ -202,7 +202,7 @@ def solve_chain(chain: Chain, errors: Array, load: float, *, compiled: bool = Fa
     True
     """
     if not 0.0 < load < np.inf:
-        raise ValueError("the load must be positive")
+        raise ValueError("the axial load on the ball screw must be positive")
     e, u, work = check_errors(chain, errors), np.empty(chain.balls), np.empty((3, chain.balls))
     k = kernels(RANDOM_ERRORS, compiled=compiled)
     law = LAWS.index(chain.law)
@@ -243,7 +243,9 @@ def calibrate_compliance(chain: Chain, ratio: float, load: float) -> Chain:
         The ratio is outside (0, 1), or there is only one ball.
     """
     if not 0.0 < ratio < 1.0 or chain.balls < 2:
-        raise ValueError("the ratio must lie in (0, 1), and at least two balls are needed")
+        raise ValueError(
+            "the ratio of the last ball's load to the first one's must lie in (0, 1); at least two balls are needed"
+        )
     # scale: compliance at which the bodies stretch as much as a ball approaches, if all balls carry the same load
     share = load / (chain.balls * chain.slope)
     size = 2.0 * float(contact_approach(share, chain.C)) / (chain.slope * load * chain.balls)
@@ -252,6 +254,7 @@ def calibrate_compliance(chain: Chain, ratio: float, load: float) -> Chain:
         high *= 4.0
 
     def excess(scaled: float) -> float:
+        """Return by how much `end_ratio` exceeds the wanted ratio, for a compliance ``scaled`` by ``size``."""
         return end_ratio(replace(chain, compliance=scaled * size), load) - ratio
 
     return replace(chain, compliance=float(brentq(excess, 0.0, high / size, xtol=1e-13)) * size)
@@ -279,6 +282,7 @@ def first_carrying_load(chain: Chain, errors: Array, ball: int, high: float) -> 
     e = check_errors(chain, errors)
 
     def gap(load: float) -> float:
+        """Return the motion at the ball beyond the one at which it just touches [m]; negative if it is loose."""
         return float(solve_chain(chain, e, load).motion[ball]) - start
 
     start = float(free_motion(chain, e[ball]))
@@ -370,7 +374,7 @@ def solve_errors(chain: Chain, errors: Array, loads: Array) -> tuple[Array, Arra
     """
     f = np.ascontiguousarray(loads, dtype=float)
     if f.ndim != 1 or f.size == 0 or not np.all((f > 0.0) & np.isfinite(f)):
-        raise ValueError("loads must be positive")
+        raise ValueError("all axial loads on the ball screws must be positive")
     e = check_errors(chain, errors)
     out = np.empty((len(e), f.size, len(QUANTITIES) + 1))
     k = kernels(RANDOM_ERRORS, compiled=True)
@@ -408,7 +412,9 @@ def solve_ensemble(
         The number of screws or the chunk is not positive, or errors as in `solve_errors`.
     """
     if members < 1 or chunk < 1 or half_range < 0.0:
-        raise ValueError("members and chunk must be positive, half_range must not be negative")
+        raise ValueError(
+            "the numbers of screws (members, chunk) must be positive; half_range of errors must not be negative"
+        )
     f = np.asarray(loads, dtype=float)
     kept, worst, failed = np.empty((members, f.size, len(QUANTITIES))), 0.0, 0
     tolerance = kernels(RANDOM_ERRORS, compiled=False).TOLERANCE

@@ -397,7 +397,7 @@ def contact_rating(scene: Scene) -> float:
 
 
 def static_rating(scene: Scene) -> float:
-    """Return the basic static load rating C_0 of a ball screw or ball bearing by (2).
+    """Return the basic static load rating C_0 of a ball screw or ball bearing by eq. (2) of this module.
 
     Parameters
     ----------

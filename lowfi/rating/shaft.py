@@ -134,7 +134,7 @@ def _support_fixes(support: Support, *names: str) -> bool:
 def buckling_load_and_critical_speed(
     length: float, ends: tuple[str, str], root: float, bore: float, modulus: float
 ) -> tuple[float, float]:
-    """Return Euler's buckling load and the critical speed of a steel shaft by (1) and (2).
+    """Return Euler's buckling load and the critical speed of a steel shaft by eqs. (1) and (2) of this module.
 
     Parameters
     ----------

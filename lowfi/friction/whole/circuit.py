@@ -378,7 +378,10 @@ def balls_of(scene: Scene, friction: Friction, drive: Drive, drawn: Drawn, membe
     balls = Balls(tracks, radius, number, azimuth, spacing, grooves)
     gaps = balls.gaps(azimuth)
     if gaps.min() < -FULL:
-        raise ValueError(f"balls overlap by {-1e6 * pair.closing * gaps.min():.3g} um where the run begins")
+        raise ValueError(
+            f"neighbouring balls overlap by {-1e6 * pair.closing * gaps.min():.3g} um at the beginning; smaller balls or "
+            "larger angles between them are needed"
+        )
     for members in (track.balls for track in tracks):
         if members.stop - members.start > 1 and gaps[members].sum() < FULL:
             raise ValueError(

@@ -90,7 +90,7 @@ def contacts_of_result(scene: Scene, result: StaticResult, member: int = 0) -> S
     did not converge.
     """
     if not result.converged:
-        raise ValueError(f"friction needs converged contact loads: {result.status}")
+        raise ValueError(f"friction cannot be computed, because the contact loads did not converge: {result.status}")
     layout = ball_layout(scene)
     return contacts_at(scene, result, specimen(scene, layout, member), layout)
 

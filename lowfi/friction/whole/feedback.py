@@ -1,8 +1,8 @@
 """Effect of friction on the position of a ball: new contact loads and angles at the same axial load of every ball.
 
-Friction across the groove pushes each ball sideways until its contacts resist, at other contact angles or on a third
-flank (Lin 3.4.1). Each ball moves in its section and the screw along its axis by as much as keeps the axial load
-that this ball carries, friction included; how loads are shared among balls stays as the static model has it.
+Friction across the groove pushes each ball sideways until its contacts resist, at other contact angles or on a third flank
+(section 3.4.1 of Lin's thesis). Each ball moves in its section and the screw along its axis by as much as keeps the axial
+load that this ball carries, friction included; how loads are shared among balls stays as the static model has it.
 """
 
 from __future__ import annotations
