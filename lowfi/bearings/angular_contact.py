@@ -274,7 +274,10 @@ def thrust_state(bearing: BallRows, displacement: Array | float) -> ThrustState:
 
 
 def _compliance_derivative(bearing: BallRows, angle: Array, inner: HertzConstants, outer: HertzConstants) -> Array:
-    """Return d(C_i + C_o)/d(alpha); of the curvatures only that along the track depends on the contact angle alpha."""
+    """Return d(C_i + C_o)/d(alpha); of the curvatures only that along the track depends on the contact angle alpha.
+
+    ``angle``: contact angle alpha [rad]; ``inner``, ``outer``: Hertz constants of the contacts with inner and outer race.
+    """
     d, dm, sin, cos = bearing.ball_diameter, bearing.pitch_diameter, np.sin(angle), np.cos(angle)
     bends = (-2.0 * dm * sin / (dm - d * cos) ** 2, 2.0 * dm * sin / (dm + d * cos) ** 2)
     total = np.zeros_like(sin)

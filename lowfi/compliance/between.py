@@ -103,7 +103,10 @@ cached_tube_compliance, cached_section_motions = (
 @lru_cache(maxsize=32)
 @kept(RingCompliance)
 def grooved_ring_compliance(geometry: Scene, screw: bool) -> RingCompliance:
-    """Return the compliance of a bearing ring with its groove, cached on disk by its geometry."""
+    """Return the compliance of a bearing ring with its groove, cached on disk by its geometry.
+
+    ``geometry``: scene of `geometry_only`; ``screw``: whether the ring is the inner ring (True) or the outer ring.
+    """
     return ring_compliance(groove_of_body(geometry, screw), fixed_surface(geometry, screw))
 
 
@@ -111,6 +114,9 @@ def flank_self_compliance(geometry: Scene, screw: bool, backend: Backend) -> flo
     """Return the compliance of a contact by its own load that the true flank adds to Hertz and the smooth body [m/N].
 
     It holds for a narrow patch; `flank_size_correction` adds the influence of the contact's size.
+
+    ``geometry``: scene of `geometry_only`; ``screw``: whether the body is the screw (True) or the nut; ``backend``: model
+    of the bodies.
     """
     flank = groove_of_body(geometry, screw)
     if is_ring(geometry, screw):
@@ -187,6 +193,9 @@ def near_face_of_body(geometry: Scene, screw: bool, backend: Backend) -> NearFac
     """Return the compliance that grooves and end faces of screw or nut add between contacts of one turn.
 
     Cached in memory by geometry; `cached_near_face` is cached on disk.
+
+    ``geometry``: scene of `geometry_only`; ``screw``: whether the body is the screw (True) or the nut; ``backend``: model
+    of the bodies.
     """
     radii = (0.0, np.inf) if screw else solid_dimensions(geometry).held_radii
     section, tube = grooved_section(geometry, screw), smooth_body(geometry, screw, backend)
@@ -280,6 +289,8 @@ def motions_by_end(scene: Scene, layout: BallLayout, backend: Backend) -> tuple[
     """Return the motions of contacts and high end of a screw by a unit wrench on its high end, beyond those of its beam.
 
     The screw is fixed by the mean motions of its low end. The wrench consists of three forces and three moments.
+
+    ``layout``: positions of the N balls; ``backend``: model of the bodies.
 
     Returns
     -------

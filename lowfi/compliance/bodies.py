@@ -197,7 +197,10 @@ WholeBody = Callable[[Scene, BallLayout, bool, Backend, Sequence[int]], Array]
 @lru_cache(maxsize=8)
 @kept(Coupling)
 def _cached_whole_body(scene: Scene, screw: bool, backend: Backend) -> Coupling:
-    """Return `whole_body` for both flanks and the balls of the scene, cached in memory and on disk."""
+    """Return `whole_body` for both flanks and the balls of the scene, cached in memory and on disk.
+
+    ``screw``: whether the body is the screw (True) or the nut; ``backend``: model of the bodies.
+    """
     from rollbench.lowfi.compliance.between import body_between_contacts
 
     return Coupling(body_between_contacts(scene, ball_layout(scene), screw, backend))
@@ -206,7 +209,10 @@ def _cached_whole_body(scene: Scene, screw: bool, backend: Backend) -> Coupling:
 @lru_cache(maxsize=64)
 @kept(float)
 def _cached_flank_compliance(geometry: Scene, screw: bool, backend: Backend) -> float:
-    """Return `lowfi.compliance.between.flank_self_compliance` [m/N], cached in memory and on disk."""
+    """Return `flank_self_compliance` of `lowfi.compliance.between` [m/N], cached in memory and on disk.
+
+    ``screw``: whether the body is the screw (True) or the nut; ``backend``: model of the bodies.
+    """
     from rollbench.lowfi.compliance.between import flank_self_compliance
 
     return flank_self_compliance(geometry, screw, backend)
@@ -403,7 +409,11 @@ class Condensed:
         return np.asarray(total + spread.T @ change[np.ix_(pick, pick)] @ spread)
 
     def ball(self, scene: Scene, semi_axes: tuple[float, float]) -> BallCompliance:
-        """Return the compliance of the ball from the file: self-compliance of contacts, and coupling between both pairs."""
+        """Return the compliance of the ball from the file: self-compliance of contacts, and coupling between both pairs.
+
+        ``semi_axes``: semi-axes of a typical contact ellipse [m], from which the coupling follows if the file contains only
+        one of both pairs of opposite contacts.
+        """
         D, sides = self.bodies.ball, [int(s) for s in self.bodies.sides]
         closed = ball_compliance(scene, semi_axes, REFINED)
         pairs = [(sides.index(a), sides.index(3 - a)) for a in (0, 1) if a in sides and 3 - a in sides]
@@ -468,7 +478,7 @@ FEW, INVERSES, SHIFT = 16, 20, 3e-5
 
 
 def negative_part(G: Array) -> tuple[Array, float]:
-    """Return the part of a symmetric matrix ``(n, n)`` from its negative eigenvalues, and the smallest eigenvalue.
+    """Return the part of a symmetric matrix ``G`` ``(n, n)`` from its negative eigenvalues, then the smallest eigenvalue.
 
     Subtracting this part leaves the matrix positive semidefinite.
     """

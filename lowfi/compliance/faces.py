@@ -208,21 +208,23 @@ def _check_land(flank: Flank) -> None:
 
 
 def average_mirror_images(waves: Array) -> Array:
-    """Return the motions ``(n, 2, f)`` of flanks far from any face, averaged with their mirror image.
+    """Return the motions of flanks far from any face, averaged with their mirror image.
 
-    By symmetry, flank a moves by a load on flank b of the groove behind as the flank opposite to b does by a load on the
-    flank opposite to a. The computed body does not have this symmetry, as its ends are equally far from the loaded groove
-    and not from the land between both grooves.
+    ``waves`` ``(n, 2, f)``: motions of 2 flanks by loads on f flanks in n harmonics [m/N]. By symmetry, flank a moves by a
+    load on flank b of the groove behind as the flank opposite to b does by a load on the flank opposite to a. The computed
+    body does not have this symmetry, as its ends are equally far from the loaded groove and not from the land between both
+    grooves.
     """
     pairs = waves.reshape(len(waves), 2, -1, 2)
     return np.asarray(0.5 * (pairs + pairs[:, ::-1, :, ::-1].swapaxes(1, 3))).reshape(waves.shape)
 
 
 def append_high_harmonics(flank: Flank, waves: Array) -> Array:
-    """Append higher harmonics, estimated from a half space, to the harmonics ``(n, ...)`` of motions of narrow patches.
+    """Append higher harmonics, estimated from a half space, to the harmonics of motions of narrow patches.
 
-    On a half space the mutual compliance of two Gaussian patches of standard deviation s in a wave of wavenumber k is
-    proportional to exp(x) K_0(x) exp(-2 x) with x = (k s)^2/2.
+    ``waves`` ``(n, ...)``: motions of the flanks of the groove ``flank`` in n harmonics [m/N]. On a half space the mutual
+    compliance of two Gaussian patches of standard deviation s in a wave of wavenumber k is proportional to exp(x) K_0(x)
+    exp(-2 x) with x = (k s)^2/2.
     """
     from scipy.special import k0e
 
@@ -248,10 +250,10 @@ def motions_by_wrench(points: Points, side: Array, strains: Array) -> Array:
 def motions_beyond_smooth_beam(
     flank: Flank, smooth: Tube, section: BeamSection, strains: Array, ends: tuple[float, float]
 ) -> Array:
-    """Return the motions ``(2, 2, f)`` [m/N] of both flanks by the beam of the grooved body less that of the smooth body.
+    """Return the motions ``(2, 2, f)`` [m/N] of both flanks by the beam of the grooved body less those of the smooth body.
 
-    The first axis is for harmonics 0 and 1. section: section of the grooved beam, which is clamped at both ``ends`` [m];
-    strains: see `groove_strains`.
+    The first axis is for harmonics 0 and 1, the second for the flank that moves, the third for the loaded flank.
+    ``section``: section of the grooved beam, which is clamped at both ``ends`` [m]; ``strains``: see `groove_strains`.
     """
     plain = smooth.section
     places, along = (np.concatenate([x, x]) for x in pressed_points(flank, ends[0]))
@@ -273,7 +275,8 @@ def motions_beyond_smooth_body(
 ) -> Array:
     """Return the motions of the true flanks minus those of the smooth body, each under its own load patch.
 
-    finer: load patch and fineness for the true flanks; other arguments and the axes of the result as for `cut_motions`.
+    ``finer``: size of the load patch and fineness of mesh and harmonics for the true flanks; the other arguments and the
+    axes of the result are those of `cut_motions`.
     """
     width = finer.width * flank.map.ball
     true = flank_patch_loads(flank, grid, cuts, width, kinds)
@@ -294,10 +297,10 @@ def half_lead_grid(flank: Flank, grid: Grid) -> Grid:
 
 
 def grooved_grid(flank: Flank, mesh: tuple[int, int]) -> tuple[Grid, list[int]]:
-    """Return the grid of a body with its grooves, and the numbers of its lines in z at which an end face may be.
+    """Return the grid of a body with its grooves, then the numbers of its lines in z at which an end face may be.
 
-    The grid reaches from the clamped end to the furthest face; mid groove of the loaded groove is at z = 0. mesh: numbers
-    of elements on the loaded flank and in depth.
+    The grid reaches from the clamped end to the furthest face; mid groove of the loaded groove is at z = 0. ``mesh``:
+    numbers of elements on the loaded flank and in depth.
     """
     ball, reach = flank.map.ball, REACH * flank.map.ball
     r, z = groove_nodes(flank, mesh[0], LAND * ball * np.array([0.25, 0.6, *np.arange(1.2, flank.half / (LAND * ball))]))
@@ -347,10 +350,11 @@ def quarter_turn(along: Array) -> Array:
 
 
 def flank_patch_loads(flank: Flank, grid: Grid, cuts: Sequence[int], width: float, kinds: int = 1) -> Array:
-    """Return nodal forces of unit loads on the true flanks at `pressed_points`, for patches of ``width`` [m].
+    """Return nodal forces of unit loads on the true flanks at `pressed_points`.
 
     Loads act along the nominal load and, if ``kinds`` is 2, also across it; the latter is the difference of two slightly
-    shifted patches. Patches end at the end face (``cuts``).
+    shifted patches. Patches end at the end face. ``cuts``: numbers of the grid lines in z at which the end face may be;
+    ``width``: standard deviation of the patches [m].
 
     Returns
     -------

@@ -71,13 +71,16 @@ def refine_lines(ends: Array) -> Array:
 
 
 def tube_grid(r_ends: Array, z_ends: Array) -> Grid:
-    """Return the grid of a plain tube with the given element ends in r and z [m]."""
+    """Return the grid of a plain tube whose elements end at given radii ``r_ends`` and axial positions ``z_ends`` [m]."""
     r, z = refine_lines(r_ends), refine_lines(z_ends)
     return Grid(np.broadcast_to(r, (z.size, r.size)).copy(), np.broadcast_to(z[:, None], (z.size, r.size)).copy())
 
 
 def elasticity_matrix(young: float, poisson: float) -> Array:
-    """Return the isotropic elasticity matrix D ``(6, 6)`` [Pa] for strains rr, tt, zz, rz, rt, tz (engineering shears)."""
+    """Return the isotropic elasticity matrix D ``(6, 6)`` [Pa] for strains rr, tt, zz, rz, rt, tz (engineering shears).
+
+    ``young``: Young's modulus [Pa]; ``poisson``: Poisson's ratio.
+    """
     lam = young * poisson / ((1.0 + poisson) * (1.0 - 2.0 * poisson))
     shear = young / (2.0 * (1.0 + poisson))
     D = np.zeros((6, 6))
@@ -107,7 +110,10 @@ class Layer:
     tilt: float
 
     def elasticity(self, young: float, poisson: float, radius: Array) -> Array:
-        """Return the elasticity matrix D ``(..., 6, 6)`` [Pa] at radii ``(...)`` [m]; see `elasticity_matrix`."""
+        """Return the elasticity matrix D ``(..., 6, 6)`` [Pa] of the layer at radii ``(...)`` [m]; see `elasticity_matrix`.
+
+        ``young`` [Pa], ``poisson``: constants of the solid material.
+        """
         f = np.interp(radius, self.radii, self.shares)
         S = np.zeros((*np.shape(f), 6, 6))
         S[..., :3, :3] = -poisson
@@ -130,9 +136,10 @@ class Layer:
 
 
 def element_matrices(grid: Grid, young: float, poisson: float, layer: Layer | None = None) -> tuple[Array, Array, Array]:
-    """Return the stiffness matrices K_0, K_1, K_2 ``(elements, 27, 27)`` of all elements, without the factor c.
+    """Return the stiffness matrices K_0, K_1, K_2 of all elements, each ``(elements, 27, 27)``, without the factor c.
 
-    The degrees of freedom are U, V, W for each node.
+    The degrees of freedom are U, V, W for each node. ``young`` [Pa], ``poisson``: constants of the material; ``layer``:
+    anisotropic layer that represents grooves, or None.
 
     Raises
     ------
@@ -233,7 +240,10 @@ def condense_to_last(bands: Array, n: int, loads: Array, last: int) -> tuple[Arr
 
 
 def lower_corner(L: Array, first: int, size: int) -> Array:
-    """Return the diagonal block ``(size, size)``, from row ``first`` on, of a lower triangular matrix stored in bands."""
+    """Return the diagonal block ``(size, size)``, from row ``first`` on, of a lower triangular matrix stored in bands.
+
+    ``L``: the matrix, with row k of the array for the k-th diagonal below the main one.
+    """
     place = np.arange(size)
     below = place[:, None] - place
     return np.where((below >= 0) & (below < len(L)), L[np.clip(below, 0, len(L) - 1), first + place], 0.0)
@@ -247,7 +257,9 @@ class Body:
     ) -> None:
         """Compute the stiffness parts K_0, K_1, K_2 of all elements.
 
-        solid: which elements are filled with material. Raises ValueError if an element is turned inside out.
+        ``young`` [Pa], ``poisson``: constants of the material; ``layer``: anisotropic layer that represents grooves, or
+        None; ``solid``: which elements are filled with material, None for all. Raises ValueError if an element is turned
+        inside out.
         """
         self.grid = grid
         self.elements = np.stack(element_matrices(grid, young, poisson, layer))
@@ -330,9 +342,9 @@ def end_motions(body: Body, n: int) -> Array:
 
 
 def mean_motions(r: Array, n: int) -> Array:
-    """Return the rows ``(k, 3 columns)`` that give the mean rigid motions of a section from its nodes' displacements.
+    """Return the rows ``(k, 3 columns)`` that give the k mean rigid motions of a section from its nodes' displacements.
 
-    The nodes are at the radii r ``(columns,)`` [m]. Harmonic 0 has axial motion and twist, harmonic 1 has lateral shift and
+    The nodes are at the radii r ``(columns,)`` [m]. Harmonic n = 0 has axial motion and twist, n = 1 has lateral shift and
     tilt (u_z = - tilt r cos t), and higher harmonics have none.
     """
     weights = np.zeros((2, r.size))  # weights of the nodes in the mean of f over the area, and of f r over its moment
@@ -433,10 +445,10 @@ class Stretch:
 
 
 def join_stretches(a: Stretch, b: Stretch, loads: Array) -> Stretch:
-    """Join two neighbouring stretches of a body into one, and eliminate the grid line between them.
+    """Join two neighbouring stretches of a body, first a and then b, into one, and eliminate the grid line between them.
 
-    loads ``(h, m, j)``: unit loads on that line. A stretch at an end of the body has only one line. Loads whose part at a
-    line is below round-off are neglected there.
+    ``loads`` ``(h, m, j)``: j unit loads on the m degrees of freedom of that line, in h harmonics. A stretch at an end of
+    the body has only one line. Loads whose part at a line is below round-off are neglected there.
 
     Raises
     ------
@@ -492,7 +504,7 @@ def _line_compliance_by_stretches(
 ) -> list[BlockSum]:
     """Return `line_compliance` for harmonics n (0, or 1, or all above 1), by joining rows of elements to stretches.
 
-    Equal rows in succession are joined by doubling.
+    Equal rows in succession are joined by doubling. The other arguments are those of `line_compliance`.
     """
     count, width = body.grid.shape[0], 3 * body.grid.shape[1]
     powers = np.array([[factor_c(i), factor_c(i) * i, factor_c(i) * i * i] for i in n.tolist()])

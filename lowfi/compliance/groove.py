@@ -41,8 +41,8 @@ LARGEST_POWER = 200.0
 def smooth_radius(flank: Flank, power: int) -> float:
     """Return the radius of the smooth cylinder that replaces a grooved surface [m].
 
-    power 2: the body has the same volume; power 3: a bore leaves the same mean cube of the wall thickness, to which the
-    bending stiffness of a ring is proportional.
+    ``flank``: groove of the body; ``power``: 2 if the body is to have the same volume, 3 if a bore is to leave the same
+    mean cube of the wall thickness, to which the bending stiffness of a ring is proportional.
     """
     grid = flank.grid()
     line = -1 if flank.screw else 0
@@ -55,7 +55,7 @@ def smooth_radius(flank: Flank, power: int) -> float:
 def groove_layer(flank: Flank, section: BeamSection) -> Layer:
     """Return the anisotropic layer that represents the nut's grooves between lands and groove bottom.
 
-    With it the smooth nut has the axial and torsional stiffness of the grooved section.
+    With it the smooth nut has the axial and torsional stiffness of the grooved ``section``.
     """
     r, zeta = (x[::-1] for x in groove_line(flank.map, flank.land, flank.screw, 33))
     share = np.maximum(1.0 - zeta / flank.half, LEAST_SHARE)
@@ -99,10 +99,11 @@ def groove_strains(flank: Flank, smooth: Tube) -> Array:
 
 
 def flank_weights(grid: Grid, line: int, zeta: float, width: float, moment: int = 0) -> tuple[Array, Array]:
-    """Return the weights ``(k,)`` of surface nodes for a Gaussian load patch on a flank, and the nodes' z [m].
+    """Return the weights ``(k,)`` of surface nodes for a Gaussian load patch on a flank, then the nodes' z ``(k,)`` [m].
 
     The patch is Gaussian in the arc length from the point at z = ``zeta`` and has the standard deviation ``width`` [m].
-    line: number of the grid line on the surface. moment 1: the density is multiplied by the arc length over the width.
+    ``line``: number of the grid line on the surface; ``moment``: 0, or 1 to multiply the density by the arc length over the
+    width.
     """
     r, z = grid.r[:, line], grid.z[:, line]
     node, weight = np.polynomial.legendre.leggauss(8)
@@ -140,7 +141,7 @@ def sampled_harmonics(limit: float, step: float = 1.28, first: int = 0) -> Array
 
 
 def cubic_spline(known: ArrayLike, values: Array) -> Callable[[Array], Array]:
-    """Return the cubic spline through values ``(k, ...)`` at positions ``(k,)``.
+    """Return the cubic spline through values ``(k, ...)`` at the positions ``known`` ``(k,)``.
 
     scipy.interpolate is imported here because it loads slowly and is not needed if the compliance is in the cache.
     """
@@ -306,7 +307,8 @@ def ring_compliance(flank: Flank, held: str) -> RingCompliance:
 def patch_shares(n: Array, width: float, radius: float) -> Array:
     """Return the factors by which a Gaussian patch reduces the harmonics ``n`` of the motion by a concentrated load.
 
-    width: standard deviation along the circumference [m]; harmonics 0 and 1, the rigid motions, are not reduced.
+    ``width``: standard deviation along the circumference [m]; ``radius``: radius at which the patch lies [m]. Harmonics 0
+    and 1, the rigid motions, are not reduced.
     """
     return np.where(n > 1, np.exp(-((n * width / radius) ** 2)), 1.0)
 
@@ -314,7 +316,7 @@ def patch_shares(n: Array, width: float, radius: float) -> Array:
 def ring_contacts(ring: RingCompliance, azimuth: Array) -> Array:
     """Return the compliance ``(4 N, 4 N)`` [m/N] between the contacts of a bearing ring with N balls.
 
-    azimuth ``(N,)``: positions of the balls [rad]. All left contacts come first; each has the axes r and z.
+    ``azimuth`` ``(N,)``: positions of the balls [rad]. All left contacts come first; each contact has the axes r and z.
     """
     N = azimuth.size
     angle = azimuth[:, None] - azimuth[None, :]

@@ -49,7 +49,10 @@ class CellSection:
 
 
 def groove_line(m: GrooveMap, land: float, screw: bool, count: int) -> tuple[Array, Array]:
-    """Return points (r, zeta) ``(count,)`` [m] on one flank of a groove from the apex (zeta = 0) to the edge of the land.
+    """Return points on one flank of a groove from the apex to the edge of the land: radii r, then axial positions zeta [m].
+
+    Each array is ``(count,)``; zeta = 0 at the apex. ``land``: radius of the land [m]; ``screw``: whether the body is the
+    screw (True) or the nut.
 
     Raises
     ------
@@ -156,15 +159,18 @@ def cell_section(m: GrooveMap, land: float, far: float, screw: bool, material: M
 
 
 def cell_stiffness(body: Body, kind: str) -> float:
-    """Return the axial, torsional or bending stiffness of a cell [N/m or N m] (`strained_cell`)."""
+    """Return the stiffness of a cell of half a lead [N/m or N m] for a kind of unit strain (`strained_cell`).
+
+    ``kind``: "axial", "torsion" or "bending".
+    """
     return strained_cell(body, kind)[0]
 
 
 def strained_cell(body: Body, kind: str) -> tuple[float, Array]:
-    """Return the stiffness of a cell [N/m or N m] and its motion ``(lines in z, lines in r, 3)`` [m] under unit strain.
+    """Return the stiffness of a cell of half a lead under unit strain, and its motion ``(lines in z, lines in r, 3)`` [m].
 
-    One plane of symmetry is fixed and the other one moves by one unit: u_z = 1 for the kind "axial", u_t = r for "torsion",
-    u_z = r cos t for "bending". The stiffness is twice the strain energy.
+    One plane of symmetry is fixed and the other one moves by one unit: u_z = 1 for the ``kind`` "axial" (stiffness in N/m),
+    u_t = r for "torsion", u_z = r cos t for "bending" (N m). The stiffness is twice the strain energy.
     """
     shape = body.grid.shape
     n = 1 if kind == "bending" else 0
@@ -306,7 +312,10 @@ def points_in_space(x: Array, axes: Array) -> Points:
 
 
 def radial_ends(tube: Tube) -> tuple[Array, int]:
-    """Return the radii of element ends [m], with small elements near the loaded radius, and that radius's node line."""
+    """Return the radii of element ends of a tube [m], then the number of the node line at the loaded radius.
+
+    Elements are small near the loaded radius.
+    """
     low, high, at = tube.bore, tube.outer, float(np.clip(tube.radius, tube.bore, tube.outer))
     h = tube.size[1]
 
@@ -325,7 +334,10 @@ def radial_ends(tube: Tube) -> tuple[Array, int]:
 
 
 def axial_ends(tube: Tube, zone: tuple[float, float]) -> Array:
-    """Return the positions of element ends in z [m]: uniform over the loaded ``zone`` [m], longer elements outside it."""
+    """Return the positions of element ends of a tube in z [m]: uniform over the loaded zone, longer elements outside it.
+
+    ``zone``: lower and upper end of the loaded zone [m].
+    """
     (low, high), h = tube.ends, tube.size[0]
     a, b = max(low, zone[0]), min(high, zone[1])
     middle = np.linspace(a, b, max(2, int(np.ceil((b - a) / h))) + 1)
@@ -427,10 +439,11 @@ def motions_by_section_load(tube: Tube, zone: tuple[float, float], at: float) ->
 
 
 def slice_shares(z: Array, at: float, half: float) -> tuple[Array, Array]:
-    """Return the weights ``(k,)`` of nodes at z ``(k,)`` [m] for two means of a field over a slice of a shaft.
+    """Return the weights of nodes for two means of a field over a slice of a shaft, each ``(k,)``.
 
-    The slice reaches ``half`` [m] to either side of ``at`` [m]. The first weights give the mean of the field, the second
-    ones the mean of the field times the distance from ``at`` [m]. Elements are quadratic.
+    ``z`` ``(k,)``: positions of the nodes [m]. The slice reaches ``half`` [m] to either side of ``at`` [m]. The first
+    weights give the mean of the field, the second ones the mean of the field times the distance from ``at`` [m]. Elements
+    are quadratic.
     """
     out = np.zeros((2, z.size))
     for a in range(0, z.size - 2, 2):
@@ -444,18 +457,19 @@ def slice_shares(z: Array, at: float, half: float) -> tuple[Array, Array]:
 
 
 def end_springs(tube: Tube) -> tuple[float, float, float, float]:
-    """Return the stiffnesses [N/m, N m] of the springs that hold the mean motions of a shaft's low end.
+    """Return the stiffnesses of the four springs that hold the mean motions of a shaft's low end.
 
-    The order is lateral shift, tilt, axial motion, twist.
+    They are, in order, those of lateral shift [N/m], tilt [N m], axial motion [N/m] and twist [N m].
     """
     stiff = tube.material.youngs_modulus * tube.outer
     return stiff, stiff * tube.outer**2, stiff, stiff * tube.outer**2
 
 
 def patch_weights(z: Array, at: Array, width: float) -> Array:
-    """Return the weights ``(c, k)`` of nodes at z ``(k,)`` [m] for c Gaussian patches around the positions ``at`` ``(c,)``.
+    """Return the weights ``(c, k)`` of k nodes for c Gaussian patches on a grid line along z.
 
-    width: standard deviation of the patches [m]. Elements are quadratic; the weights of a patch sum up to 1.
+    ``z`` ``(k,)``: positions of the nodes [m]; ``at`` ``(c,)``: middles of the patches [m]; ``width``: standard deviation
+    of the patches [m]. Elements are quadratic; the weights of a patch sum up to 1.
     """
     low, high = z[:-2:2], z[2::2]
     x = 0.5 * (low + high)[:, None] + 0.5 * (high - low)[:, None] * NODE
@@ -518,7 +532,7 @@ def contact_compliance(compliance: TubeCompliance, points: Points, *, resultant:
 
 
 def project_on_surface(tube: Tube, x: Array) -> Array:
-    """Return contact points ``(c, 3)`` [m] moved radially to the surface of a tube if they lie outside its material."""
+    """Return contact points ``x`` ``(c, 3)`` [m], moved radially to the surface of a tube if they lie outside it."""
     far = np.hypot(x[:, 0], x[:, 1])
     return np.asarray(x * np.stack([np.clip(far, tube.bore, tube.outer) / far] * 2 + [np.ones(len(x))], axis=1))
 

@@ -137,7 +137,7 @@ def bearing_load(bearing: Bearing, force_x: float, u_y: float) -> SettledCell:
 
 
 def contact_maps(bearing: Bearing, angles: Array) -> tuple[Array, Array]:
-    """Return the kinematics of a ball's contacts at the contact angles ``(4,)`` [rad].
+    """Return the kinematics of a ball's contacts at the contact angles ``angles`` ``(4,)`` [rad].
 
     The unknowns are the orbital speed omega_B and the ball's rotation omega_x, omega_y, omega_z [rad/s] relative to the
     frame that rotates with the orbit.
@@ -362,7 +362,10 @@ def ring_motion_maps(case: BearingCase) -> Array:
 
 
 def bearing_cell(case: BearingCase, angle: float) -> Cell:
-    """Return geometry and load of all balls of a bearing whose force makes ``angle`` [rad] with its axis."""
+    """Return geometry and load of all balls of a bearing whose force makes ``angle`` [rad] with its axis.
+
+    ``case``: the bearing and its force.
+    """
     g, rows = case.groove, ring_motion_maps(case)
     has = np.repeat(np.array([r.contacts for r in case.rows]), case.count, axis=0)
     force = case.force * np.array([np.sin(angle), 0.0, np.cos(angle)])

@@ -294,7 +294,10 @@ def first_carrying_load(chain: Chain, errors: Array, ball: int, high: float) -> 
 
 
 def free_motion(chain: Chain, error: Array | float) -> Array:
-    """Return the axial motions at which balls with given errors [m] just touch [m], an array of the same shape."""
+    """Return the axial motions at which balls with given errors [m] just touch [m], an array of the same shape.
+
+    ``error``: oversize of each ball with its grooves along the contact normal [m], any shape.
+    """
     e = np.asarray(error, dtype=float)
     if chain.law != "exact":
         return -e / chain.slope

@@ -171,6 +171,8 @@ def shaft_compression(scene: Scene, result: StaticResult) -> float:
     """Return the largest axial compression of a screw shaft [N] by its loads, the reactions of its supports and the nut.
 
     The nut's force acts at the middle of the nut. The compression is zero if the shaft is only in tension.
+
+    ``result``: static result of the scene, with the reactions and contact loads.
     """
     balance = result.equilibrium
     forces = [(x.at, x.force[2]) for x in scene.loads]

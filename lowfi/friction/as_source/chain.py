@@ -188,9 +188,11 @@ def solve_touching_group(balls: Balls, law: Law, q: Array, ball_force: Array) ->
     turn = pair.units / pair.speed
 
     def split(x: Array) -> tuple[Array, Array]:
+        """Return motions and forces from the scaled unknowns x."""
         return x[: q.size].reshape(q.shape) / turn, x[q.size :] * bound
 
     def residual(x: Array) -> Array:
+        """Return the scaled forces out of balance, then the differences of the speeds of neighbours."""
         motions, forces = split(x)
         left = force_balance(balls, law, motions, forces).left / (pair.units * bound)
         return np.append(left.ravel(), np.diff(x[: q.size].reshape(q.shape)[:, 0]))

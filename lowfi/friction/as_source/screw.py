@@ -122,9 +122,11 @@ def loads_by_root(cell: Cell, start: BallPositions | None = None) -> SettledCell
     at = starting_positions(cell) if start is None else start
 
     def split(x: Array) -> BallPositions:
+        """Return positions from the scaled unknowns x."""
         return BallPositions(x[: 2 * n].reshape(n, 2) * size, x[2 * n : 6 * n].reshape(n, 4), x[6 * n :] * size)
 
     def residual(x: Array) -> Array:
+        """Return the scaled forces out of balance on balls and screw, with the contact conditions between them."""
         force, bent, normal = contact_forces(cell, split(x))
         pull = force[..., None] * normal
         on_screw = np.einsum("nim,ni->m", cell.screw_motion, pull[:, ON_SCREW].sum(axis=1)) + cell.force + cell.drag
@@ -216,6 +218,7 @@ def solve_coupled_group(cell: Cell, law: Law, start: SourceState, scale: float) 
     size, bound = float(np.max(g.constants.C)) * scale ** (2.0 / 3.0), g.mu * scale or 1.0
 
     def split(x: Array) -> tuple[BallPositions, Array, Array]:
+        """Return positions, motions and forces between the balls from the scaled unknowns x."""
         by_ball = x[: 10 * n].reshape(n, 10)
         return (
             BallPositions(by_ball[:, :2] * size, by_ball[:, 2:6], start.at.screw),
@@ -224,6 +227,7 @@ def solve_coupled_group(cell: Cell, law: Law, start: SourceState, scale: float) 
         )
 
     def residual(x: Array) -> Array:
+        """Return the scaled equations of all balls, then the differences of the speeds of neighbours."""
         if not np.all(np.isfinite(x)):
             return np.full_like(x, 1e3)
         places, q, between = split(x)
