@@ -214,8 +214,8 @@ def solve_harmonic(bands: Array, n: int, loads: Array) -> Array:
 def condense_to_last(bands: Array, n: int, loads: Array, last: int) -> tuple[Array, Array, Array]:
     """Condense the stiffness and loads of harmonic n to the last degrees of freedom (static condensation).
 
-    bands: stiffness parts from `Body.bands`; loads ``(k, c)``: c load cases on all k degrees of freedom; last: number of
-    degrees of freedom that remain.
+    ``bands``: stiffness parts from `Body.bands`; ``loads`` ``(k, c)``: c load cases on all k degrees of freedom; ``last``:
+    number of degrees of freedom that remain.
 
     Returns
     -------

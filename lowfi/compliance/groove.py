@@ -174,7 +174,7 @@ def flank_normals(grid: Grid, line: int) -> Array:
 def normal_load(flank: Flank, grid: Grid, width: float, zeta: float) -> Array:
     """Return the nodal forces ``(k, 2)`` (r, z) of a unit load patch at z = ``zeta`` [m], along the flank's normals.
 
-    width: standard deviation of the Gaussian patch [m].
+    ``grid``: grid of the body; ``width``: standard deviation of the Gaussian patch [m].
     """
     line = grid.shape[1] - 1 if flank.screw else 0
     share, _ = flank_weights(grid, line, zeta, width)
@@ -187,8 +187,8 @@ def normal_load(flank: Flank, grid: Grid, width: float, zeta: float) -> Array:
 def self_motion_harmonics(flank: Flank, grid: Grid, load: tuple[Array, Array], n: Array) -> Array:
     """Return the Fourier harmonics ``n`` of the motion of a patch on one flank by a unit load on it ``(k,)`` [m/N].
 
-    load: nodal forces of the load cases symmetric and antisymmetric to mid groove; the mean of both motions is that of one
-    loaded flank.
+    ``load``: nodal forces of two load cases, symmetric and antisymmetric to mid groove; the mean of both motions is that of
+    one loaded flank.
     """
     rows, columns = grid.shape
     turned = Grid(grid.r[::-1], -grid.z[::-1])  # so that the plane at mid groove is last
@@ -271,7 +271,7 @@ class RingCompliance:
 def ring_compliance(flank: Flank, held: str) -> RingCompliance:
     """Return the compliance of a grooved bearing ring between narrow load patches on its flanks.
 
-    held: fixed surface of the ring, ``"bore"``, ``"outer"`` surface, or ``"low"``, ``"high"`` or ``"both"`` faces.
+    ``held``: fixed surface of the ring, ``"bore"``, ``"outer"`` surface, or ``"low"``, ``"high"`` or ``"both"`` faces.
     """
     half = flank.grid()
     grid = Grid(np.concatenate([half.r[:0:-1], half.r]), np.concatenate([-half.z[:0:-1], half.z]))

@@ -152,7 +152,7 @@ class ChainState:
 
 
 def check_errors(chain: Chain, errors: Array) -> Array:
-    """Check errors of balls ``(..., M)`` [m] and return them as the contiguous array that the kernels need.
+    """Check errors of balls ``(..., M)`` [m] and return them as the contiguous array that compiled functions need.
 
     Raises
     ------
@@ -181,7 +181,7 @@ def solve_chain(chain: Chain, errors: Array, load: float, *, compiled: bool = Fa
     load
         Axial load F > 0 [N].
     compiled
-        Whether to use compiled kernels.
+        Whether to use the compiled functions instead of NumPy.
 
     Raises
     ------

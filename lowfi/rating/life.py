@@ -628,7 +628,7 @@ def _equivalent_bearing_load(scene: Scene, force: Array) -> float:
 def _uncovered_loads(scene: Scene, *, ring: bool) -> str:
     """Return the name of a load in a scene that the standard does not cover; empty if it covers all loads.
 
-    ring: whether the scene is a bearing (ISO 281); otherwise it is a ball screw (ISO 3408-5).
+    ``ring``: whether the scene is a bearing (ISO 281); otherwise it is a ball screw (ISO 3408-5).
     """
     moved = {name for s in scene.supports for name, value in s.fixed if value != 0.0}
     if any(x.moment[0] or x.moment[1] for x in scene.loads) or moved & {"rx", "ry"}:

@@ -19,7 +19,7 @@ from rollbench.meshes.errors import draw_errors
 from rollbench.meshes.parts import Friction, Scene
 from rollbench.meshes.parts import Motion as Drive
 
-#: Balls up to which nobody waits for the kernels to be compiled: interpreted ones take some 0.05 s a ball and state, and
+#: Number of balls up to which no run waits until functions are compiled: in plain Python they take some 0.05 s a ball, and
 #: a whole answer, with its drag and the band of coefficients, has up to seven.
 UNCOMPILED = 120
 #: Gap [m] up to which neighbours count as touching.

@@ -164,7 +164,7 @@ def axial_force_and_moment(at: StaticContacts, wrench: Array) -> tuple[Array, Ar
 #: Motion where the scene gives none: the screw turns once a second.
 ONE_TURN = Motion(2.0 * pi)
 
-#: Balls from which compiling the kernels (20 s, once) pays for a single solve, without feedback and with it.
+#: Numbers of balls from which compilation (20 s, once) saves time in a single solution, without and with feedback.
 COMPILE_ABOVE, COUPLED_ABOVE = 1000, 8
 
 
