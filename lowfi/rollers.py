@@ -136,7 +136,7 @@ class LineLaw:
         return np.where(inside, delta / (-self.s * lambertw(argument, k=-1).real), 0.0)
 
     def slope(self, line_load: Array | float) -> Array:
-        """Return the stiffness per length dq/d(delta) [N/m^2], zero without load; ``line_load``: load per length q [N/m]."""
+        """Return the stiffness per length dq/d(delta) [N/m^2] under a load per length [N/m]; zero without load."""
         q = np.asarray(line_load, dtype=float)
         return np.where(q > 0.0, 1.0 / (self.g - self.s * (1.0 + np.log(np.where(q > 0.0, q, 1.0)))), 0.0)
 

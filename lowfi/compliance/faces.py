@@ -123,10 +123,10 @@ class NearFace:
         return np.asarray(np.einsum("m...k,mk->m...", sum_of_harmonics(self.gain[int(held)], angle), share))
 
     def compliance_between(self, angle: Array) -> Array:
-        """Return the compliance ``(m, 2, f)`` [m/N] between m pairs of contacts far from any face, beyond the smooth body's.
+        """Return the compliance ``(m, 2, f)`` [m/N] between contacts far from any face, beyond the smooth body's.
 
-        ``angle`` ``(m,)``: angles between the contacts around the axis [rad]. The last two axes are for the flank that
-        moves and the loaded flank.
+        ``angle`` ``(m,)``: angles around the axis between the contacts of m pairs [rad]. The last two axes are for the
+        flank that moves and the loaded flank.
         """
         return sum_of_harmonics(self.far, angle)
 

@@ -219,7 +219,7 @@ def solve_ball(bearing: Bearing, force_x: float, u_y: float, fast: bool = False)
     u_y
         Radial displacement of the inner ring towards the ball [m].
     fast
-        Whether to use the compiled functions instead of NumPy.
+        Whether to use the compiled functions instead of plain Python.
 
     References
     ----------
@@ -250,7 +250,7 @@ def solve_ball_as_printed(bearing: Bearing, force_x: float, u_y: float, law: Sig
     law
         Lin's sigmoid.
     fast
-        Whether to use the compiled functions instead of NumPy.
+        Whether to use the compiled functions instead of plain Python.
     """
     least = solve_ball(replace(bearing, hertz="as printed"), force_x, u_y, fast)
     motion = balance_by_root(least.problem, law, least.motion.q, fast)

@@ -181,7 +181,7 @@ def solve_chain(chain: Chain, errors: Array, load: float, *, compiled: bool = Fa
     load
         Axial load F > 0 [N].
     compiled
-        Whether to use the compiled functions instead of NumPy.
+        Whether to use the compiled functions instead of plain Python.
 
     Raises
     ------

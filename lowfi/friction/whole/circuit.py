@@ -266,7 +266,7 @@ def chain_motion(
         First estimates: motions of the balls ``(N, 4)`` [rad/s], then forces between neighbours ``(N,)`` [N]. If None, the
         solution begins without estimates.
     fast
-        Whether to use the compiled functions instead of NumPy.
+        Whether to use the compiled functions instead of plain Python.
 
     Returns
     -------

@@ -152,7 +152,7 @@ def feed_back(
     drive
         Motion of screw or nut.
     fast
-        Whether to use the compiled functions instead of NumPy.
+        Whether to use the compiled functions instead of plain Python.
     near
         Friction of a similar state ``(N, 3)`` [N] (`FedBack.push`), from which the iteration begins instead.
     motion

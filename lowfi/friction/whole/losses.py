@@ -136,7 +136,7 @@ def ball_friction(
     drive
         Motion of screw or nut.
     fast
-        Whether to use the compiled functions instead of NumPy.
+        Whether to use the compiled functions instead of plain Python.
     near
         First estimates of the motions ``(N, 4)`` [rad/s], from a similar state (``BallFriction.q``); nan for balls without
         an estimate. If None, there are no estimates.

@@ -151,7 +151,7 @@ class Setting:
     balls: Balls
     #: Function that computes the contact loads of balls at given positions.
     solve: Solve
-    #: Whether to use the compiled functions instead of NumPy.
+    #: Whether to use the compiled functions instead of plain Python.
     fast: bool = True
 
     def angles(self, time: float) -> tuple[float, float]:

@@ -150,8 +150,8 @@ def friction_state(
     member
         Number of the specimen with random errors for which ``result`` was solved.
     fast
-        Whether to use the compiled functions instead of NumPy. If None, they are used where they save time; a scene with
-        few balls does not wait until they are compiled, because `lowfi.jit.compile_afterwards` does that later.
+        Whether to use the compiled functions instead of plain Python. If None, they are used where they save time; a scene
+        with few balls does not wait until they are compiled, because `lowfi.jit.compile_afterwards` does that later.
 
     Raises
     ------
