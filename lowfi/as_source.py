@@ -55,16 +55,16 @@ class SourceSolution:
     reactions: Array
     #: Number of Newton steps.
     iterations: int
-    #: Relative residual.
+    #: Largest residual of the equations over its scale, see `_residual_measures`.
     residual: float
-    #: Time [s].
+    #: Time that the solution took [s].
     seconds: float
     #: Number of unknowns.
     unknowns: int
 
     @property
     def converged(self) -> bool:
-        """Whether the loads may be used."""
+        """Whether Newton's method converged, so that the loads may be used."""
         return self.status == "converged"
 
 
@@ -125,7 +125,7 @@ class System:
     axes: Array
 
     def motion_of_flank(self, side: int, gamma: Array) -> tuple[NDArray[np.int64], Array, Array, Array]:
-        """Return the matrices that map nodal motions of the screw to motions of one flank at its contacts.
+        """Return the matrices that map nodal motions of the screw to motions of one of its flanks at the contacts.
 
         Parameters
         ----------
@@ -138,7 +138,7 @@ class System:
         -------
         tuple[NDArray[np.int64], Array, Array, Array]
             Index of the first of m nodal unknowns ``(N,)``; matrices M ``(N, 2, m)`` of Lin 2.17-2.21, and their first and
-            second derivative by the contact angle (Lin E.13).
+            second derivative by the contact angle (eq. E.13 of Lin's thesis).
         """
         p = self.problem
         if self.kinematics == "arc":
@@ -189,10 +189,16 @@ class System:
 def _contact_terms(
     system: System, p: Array, gamma: Array, u: Array, side: int
 ) -> tuple[Array, Array, Array, Array, Array, Array, NDArray[np.int64], Array, Array]:
-    """Return geometry, forces and motion matrices of the contacts of all balls with one flank.
+    """Return geometry, forces and motion matrices of the contacts of N balls with one flank.
 
-    These are: normal n, tangent t, dt/dgamma, distance of ball centre and flank, force, its derivative by the approach,
-    and the values of `System.motion_of_flank` without the second derivative.
+    ``p``: positions of the ball centres, radial and binormal ``(N, 2)`` [m]; ``gamma``: contact angles ``(N,)`` [rad];
+    ``u``: motions of the nodes, one after the other ``(6 n,)`` [m, rad]; ``side``: number of the flank.
+
+    Returns
+    -------
+    tuple
+        Normal n, tangent t and dt/dgamma of each contact; distance of ball centre and flank; contact force [N] and its
+        derivative by the approach [N/m]; then the first three values of `System.motion_of_flank`.
     """
     problem = system.problem
     a, t, t1 = system.flank(side, gamma)
@@ -215,9 +221,10 @@ def _contact_terms(
 def equations_and_jacobian(
     system: System, x: Array, load: Array, *, jacobian: bool = True
 ) -> tuple[Array, Array | None, Array]:
-    """Return the residual Phi(x) of Lin's equations 2.25, its Jacobian (Appendix E), and the contact loads [N].
+    """Return the residuals of Lin's equations for balls and screw, their Jacobian, and the contact loads.
 
-    The equations are the contact conditions and the equilibrium of balls and screw.
+    The equations are the contact conditions and the equilibrium of balls and screw, Phi(x) = 0 in equation 2.25 of Lin's
+    thesis; appendix E has the Jacobian.
 
     Parameters
     ----------
@@ -229,6 +236,11 @@ def equations_and_jacobian(
         Loads on the nodes ``(6 n,)`` [N, N m].
     jacobian
         Whether to compute the Jacobian; if not, None is returned in its place.
+
+    Returns
+    -------
+    tuple
+        Residuals ``(6 N + 6 n,)``, in the order of the unknowns; Jacobian, or None; contact loads ``(N, 4)`` [N].
     """
     problem = system.problem
     count = problem.C.shape[0]
@@ -274,9 +286,10 @@ def equations_and_jacobian(
 
 
 def initial_state(system: System, start: Start, fraction: float) -> Array:
-    """Return the start of Newton's method: the nominal state, or (`start` is not "nominal") a designer's guess.
+    """Return the unknowns from which Newton's method starts: the nominal state, or a designer's guess.
 
-    The guess shifts the screw along its axis as if all balls shared the part ``fraction`` of the axial load equally.
+    The guess (if ``start`` is not "nominal") shifts the screw along its axis as if all balls shared the part ``fraction``
+    of the axial load equally.
     """
     problem = system.problem
     scene = problem.scene
@@ -304,7 +317,7 @@ def solve_source(
     member: int = 0,
     tolerance: float = 1e-12,
 ) -> SourceSolution:
-    """Solve a scene by Lin's equations and Newton's method without line search (Lin 2.26).
+    """Solve a scene by Lin's equations and Newton's method without line search (eq. 2.26 of Lin's thesis).
 
     Parameters
     ----------
@@ -329,7 +342,7 @@ def solve_source(
     """
     begin = perf_counter()
     if scene.ingredients.screw == "rigid":
-        raise ValueError("Lin's formulation needs a screw that is modelled as a beam")
+        raise ValueError("Lin's equations cannot be set up for a rigid screw; they need a screw that is modelled as a beam")
     layout = ball_layout(scene)
     problem = build(scene, specimen(scene, layout, member), layout, np.ones(4, dtype=bool), everything=everything)
     axes = np.stack([layout.radial, layout.binormal], axis=1)
@@ -412,10 +425,10 @@ def solve_source_result(scene: Scene, *, everything: bool = False, member: int =
 
 
 def _residual_measures(system: System, phi: Array, forces: Array, load: Array) -> float:
-    """Return the relative residual of the equilibrium equations.
+    """Return the relative residual of the equilibrium equations, from their residuals ``phi``.
 
-    This is the largest unbalanced force over the largest force, or the largest contact condition over the groove radius,
-    whichever is larger. Moments are divided by the pitch radius.
+    It is the largest unbalanced force over the largest of the contact ``forces`` and the ``load`` on the nodes, or the
+    largest contact condition over the groove radius, whichever is larger. Moments are divided by the pitch radius.
     """
     count = forces.shape[0]
     arm = system.problem.scene.track.pitch_radius
@@ -430,7 +443,16 @@ def _residual_measures(system: System, phi: Array, forces: Array, load: Array) -
 
 
 def newton_iteration(system: System, x: Array, load: Array, tolerance: float) -> tuple[Array, int, float, str]:
-    """Solve the equations by Newton's method (Lin 2.26); return unknowns, iterations, relative residual and status text."""
+    """Solve the equations by Newton's method (equation 2.26 of Lin's thesis).
+
+    ``x``: unknowns to start from; ``load``: loads on the nodes ``(6 n,)`` [N, N m]; ``tolerance``: relative residual to
+    reach.
+
+    Returns
+    -------
+    tuple
+        Unknowns; number of iterations; relative residual; ``"converged"`` or the reason of the failure.
+    """
     best, stalled = np.inf, 0
     residual = np.inf
     for iteration in range(MOST + 1):

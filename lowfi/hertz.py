@@ -259,7 +259,10 @@ def hertz_constants(curvature_1: Array, curvature_2: Array, modulus: float | Arr
     k1, k2 = np.broadcast_arrays(np.asarray(curvature_1, float), np.asarray(curvature_2, float))
     low, high = np.minimum(k1, k2), np.maximum(k1, k2)
     if np.any(low <= 0.0) or not np.all(np.isfinite(high)):
-        raise ValueError("relative curvatures must be positive and finite: the surfaces of ball and groove conform")
+        raise ValueError(
+            "Hertz's theory does not apply where the surfaces of ball and groove conform: relative curvatures must be "
+            "positive and finite"
+        )
     k = axis_ratio(low / high)
     # with lengths in units of a: (3F / (2 pi a^2)) R_D(0, 1, k^2) / (3 E* a) = high / 2
     K, _, across = complete_integrals(k)
@@ -284,7 +287,7 @@ class PrintedHertz:
     rho_eq: float
     #: Eccentricity of the contact ellipse.
     e: float
-    #: Correction factor of Lin B.11; the table uses 1.
+    #: Correction factor in eq. B.11 of Lin's thesis; the table uses 1.
     F_1: float
     #: Constant of the approach [m/N^(2/3)].
     C: float
@@ -295,7 +298,7 @@ class PrintedHertz:
 
 
 def printed_hertz(ball_radius: float, radii: tuple[float, float], modulus: float) -> PrintedHertz:
-    """Compute the Hertz constants of Lin's B.1 to B.11 with the errors of his Table B.1, to show their effect.
+    """Compute Hertz constants by eqs. B.1 to B.11 of Lin's thesis with the errors of its Table B.1, to show their effect.
 
     The errors are: radii of curvature from the second fundamental form only, F_1 = 1, and the inverted ratio of B.8.
 

@@ -72,10 +72,11 @@ def kernel(function: F) -> F:
 
 
 def kernels(package: str, *, compiled: bool) -> ModuleType:
-    """Return a kernel package as a module, in plain Python or with kernels compiled by numba.
+    """Return a kernel package as a module, in plain Python or with its functions compiled by numba.
 
-    The compiled copy is loaded once in a process, and each kernel is compiled at its first call. If numba is missing, the
-    plain package is returned and a message is printed on standard error.
+    A kernel is a function with the numerical loops of a solver. The compiled copy is loaded once in a process, and each
+    kernel is compiled at its first call. If numba is missing, the plain package is returned and a message is printed on
+    standard error.
 
     Parameters
     ----------

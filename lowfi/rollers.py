@@ -114,7 +114,7 @@ class LineLaw:
     s: float
 
     def approach(self, line_load: Array | float) -> Array:
-        """Return the approach of the raceways [m] under a load per length [N/m]; zero without load."""
+        """Return the approach of the raceways [m] under a load per length ``line_load`` [N/m]; zero without load."""
         q = np.asarray(line_load, dtype=float)
         return np.where(q > 0.0, q * (self.g - self.s * np.log(np.where(q > 0.0, q, 1.0))), 0.0)
 
@@ -136,12 +136,15 @@ class LineLaw:
         return np.where(inside, delta / (-self.s * lambertw(argument, k=-1).real), 0.0)
 
     def slope(self, line_load: Array | float) -> Array:
-        """Return the stiffness per length dq/d(delta) [N/m^2] under a load per length q [N/m]; zero without load."""
+        """Return the stiffness per length dq/d(delta) [N/m^2] under a load per length [N/m]; zero without load."""
         q = np.asarray(line_load, dtype=float)
         return np.where(q > 0.0, 1.0 / (self.g - self.s * (1.0 + np.log(np.where(q > 0.0, q, 1.0)))), 0.0)
 
     def energy(self, line_load: Array | float) -> Array:
-        """Return the strain energy per length [J/m], the integral of q over the approach, under a load per length [N/m]."""
+        """Return the strain energy per length [J/m], the integral of q over the approach.
+
+        ``line_load``: load per length q at the end of the integral [N/m].
+        """
         q = np.asarray(line_load, dtype=float)
         safe = np.where(q > 0.0, q, 1.0)
         return np.where(q > 0.0, 0.5 * q**2 * (self.g - self.s * (0.5 + np.log(safe))), 0.0)

@@ -75,22 +75,22 @@ class BallBearing:
 
     @property
     def pitch_diameter(self) -> float:
-        """Pitch diameter d_m [m] (Smith 2.10)."""
+        """Pitch diameter d_m [m] (Smith 1994, eq. 2.10)."""
         return 0.5 * (self.inner_raceway + self.outer_raceway)
 
     @property
     def centre_distance(self) -> float:
-        """Distance A of the groove centres when the unloaded ball just touches both grooves [m] (Smith 2.3)."""
+        """Distance A of the groove centres when the unloaded ball just touches both grooves [m] (Smith 1994, eq. 2.3)."""
         return self.inner_groove + self.outer_groove - self.ball_diameter
 
     @property
     def clearance(self) -> float:
-        """Diametral clearance P_d [m] (Smith 2.4)."""
+        """Diametral clearance P_d [m] (Smith 1994, eq. 2.4)."""
         return self.outer_raceway - self.inner_raceway - 2.0 * self.ball_diameter
 
     @property
     def free_angle(self) -> float:
-        """Contact angle alpha_0 without load [rad] (Smith 2.2)."""
+        """Contact angle alpha_0 without load [rad] (Smith 1994, eq. 2.2)."""
         return float(np.arccos(min(1.0 - 0.5 * self.clearance / self.centre_distance, 1.0)))
 
 
@@ -192,7 +192,7 @@ class ThrustState:
     outer: HertzConstants
 
     def areas(self) -> tuple[Array, Array]:
-        """Return the areas pi a b of a ball's contact ellipses on the inner and the outer race [m^2] (Smith 2.27)."""
+        """Return the areas pi a b of a ball's contact ellipses on inner and outer race [m^2] (Smith 1994, eq. 2.27)."""
         grown = np.pi * np.cbrt(self.ball_load) ** 2
         return grown * self.inner.C_a * self.inner.C_b, grown * self.outer.C_a * self.outer.C_b
 
@@ -223,11 +223,13 @@ def relative_curvatures(bearing: BallRows, angle: Array) -> tuple[tuple[Array, A
 
 
 def thrust_state(bearing: BallRows, displacement: Array | float) -> ThrustState:
-    """Return contact angle, loads and stiffness of a bearing at axial displacements of its inner ring, by (1) and (2).
+    """Return contact angle, loads and stiffness of a bearing at axial displacements of its inner ring.
 
     The stiffness includes the change of the contact angle, and of the Hertz constants with it:
     dC/d(curvature along a semi-axis) = (constant of that semi-axis)^2/6. This is exact, because the approach is the
     derivative of the contact's least energy with respect to its force.
+
+    The state follows from eqs. (1) and (2) of this module.
 
     Parameters
     ----------
@@ -272,7 +274,10 @@ def thrust_state(bearing: BallRows, displacement: Array | float) -> ThrustState:
 
 
 def _compliance_derivative(bearing: BallRows, angle: Array, inner: HertzConstants, outer: HertzConstants) -> Array:
-    """Return d(C_i + C_o)/d(alpha); of the curvatures only that along the track depends on the contact angle alpha."""
+    """Return d(C_i + C_o)/d(alpha); of the curvatures only that along the track depends on the contact angle alpha.
+
+    ``angle``: contact angle alpha [rad]; ``inner``, ``outer``: Hertz constants of the contacts with inner and outer race.
+    """
     d, dm, sin, cos = bearing.ball_diameter, bearing.pitch_diameter, np.sin(angle), np.cos(angle)
     bends = (-2.0 * dm * sin / (dm - d * cos) ** 2, 2.0 * dm * sin / (dm + d * cos) ** 2)
     total = np.zeros_like(sin)
@@ -308,7 +313,7 @@ def contact_parameters(difference: float) -> tuple[float, float, float]:
     [0.6636, 3.2327, 0.4499]
     """
     if not 0.0 <= difference < 1.0:
-        raise ValueError("the curvature difference over the curvature sum must lie in [0, 1)")
+        raise ValueError("the ratio of curvature difference to curvature sum must lie in [0, 1); 1 is a line contact")
     h = hertz_constants(np.array(1.0 - difference), np.array(1.0 + difference), 1.0)
     unit = float(np.cbrt(4.0 / 3.0))
     return float(h.C) * unit**2, float(h.C_a) * unit, float(h.C_b) * unit
@@ -364,9 +369,13 @@ def axial_displacement(bearing: BallBearing, load: float) -> float:
     while float(thrust_state(bearing, high).load) < load:
         high *= 4.0
         if high > bearing.ball_diameter:
-            raise ValueError(f"thrust of {load:.3g} N is too large for Hertz contact in this bearing")
+            raise ValueError(
+                f"a thrust of {load:.3g} N is too large for Hertz contact in this bearing: it would displace the inner "
+                "ring by more than the ball's diameter"
+            )
 
     def excess(u: float) -> float:
+        """Return by how much the thrust at a displacement u [m] exceeds the given thrust [N]."""
         return float(thrust_state(bearing, u).load) - load
 
     return float(brentq(excess, 0.0, high, xtol=1e-22, rtol=8.9e-16))
@@ -397,7 +406,10 @@ def thrust_state_under_load(bearings: BallRows, load: Array) -> ThrustState:
         u = np.maximum(u + step, 0.2 * u)
         if float(np.abs(step / u).max()) < ENOUGH and bool(np.all(u < bearings.ball_diameter)):
             return state
-    raise ValueError(f"thrust of {float(np.max(load)):.3g} N is too large for Hertz contact in this bearing")
+    raise ValueError(
+        f"a thrust of {float(np.max(load)):.3g} N is too large for Hertz contact in a bearing: it would displace the inner "
+        "ring by more than the ball's diameter"
+    )
 
 
 def conformity_of_pair(bearings: CatalogueBearings, preload: Array, rigidity: Array) -> Array:
@@ -428,6 +440,7 @@ def conformity_of_pair(bearings: CatalogueBearings, preload: Array, rigidity: Ar
     low, high = np.log(np.array(CONFORMITIES) - 0.5)
 
     def excess(x: Array) -> Array:
+        """Return the logarithm of the pairs' stiffness over the given one, for x = log(conformity - 1/2)."""
         state = thrust_state_under_load(replace(bearings, conformity=0.5 + np.exp(x)), preload)
         return np.asarray(np.log(2.0 * state.stiffness / rigidity))
 

@@ -51,7 +51,7 @@ def fitted_parameter(difference: float, quantity: str) -> float:
 
 
 def curvature_difference(curvatures: Sequence[float]) -> float:
-    """Return the curvature difference F of a contact (Smith 2.16) from its four principal curvatures.
+    """Return the curvature difference F of a contact (Smith 1994, eq. 2.16) from its four principal curvatures.
 
     F = |(rho_11 - rho_12) + (rho_21 - rho_22)| over the sum of all four; the bars are missing in print.
     """
@@ -60,7 +60,7 @@ def curvature_difference(curvatures: Sequence[float]) -> float:
 
 
 def race_stiffness(curvature_sum: float, delta: float) -> float:
-    """Return the load constant K of one race [N/mm^1.5] by Smith 2.8.
+    """Return the load constant K of one race [N/mm^1.5] by eq. 2.8 of Smith (1994).
 
     Parameters
     ----------
@@ -73,7 +73,7 @@ def race_stiffness(curvature_sum: float, delta: float) -> float:
 
 
 def row_stiffness(inner: float, outer: float) -> float:
-    """Return the load constant K_n of inner and outer race in series [N/mm^1.5] by Smith 2.7.
+    """Return the load constant K_n of inner and outer race in series [N/mm^1.5] by eq. 2.7 of Smith (1994).
 
     The exponent is the 0.66666 of his spreadsheet.
     """
@@ -130,6 +130,7 @@ def compute_spreadsheet(
     rest = float(np.arccos(1.0 - 0.5 * (raceways[1] - raceways[0] - 2.0 * d) / b))
 
     def cells(angle: float) -> Spreadsheet:
+        """Return the values of all cells for a contact angle [rad]."""
         path = dm / np.cos(angle)
         four = (
             (-1.0 / grooves[0], 2.0 / (path - d), 2.0 / d, 2.0 / d),
@@ -145,6 +146,7 @@ def compute_spreadsheet(
         return Spreadsheet(sums, differences, delta, race, row_stiffness(*race), angle, q, moved)
 
     def imbalance(angle: float) -> float:
+        """Return by how much a ball's load by equilibrium exceeds its load by deflection [N], for a contact angle [rad]."""
         state = cells(angle)
         return state.ball_load - state.stiffness * float((b * (np.cos(rest) / np.cos(angle) - 1.0)) ** 1.5)
 
@@ -176,7 +178,7 @@ def shared_loads(loads: Sequence[float], directions: Sequence[int], force: float
 
 
 def series_stiffness(supports: Sequence[float], screw: float, nut: float) -> float:
-    """Return the stiffness of an axis by Smith 4.6, which puts both supports, the whole screw and the nut in series.
+    """Return the stiffness of an axis with supports, whole screw and nut in series, by eq. 4.6 of Smith (1994).
 
     The result has the unit of the arguments.
 
@@ -193,11 +195,11 @@ def series_stiffness(supports: Sequence[float], screw: float, nut: float) -> flo
 
 
 def roller_approach(line_load: float, diameter: float, cup_angle: float, roller_angle: float) -> float:
-    """Return the normal deflection of a roller between its races [in] by Smith 3.19, with a logarithm to base 10.
+    """Return the normal deflection of a roller between its races [in] by eq. 3.19 of Smith (1994).
 
-    8.89e-8 is 4 (1 - nu^2)/(pi E) ln 10 for steel, from the law of two line contacts. The logarithm's argument has a
-    dimension, 1/(length times line load), so the formula does not scale: a bearing of twice the size at the same pressure
-    does not have twice the deflection.
+    The logarithm has the base 10. The factor 8.89e-8 is 4 (1 - nu^2)/(pi E) ln 10 for steel, from the law of two line
+    contacts. The logarithm's argument has a dimension, 1/(length times line load), so the formula does not scale: a bearing
+    of twice the size at the same pressure does not have twice the deflection.
 
     Parameters
     ----------
@@ -229,10 +231,7 @@ class PrintedTaperContact:
 def taper_contact(
     axial: float, rollers: int, length: float, diameter: float, pitch: float, cone_angle: float
 ) -> PrintedTaperContact:
-    """Compute a roller's contact with the inner race by Smith's 3.23 to 3.28, changed so that his results follow.
-
-    His printed results follow with 1/D instead of 2/D in 3.24, the exponent 1/2 instead of the printed 1/3 in 3.26, and no
-    pi in 3.27.
+    """Compute a roller's contact with the inner race by eqs. 3.23 to 3.28 of Smith (1994), with changes.
 
     Parameters
     ----------

@@ -77,7 +77,9 @@ def _series_stiffness(*stiffness: float | Array) -> Array:
 
 
 def branch_stiffnesses(axis: Axis, position: Array | float) -> tuple[Array, Array]:
-    """Return the axial stiffnesses k_l and k_r of (1) [N/m]: from the nut to the frame through the left and right support.
+    """Return the axial stiffnesses from the nut to the frame [N/m], through the left and through the right support.
+
+    They are k_l and k_r in eq. (1) of this module.
 
     Parameters
     ----------
@@ -102,7 +104,7 @@ def branch_stiffnesses(axis: Axis, position: Array | float) -> tuple[Array, Arra
 def shaft_stiffness(axis: Axis, position: Array | float) -> Array:
     """Return the axial stiffness of shaft and supports at the nut, k_l + k_r [N/m].
 
-    With rigid supports it is EA L/(x (L - x)) (Smith 4.7), with one free end EA/x (Smith 4.8).
+    With rigid supports it is EA L/(x (L - x)) (Smith 1994, eq. 4.7), with one free end EA/x (eq. 4.8).
 
     Parameters
     ----------
@@ -127,7 +129,7 @@ def shaft_stiffness(axis: Axis, position: Array | float) -> Array:
 
 
 def axis_stiffness(axis: Axis, position: Array | float, nut: float) -> Array:
-    """Return the axial stiffness k of (1) between carriage and frame, through nut, shaft and supports [N/m].
+    """Return the axial stiffness k in eq. (1) of this module [N/m]: from carriage to frame through nut, shaft and supports.
 
     Parameters
     ----------
@@ -177,8 +179,9 @@ def support_loads(axis: Axis, position: float, force: float, tension: float = 0.
 def shaft_tension(axis: Axis, stretch: float, expansion: float = 0.0, warming: float = 0.0) -> float:
     """Return the tension of the shaft after a stretch of its ends and a uniform warming [N]; negative is compression.
 
-    F = E A (eps - alpha dT), as the elastic strain is the total less the thermal strain. Elastic supports take a part of
-    the stretch. Both supports carry the whole tension.
+    It is F = E A (eps - alpha dT) with the strain eps by the stretch and the warming dT, because the elastic strain is the
+    total strain less the thermal strain. Elastic supports take a part of the stretch. Both supports carry the whole
+    tension.
 
     Parameters
     ----------
@@ -269,8 +272,8 @@ def screw_inertia(shaft: Assembly, density: float) -> float:
     """Return the moment of inertia of a whole screw shaft about its axis [kg m^2], without bearing rings and nuts.
 
     Plain segments follow Smith's 4.14. The threaded length is taken for a cylinder of the same volume as the thread of the
-    shaft's first nut (Lin C.8). Smith takes the root diameter instead, which gives less by the fourth power of the
-    diameters' ratio.
+    shaft's first nut (eq. C.8 of Lin's thesis). Smith takes the root diameter instead, which gives less by the fourth power
+    of the diameters' ratio.
 
     Parameters
     ----------
@@ -315,23 +318,23 @@ def reflected_inertia(mass: float, lead: float, efficiency: float = 1.0) -> floa
 class TorqueBudget:
     """Parts of the drive torque of a ball-screw axis [N m]."""
 
-    #: Torque that the axial load on the ball screw needs.
+    #: Torque that the axial load on the ball screw needs [N m].
     screw: float
-    #: Friction of the nut.
+    #: Friction torque of the nut [N m].
     nut: float
-    #: Friction of each support.
+    #: Friction torque of each support [N m].
     supports: tuple[float, ...]
-    #: Torque that the acceleration needs.
+    #: Torque that the acceleration needs [N m].
     acceleration: float
 
     @property
     def constant_speed(self) -> float:
-        """Drive torque at constant speed [N m] (Smith 4.10)."""
+        """Drive torque at constant speed [N m] (Smith 1994, eq. 4.10)."""
         return self.screw + self.nut + sum(self.supports)
 
     @property
     def start_up(self) -> float:
-        """Largest drive torque, which includes acceleration [N m] (Smith 4.11)."""
+        """Largest drive torque, which includes acceleration [N m] (Smith 1994, eq. 4.11)."""
         return self.constant_speed + self.acceleration
 
 
@@ -355,7 +358,7 @@ def acceleration_torque(inertias: Sequence[float], speed: float, time: float) ->
 
 
 class Row(Protocol):
-    """Load-deflection law of one of several bearing rows on a shaft; thrust is zero where the row is loose."""
+    """Load-deflection law of one of several bearing rows on a shaft. A loose row has no thrust."""
 
     def thrust(self, deflection: float) -> float:
         """Return the thrust [N] at an axial deflection [m]."""
@@ -403,7 +406,7 @@ class BearingSet:
     rows: tuple[Row, ...]
     #: Direction of each row: +1 if it takes thrust in the positive direction, else -1.
     directions: tuple[int, ...]
-    #: Deflection g_j of each row by the gaps that the locknut closes [m].
+    #: Deflection g_j of each row by the part of the gaps between the rings that the locknut closes [m].
     offsets: tuple[float, ...]
 
     def __post_init__(self) -> None:
@@ -432,9 +435,10 @@ class BearingSetState:
 
 
 def _evaluate_each_row(bearings: BearingSet, displacement: float, law: Callable[[Row, float], float]) -> Array:
-    """Return load [N] or stiffness [N/m] of each row, as ``law`` gives it, at a displacement of the inner rings [m].
+    """Return load [N] or stiffness [N/m] of each row at a displacement of the inner rings [m].
 
-    Equal rows with the same deflection are evaluated once.
+    ``law``: method of `Row` that gives the load or the stiffness of a row at its deflection [m]. Equal rows with the same
+    deflection are evaluated once.
     """
     known, values = dict[tuple[int, float], float](), []
     for row, s, g in zip(bearings.rows, bearings.directions, bearings.offsets, strict=True):
@@ -457,9 +461,10 @@ def bearing_set_state(bearings: BearingSet, displacement: float) -> BearingSetSt
 
 
 def equilibrium(bearings: BearingSet, force: float = 0.0) -> BearingSetState:
-    """Return the state in which the bearings on a shaft balance an external thrust on their inner rings, by (2).
+    """Return the state in which the bearings on a shaft balance an external thrust on their inner rings.
 
-    Rows that lose contact carry no load. The displacement is solved for without linearisation, to round-off.
+    It solves eq. (2) of this module. Rows that lose contact carry no load. The displacement is solved for without
+    linearisation, to round-off.
 
     Parameters
     ----------
@@ -488,6 +493,7 @@ def equilibrium(bearings: BearingSet, force: float = 0.0) -> BearingSetState:
         return bearing_set_state(bearings, -s[0] * max(bearings.offsets))
 
     def excess(u: float) -> float:
+        """Return the sum of the rows' forces on the shaft less the external thrust [N] at a displacement u [m]."""
         return float(s @ _thrust_of_rows(bearings, u)) - force
 
     # bracket: one end where the rows of one direction are loose, the other where they carry the whole force

@@ -35,11 +35,11 @@ _WEIGHTS = 0.03 * np.pi * np.cosh(_T) * _PLACES / (1.0 + np.exp(np.pi * np.sinh(
 class LoadZone:
     """Load zone, the loaded part of the circumference of a row of rolling elements, with Sjovall's integrals."""
 
-    #: Load zone parameter: 1/2 for half of the circumference, infinite for pure thrust.
+    #: Load zone parameter: 1/2 if half of the circumference is loaded, infinite for pure thrust.
     eps: float
-    #: Sjovall's integral J_a.
+    #: Sjovall's integral J_a of the thrust, dimensionless.
     axial: float
-    #: Sjovall's integral J_r.
+    #: Sjovall's integral J_r of the radial load, dimensionless.
     radial: float
     #: Half of the angle over which the row is loaded [rad].
     half_angle: float
@@ -74,7 +74,7 @@ def load_zone(eps: float, exponent: float) -> LoadZone:
     4.3701
     """
     if not eps > 0.0:
-        raise ValueError("the load zone parameter must be positive")
+        raise ValueError("the load zone parameter eps must be above zero (1/2 for half of the circumference)")
     w = 0.5 / eps
     end = np.pi if w <= 0.5 else float(np.arccos(1.0 - 1.0 / w))
     psi = end * _PLACES
@@ -89,7 +89,7 @@ def load_zone(eps: float, exponent: float) -> LoadZone:
 def load_zone_of_forces(axial: float, radial: float, angle: float, exponent: float) -> LoadZone:
     """Return the load zone of a row of rolling elements under thrust and radial load.
 
-    It is the one with J_r/J_a = F_r tan(alpha)/F_a (Smith 3.14).
+    It is the load zone for which J_r/J_a = F_r tan(alpha)/F_a (Smith 1994, eq. 3.14).
 
     Parameters
     ----------
@@ -107,18 +107,22 @@ def load_zone_of_forces(axial: float, radial: float, angle: float, exponent: flo
     """
     ratio = radial * np.tan(angle) / axial if axial > 0.0 else np.inf
     if not 0.0 <= ratio < 1.0:
-        raise ValueError("the thrust must exceed F_r tan(alpha), or the rings separate; the radial load must be at least 0")
+        raise ValueError(
+            "the load zone cannot be computed: the thrust must be larger than F_r tan(alpha), or the rings separate, "
+            "and the radial load F_r must not be negative"
+        )
     if ratio == 0.0:
         return load_zone(np.inf, exponent)
 
     def excess(log_eps: float) -> float:
+        """Return the logarithm of J_r/J_a over the ratio that the forces require, for a logarithm of eps."""
         zone = load_zone(float(np.exp(log_eps)), exponent)
         return float(np.log(zone.radial / zone.axial / ratio))
 
     return load_zone(float(np.exp(brentq(excess, np.log(1e-8), np.log(exponent / ratio), xtol=1e-13))), exponent)
 
 
-#: Exponent n of the power law q ~ delta^n by which the load varies over the load zone (Smith 3.15).
+#: Exponent n of the power law q ~ delta^n by which the load varies over the load zone (Smith 1994, eq. 3.15).
 EXPONENT = 1.1
 
 
@@ -132,7 +136,7 @@ class CombinedState:
     radial: float
     #: Load Q of either race on every roller ``(N,)`` [N].
     loads: Array
-    #: Derivative of (axial, radial) force by (axial, radial) displacement ``(2, 2)`` [N/m].
+    #: Derivatives of the axial and radial force with respect to the axial and radial displacement ``(2, 2)`` [N/m].
     stiffness: Array
     #: Largest unbalanced force over the thrust.
     residual: float
@@ -199,7 +203,11 @@ def combined_equilibrium(bearing: TaperedBearing, axial: float, radial: float) -
 
 
 def _damped_step(bearing: TaperedBearing, x: Array, step: Array, level: float, force: Array) -> float:
-    """Return the largest fraction 1, 1/2, 1/4, ... of a Newton step that does not raise the energy beyond round-off."""
+    """Return the largest fraction 1, 1/2, 1/4, ... of a Newton step that does not raise the potential energy.
+
+    Round-off is tolerated. ``x``, ``step``: displacement and Newton step, axial and radial ``(2,)`` [m]; ``level``:
+    potential energy at ``x`` [J]; ``force``: external axial and radial force ``(2,)`` [N].
+    """
     fraction = 1.0
     while fraction > 1e-6:
         trial = x + fraction * step
@@ -210,7 +218,10 @@ def _damped_step(bearing: TaperedBearing, x: Array, step: Array, level: float, f
 
 
 def _elastic_energy(bearing: TaperedBearing, x: Array) -> float:
-    """Return the strain energy of the bearing [J]; infinite where a trial step leaves the range of the line contact."""
+    """Return the strain energy of the bearing [J]; infinite where a trial step leaves the range of the line contact.
+
+    ``x``: axial and radial displacement of the inner ring ``(2,)`` [m].
+    """
     try:
         return energy_and_derivatives(bearing, x)[0]
     except ValueError:

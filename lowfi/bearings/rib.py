@@ -50,7 +50,7 @@ _U, _W = np.polynomial.legendre.leggauss(32)
 
 @dataclass(frozen=True)
 class Rib:
-    """Geometry of the contact of a roller's spherical end with the rib, by (1) to (3)."""
+    """Geometry of the contact of a roller's spherical end with the rib, by eqs. (1) to (3) of this module."""
 
     #: Angle theta of the contact normal against the roller's axis [rad].
     tilt: float
@@ -61,7 +61,7 @@ class Rib:
 
 
 def rib_geometry(bearing: TaperedBearing, end_radius: float, height: float) -> Rib:
-    """Return the geometry of the contact of a roller's end with the rib, by (1) to (3).
+    """Return the geometry of the contact of a roller's end with the rib, by eqs. (1) to (3) of this module.
 
     Parameters
     ----------
@@ -76,7 +76,8 @@ def rib_geometry(bearing: TaperedBearing, end_radius: float, height: float) -> R
     ------
     ValueError
         The sphere does not reach the rib or fits it without gap: R_s must be above the radius of the roller's large end and
-        below its distance from the apex. The message completes a sentence "end_radius must be ...".
+        below its distance from the apex. The message is the condition for ``end_radius``, which the check of scenes prints
+        as the allowed value.
     """
     gamma, beta = bearing.roller_angle, bearing.cup_angle - bearing.roller_angle
     g = bearing.apex_distance + 0.5 * bearing.length
@@ -87,7 +88,7 @@ def rib_geometry(bearing: TaperedBearing, end_radius: float, height: float) -> R
     s = g * float(np.cos(gamma)) - float(np.sqrt(end_radius**2 - edge**2))
     tilt = gamma - float(np.arcsin((height - s * np.sin(gamma)) / end_radius))
     if not tilt < beta:
-        raise ValueError("larger: a sphere of this radius cannot touch a rib of the cone")
+        raise ValueError("a larger radius, with which the sphere can touch a rib of the cone")
     radius = end_radius + s * float(np.sin(beta) / np.sin(beta - tilt))
     return Rib(tilt, (1.0 / end_radius - 1.0 / radius, 1.0 / end_radius), radius)
 
@@ -225,6 +226,11 @@ def mean_distance(a: Array, b: Array, height: float) -> Array:
 
 
 def roller_speed_ratios(bearing: TaperedBearing) -> tuple[float, float]:
-    """Return the angular speeds of a roller relative to cone and cup, over that of the rings to each other, by (4)."""
+    """Return the angular speeds of a roller relative to the cone, then relative to the cup, by eq. (4) of this module.
+
+    Both are ratios to the angular speed of the rings relative to each other.
+
+    ``bearing``: geometry of the row of rollers.
+    """
     over = float(np.sin(2.0 * bearing.roller_angle))
     return float(np.sin(bearing.cup_angle)) / over, float(np.sin(bearing.cone_angle)) / over

@@ -106,7 +106,7 @@ class RollerTorque:
 def roller_torque(
     row: RollerRow, line_loads: Array, speed: float | None, lubricant: Lubricant | None
 ) -> RollerTorque | None:
-    """Return the friction torque of a row of tapered rollers, by (1) to (3) and by Timken's formula.
+    """Return the friction torque of a row of tapered rollers, by eqs. (1) to (3) of this module and by Timken's formula.
 
     Parameters
     ----------
@@ -179,7 +179,7 @@ def rolling_speed(bearing: TaperedBearing, along: Array, speed: float) -> Array:
 
 
 def film_torque(bearing: TaperedBearing, line_loads: Array, speed: float, lubricant: Lubricant) -> float:
-    """Return the friction torque of the lubricant films on both races [N m], by (1) for each slice of each roller.
+    """Return the friction torque of the lubricant films on both races [N m], by eq. (1) of this module for each slice.
 
     Parameters
     ----------
@@ -203,7 +203,9 @@ def film_torque(bearing: TaperedBearing, line_loads: Array, speed: float, lubric
 
 
 def rolling_force(line_load: Array, speed: Array, radius: Array, lubricant: Lubricant, modulus: float) -> Array:
-    """Return the rolling resistance per length of the film's inlet on either surface [N/m], by (1); zero without load.
+    """Return the rolling resistance per length of the film's inlet on either surface [N/m], by eq. (1) of this module.
+
+    It is zero without load.
 
     Parameters
     ----------
@@ -234,7 +236,7 @@ def rolling_force(line_load: Array, speed: Array, radius: Array, lubricant: Lubr
 
 
 def hysteresis_torque(bearing: TaperedBearing, line_loads: Array) -> float:
-    """Return the friction torque of elastic hysteresis at both races [N m], by (2) for each slice of each roller.
+    """Return the friction torque of elastic hysteresis at both races [N m], by eq. (2) of this module for each slice.
 
     Parameters
     ----------

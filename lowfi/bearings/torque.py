@@ -90,14 +90,14 @@ def viscous_torque(factor: float, pitch_diameter: float, viscosity: float, speed
 class BallTorque:
     """Friction torque of a row of balls [N m], as a range (low, high) given by the published coefficients."""
 
-    #: Load-dependent part M_1.
+    #: Load-dependent part M_1 as (low, high) [N m].
     load: Band = quantity(
         "load_Nmm",
         "load-dependent part M1 = z (Q/Q0)^y P1 dm, from the computed loads; lowest and highest published z",
         error="empirical",
         parts="[]",
     )
-    #: Part M_0 that depends on lubricant and speed; None without lubricant or speed.
+    #: Part M_0 that depends on lubricant and speed, as (low, high) [N m]; None without lubricant or speed.
     viscous: Band | None = quantity(
         "viscous_Nmm",
         "part M0 = f0 (nu n)^(2/3) dm^3 that depends on lubricant and speed; lowest and highest published f0; null without "
@@ -105,7 +105,7 @@ class BallTorque:
         error="empirical",
         parts="[]",
     )
-    #: Torque that starts the row from rest, twice M_1.
+    #: Torque that starts the row from rest, twice M_1, as (low, high) [N m].
     starting: Band = quantity(
         "starting_Nmm",
         "torque that starts the row from rest: twice the load-dependent part",
@@ -251,7 +251,7 @@ def taper_torque(geometry: float, viscosity: float, speed: float, axial: float) 
     """Return the running torque of a tapered roller bearing under thrust by Timken's formula [N m].
 
     The formula is 3.54e-5 G_1 (n mu)^0.62 F_a^0.30 in-lb, in rpm, cP and lb. It is valid for run-in bearings in circulating
-    oil, and too low at speeds below 1700 F_a^0.67/(G_2 mu) rpm in lb and cP (Smith 3.30).
+    oil, and too low at speeds below 1700 F_a^0.67/(G_2 mu) rpm in lb and cP (Smith 1994, eq. 3.30).
 
     Parameters
     ----------

@@ -57,15 +57,16 @@ BESIDE = 2.5
 
 
 def ball_axes(layout: BallLayout) -> Array:
-    """Return the radial and binormal unit vectors at every ball ``(N, 2, 3)``."""
+    """Return the axes of each ball's groove section: radial and binormal unit vectors ``(N, 2, 3)``."""
     return np.stack([layout.radial, layout.binormal], axis=1)
 
 
 def contact_frames(scene: Scene, layout: BallLayout, screw: bool, flanks: Sequence[int] = BOTH) -> tuple[Array, Array]:
-    """Return the nominal contact points of screw or nut ``(c, 3)`` [m] and the axes of the groove's section ``(c, 2, 3)``.
+    """Return the nominal contact points of screw or nut ``(c, 3)`` [m], then their axes ``(c, 2, 3)``.
 
-    The c contacts are those of all balls on the first of ``flanks``, then those on the second; the axes are radial and
-    binormal.
+    The c contacts are those of all balls on the first of ``flanks``, then those on the second (0: left, 1: right). The axes
+    are the radial and binormal directions of the groove's section. ``layout``: positions of the balls; ``screw``: whether
+    the body is the screw (True) or the nut.
     """
     at = nominal_contact_points(scene)[:2] if screw else nominal_contact_points(scene)[2:]
     x = [layout.centre + at[s][0] * layout.radial + at[s][1] * layout.binormal for s in flanks]
@@ -74,13 +75,20 @@ def contact_frames(scene: Scene, layout: BallLayout, screw: bool, flanks: Sequen
 
 @lru_cache(maxsize=32)
 def smooth_compliance(geometry: Scene, screw: bool, backend: Backend) -> TubeCompliance:
-    """Return the compliance of the smooth body that represents screw or nut, over the zone of `contact_zone`."""
+    """Return the compliance of the smooth body that represents screw or nut, over the zone of `contact_zone`.
+
+    ``geometry``: scene of `geometry_only`; ``screw``: whether the body is the screw (True) or the nut; ``backend``: model
+    of the bodies.
+    """
     tube = smooth_body(geometry, screw, backend)
     return cached_tube_compliance(tube, contact_zone(geometry, tube))
 
 
 def contact_zone(geometry: Scene, tube: Tube) -> tuple[float, float]:
-    """Return the axial range [m] of a smooth body that contains all contacts, from the nut's position and length."""
+    """Return the lower and upper end of the axial range [m] of a smooth body that contains all contacts.
+
+    The range follows from the nut's position and length.
+    """
     half = geometry.nut.length / 2.0 + BESIDE * tube.width
     return geometry.nut.position - half, geometry.nut.position + half
 
@@ -95,7 +103,10 @@ cached_tube_compliance, cached_section_motions = (
 @lru_cache(maxsize=32)
 @kept(RingCompliance)
 def grooved_ring_compliance(geometry: Scene, screw: bool) -> RingCompliance:
-    """Return the compliance of a bearing ring with its groove, cached on disk by its geometry."""
+    """Return the compliance of a bearing ring with its groove, cached on disk by its geometry.
+
+    ``geometry``: scene of `geometry_only`; ``screw``: whether the ring is the inner ring (True) or the outer ring.
+    """
     return ring_compliance(groove_of_body(geometry, screw), fixed_surface(geometry, screw))
 
 
@@ -103,6 +114,9 @@ def flank_self_compliance(geometry: Scene, screw: bool, backend: Backend) -> flo
     """Return the compliance of a contact by its own load that the true flank adds to Hertz and the smooth body [m/N].
 
     It holds for a narrow patch; `flank_size_correction` adds the influence of the contact's size.
+
+    ``geometry``: scene of `geometry_only`; ``screw``: whether the body is the screw (True) or the nut; ``backend``: model
+    of the bodies.
     """
     flank = groove_of_body(geometry, screw)
     if is_ring(geometry, screw):
@@ -120,7 +134,9 @@ def smooth_body_correction(
 ) -> Array:
     """Return the compliance ``(2 c, 2 c)`` [m/N] between c contacts that the smooth body has in addition to its beam.
 
-    Raises ValueError if a contact lies beyond the faces of the nut.
+    Each contact has two axes (`contact_frames`). ``layout``: positions of the balls; ``screw``: whether the body is the
+    screw (True) or the nut; ``flanks``: flanks with contacts, 0 left, 1 right. Raises ValueError if a contact lies beyond
+    the faces of the nut.
     """
     geometry = geometry_only(scene)
     x, axes = contact_frames(scene, layout, screw, flanks)
@@ -148,7 +164,9 @@ def contact_motions_by_section_wrench(
 ) -> Array:
     """Return the motions ``(2 c, 6)`` of contacts by a unit wrench on their own cross-sections, beyond the smooth body's.
 
-    At a groove the body is thinner than on average and therefore strains more (`NearFace.strains`).
+    The wrench consists of three forces and three moments. At a groove the body is thinner than on average and therefore
+    strains more (`NearFace.strains`). Arguments, and the c contacts with two axes each, are those of
+    `smooth_body_correction`.
     """
     found = near_face_of_body(geometry_only(scene), screw, backend)
     points = points_in_space(*contact_frames(scene, layout, screw, flanks))
@@ -156,10 +174,11 @@ def contact_motions_by_section_wrench(
 
 
 def nut_beam(scene: Scene, layout: BallLayout, flanks: Sequence[int] = BOTH, feel: Array | None = None) -> Array:
-    """Return the compliance ``(2 c, 2 c)`` [m/N] between the contacts of a nut that is a Timoshenko beam of its section.
+    """Return the compliance ``(2 c, 2 c)`` [m/N] between the c contacts of a nut that is a Timoshenko beam of its section.
 
-    The beam is clamped at the nut's faces or at its flange. The compliance is zero if the outer surface is fixed. feel: see
-    `clamped_beam_compliance`.
+    The beam is clamped at the nut's faces or at its flange. The compliance is zero if the outer surface is fixed.
+    ``layout``: positions of the balls; ``flanks``: flanks with contacts, 0 left, 1 right; ``feel``: local motions by
+    wrenches at the grooves, see `clamped_beam_compliance`, or None to leave them out.
     """
     geometry = geometry_only(scene)
     x, axes = contact_frames(scene, layout, False, flanks)
@@ -174,6 +193,9 @@ def near_face_of_body(geometry: Scene, screw: bool, backend: Backend) -> NearFac
     """Return the compliance that grooves and end faces of screw or nut add between contacts of one turn.
 
     Cached in memory by geometry; `cached_near_face` is cached on disk.
+
+    ``geometry``: scene of `geometry_only`; ``screw``: whether the body is the screw (True) or the nut; ``backend``: model
+    of the bodies.
     """
     radii = (0.0, np.inf) if screw else solid_dimensions(geometry).held_radii
     section, tube = grooved_section(geometry, screw), smooth_body(geometry, screw, backend)
@@ -187,16 +209,21 @@ def near_face_of_body(geometry: Scene, screw: bool, backend: Backend) -> NearFac
 @lru_cache(maxsize=32)
 @kept(NearFace)
 def cached_near_face(flank: Flank, tube: Tube, section: BeamSection, radii: tuple[float, float], near: bool) -> NearFace:
-    """Return `near_face_compliance`, cached on disk by its arguments; ends and flange of the tube have no influence."""
+    """Return `near_face_compliance`, cached on disk by its arguments; ends and flange of the tube have no influence.
+
+    ``flank``: groove of the body; ``tube``: smooth body; ``section``: section of the beam; ``radii``: range of radii in
+    which a face is fixed [m]; ``near``: whether a contact has a face within reach.
+    """
     return near_face_compliance(flank, tube, section, radii, near=near)
 
 
 def groove_and_face_correction(
     scene: Scene, layout: BallLayout, screw: bool, backend: Backend, flanks: Sequence[int] = BOTH
 ) -> Array:
-    """Return the compliance ``(2 c, 2 c)`` [m/N] that grooves and end faces add between contacts on neighbouring flanks.
+    """Return the compliance ``(2 c, 2 c)`` [m/N] that grooves and end faces add between c contacts on neighbouring flanks.
 
-    Flanks are coupled within one groove, or also with the groove behind it (`NearFace.turns`).
+    Flanks are coupled within one groove, or also with the groove behind it (`NearFace.turns`). Arguments are those of
+    `smooth_body_correction`.
     """
     geometry = geometry_only(scene)
     flank, held, found = (
@@ -240,7 +267,8 @@ def body_between_contacts(
 ) -> Array:
     """Return the compliance ``(2 c, 2 c)`` [m/N] of screw (beyond its beam) or nut between c contacts, without cache.
 
-    It is `lowfi.compliance.bodies.whole_body` for a body that is not rigid and for balls at any positions.
+    It is `lowfi.compliance.bodies.whole_body` for a body that is not rigid and for balls at any positions. Arguments are
+    those of `smooth_body_correction`.
     """
     held = fixed_surface(scene, screw)
     if is_ring(geometry_only(scene), screw):
@@ -258,10 +286,17 @@ def body_between_contacts(
 
 
 def motions_by_end(scene: Scene, layout: BallLayout, backend: Backend) -> tuple[Array, Array, float, float]:
-    """Return the motions of contacts and high end of a screw by a wrench on its high end, beyond those of its beam.
+    """Return the motions of contacts and high end of a screw by a unit wrench on its high end, beyond those of its beam.
 
-    The screw is fixed by the mean motions of its low end. The values are the fields of
-    `lowfi.compliance.bodies.EndResponse`.
+    The screw is fixed by the mean motions of its low end. The wrench consists of three forces and three moments.
+
+    ``layout``: positions of the N balls; ``backend``: model of the bodies.
+
+    Returns
+    -------
+    tuple
+        Motions of the contacts ``(4 N, 6)``; motions of the high end ``(6, 6)``; axial positions of the low and the high
+        end [m]. These are the fields of `lowfi.compliance.bodies.EndResponse`.
     """
     geometry = geometry_only(scene)
     compliance = smooth_compliance(geometry, True, backend)
@@ -286,9 +321,10 @@ def motions_by_end(scene: Scene, layout: BallLayout, backend: Backend) -> tuple[
 
 
 def motions_by_section(scene: Scene, layout: BallLayout, backend: Backend, at: float) -> Array:
-    """Return the motions ``(4 N, 6)`` of contacts by a wrench on the screw's cross-section at ``at`` [m], without cache.
+    """Return the motions ``(4 N, 6)`` of contacts by a unit wrench on a cross-section of the screw, without cache.
 
-    It is `lowfi.compliance.bodies.section_response` for balls at any positions.
+    ``layout``: positions of the N balls; ``at``: axial position of the cross-section [m]. The function is
+    `lowfi.compliance.bodies.section_response` for balls at any positions.
     """
     geometry = geometry_only(scene)
     tube = smooth_body(geometry, True, backend)
@@ -308,10 +344,11 @@ def motions_by_section(scene: Scene, layout: BallLayout, backend: Backend, at: f
 
 
 def motions_by_wrench_at(feel: Array, stations: Array, at: float) -> Array:
-    """Return the motions ``(2 c, 6)`` of contacts by a wrench on the screw's cross-section at the position ``at`` [m].
+    """Return the motions ``(2 c, 6)`` of c contacts by a unit wrench on a cross-section of the screw.
 
-    feel ``(2 c, 6)``: motions by a wrench on the contact's own cross-section. The wrench passes only through the sections
-    below ``at``, so contacts above it do not move.
+    ``feel`` ``(2 c, 6)``: motions by a unit wrench on the contact's own cross-section; ``stations``: axial positions of the
+    contacts, one for each axis ``(2 c,)`` [m]; ``at``: axial position of the loaded cross-section [m]. The wrench passes
+    only through the sections below ``at``, so contacts above it do not move.
     """
     out, reach = feel.copy(), at - stations
     out[:, 0] += reach * feel[:, 4]
@@ -320,9 +357,10 @@ def motions_by_wrench_at(feel: Array, stations: Array, at: float) -> Array:
 
 
 def contact_motions_by_end_wrench(compliance: TubeCompliance, x: Array, axes: Array) -> Array:
-    """Return the motions ``(2 c, 6)`` of contacts by a unit wrench on the mean motions of a shaft's high end.
+    """Return the motions ``(2 c, 6)`` of c contacts by a unit wrench on the mean motions of a shaft's high end.
 
-    x ``(c, 3)``: contact points [m]; axes ``(c, 2, 3)``: directions of their motions.
+    ``compliance``: compliance of the smooth shaft; ``x`` ``(c, 3)``: contact points [m]; ``axes`` ``(c, 2, 3)``: directions
+    of their motions.
     """
     points = points_in_space(x, axes)
     weights = patch_weights(compliance.z, points.z, compliance.tube.width)

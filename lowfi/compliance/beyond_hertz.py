@@ -36,6 +36,8 @@ def legendre_compliance(n: Array, poisson: float) -> Array:
     """Return the coefficients c_n of an elastic sphere in Lur'e's series; 0 for n = 1.
 
     The pressure p_n P_n(cos t) without shear moves the surface inward by c_n (R/2 G) p_n P_n(cos t).
+
+    ``n``: orders of the Legendre polynomials; ``poisson``: Poisson's ratio nu.
     """
     n = np.asarray(n, dtype=float)
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -45,7 +47,10 @@ def legendre_compliance(n: Array, poisson: float) -> Array:
 
 
 def harmonic_expansion(poisson: float) -> tuple[float, float]:
-    """Return the constants A = 2 (1 - nu) and B of the expansion c_n = A/n + B/n^2 + O(n^-3) (`legendre_compliance`)."""
+    """Return the constants A = 2 (1 - nu) and B of the expansion c_n = A/n + B/n^2 + O(n^-3) (`legendre_compliance`).
+
+    ``poisson``: Poisson's ratio nu.
+    """
     a = 2.0 * (1.0 - poisson)
     # top = a' n + b' + ..., a' = 4 - 4 nu, b' = 4 - 2 nu; bottom = 2 n^2 (1 + (1 + 2 nu)/n)
     return a, 2.0 - poisson - a * (1.0 + 2.0 * poisson)
@@ -55,7 +60,7 @@ def harmonic_expansion(poisson: float) -> tuple[float, float]:
 def smooth_series_remainder(cosine: float, poisson: float) -> float:
     """Return Lur'e's series at an angle less the closed sums of its terms A/n and B/n^2, which are singular at the load.
 
-    cosine: cosine of the angle between load and point. The result is dimensionless.
+    ``cosine``: cosine of the angle between load and point; ``poisson``: Poisson's ratio. The result is dimensionless.
     """
     from numpy.polynomial.legendre import legval
 
@@ -88,7 +93,10 @@ def sphere_compliance(cosine: float, radius: float, material: Material) -> float
 
 
 def sphere_self_compliance_slope(radius: float, material: Material) -> float:
-    """Return the derivative of `sphere_self_compliance` with respect to the logarithm of the contact's size [m/N]."""
+    """Return the derivative of `sphere_self_compliance` with respect to the logarithm of the contact's size [m/N].
+
+    ``radius``: radius of the ball [m]; ``material``: its material.
+    """
     a, b = harmonic_expansion(material.poissons_ratio)
     return float(-(a + 2.0 * b) / (8.0 * np.pi * material.shear_modulus * radius))
 
@@ -146,13 +154,16 @@ class Flank:
         return 1 if self.screw else 3
 
     def grid(self, mesh: tuple[int, int, int] | None = None) -> Grid:
-        """Return the finite-element grid of the body between mid groove and mid land."""
+        """Return the finite-element grid of the body between mid groove and mid land.
+
+        ``mesh``: numbers of elements along the flank, along the land, and in depth; None for the usual ones.
+        """
         from rollbench.lowfi.compliance.tube import cell_grid  # finite elements: for bodies that are not known yet
 
         return cell_grid(self.map, self.land, self.far, self.screw, mesh or MESH, self.half)
 
     def contact(self) -> tuple[float, float]:
-        """Return the nominal contact point (r, zeta) [m]: radius, and axial distance from mid groove."""
+        """Return the radius r, then the axial distance zeta from mid groove, of the nominal contact [m]."""
         m = self.map
         x3, z3 = m.ball * m.signs[self.side] * np.array([np.cos(m.beta), np.sin(m.beta)])
         r, zeta, _ = m.unroll(np.array(x3), np.array(z3))
@@ -201,7 +212,7 @@ def flank_size_slope(flank: Flank) -> float:
 def flank_size_correction(flank: Flank, semi_axes: tuple[float, float]) -> float:
     """Return the change of a contact's compliance from the narrow circular patch to its actual size and shape [m/N].
 
-    semi_axes: semi-axes of the contact ellipse, across the groove and along it [m].
+    ``flank``: groove of the body; ``semi_axes``: semi-axes of the contact ellipse, across the groove and along it [m].
     """
     a, b = semi_axes
     nu, G = flank.material.poissons_ratio, flank.material.shear_modulus

@@ -151,7 +151,8 @@ def refuse_flat_contact_angle(scene: Scene, screw: bool, backend: Backend) -> No
     """Raise ValueError if the nominal contact angle is so small that the load patch crosses the groove's apex.
 
     The correction for the flank would then grow in inverse proportion to the angle. A bearing ring whose groove is one
-    circular arc is exempt, as it has one patch there instead of two.
+    circular arc is exempt, as it has one patch there instead of two. ``screw``: whether the body is the screw (True) or the
+    nut.
     """
     angle = scene.track.contact_angle
     radius = (scene.screw if screw else scene.nut).groove_radius
@@ -170,6 +171,9 @@ def whole_body(scene: Scene, layout: BallLayout, screw: bool, backend: Backend, 
 
     The effect of end faces is included; the true flank at each contact (`BodyCompliance.e`) is not. The array is cached for
     all load cases of the same parts and balls, so it must not be modified.
+
+    The body is the screw if ``screw`` is True, otherwise the nut. ``layout``: positions of the balls; ``flanks``: numbers
+    of the flanks with contacts, 0 left, 1 right.
 
     Returns
     -------
@@ -193,7 +197,10 @@ WholeBody = Callable[[Scene, BallLayout, bool, Backend, Sequence[int]], Array]
 @lru_cache(maxsize=8)
 @kept(Coupling)
 def _cached_whole_body(scene: Scene, screw: bool, backend: Backend) -> Coupling:
-    """Return `whole_body` for both flanks and the balls of the scene, cached in memory and on disk."""
+    """Return `whole_body` for both flanks and the balls of the scene, cached in memory and on disk.
+
+    ``screw``: whether the body is the screw (True) or the nut; ``backend``: model of the bodies.
+    """
     from rollbench.lowfi.compliance.between import body_between_contacts
 
     return Coupling(body_between_contacts(scene, ball_layout(scene), screw, backend))
@@ -202,17 +209,20 @@ def _cached_whole_body(scene: Scene, screw: bool, backend: Backend) -> Coupling:
 @lru_cache(maxsize=64)
 @kept(float)
 def _cached_flank_compliance(geometry: Scene, screw: bool, backend: Backend) -> float:
-    """Return `lowfi.compliance.between.flank_self_compliance` [m/N], cached in memory and on disk."""
+    """Return `flank_self_compliance` of `lowfi.compliance.between` [m/N], cached in memory and on disk.
+
+    ``screw``: whether the body is the screw (True) or the nut; ``backend``: model of the bodies.
+    """
     from rollbench.lowfi.compliance.between import flank_self_compliance
 
     return flank_self_compliance(geometry, screw, backend)
 
 
 def ball_compliance(scene: Scene, semi_axes: tuple[float, float], backend: Backend) -> BallCompliance:
-    """Return the compliance of a ball at its contacts, in addition to Hertz.
+    """Return the compliance of a ball at its contacts, in addition to Hertz contact.
 
     Opposite contacts carry the same force, so the motion of one by the load on the other is added to its self-compliance.
-    semi_axes: semi-axes of a typical contact ellipse [m].
+    ``semi_axes``: semi-axes of a typical contact ellipse [m].
     """
     if backend.ball == "half space":
         return BallCompliance(0.0, 0.0, 0.0, 1.0)
@@ -268,8 +278,8 @@ def _cached_end_response(scene: Scene, backend: Backend) -> EndResponse:
 def section_response(scene: Scene, layout: BallLayout, backend: Backend, at: float) -> Array:
     """Return the motions ``(4 N, 6)`` of the contacts of a screw by a unit wrench on one of its cross-sections.
 
-    The order is that of `EndResponse.contacts`. at: axial position of the section [m], inside the stretch of a screw for
-    which `end_response` is not None. Cached as `end_response`.
+    The order is that of `EndResponse.contacts`. ``layout``: positions of the N balls; ``at``: axial position of the section
+    [m], inside the stretch of a screw for which `end_response` is not None. The array is cached as in `end_response`.
     """
     parts, azimuths = parts_with_balls(scene)
     if np.array_equal(layout.azimuth, azimuths):
@@ -346,7 +356,7 @@ class Condensed:
         """
         bodies = load_condensed(path)
         if bodies.geometry != geometry_digest(scene):
-            raise ValueError("a file of other parts (track, screw, nut, balls or [solid] differ)")
+            raise ValueError("the file was made for other parts: track, screw, nut, balls or [solid] differ from the scene")
         return Condensed(bodies)
 
     @property
@@ -355,7 +365,7 @@ class Condensed:
         return self.parts == PARTS
 
     def sides_of(self, sides: list[int]) -> list[int]:
-        """Return, of the given flanks, those whose contacts have the compliance of the file."""
+        """Return those of the flanks ``sides`` (0, 1: screw; 2, 3: nut) whose contacts have the file's compliance."""
         return [s for s in sides if s in self.bodies.sides and ("screw" if s < 2 else "nut") in self.parts]
 
     def correct(self, scene: Scene, layout: BallLayout, sides: list[int], total: Array, backend: Backend) -> Array:
@@ -363,10 +373,11 @@ class Condensed:
 
         Motions that the file does not contain, across the normals and on other flanks, depend on the motions along the
         normals as in the low-order body, so that the matrix remains positive semidefinite. With the blocks A along the
-        normals, D across them and B between both, replacing A by A' gives B' = A' A^-1 B and
-        D' = D + B^T A^-1 (A' - A) A^-1 B.
+        normals, D across them and B between both, replacing A by A' gives B' = A' A^-1 B and D' = D + B^T A^-1 (A' - A)
+        A^-1 B.
 
-        total: low-order compliance on the flanks ``sides``, ball after ball, with supports and beam.
+        ``layout``: positions of the N balls; ``sides``: flanks of the body with contacts (0, 1: screw; 2, 3: nut);
+        ``total``: low-order compliance on these flanks [m/N], ball after ball, with supports and beam.
         """
         N, screw = layout.z.size, sides[0] < 2
         geometry = geometry_only(scene)
@@ -382,7 +393,9 @@ class Condensed:
         known = [s for s in ((0, 1) if screw else (2, 3)) if s in self.bodies.sides]
         file_G = self.bodies.screw if screw else self.bodies.nut
         if file_G.shape != (N * len(known),) * 2:
-            raise ValueError("the file of condensed bodies has another number of contacts than the scene")
+            raise ValueError(
+                "the file of condensed bodies does not have the scene's number of contacts; it must be made for this scene"
+            )
         rows = normal_rows(scene, N, known)
         change = file_G - rows @ held @ rows.T
         common = [s for s in sides if s in known]
@@ -396,7 +409,11 @@ class Condensed:
         return np.asarray(total + spread.T @ change[np.ix_(pick, pick)] @ spread)
 
     def ball(self, scene: Scene, semi_axes: tuple[float, float]) -> BallCompliance:
-        """Return the compliance of the ball from the file: self-compliance of contacts, and coupling between both pairs."""
+        """Return the compliance of the ball from the file: self-compliance of contacts, and coupling between both pairs.
+
+        ``semi_axes``: semi-axes of a typical contact ellipse [m], from which the coupling follows if the file contains only
+        one of both pairs of opposite contacts.
+        """
         D, sides = self.bodies.ball, [int(s) for s in self.bodies.sides]
         closed = ball_compliance(scene, semi_axes, REFINED)
         pairs = [(sides.index(a), sides.index(3 - a)) for a in (0, 1) if a in sides and 3 - a in sides]
@@ -416,10 +433,10 @@ class Condensed:
 
 
 def normal_rows(scene: Scene, N: int, sides: list[int]) -> Array:
-    """Return the matrix that gives the motions of N balls' contacts along their nominal normals ``(N sides, 4 N)``.
+    """Return the matrix that gives the motions of N balls' contacts along their nominal normals, from those along two axes.
 
-    Its columns are two axes for each ball on the left flank, then on the right flank; its rows go ball after ball, each
-    with all flanks of ``sides``.
+    Its shape is ``(N f, 4 N)`` for the f flanks ``sides``. Its columns are two axes for each ball on the left flank, then
+    on the right flank; its rows go ball after ball, each with all flanks of ``sides``.
     """
     beta = scene.track.contact_angle
     out = np.zeros((N * len(sides), 4 * N))
@@ -432,10 +449,10 @@ def normal_rows(scene: Scene, N: int, sides: list[int]) -> Array:
 
 
 def normal_and_tangent_rows(scene: Scene, N: int, sides: list[int], known: list[int]) -> tuple[Array, Array]:
-    """Return unit rows along the nominal normals of the flanks ``known``, and the rows orthogonal to them.
+    """Return unit rows along the nominal normals of the flanks ``known``, then rows orthogonal to them.
 
-    Columns are two axes for each of N balls and each of its flanks ``sides``. The first matrix is ``(N known, 2 N sides)``;
-    the second completes it to an orthonormal basis.
+    Columns are two axes for each of N balls and each of its f flanks ``sides``. The first matrix has a row for each ball
+    and each of the k flanks ``known``, ``(N k, 2 N f)``; the second completes it to an orthonormal basis.
     """
     beta = scene.track.contact_angle
     along: list[Array] = []
@@ -461,7 +478,7 @@ FEW, INVERSES, SHIFT = 16, 20, 3e-5
 
 
 def negative_part(G: Array) -> tuple[Array, float]:
-    """Return the part of a symmetric matrix ``(n, n)`` from its negative eigenvalues, and the smallest eigenvalue.
+    """Return the part of a symmetric matrix ``G`` ``(n, n)`` from its negative eigenvalues, then the smallest eigenvalue.
 
     Subtracting this part leaves the matrix positive semidefinite.
     """
@@ -495,8 +512,8 @@ def _smallest_eigenpairs(G: Array) -> tuple[Array, Array]:
 def _ritz_pairs(G: Array, apply: Callable[[Array], Array], count: int) -> tuple[Array, Array]:
     """Return approximate eigenvalues and eigenvectors (Ritz pairs) of G in a block Krylov space of its shifted inverse.
 
-    apply: product of the shifted inverse with vectors, which is used ``INVERSES`` times on ``count`` random vectors; the
-    smallest eigenvalues of G converge first.
+    ``apply``: function that multiplies vectors by the shifted inverse; it is applied ``INVERSES`` times to ``count`` random
+    vectors. The smallest eigenvalues of G converge first.
     """
     basis = np.linalg.qr(np.random.default_rng(0).standard_normal((len(G), count)))[0]
     for _ in range(INVERSES - 1):

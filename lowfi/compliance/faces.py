@@ -75,7 +75,10 @@ FAR, BESIDE_FACE = Patch(NARROW, (4, 4), 4.0), Patch(0.07, (8, 6), 12.0)
 
 @dataclass(frozen=True)
 class NearFace:
-    """Compliance that ring grooves and an end face add between contacts of one groove, for k distances and n harmonics."""
+    """Compliance that ring grooves and an end face add between contacts of one groove.
+
+    Arrays are for k distances of the face, n harmonics around the axis, and f loaded flanks.
+    """
 
     #: Distances of the face from mid groove ``(k,)`` [m].
     distance: Array
@@ -120,15 +123,19 @@ class NearFace:
         return np.asarray(np.einsum("m...k,mk->m...", sum_of_harmonics(self.gain[int(held)], angle), share))
 
     def compliance_between(self, angle: Array) -> Array:
-        """Return the compliance ``(m, 2, f)`` [m/N] between contacts far from any face, in addition to the smooth body's.
+        """Return the compliance ``(m, 2, f)`` [m/N] between contacts far from any face, beyond the smooth body's.
 
-        angle ``(m,)``: angles between the contacts around the axis [rad].
+        ``angle`` ``(m,)``: angles around the axis between the contacts of m pairs [rad]. The last two axes are for the
+        flank that moves and the loaded flank.
         """
         return sum_of_harmonics(self.far, angle)
 
 
 def sum_of_harmonics(waves: Array, angle: Array) -> Array:
-    """Return values ``(m, ...)`` at angles ``(m,)`` [rad] of cosine series with the coefficients ``waves`` ``(n, ...)``."""
+    """Return the values ``(m, ...)`` of cosine series at m angles.
+
+    ``waves`` ``(n, ...)``: coefficients of the harmonics; ``angle`` ``(m,)``: angles [rad].
+    """
     step = np.pi / (4 * len(waves))
     sums = np.fft.hfft(0.5 * np.concatenate([2.0 * waves[:1], waves[1:]]), 8 * len(waves), axis=0)
     turned = np.abs((angle + np.pi) % (2.0 * np.pi) - np.pi)
@@ -202,21 +209,23 @@ def _check_land(flank: Flank) -> None:
 
 
 def average_mirror_images(waves: Array) -> Array:
-    """Return the motions ``(n, 2, f)`` of flanks far from any face, averaged with their mirror image.
+    """Return the motions of flanks far from any face, averaged with their mirror image.
 
-    By symmetry, flank a moves by a load on flank b of the groove behind as the flank opposite to b does by a load on the
-    flank opposite to a. The computed body does not have this symmetry, as its ends are equally far from the loaded groove
-    and not from the land between both grooves.
+    ``waves`` ``(n, 2, f)``: motions of 2 flanks by loads on f flanks in n harmonics [m/N]. By symmetry, flank a moves by a
+    load on flank b of the groove behind as the flank opposite to b does by a load on the flank opposite to a. The computed
+    body does not have this symmetry, as its ends are equally far from the loaded groove and not from the land between both
+    grooves.
     """
     pairs = waves.reshape(len(waves), 2, -1, 2)
     return np.asarray(0.5 * (pairs + pairs[:, ::-1, :, ::-1].swapaxes(1, 3))).reshape(waves.shape)
 
 
 def append_high_harmonics(flank: Flank, waves: Array) -> Array:
-    """Append higher harmonics, estimated from a half space, to the harmonics ``(n, ...)`` of motions of narrow patches.
+    """Append higher harmonics, estimated from a half space, to the harmonics of motions of narrow patches.
 
-    On a half space the mutual compliance of two Gaussian patches of standard deviation s in a wave of wavenumber k is
-    proportional to exp(x) K_0(x) exp(-2 x) with x = (k s)^2/2.
+    ``waves`` ``(n, ...)``: motions of the flanks of the groove ``flank`` in n harmonics [m/N]. On a half space the mutual
+    compliance of two Gaussian patches of standard deviation s in a wave of wavenumber k is proportional to exp(x) K_0(x)
+    exp(-2 x) with x = (k s)^2/2.
     """
     from scipy.special import k0e
 
@@ -229,8 +238,8 @@ def append_high_harmonics(flank: Flank, waves: Array) -> Array:
 def motions_by_wrench(points: Points, side: Array, strains: Array) -> Array:
     """Return the motions ``(k c, 6)`` of c contacts, with k axes each, by a unit wrench on their own section.
 
-    Only tension and bending moments have an effect. strains: see `groove_strains`; side: -1 for a flank at negative z of
-    its groove, 1 at positive z.
+    Only tension and bending moments have an effect. ``points``: the contacts; ``side`` ``(c,)``: -1 for a flank at negative
+    z of its groove, 1 at positive z; ``strains``: see `groove_strains`.
     """
     along_r, along_z = points.axes[..., 0], points.axes[..., 2] * side[:, None]
     stretch, bend = (along_r * x + along_z * y for x, y in strains)
@@ -242,10 +251,10 @@ def motions_by_wrench(points: Points, side: Array, strains: Array) -> Array:
 def motions_beyond_smooth_beam(
     flank: Flank, smooth: Tube, section: BeamSection, strains: Array, ends: tuple[float, float]
 ) -> Array:
-    """Return the motions ``(2, 2, f)`` [m/N] of both flanks by the beam of the grooved body less that of the smooth body.
+    """Return the motions ``(2, 2, f)`` [m/N] of both flanks by the beam of the grooved body less those of the smooth body.
 
-    The first axis is for harmonics 0 and 1. section: section of the grooved beam, which is clamped at both ``ends`` [m];
-    strains: see `groove_strains`.
+    The first axis is for harmonics 0 and 1, the second for the flank that moves, the third for the loaded flank.
+    ``section``: section of the grooved beam, which is clamped at both ``ends`` [m]; ``strains``: see `groove_strains`.
     """
     plain = smooth.section
     places, along = (np.concatenate([x, x]) for x in pressed_points(flank, ends[0]))
@@ -267,7 +276,8 @@ def motions_beyond_smooth_body(
 ) -> Array:
     """Return the motions of the true flanks minus those of the smooth body, each under its own load patch.
 
-    finer: load patch and fineness for the true flanks; other arguments and the axes of the result as for `cut_motions`.
+    ``finer``: size of the load patch and fineness of mesh and harmonics for the true flanks; the other arguments and the
+    axes of the result are those of `cut_motions`.
     """
     width = finer.width * flank.map.ball
     true = flank_patch_loads(flank, grid, cuts, width, kinds)
@@ -288,10 +298,10 @@ def half_lead_grid(flank: Flank, grid: Grid) -> Grid:
 
 
 def grooved_grid(flank: Flank, mesh: tuple[int, int]) -> tuple[Grid, list[int]]:
-    """Return the grid of a body with its grooves, and the numbers of its lines in z at which an end face may be.
+    """Return the grid of a body with its grooves, then the numbers of its lines in z at which an end face may be.
 
-    The grid reaches from the clamped end to the furthest face; mid groove of the loaded groove is at z = 0. mesh: numbers
-    of elements on the loaded flank and in depth.
+    The grid reaches from the clamped end to the furthest face; mid groove of the loaded groove is at z = 0. ``mesh``:
+    numbers of elements on the loaded flank and in depth.
     """
     ball, reach = flank.map.ball, REACH * flank.map.ball
     r, z = groove_nodes(flank, mesh[0], LAND * ball * np.array([0.25, 0.6, *np.arange(1.2, flank.half / (LAND * ball))]))
@@ -333,15 +343,19 @@ def groove_nodes(flank: Flank, count: int, ends: Array) -> tuple[Array, Array]:
 
 
 def quarter_turn(along: Array) -> Array:
-    """Return the directions ``(..., 2)`` (r, z) perpendicular to ``along``, turned by 90 deg from r towards z."""
+    """Return the directions ``(..., 2)`` (r, z) perpendicular to given ones, turned by 90 deg from r towards z.
+
+    ``along`` ``(..., 2)``: the given directions (r, z).
+    """
     return np.stack([-along[..., 1], along[..., 0]], axis=-1)
 
 
 def flank_patch_loads(flank: Flank, grid: Grid, cuts: Sequence[int], width: float, kinds: int = 1) -> Array:
-    """Return nodal forces of unit loads on the true flanks at `pressed_points`, for patches of ``width`` [m].
+    """Return nodal forces of unit loads on the true flanks at `pressed_points`.
 
     Loads act along the nominal load and, if ``kinds`` is 2, also across it; the latter is the difference of two slightly
-    shifted patches. Patches end at the end face (``cuts``).
+    shifted patches. Patches end at the end face. ``cuts``: numbers of the grid lines in z at which the end face may be;
+    ``width``: standard deviation of the patches [m].
 
     Returns
     -------
@@ -364,7 +378,11 @@ def flank_patch_loads(flank: Flank, grid: Grid, cuts: Sequence[int], width: floa
 
 
 def smooth_patch_loads(flank: Flank, grid: Grid, line: int, cuts: Sequence[int], width: float, kinds: int = 1) -> Array:
-    """Return nodal forces of unit loads on the grid line ``line`` of the smooth body, shaped as `flank_patch_loads`."""
+    """Return nodal forces of unit loads on one axial grid line of the smooth body, shaped as those of `flank_patch_loads`.
+
+    ``line``: number of the grid line in r; ``cuts``: numbers of the lines in z at which the end face may be; ``width``:
+    standard deviation of the patches [m]; ``kinds``: 1 for loads along the nominal load, 2 also across it.
+    """
     places, directions = pressed_points(flank, grid.z[0, 0])
     out = np.zeros((len(places), kinds, len(cuts), *grid.shape, 3))
     for away, (place, along) in enumerate(zip(places, directions, strict=True)):
@@ -376,10 +394,10 @@ def smooth_patch_loads(flank: Flank, grid: Grid, line: int, cuts: Sequence[int],
 
 
 def pressed_points(flank: Flank, low: float) -> tuple[Array, Array]:
-    """Return positions z ``(f,)`` [m] and nominal load directions ``(f, 2)`` (r, z) of the contacts on a groove's flanks.
+    """Return the positions z ``(f,)`` [m], then the load directions ``(f, 2)`` (r, z) of the contacts on a groove's flanks.
 
-    The flank pressed towards high z comes first, then the other one. Both flanks of the groove behind follow if the body,
-    which begins at z = low [m], contains it.
+    The load directions are nominal. The flank pressed towards high z comes first, then the other one. Both flanks of the
+    groove behind follow if the body, which begins at z = ``low`` [m], contains it.
     """
     m = flank.map
     place, along = flank.contact()[1], m.signs[flank.side] * np.array([np.cos(m.beta), np.sin(m.beta)])
@@ -470,10 +488,11 @@ def cut_motions(
 
 
 def distinct_loads(loads: Array, cuts: Sequence[int]) -> tuple[Array, list[list[int]]]:
-    """Return the different loads as rows, and for each end face (``cuts``) the numbers of the rows that act.
+    """Return the different loads as rows, and for each end face the numbers of the rows that act.
 
-    loads ``(f, cuts, nodes of the grid, 3)``: nodal forces for each end face. If a patch lies wholly below an end face, its
-    load equals that for the furthest face and is solved only once.
+    ``loads`` ``(f, cuts, nodes of the grid, 3)``: nodal forces for each end face; ``cuts``: numbers of the grid lines in z
+    at which the end face may be. If a patch lies wholly below an end face, its load equals that for the furthest face and
+    is solved only once.
     """
     rows, of = [x.ravel() for x in loads[:, -1]], [[0] * len(loads) for _ in cuts]
     for k, cut in enumerate(cuts):

@@ -32,7 +32,10 @@ WEIGHT = np.array([5.0, 8.0, 5.0]) / 9.0
 
 
 def quadratic_shape_functions(x: Array) -> tuple[Array, Array]:
-    """Return values and slopes ``(..., 3)`` at x of the quadratic Lagrange polynomials with nodes at -1, 0, 1."""
+    """Return the values, then the slopes of the quadratic Lagrange polynomials with nodes at -1, 0, 1, each ``(..., 3)``.
+
+    ``x`` ``(...)``: positions between -1 and 1.
+    """
     values = np.stack([0.5 * x * (x - 1.0), 1.0 - x * x, 0.5 * x * (x + 1.0)], axis=-1)
     return values, np.stack([x - 0.5, -2.0 * x, x + 0.5], axis=-1)
 
@@ -68,13 +71,16 @@ def refine_lines(ends: Array) -> Array:
 
 
 def tube_grid(r_ends: Array, z_ends: Array) -> Grid:
-    """Return the grid of a plain tube with the given element ends in r and z [m]."""
+    """Return the grid of a plain tube whose elements end at given radii ``r_ends`` and axial positions ``z_ends`` [m]."""
     r, z = refine_lines(r_ends), refine_lines(z_ends)
     return Grid(np.broadcast_to(r, (z.size, r.size)).copy(), np.broadcast_to(z[:, None], (z.size, r.size)).copy())
 
 
 def elasticity_matrix(young: float, poisson: float) -> Array:
-    """Return the isotropic elasticity matrix D ``(6, 6)`` [Pa] for strains rr, tt, zz, rz, rt, tz (engineering shears)."""
+    """Return the isotropic elasticity matrix D ``(6, 6)`` [Pa] for strains rr, tt, zz, rz, rt, tz (engineering shears).
+
+    ``young``: Young's modulus [Pa]; ``poisson``: Poisson's ratio.
+    """
     lam = young * poisson / ((1.0 + poisson) * (1.0 - 2.0 * poisson))
     shear = young / (2.0 * (1.0 + poisson))
     D = np.zeros((6, 6))
@@ -104,7 +110,10 @@ class Layer:
     tilt: float
 
     def elasticity(self, young: float, poisson: float, radius: Array) -> Array:
-        """Return the elasticity matrix D ``(..., 6, 6)`` [Pa] at radii ``(...)`` [m]; see `elasticity_matrix`."""
+        """Return the elasticity matrix D ``(..., 6, 6)`` [Pa] of the layer at radii ``(...)`` [m]; see `elasticity_matrix`.
+
+        ``young`` [Pa], ``poisson``: constants of the solid material.
+        """
         f = np.interp(radius, self.radii, self.shares)
         S = np.zeros((*np.shape(f), 6, 6))
         S[..., :3, :3] = -poisson
@@ -127,9 +136,10 @@ class Layer:
 
 
 def element_matrices(grid: Grid, young: float, poisson: float, layer: Layer | None = None) -> tuple[Array, Array, Array]:
-    """Return the stiffness matrices K_0, K_1, K_2 ``(elements, 27, 27)`` of all elements, without the factor c.
+    """Return the stiffness matrices K_0, K_1, K_2 of all elements, each ``(elements, 27, 27)``, without the factor c.
 
-    The degrees of freedom are U, V, W for each node.
+    The degrees of freedom are U, V, W for each node. ``young`` [Pa], ``poisson``: constants of the material; ``layer``:
+    anisotropic layer that represents grooves, or None.
 
     Raises
     ------
@@ -148,7 +158,9 @@ def element_matrices(grid: Grid, young: float, poisson: float, layer: Layer | No
             J = np.stack([r @ along_r, z @ along_r, r @ along_z, z @ along_z], axis=-1)
             det = J[:, 0] * J[:, 3] - J[:, 1] * J[:, 2]
             if not (det > 0.0).all():
-                raise ValueError("an element of the section is turned inside out")
+                raise ValueError(
+                    "an element of the finite-element grid is turned inside out; the geometry of the body is impossible"
+                )
             by_r = (J[:, 3, None] * along_r - J[:, 1, None] * along_z) / det[:, None]
             by_z = (J[:, 0, None] * along_z - J[:, 2, None] * along_r) / det[:, None]
             radius = r @ N
@@ -166,7 +178,8 @@ def element_matrices(grid: Grid, young: float, poisson: float, layer: Layer | No
 def strain_rows(over_r: Array, by_r: Array, by_z: Array) -> tuple[Array, Array]:
     """Return the strain matrices B_0 and B_1 ``(elements, 6, 27)`` at one point of every element.
 
-    over_r: shape functions divided by r; by_r, by_z: their derivatives ``(elements, 9)``.
+    ``over_r``: shape functions divided by r; ``by_r``, ``by_z``: their derivatives along r and z, each ``(elements, 9)``
+    [1/m].
     """
     B0, B1 = np.zeros((len(by_r), 6, 27)), np.zeros((len(by_r), 6, 27))
     U, V, W = slice(0, 27, 3), slice(1, 27, 3), slice(2, 27, 3)
@@ -185,7 +198,7 @@ def factor_c(n: int) -> float:
 def solve_harmonic(bands: Array, n: int, loads: Array) -> Array:
     """Return the displacements ``(k, ...)`` of harmonic n by loads ``(k, ...)`` on the k free degrees of freedom.
 
-    bands: stiffness parts from `Body.bands`.
+    ``bands``: stiffness parts from `Body.bands`.
 
     Raises
     ------
@@ -201,8 +214,8 @@ def solve_harmonic(bands: Array, n: int, loads: Array) -> Array:
 def condense_to_last(bands: Array, n: int, loads: Array, last: int) -> tuple[Array, Array, Array]:
     """Condense the stiffness and loads of harmonic n to the last degrees of freedom (static condensation).
 
-    bands: stiffness parts from `Body.bands`; loads ``(k, c)``: c load cases on all k degrees of freedom; last: number of
-    degrees of freedom that remain.
+    ``bands``: stiffness parts from `Body.bands`; ``loads`` ``(k, c)``: c load cases on all k degrees of freedom; ``last``:
+    number of degrees of freedom that remain.
 
     Returns
     -------
@@ -227,7 +240,10 @@ def condense_to_last(bands: Array, n: int, loads: Array, last: int) -> tuple[Arr
 
 
 def lower_corner(L: Array, first: int, size: int) -> Array:
-    """Return the diagonal block ``(size, size)``, from row ``first`` on, of a lower triangular matrix stored in bands."""
+    """Return the diagonal block ``(size, size)``, from row ``first`` on, of a lower triangular matrix stored in bands.
+
+    ``L``: the matrix, with row k of the array for the k-th diagonal below the main one.
+    """
     place = np.arange(size)
     below = place[:, None] - place
     return np.where((below >= 0) & (below < len(L)), L[np.clip(below, 0, len(L) - 1), first + place], 0.0)
@@ -241,7 +257,9 @@ class Body:
     ) -> None:
         """Compute the stiffness parts K_0, K_1, K_2 of all elements.
 
-        solid: which elements are filled with material. Raises ValueError if an element is turned inside out.
+        ``young`` [Pa], ``poisson``: constants of the material; ``layer``: anisotropic layer that represents grooves, or
+        None; ``solid``: which elements are filled with material, None for all. Raises ValueError if an element is turned
+        inside out.
         """
         self.grid = grid
         self.elements = np.stack(element_matrices(grid, young, poisson, layer))
@@ -265,9 +283,9 @@ class Body:
         return tuple(coo_array((k.ravel(), (row, column)), (size, size)).tocsr() for k in self.elements)
 
     def stiffness_of_rows(self, chosen: slice | Index = slice(None)) -> Array:
-        """Return the stiffness parts ``(3, rows, 3, m, 3, m)`` of rows of elements along r, assembled.
+        """Return the stiffness parts K_0, K_1, K_2 of rows of elements along r, assembled ``(3, rows, 3, m, 3, m)``.
 
-        Each row has three grid lines with m degrees of freedom. chosen: selection of the rows.
+        Each row of elements has three grid lines with m degrees of freedom each. ``chosen``: selection of the rows.
         """
         columns, width = self.grid.shape[1] // 2, self.grid.shape[1]
         elements = self.elements.reshape(3, -1, columns, *(3,) * 6)[:, chosen]
@@ -319,14 +337,14 @@ class Body:
 
 
 def end_motions(body: Body, n: int) -> Array:
-    """Return `mean_motions` of the section at a body's low end for harmonic n."""
+    """Return the rows that give the mean rigid motions of a body's low end, for harmonic n (`mean_motions`)."""
     return mean_motions(body.grid.r[0], n)
 
 
 def mean_motions(r: Array, n: int) -> Array:
-    """Return the rows ``(k, 3 columns)`` that give the mean rigid motions of a section from its nodes' displacements.
+    """Return the rows ``(k, 3 columns)`` that give the k mean rigid motions of a section from its nodes' displacements.
 
-    The nodes are at the radii r ``(columns,)`` [m]. Harmonic 0 has axial motion and twist, harmonic 1 has lateral shift and
+    The nodes are at the radii r ``(columns,)`` [m]. Harmonic n = 0 has axial motion and twist, n = 1 has lateral shift and
     tilt (u_z = - tilt r cos t), and higher harmonics have none.
     """
     weights = np.zeros((2, r.size))  # weights of the nodes in the mean of f over the area, and of f r over its moment
@@ -355,7 +373,7 @@ class BlockSum:
     blocks: tuple[tuple[int, Array], ...]
 
     def whole(self) -> Array:
-        """Return the full matrix ``(size, size)``."""
+        """Return the full matrix ``(size, size)`` as the sum of its blocks."""
         out = np.zeros((self.size, self.size))
         for first, block in self.blocks:
             rows = slice(first, first + len(block))
@@ -427,10 +445,10 @@ class Stretch:
 
 
 def join_stretches(a: Stretch, b: Stretch, loads: Array) -> Stretch:
-    """Join two neighbouring stretches of a body into one, and eliminate the grid line between them.
+    """Join two neighbouring stretches of a body, first a and then b, into one, and eliminate the grid line between them.
 
-    loads ``(h, m, j)``: unit loads on that line. A stretch at an end of the body has only one line. Loads whose part at a
-    line is below round-off are neglected there.
+    ``loads`` ``(h, m, j)``: j unit loads on the m degrees of freedom of that line, in h harmonics. A stretch at an end of
+    the body has only one line. Loads whose part at a line is below round-off are neglected there.
 
     Raises
     ------
@@ -451,7 +469,10 @@ def join_stretches(a: Stretch, b: Stretch, loads: Array) -> Stretch:
 
 
 def eliminate_freedoms(stretch: Stretch, line: slice) -> Stretch:
-    """Eliminate the degrees of freedom ``line`` from the remaining ones of a stretch, by static condensation."""
+    """Eliminate degrees of freedom of a stretch by static condensation, and return the stretch with the remaining ones.
+
+    ``line``: range of the degrees of freedom that are eliminated.
+    """
     K, forces, motion = stretch.stiffness, stretch.forces, stretch.motion
     left = np.delete(np.arange(K.shape[1]), line)
     reach = np.flatnonzero((np.abs(forces[:, line]) > NONE_LEFT).any(axis=(0, 1)))
@@ -467,7 +488,10 @@ def eliminate_freedoms(stretch: Stretch, line: slice) -> Stretch:
 
 
 def repeat_stretch(stretch: Stretch, count: int, loads: Array) -> Stretch:
-    """Join ``count`` equal stretches in a row into one, by repeated doubling; loads: unit loads on each line between."""
+    """Join ``count`` equal stretches in a row into one, by repeated doubling.
+
+    ``loads`` ``(h, m, j)``: unit loads on each grid line between two stretches.
+    """
     if count == 1:
         return stretch
     half = repeat_stretch(stretch, count // 2, loads)
@@ -480,7 +504,7 @@ def _line_compliance_by_stretches(
 ) -> list[BlockSum]:
     """Return `line_compliance` for harmonics n (0, or 1, or all above 1), by joining rows of elements to stretches.
 
-    Equal rows in succession are joined by doubling.
+    Equal rows in succession are joined by doubling. The other arguments are those of `line_compliance`.
     """
     count, width = body.grid.shape[0], 3 * body.grid.shape[1]
     powers = np.array([[factor_c(i), factor_c(i) * i, factor_c(i) * i * i] for i in n.tolist()])

@@ -41,8 +41,8 @@ LARGEST_POWER = 200.0
 def smooth_radius(flank: Flank, power: int) -> float:
     """Return the radius of the smooth cylinder that replaces a grooved surface [m].
 
-    power 2: the body has the same volume; power 3: a bore leaves the same mean cube of the wall thickness, to which the
-    bending stiffness of a ring is proportional.
+    ``flank``: groove of the body; ``power``: 2 if the body is to have the same volume, 3 if a bore is to leave the same
+    mean cube of the wall thickness, to which the bending stiffness of a ring is proportional.
     """
     grid = flank.grid()
     line = -1 if flank.screw else 0
@@ -55,7 +55,7 @@ def smooth_radius(flank: Flank, power: int) -> float:
 def groove_layer(flank: Flank, section: BeamSection) -> Layer:
     """Return the anisotropic layer that represents the nut's grooves between lands and groove bottom.
 
-    With it the smooth nut has the axial and torsional stiffness of the grooved section.
+    With it the smooth nut has the axial and torsional stiffness of the grooved ``section``.
     """
     r, zeta = (x[::-1] for x in groove_line(flank.map, flank.land, flank.screw, 33))
     share = np.maximum(1.0 - zeta / flank.half, LEAST_SHARE)
@@ -64,6 +64,7 @@ def groove_layer(flank: Flank, section: BeamSection) -> Layer:
     twist = 2.0 * section.GJ / (np.pi * shear) - (far**4 - root**4)
 
     def power(weight: Array, wanted: float) -> float:
+        """Return the exponent p for which the integral of ``weight`` times share^p over the layer is ``wanted``."""
         exponent = brentq(lambda p: float(np.trapezoid(weight * share**p, r)) - wanted, 1e-3, LARGEST_POWER)
         return float(exponent)
 
@@ -98,10 +99,11 @@ def groove_strains(flank: Flank, smooth: Tube) -> Array:
 
 
 def flank_weights(grid: Grid, line: int, zeta: float, width: float, moment: int = 0) -> tuple[Array, Array]:
-    """Return the weights ``(k,)`` of surface nodes for a Gaussian load patch on a flank, and the nodes' z [m].
+    """Return the weights ``(k,)`` of surface nodes for a Gaussian load patch on a flank, then the nodes' z ``(k,)`` [m].
 
     The patch is Gaussian in the arc length from the point at z = ``zeta`` and has the standard deviation ``width`` [m].
-    line: number of the grid line on the surface. moment 1: the density is multiplied by the arc length over the width.
+    ``line``: number of the grid line on the surface; ``moment``: 0, or 1 to multiply the density by the arc length over the
+    width.
     """
     r, z = grid.r[:, line], grid.z[:, line]
     node, weight = np.polynomial.legendre.leggauss(8)
@@ -139,7 +141,7 @@ def sampled_harmonics(limit: float, step: float = 1.28, first: int = 0) -> Array
 
 
 def cubic_spline(known: ArrayLike, values: Array) -> Callable[[Array], Array]:
-    """Return the cubic spline through values ``(k, ...)`` at positions ``(k,)``.
+    """Return the cubic spline through values ``(k, ...)`` at the positions ``known`` ``(k,)``.
 
     scipy.interpolate is imported here because it loads slowly and is not needed if the compliance is in the cache.
     """
@@ -172,7 +174,7 @@ def flank_normals(grid: Grid, line: int) -> Array:
 def normal_load(flank: Flank, grid: Grid, width: float, zeta: float) -> Array:
     """Return the nodal forces ``(k, 2)`` (r, z) of a unit load patch at z = ``zeta`` [m], along the flank's normals.
 
-    width: standard deviation of the Gaussian patch [m].
+    ``grid``: grid of the body; ``width``: standard deviation of the Gaussian patch [m].
     """
     line = grid.shape[1] - 1 if flank.screw else 0
     share, _ = flank_weights(grid, line, zeta, width)
@@ -185,8 +187,8 @@ def normal_load(flank: Flank, grid: Grid, width: float, zeta: float) -> Array:
 def self_motion_harmonics(flank: Flank, grid: Grid, load: tuple[Array, Array], n: Array) -> Array:
     """Return the Fourier harmonics ``n`` of the motion of a patch on one flank by a unit load on it ``(k,)`` [m/N].
 
-    load: nodal forces of the load cases symmetric and antisymmetric to mid groove; the mean of both motions is that of one
-    loaded flank.
+    ``load``: nodal forces of two load cases, symmetric and antisymmetric to mid groove; the mean of both motions is that of
+    one loaded flank.
     """
     rows, columns = grid.shape
     turned = Grid(grid.r[::-1], -grid.z[::-1])  # so that the plane at mid groove is last
@@ -211,9 +213,9 @@ def self_motion_harmonics(flank: Flank, grid: Grid, load: tuple[Array, Array], n
 
 
 def self_motion(flank: Flank, grid: Grid, load: tuple[Array, Array], width: float) -> float:
-    """Return the motion of a patch of ``width`` [m] on one flank by a unit load on it [m/N], the sum over its harmonics.
+    """Return the motion of a patch on one flank by a unit load on it [m/N], as the sum over its harmonics.
 
-    load: see `self_motion_harmonics`.
+    ``load``: see `self_motion_harmonics`; ``width``: standard deviation of the patch [m].
     """
     n = sampled_harmonics(2.6 * flank.contact()[0] / width)
     waves = interpolate_harmonics(n, self_motion_harmonics(flank, grid, load, n))
@@ -221,9 +223,10 @@ def self_motion(flank: Flank, grid: Grid, load: tuple[Array, Array], width: floa
 
 
 def equal_patch_loads(flank: Flank, grid: Grid, width: float) -> tuple[Array, Array]:
-    """Return the loads for `self_motion_harmonics` of a patch of ``width`` [m] on the true flank, along its normals.
+    """Return the loads for `self_motion_harmonics` of a patch on the true flank, along its normals.
 
-    The symmetric and the antisymmetric load are the same on the computed half of the groove.
+    The symmetric and the antisymmetric load are the same on the computed half of the groove. ``width``: standard deviation
+    of the patch [m].
     """
     force = np.zeros((*grid.shape, 3))
     force[:, grid.shape[1] - 1 if flank.screw else 0, ::2] = normal_load(flank, grid, width, flank.contact()[1])
@@ -268,7 +271,7 @@ class RingCompliance:
 def ring_compliance(flank: Flank, held: str) -> RingCompliance:
     """Return the compliance of a grooved bearing ring between narrow load patches on its flanks.
 
-    held: fixed surface of the ring, ``"bore"``, ``"outer"`` surface, or ``"low"``, ``"high"`` or ``"both"`` faces.
+    ``held``: fixed surface of the ring, ``"bore"``, ``"outer"`` surface, or ``"low"``, ``"high"`` or ``"both"`` faces.
     """
     half = flank.grid()
     grid = Grid(np.concatenate([half.r[:0:-1], half.r]), np.concatenate([-half.z[:0:-1], half.z]))
@@ -304,7 +307,8 @@ def ring_compliance(flank: Flank, held: str) -> RingCompliance:
 def patch_shares(n: Array, width: float, radius: float) -> Array:
     """Return the factors by which a Gaussian patch reduces the harmonics ``n`` of the motion by a concentrated load.
 
-    width: standard deviation along the circumference [m]; harmonics 0 and 1, the rigid motions, are not reduced.
+    ``width``: standard deviation along the circumference [m]; ``radius``: radius at which the patch lies [m]. Harmonics 0
+    and 1, the rigid motions, are not reduced.
     """
     return np.where(n > 1, np.exp(-((n * width / radius) ** 2)), 1.0)
 
@@ -312,7 +316,7 @@ def patch_shares(n: Array, width: float, radius: float) -> Array:
 def ring_contacts(ring: RingCompliance, azimuth: Array) -> Array:
     """Return the compliance ``(4 N, 4 N)`` [m/N] between the contacts of a bearing ring with N balls.
 
-    azimuth ``(N,)``: positions of the balls [rad]. All left contacts come first; each has the axes r and z.
+    ``azimuth`` ``(N,)``: positions of the balls [rad]. All left contacts come first; each contact has the axes r and z.
     """
     N = azimuth.size
     angle = azimuth[:, None] - azimuth[None, :]

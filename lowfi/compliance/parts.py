@@ -46,7 +46,8 @@ CLAMPED = ("low", "high", "both", "flange")
 class Backend:
     """Choice of models for the compliance of screw, nut and balls in addition to Hertz contact."""
 
-    #: Section of the screw's beam: that of the scene (Lin C.8), or computed from half a lead with its groove.
+    #: Section of the screw's beam: that of the scene (eq. C.8 of Lin's thesis), or computed from half a lead with its
+    #: groove.
     section: Literal["scene", "cell"] = "cell"
     #: Screw as a beam only, or with an elastic body of revolution (solved by Fourier harmonics) beyond the beam.
     screw: Literal["beam", "kernel"] = "kernel"
@@ -134,6 +135,8 @@ def groove_of_body(scene: Scene, screw: bool) -> Flank:
     """Return the groove of screw or nut on half a lead, or of a ring on half its width.
 
     Raises ValueError for impossible dimensions.
+
+    ``screw``: whether the body is the screw (True) or the nut.
     """
     dims = solid_dimensions(scene)
     m = GrooveMap.of(scene)
@@ -147,7 +150,10 @@ def groove_of_body(scene: Scene, screw: bool) -> Flank:
 
 @lru_cache(maxsize=64)
 def fixed_surface(scene: Scene, screw: bool) -> str:
-    """Return the name of the surface where screw or nut is fixed (`Tube.held`); "rigid" for a body without compliance."""
+    """Return the name of the surface where screw or nut is fixed (`Tube.held`); "rigid" for a body without compliance.
+
+    ``screw``: whether the body is the screw (True) or the nut.
+    """
     dims = solid_dimensions(scene)
     if not screw:
         return "rigid" if scene.solid.nut == "rigid" else HELD[dims.nut_held.partition(", ")[0]]
@@ -158,7 +164,10 @@ def fixed_surface(scene: Scene, screw: bool) -> str:
 
 @lru_cache(maxsize=64)
 def grooved_section(geometry: Scene, screw: bool) -> BeamSection:
-    """Return the beam section of the grooved screw or nut; that of the plain shaft for a track without lead."""
+    """Return the beam section of the grooved screw or nut; that of the plain shaft for a track without lead.
+
+    ``geometry``: scene of `geometry_only`; ``screw``: whether the body is the screw (True) or the nut.
+    """
     if geometry.track.lead == 0.0 and screw:
         return screw_section(geometry)
     return grooved_body_section(groove_of_body(geometry, screw))
@@ -180,7 +189,11 @@ def grooved_body_section(flank: Flank) -> BeamSection:
 
 
 def smooth_body(geometry: Scene, screw: bool, backend: Backend) -> Tube:
-    """Return the smooth body of revolution, without grooves, that represents screw or nut."""
+    """Return the smooth body of revolution, without grooves, that represents screw or nut.
+
+    ``geometry``: scene of `geometry_only`; ``screw``: whether the body is the screw (True) or the nut; ``backend``: model
+    of the bodies.
+    """
     from rollbench.lowfi.compliance.groove import groove_layer, smooth_radius
     from rollbench.lowfi.compliance.tube import Tube
 
@@ -206,15 +219,19 @@ def smooth_body(geometry: Scene, screw: bool, backend: Backend) -> Tube:
 
 
 def is_ring(geometry: Scene, screw: bool) -> bool:
-    """Return whether a body is a bearing ring with one groove around it, which is itself a body of revolution."""
+    """Return whether a body is a bearing ring with one groove around it, which is itself a body of revolution.
+
+    ``geometry``: scene of `geometry_only`; ``screw``: whether the body is the screw or inner ring (True), or the nut or
+    outer ring.
+    """
     return geometry.track.lead == 0.0 and fixed_surface(geometry, screw) not in ("rigid", "section")
 
 
 def nut_beam_ends(tube: Tube) -> tuple[tuple[float, float], str]:
-    """Return the positions of the ends of the beam that represents a nut [m], and which ends are clamped.
+    """Return the axial positions of the two ends of the beam that represents a nut [m], then the names of the clamped ends.
 
-    A nut with a flange is clamped at the flange's face, or where its bonded fit ends. The deformation of the flange belongs
-    to the smooth body.
+    The names are those of `clamped_beam_compliance`. ``tube``: smooth body of the nut. A nut with a flange is clamped at
+    the flange's face, or where its bonded fit ends. The deformation of the flange belongs to the smooth body.
     """
     if tube.held != "flange" or tube.flange is None:
         return tube.ends, tube.held
@@ -223,7 +240,10 @@ def nut_beam_ends(tube: Tube) -> tuple[tuple[float, float], str]:
 
 
 def select_flanks(G: Array, flanks: Sequence[int]) -> Array:
-    """Return the rows and columns of the given flanks ``(2 c, 2 c)`` from a matrix for both flanks ``(4 N, 4 N)``."""
+    """Return the rows and columns of given flanks ``(2 c, 2 c)`` from a matrix for both flanks of N balls ``(4 N, 4 N)``.
+
+    ``G``: the matrix, left flank first; ``flanks``: flanks that are kept, 0 left, 1 right.
+    """
     if len(flanks) == len(BOTH):
         return G
     half = len(G) // 2

@@ -49,7 +49,10 @@ class CellSection:
 
 
 def groove_line(m: GrooveMap, land: float, screw: bool, count: int) -> tuple[Array, Array]:
-    """Return points (r, zeta) ``(count,)`` [m] on one flank of a groove from the apex (zeta = 0) to the edge of the land.
+    """Return points on one flank of a groove from the apex to the edge of the land: radii r, then axial positions zeta [m].
+
+    Each array is ``(count,)``; zeta = 0 at the apex. ``land``: radius of the land [m]; ``screw``: whether the body is the
+    screw (True) or the nut.
 
     Raises
     ------
@@ -63,11 +66,14 @@ def groove_line(m: GrooveMap, land: float, screw: bool, count: int) -> tuple[Arr
     sign = -1.0 if screw else 1.0
 
     def beyond(gamma: float) -> bool:
+        """Return whether the flank's point at the contact angle gamma [rad] lies beyond the cylinder of the land."""
         x3, z3 = m.section_point(side, np.array(gamma), radius)
         return bool(sign * (float(m.unroll(x3, z3)[0]) - land) < 0.0)
 
     if beyond(low) or not beyond(high):
-        raise ValueError("the land's cylinder does not cut the groove")
+        raise ValueError(
+            "the cylinder of the land does not cut the groove's flank; it needs a land radius within the groove"
+        )
     for _ in range(60):
         middle = 0.5 * (low + high)
         low, high = (low, middle) if beyond(middle) else (middle, high)
@@ -105,7 +111,7 @@ def cell_grid(
     half = pi * abs(m.rg) / m.starts if half is None else half
     r, zeta = groove_line(m, land, screw, 2 * mesh[0] + 1)
     if zeta[-1] >= half:
-        raise ValueError("the grooves of neighbouring turns overlap")
+        raise ValueError("the grooves of neighbouring turns overlap; a larger lead or a smaller groove is needed")
     along = refine_lines(np.linspace(zeta[-1], half, mesh[1] + 1))[1:]
     surface, z = np.append(r, np.full(along.size, land)), np.append(zeta, along)
     share = refine_lines(1.0 - np.linspace(1.0, 0.0, mesh[2] + 1) ** 1.5)
@@ -134,7 +140,7 @@ def cell_section(m: GrooveMap, land: float, far: float, screw: bool, material: M
         Material of the body.
     """
     if m.rg == 0.0:
-        raise ValueError("a track without lead has no repeating cell of half a lead")
+        raise ValueError("the beam section of a groove is computed on half a lead; a track with a lead is needed")
     grid = cell_grid(m, land, far, screw)
     young, poisson = material.youngs_modulus, material.poissons_ratio
     body = Body(grid, young, poisson)
@@ -153,15 +159,18 @@ def cell_section(m: GrooveMap, land: float, far: float, screw: bool, material: M
 
 
 def cell_stiffness(body: Body, kind: str) -> float:
-    """Return the axial, torsional or bending stiffness of a cell [N/m or N m] (`strained_cell`)."""
+    """Return the stiffness of a cell of half a lead [N/m or N m] for a kind of unit strain (`strained_cell`).
+
+    ``kind``: "axial", "torsion" or "bending".
+    """
     return strained_cell(body, kind)[0]
 
 
 def strained_cell(body: Body, kind: str) -> tuple[float, Array]:
-    """Return the stiffness of a cell [N/m or N m] and its motion ``(lines in z, lines in r, 3)`` [m] under unit strain.
+    """Return the stiffness of a cell of half a lead under unit strain, and its motion ``(lines in z, lines in r, 3)`` [m].
 
-    One plane of symmetry is fixed and the other one moves by one unit: u_z = 1 for the kind "axial", u_t = r for "torsion",
-    u_z = r cos t for "bending". The stiffness is twice the strain energy.
+    One plane of symmetry is fixed and the other one moves by one unit: u_z = 1 for the ``kind`` "axial" (stiffness in N/m),
+    u_t = r for "torsion", u_z = r cos t for "bending" (N m). The stiffness is twice the strain energy.
     """
     shape = body.grid.shape
     n = 1 if kind == "bending" else 0
@@ -303,11 +312,15 @@ def points_in_space(x: Array, axes: Array) -> Points:
 
 
 def radial_ends(tube: Tube) -> tuple[Array, int]:
-    """Return the radii of element ends [m], with small elements near the loaded radius, and that radius's node line."""
+    """Return the radii of element ends of a tube [m], then the number of the node line at the loaded radius.
+
+    Elements are small near the loaded radius.
+    """
     low, high, at = tube.bore, tube.outer, float(np.clip(tube.radius, tube.bore, tube.outer))
     h = tube.size[1]
 
     def graded(length: float) -> Array:
+        """Return distances of element ends from 0 to ``length`` [m], with elements that grow with the distance."""
         count = max(1, round(2.0 * (np.sqrt(1.0 + length / h) - 1.0)))
         return np.asarray(length * (np.arange(count + 1) / count) ** 1.6)
 
@@ -321,12 +334,16 @@ def radial_ends(tube: Tube) -> tuple[Array, int]:
 
 
 def axial_ends(tube: Tube, zone: tuple[float, float]) -> Array:
-    """Return the positions of element ends in z [m]: uniform over the loaded ``zone`` [m], longer elements outside it."""
+    """Return the positions of element ends of a tube in z [m]: uniform over the loaded zone, longer elements outside it.
+
+    ``zone``: lower and upper end of the loaded zone [m].
+    """
     (low, high), h = tube.ends, tube.size[0]
     a, b = max(low, zone[0]), min(high, zone[1])
     middle = np.linspace(a, b, max(2, int(np.ceil((b - a) / h))) + 1)
 
     def beyond(length: float) -> Array:
+        """Return distances of element ends beyond the loaded zone, up to ``length`` [m]; elements grow outwards."""
         if length <= 0.0:
             return np.zeros(0)
         count = max(1, round(2.5 * (np.sqrt(1.0 + length / h) - 1.0)))
@@ -336,7 +353,10 @@ def axial_ends(tube: Tube, zone: tuple[float, float]) -> Array:
 
 
 def add_flange_ends(tube: Tube, r_ends: Array, z_ends: Array) -> tuple[Array, Array]:
-    """Add the flange of a tube, and the surfaces where it may be fixed, to element ends in r and z [m]."""
+    """Return element ends in r and in z [m] with those of the flange added, and the surfaces where it may be fixed.
+
+    ``r_ends``, ``z_ends``: element ends of the tube without its flange [m].
+    """
     if tube.flange is None:
         return r_ends, z_ends
     size, stops = tube.size[0], np.unique([tube.outer, *tube.flange.seat, tube.flange.diameter / 2.0])
@@ -372,7 +392,10 @@ def fixed_freedoms(tube: Tube, grid: Grid) -> NDArray[np.bool_]:
 
 
 def tube_compliance(tube: Tube, zone: tuple[float, float]) -> TubeCompliance:
-    """Return the compliance of a tube's loaded grid line in all harmonics; ``zone``: range in z [m] of all contacts."""
+    """Return the compliance of a tube's loaded grid line in all harmonics.
+
+    ``zone``: lower and upper end of the axial range that contains all contacts [m].
+    """
     r_ends, line = radial_ends(tube)
     grid = tube_grid(*add_flange_ends(tube, r_ends, axial_ends(tube, zone)))
     z = grid.z[:, 0]
@@ -390,10 +413,11 @@ def tube_compliance(tube: Tube, zone: tuple[float, float]) -> TubeCompliance:
 
 
 def motions_by_section_load(tube: Tube, zone: tuple[float, float], at: float) -> TubeCompliance:
-    """Return the motions of a shaft's loaded grid line by loads on one of its cross-sections, in `TubeCompliance.ends`.
+    """Return the motions of a shaft's loaded grid line by unit loads on one of its cross-sections.
 
-    The shaft is fixed by the mean motions of its low end. The loads act on the mean rigid motions (by least squares) of the
-    material in a thin slice at the axial position ``at`` [m].
+    They are in the field ``ends`` of the result. The shaft is fixed by the mean motions of its low end. The loads act on
+    the mean rigid motions (by least squares) of the material in a thin slice at the axial position ``at`` [m]. ``zone``:
+    lower and upper end of the axial range that contains all contacts [m].
     """
     r_ends, line = radial_ends(tube)
     grid = tube_grid(r_ends, axial_ends(tube, zone))
@@ -415,10 +439,11 @@ def motions_by_section_load(tube: Tube, zone: tuple[float, float], at: float) ->
 
 
 def slice_shares(z: Array, at: float, half: float) -> tuple[Array, Array]:
-    """Return the weights ``(k,)`` of nodes at z ``(k,)`` [m] for two means of a field over a slice of a shaft.
+    """Return the weights of nodes for two means of a field over a slice of a shaft, each ``(k,)``.
 
-    The slice reaches ``half`` [m] to either side of ``at`` [m]. The first weights give the mean of the field, the second
-    ones the mean of the field times the distance from ``at`` [m]. Elements are quadratic.
+    ``z`` ``(k,)``: positions of the nodes [m]. The slice reaches ``half`` [m] to either side of ``at`` [m]. The first
+    weights give the mean of the field, the second ones the mean of the field times the distance from ``at`` [m]. Elements
+    are quadratic.
     """
     out = np.zeros((2, z.size))
     for a in range(0, z.size - 2, 2):
@@ -432,18 +457,19 @@ def slice_shares(z: Array, at: float, half: float) -> tuple[Array, Array]:
 
 
 def end_springs(tube: Tube) -> tuple[float, float, float, float]:
-    """Return the stiffnesses [N/m, N m] of the springs that hold the mean motions of a shaft's low end.
+    """Return the stiffnesses of the four springs that hold the mean motions of a shaft's low end.
 
-    The order is lateral shift, tilt, axial motion, twist.
+    They are, in order, those of lateral shift [N/m], tilt [N m], axial motion [N/m] and twist [N m].
     """
     stiff = tube.material.youngs_modulus * tube.outer
     return stiff, stiff * tube.outer**2, stiff, stiff * tube.outer**2
 
 
 def patch_weights(z: Array, at: Array, width: float) -> Array:
-    """Return the weights ``(c, k)`` of nodes at z ``(k,)`` [m] for c Gaussian patches around the positions ``at`` ``(c,)``.
+    """Return the weights ``(c, k)`` of k nodes for c Gaussian patches on a grid line along z.
 
-    width: standard deviation of the patches [m]. Elements are quadratic; the weights of a patch sum up to 1.
+    ``z`` ``(k,)``: positions of the nodes [m]; ``at`` ``(c,)``: middles of the patches [m]; ``width``: standard deviation
+    of the patches [m]. Elements are quadratic; the weights of a patch sum up to 1.
     """
     low, high = z[:-2:2], z[2::2]
     x = 0.5 * (low + high)[:, None] + 0.5 * (high - low)[:, None] * NODE
@@ -506,16 +532,16 @@ def contact_compliance(compliance: TubeCompliance, points: Points, *, resultant:
 
 
 def project_on_surface(tube: Tube, x: Array) -> Array:
-    """Return contact points ``(c, 3)`` [m] moved radially to the surface of a tube if they lie outside its material."""
+    """Return contact points ``x`` ``(c, 3)`` [m], moved radially to the surface of a tube if they lie outside it."""
     far = np.hypot(x[:, 0], x[:, 1])
     return np.asarray(x * np.stack([np.clip(far, tube.bore, tube.outer) / far] * 2 + [np.ones(len(x))], axis=1))
 
 
 def motion_rows(x: Array, axes: Array, origin: float | None = None) -> Array:
-    """Return the motions of contacts along their axes by unit rigid motions of a cross-section ``(2 c, 6)``.
+    """Return the motions of c contacts along their axes by six unit rigid motions of a cross-section ``(2 c, 6)``.
 
-    x ``(c, 3)``: contact points [m]; axes ``(c, 2, 3)``. The section is at each contact's axial position, or at ``origin``
-    [m] if given; its motions are three translations, then three rotations.
+    ``x`` ``(c, 3)``: contact points [m]; ``axes`` ``(c, 2, 3)``: directions of their motions. The section is at each
+    contact's axial position, or at ``origin`` [m] if given. Its motions are three translations, then three rotations.
     """
     arm = x * np.array([1.0, 1.0, 0.0]) if origin is None else x - np.array([0.0, 0.0, origin])
     out = np.empty((*axes.shape[:2], 6))
@@ -526,7 +552,10 @@ def motion_rows(x: Array, axes: Array, origin: float | None = None) -> Array:
 
 
 def spring_compliance(tube: Tube, x: Array, axes: Array) -> Array:
-    """Return the part ``(2 c, 2 c)`` [m/N] of the end springs (`end_springs`) in the compliance between contacts."""
+    """Return the part of the end springs (`end_springs`) in the compliance between c contacts ``(2 c, 2 c)`` [m/N].
+
+    ``x`` ``(c, 3)``: contact points [m]; ``axes`` ``(c, 2, 3)``: directions of their motions.
+    """
     shift, tilt, axial, twist = end_springs(tube)
     rows = motion_rows(x, axes, tube.ends[0])
     return np.asarray((rows / np.array([shift, shift, axial, tilt, tilt, twist])) @ rows.T)
@@ -568,11 +597,11 @@ def cantilever_compliance(
 
 
 def section_jump_compliance(feel: Array, rows: Array, stations: Array, base: float) -> Array:
-    """Return the compliance ``(k, k)`` that local strains at grooves add to k motions on a beam fixed at ``base`` [m].
+    """Return the compliance ``(k, k)`` [m/N] that local strains at grooves add to k motions on a beam.
 
-    feel ``(k, 6)``: each motion by a unit wrench on its own cross-section. The wrench is that of all loads beyond the
-    section and of half the loads in it. By reciprocity a load at a section also moves all points beyond that section. rows,
-    stations: see `cantilever_compliance`.
+    ``feel`` ``(k, 6)``: each motion by a unit wrench on its own cross-section. The wrench is that of all loads beyond the
+    section and of half the loads in it. By reciprocity a load at a section also moves all points beyond that section.
+    ``base``: axial position at which the beam is fixed [m]; ``rows``, ``stations``: see `cantilever_compliance`.
     """
     reach, side = stations[:, None] - stations, np.sign(stations - base)
     moved = rows @ feel.T + reach * (np.outer(rows[:, 0], feel[:, 4]) - np.outer(rows[:, 1], feel[:, 3]))
@@ -583,9 +612,10 @@ def section_jump_compliance(feel: Array, rows: Array, stations: Array, base: flo
 def clamped_beam_compliance(
     rows: Array, stations: Array, ends: tuple[float, float], held: str, section: BeamSection, feel: Array | None = None
 ) -> Array:
-    """Return the compliance ``(k, k)`` of k motions on a Timoshenko beam clamped at its "low", "high" or "both" ends.
+    """Return the compliance ``(k, k)`` [m/N] of k motions on a Timoshenko beam clamped at its "low", "high" or "both" ends.
 
-    rows, stations: see `cantilever_compliance`; ends: axial positions [m]; feel: see `section_jump_compliance`.
+    ``rows``, ``stations``: see `cantilever_compliance`; ``ends``: axial positions of the low and the high end [m];
+    ``held``: name of the clamped ends; ``feel``: see `section_jump_compliance`; None leaves the local strains out.
     """
     low, high = ends
     if held != "both":

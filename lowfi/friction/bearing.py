@@ -1,5 +1,6 @@
-"""Friction of balls in rotary bearings: one ball with up to four contacts (Lin 3.2), and whole bearings (Lin 4.3.1).
+"""Friction of balls in rotary bearings: one ball with up to four contacts, and whole bearings.
 
+Both follow sections 3.2 and 4.3.1 of Lin's thesis.
 A bearing is treated as a ball screw of zero lead whose "screw" is the inner ring. At the ball, x is along the bearing's
 axis, y radially outward, and z along the ball's path (z3, x3, y3 of a screw). The contacts are IL, IR, OR, OL (inner or
 outer ring; left or right, towards -x or +x). The inner ring rotates about x, the outer ring is at rest. Contact loads lie
@@ -83,12 +84,12 @@ class BallSolution:
     problem: Problem
     #: Motion and friction of the ball.
     motion: Motion
-    #: Torque on the inner ring [N m].
+    #: Torque that drives the inner ring against the friction of this ball [N m].
     torque: float
 
     @property
     def input_power(self) -> float:
-        """Power that drives the inner ring, torque times speed [W]; equals the friction loss in equilibrium."""
+        """Power that drives the inner ring, torque times speed [W]; in equilibrium it equals the friction loss."""
         return self.torque * self.bearing.screw_speed
 
 
@@ -136,7 +137,7 @@ def bearing_load(bearing: Bearing, force_x: float, u_y: float) -> SettledCell:
 
 
 def contact_maps(bearing: Bearing, angles: Array) -> tuple[Array, Array]:
-    """Return the kinematics of a ball's contacts at the contact angles ``(4,)`` [rad].
+    """Return the kinematics of a ball's contacts at the contact angles ``angles`` ``(4,)`` [rad].
 
     The unknowns are the orbital speed omega_B and the ball's rotation omega_x, omega_y, omega_z [rad/s] relative to the
     frame that rotates with the orbit.
@@ -171,7 +172,9 @@ def ball_contacts(bearing: Bearing, load: SettledCell) -> Contacts:
 
 
 def motion_problem(bearing: Bearing, load: SettledCell, at: Contacts) -> Problem:
-    """Return the problem of a ball's motion at given contact loads and angles; omega_z is zero by symmetry.
+    """Return the equations for a ball's motion at given contact loads and angles.
+
+    The unknown omega_z is left out, because it is zero by symmetry.
 
     Parameters
     ----------
@@ -216,7 +219,7 @@ def solve_ball(bearing: Bearing, force_x: float, u_y: float, fast: bool = False)
     u_y
         Radial displacement of the inner ring towards the ball [m].
     fast
-        Whether to use compiled kernels.
+        Whether to use the compiled functions instead of plain Python.
 
     References
     ----------
@@ -230,10 +233,11 @@ def solve_ball(bearing: Bearing, force_x: float, u_y: float, fast: bool = False)
 
 
 def solve_ball_as_printed(bearing: Bearing, force_x: float, u_y: float, law: Sigmoid, fast: bool = False) -> BallSolution:
-    """Return contact loads and motion of one ball by Lin's method, with its errors.
+    """Return contact loads and motion of one ball by Lin's method, errors in its equations included.
 
-    It uses the Hertz constants of Table B.1, the sigmoid friction law, a root of 3.19 and the torque 3.21. The root is
-    searched from the motion of least dissipation and, if this fails, with sigmoids of increasing sharpness.
+    It uses the Hertz constants of Table B.1 of Lin's thesis, the sigmoid friction law, a root of equation 3.19 and the
+    torque by equation 3.21. The root is searched from the motion of least dissipation and, if this fails, with sigmoids of
+    increasing sharpness.
 
     Parameters
     ----------
@@ -246,7 +250,7 @@ def solve_ball_as_printed(bearing: Bearing, force_x: float, u_y: float, law: Sig
     law
         Lin's sigmoid.
     fast
-        Whether kernels are compiled.
+        Whether to use the compiled functions instead of plain Python.
     """
     least = solve_ball(replace(bearing, hertz="as printed"), force_x, u_y, fast)
     motion = balance_by_root(least.problem, law, least.motion.q, fast)
@@ -258,7 +262,7 @@ def solve_ball_as_printed(bearing: Bearing, force_x: float, u_y: float, law: Sig
 def solve_over_displacements(
     bearing: Bearing, force_x: float, u_y: Array, law: Sigmoid | None = None
 ) -> list[BallSolution]:
-    """Return the solutions of one ball for several radial displacements of the inner ring (Lin Figure 3.7).
+    """Return the solutions of one ball for several radial displacements of the inner ring (Figure 3.7 of Lin's thesis).
 
     Parameters
     ----------
@@ -285,11 +289,11 @@ ALL, DIAGONAL, OTHER = (True, True, True, True), (True, False, False, True), (Fa
 
 @dataclass(frozen=True)
 class BallRow:
-    """Row of balls of a bearing, with its position and the contacts that its grooves allow."""
+    """Row of balls of a bearing: its axial position and the contacts that its grooves allow."""
 
     #: Axial position [m].
     place: float
-    #: Whether its grooves have the contacts SL, SR, NL, NR (S: inner ring, N: outer ring).
+    #: Whether its grooves have the contacts SL, SR, NL, NR (S: inner ring, N: outer ring; L, R: left and right flank).
     contacts: tuple[bool, bool, bool, bool]
 
 
@@ -298,7 +302,7 @@ class BallRow:
 class BearingCase:
     """Bearing with a rotating, loaded inner ring and a fixed outer ring."""
 
-    #: Grooves of the bearing, with zero lead.
+    #: Grooves of the bearing, as those of a screw with zero lead.
     groove: ScrewGroove
     #: Number of balls in a row.
     count: int
@@ -325,7 +329,7 @@ class BearingCase:
 class BearingState:
     """Loads and friction of a bearing with N balls, row after row."""
 
-    #: Contact loads ``(N, 4)`` [N] and angles.
+    #: Contact loads ``(N, 4)`` [N] and contact angles ``(N, 4)`` [rad].
     load: SettledCell
     #: Friction losses at the contacts ``(N, 4)`` [W].
     loss: Array
@@ -340,7 +344,7 @@ class BearingState:
 
 
 def ring_motion_maps(case: BearingCase) -> Array:
-    """Return the displacements of the inner ring at each ball by its unit motions ``(N, 3, m)``.
+    """Return the displacements of the inner ring at each of N balls by its m unit motions ``(N, 3, m)``.
 
     The motions are three translations and, if the ring may tilt, rotations about x and y. Rotations are multiplied by the
     pitch radius, so that all unknowns are lengths [m].
@@ -358,7 +362,10 @@ def ring_motion_maps(case: BearingCase) -> Array:
 
 
 def bearing_cell(case: BearingCase, angle: float) -> Cell:
-    """Return geometry and load of all balls of a bearing whose force makes ``angle`` [rad] with its axis."""
+    """Return geometry and load of all balls of a bearing whose force makes ``angle`` [rad] with its axis.
+
+    ``case``: the bearing and its force.
+    """
     g, rows = case.groove, ring_motion_maps(case)
     has = np.repeat(np.array([r.contacts for r in case.rows]), case.count, axis=0)
     force = case.force * np.array([np.sin(angle), 0.0, np.cos(angle)])
@@ -369,10 +376,7 @@ def bearing_cell(case: BearingCase, angle: float) -> Cell:
 
 
 def describe_free_motion(case: BearingCase, angle: float) -> str:
-    """Return a description of a motion of the inner ring that the force drives and no contact resists; empty if none.
-
-    A contact resists motion along its normal at the nominal contact angle. The test is exact for the existence of a linear
-    equilibrium of contact loads and force, apart from the signs of the contact loads.
+    """Return a sentence part on a motion of the inner ring that the force drives and no contact resists; empty if none.
 
     Parameters
     ----------
@@ -431,7 +435,7 @@ def solve_bearing(case: BearingCase, angle: float, near: BearingState | None = N
 
 @dataclass(frozen=True)
 class TorqueCurve:
-    """Friction torque of a bearing against the angle of its load (Lin Figure 4.7)."""
+    """Friction torque of a bearing at several angles of its load (Figure 4.7 of Lin's thesis)."""
 
     #: Angles of the force from the axis ``(n,)`` [rad].
     angle: Array
@@ -449,7 +453,9 @@ class TorqueCurve:
 
 
 def bearing_states(case: BearingCase, angle: Array) -> list[BearingState]:
-    """Return the states of a bearing for several angles of the force from its axis, each the start of the next.
+    """Return the states of a bearing at several angles of the force from its axis.
+
+    The search at each angle starts from the state at the angle before.
 
     Parameters
     ----------
@@ -465,7 +471,7 @@ def bearing_states(case: BearingCase, angle: Array) -> list[BearingState]:
 
 
 def torque_curve(case: BearingCase, angle: Array) -> TorqueCurve:
-    """Return the friction torque of a bearing against the angle of the force from its axis (Lin Figure 4.7).
+    """Return the friction torque of a bearing at several angles of the force from its axis (Figure 4.7 of Lin's thesis).
 
     Parameters
     ----------

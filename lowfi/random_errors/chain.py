@@ -74,9 +74,10 @@ class Chain:
     contact_angle: float
     #: Lead angle [rad].
     lead_angle: float
-    #: Interpretation of Liu's equation of the contact angle.
+    #: Interpretation of Liu's equation of the contact angle: one of ``LAWS``.
     law: Law = "exact"
-    #: Distances between neighbouring balls over their mean, for which c is given ``(M - 1,)``; empty for equal distances.
+    #: Distances between neighbouring balls as ratios to their mean ``(M - 1,)``; the compliance c is that of the mean
+    #: distance. Empty for equal distances.
     spacing: tuple[float, ...] = ()
 
     def __post_init__(self) -> None:
@@ -97,7 +98,7 @@ class Chain:
 
     @property
     def parameters(self) -> Array:
-        """Values for the kernels: K, A, sine and cosine of the unloaded contact angle, cosine of the lead angle."""
+        """Values for compiled functions ``(5,)``: K, A, sine and cosine of the contact angle, cosine of the lead angle."""
         a = self.contact_angle
         return np.array([self.stiffness, self.groove_distance, np.sin(a), np.cos(a), np.cos(self.lead_angle)])
 
@@ -118,15 +119,15 @@ class ChainState:
 
     #: Contact loads Q ``(M,)`` [N].
     load: Array
-    #: Axial motions u of nut against screw at the balls ``(M,)`` [m].
+    #: Axial motions u of the nut relative to the screw at the balls ``(M,)`` [m].
     motion: Array
-    #: Axial motion at which the first ball touches [m].
+    #: Axial motion at which the first ball comes into contact [m].
     touch: float
-    #: Axial stiffness dF/du_1 [N/m].
+    #: Axial stiffness dF/du_1 at ball 1, where the load acts [N/m].
     stiffness: float
     #: Number of Newton steps.
     iterations: int
-    #: Largest error of a ball's force over the load.
+    #: Largest error of the axial force of a ball over the axial load.
     residual: float
     #: Whether the residual is below the tolerance.
     converged: bool
@@ -143,12 +144,15 @@ class ChainState:
 
     @property
     def displacement_first_loaded(self) -> float:
-        """Axial motion at the first loaded ball, from the first touch (Liu's 19) [m]; without the segments before it."""
+        """Axial motion at the first loaded ball, from the first contact of any ball [m] (eq. (19) of Liu et al.).
+
+        It does not contain the stretch of the segments before this ball.
+        """
         return float(self.motion[int(np.argmax(self.load > 0.0))] - self.touch)
 
 
 def check_errors(chain: Chain, errors: Array) -> Array:
-    """Check errors of balls ``(..., M)`` [m] and return them as the contiguous array that the kernels need.
+    """Check errors of balls ``(..., M)`` [m] and return them as the contiguous array that compiled functions need.
 
     Raises
     ------
@@ -177,7 +181,7 @@ def solve_chain(chain: Chain, errors: Array, load: float, *, compiled: bool = Fa
     load
         Axial load F > 0 [N].
     compiled
-        Whether to use compiled kernels.
+        Whether to use the compiled functions instead of plain Python.
 
     Raises
     ------
@@ -198,7 +202,7 @@ def solve_chain(chain: Chain, errors: Array, load: float, *, compiled: bool = Fa
     True
     """
     if not 0.0 < load < np.inf:
-        raise ValueError("the load must be positive")
+        raise ValueError("the axial load on the ball screw must be positive")
     e, u, work = check_errors(chain, errors), np.empty(chain.balls), np.empty((3, chain.balls))
     k = kernels(RANDOM_ERRORS, compiled=compiled)
     law = LAWS.index(chain.law)
@@ -239,7 +243,9 @@ def calibrate_compliance(chain: Chain, ratio: float, load: float) -> Chain:
         The ratio is outside (0, 1), or there is only one ball.
     """
     if not 0.0 < ratio < 1.0 or chain.balls < 2:
-        raise ValueError("the ratio must lie in (0, 1), and at least two balls are needed")
+        raise ValueError(
+            "the ratio of the last ball's load to the first one's must lie in (0, 1); at least two balls are needed"
+        )
     # scale: compliance at which the bodies stretch as much as a ball approaches, if all balls carry the same load
     share = load / (chain.balls * chain.slope)
     size = 2.0 * float(contact_approach(share, chain.C)) / (chain.slope * load * chain.balls)
@@ -248,6 +254,7 @@ def calibrate_compliance(chain: Chain, ratio: float, load: float) -> Chain:
         high *= 4.0
 
     def excess(scaled: float) -> float:
+        """Return by how much `end_ratio` exceeds the wanted ratio, for a compliance ``scaled`` by ``size``."""
         return end_ratio(replace(chain, compliance=scaled * size), load) - ratio
 
     return replace(chain, compliance=float(brentq(excess, 0.0, high / size, xtol=1e-13)) * size)
@@ -256,7 +263,7 @@ def calibrate_compliance(chain: Chain, ratio: float, load: float) -> Chain:
 def first_carrying_load(chain: Chain, errors: Array, ball: int, high: float) -> float:
     """Return the axial load above which a ball carries load [N]; 0 for the ball that touches first.
 
-    The motion at each ball increases with the load, so the load is unique.
+    The motion at each ball increases with the axial load, so that there is only one such load.
 
     Parameters
     ----------
@@ -275,6 +282,7 @@ def first_carrying_load(chain: Chain, errors: Array, ball: int, high: float) -> 
     e = check_errors(chain, errors)
 
     def gap(load: float) -> float:
+        """Return the motion at the ball beyond the one at which it just touches [m]; negative if it is loose."""
         return float(solve_chain(chain, e, load).motion[ball]) - start
 
     start = float(free_motion(chain, e[ball]))
@@ -286,7 +294,10 @@ def first_carrying_load(chain: Chain, errors: Array, ball: int, high: float) -> 
 
 
 def free_motion(chain: Chain, error: Array | float) -> Array:
-    """Return the axial motions at which balls with given errors [m] just touch [m], an array of the same shape."""
+    """Return the axial motions at which balls with given errors [m] just touch [m], an array of the same shape.
+
+    ``error``: oversize of each ball with its grooves along the contact normal [m], any shape.
+    """
     e = np.asarray(error, dtype=float)
     if chain.law != "exact":
         return -e / chain.slope
@@ -310,9 +321,9 @@ class Ensemble:
 
     #: Axial loads ``(L,)`` [N].
     loads: Array
-    #: Stored quantities ``(n, L, 6)``; the last axis is in the order of ``QUANTITIES``.
+    #: Results of each screw under each load ``(n, L, 6)``; the last axis is in the order of ``QUANTITIES``.
     kept: Array
-    #: Largest residual over the load.
+    #: Largest error of a ball's axial force over the axial load, of all screws and loads.
     residual: float
     #: Number of screws for which Newton's method did not converge under some load.
     failed: int
@@ -352,7 +363,7 @@ def draw_errors(seed: int, first: int, count: int, balls: int, half_range: float
 
 
 def solve_errors(chain: Chain, errors: Array, loads: Array) -> tuple[Array, Array]:
-    """Solve n ball screws with errors ``(n, M)`` [m] under L axial loads ``(L,)`` [N].
+    """Solve n ball screws with errors ``(n, M)`` [m] under L axial loads ``(L,)`` [N], by compiled functions.
 
     Returns
     -------
@@ -366,7 +377,7 @@ def solve_errors(chain: Chain, errors: Array, loads: Array) -> tuple[Array, Arra
     """
     f = np.ascontiguousarray(loads, dtype=float)
     if f.ndim != 1 or f.size == 0 or not np.all((f > 0.0) & np.isfinite(f)):
-        raise ValueError("loads must be positive")
+        raise ValueError("all axial loads on the ball screws must be positive")
     e = check_errors(chain, errors)
     out = np.empty((len(e), f.size, len(QUANTITIES) + 1))
     k = kernels(RANDOM_ERRORS, compiled=True)
@@ -404,7 +415,9 @@ def solve_ensemble(
         The number of screws or the chunk is not positive, or errors as in `solve_errors`.
     """
     if members < 1 or chunk < 1 or half_range < 0.0:
-        raise ValueError("members and chunk must be positive, half_range must not be negative")
+        raise ValueError(
+            "the numbers of screws (members, chunk) must be positive; half_range of errors must not be negative"
+        )
     f = np.asarray(loads, dtype=float)
     kept, worst, failed = np.empty((members, f.size, len(QUANTITIES))), 0.0, 0
     tolerance = kernels(RANDOM_ERRORS, compiled=False).TOLERANCE
@@ -446,7 +459,7 @@ class PercentileRank:
 
     @property
     def tail_bound(self) -> float:
-        """Upper 95 % confidence bound of ``tail`` (Wilson's score interval; 2.7/size if no value is as extreme)."""
+        """Upper 95 % confidence bound of ``tail`` by Wilson's score interval; 2.7/size if no value is as extreme."""
         z, n, p = 1.645, self.size, self.tail
         return float((p + z * z / (2 * n) + z * np.sqrt(p * (1 - p) / n + z * z / (4 * n * n))) / (1 + z * z / n))
 

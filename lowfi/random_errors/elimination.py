@@ -47,7 +47,10 @@ class EliminationResult:
 
 
 def _contact_angle_sine(chain: Chain, errors: Array, approach: Array) -> tuple[Array, Array]:
-    """Return the sine of the contact angle of every ball, and its derivative by the ball's approach [1/m]."""
+    """Return the sine of the contact angle of every ball, and its derivative by the ball's approach [1/m], each ``(k,)``.
+
+    ``errors``, ``approach``: oversize and approach of the k balls that are computed ``(k,)`` [m].
+    """
     sine_0, cosine_0 = np.sin(chain.contact_angle), np.cos(chain.contact_angle)
     if chain.law == "constant":
         return np.full_like(approach, sine_0), np.zeros_like(approach)
@@ -58,7 +61,10 @@ def _contact_angle_sine(chain: Chain, errors: Array, approach: Array) -> tuple[A
 
 
 def _motion_of_approach(chain: Chain, errors: Array, approach: Array) -> tuple[Array, Array]:
-    """Return the axial motion (A - B)/cos(lead) of the nut at every ball [m], and its derivative by the approach."""
+    """Return the axial motion (A - B)/cos(lead) of the nut at every ball [m], and its derivative by the approach.
+
+    ``errors``, ``approach``: oversize and approach of the k balls that are computed ``(k,)`` [m].
+    """
     sine, turn = _contact_angle_sine(chain, errors, approach)
     if chain.law == "exact":
         # difference of two lengths along the axis, from that of their squares: no cancellation
@@ -70,7 +76,10 @@ def _motion_of_approach(chain: Chain, errors: Array, approach: Array) -> tuple[A
 
 
 def _axial_forces(chain: Chain, errors: Array, approach: Array) -> tuple[Array, Array]:
-    """Return the axial forces C(j) of the balls [N], odd in the approach, and their derivatives by the approach [N/m]."""
+    """Return the axial forces C(j) of the balls [N], odd in the approach, and their derivatives by the approach [N/m].
+
+    ``errors``, ``approach``: oversize and approach of the k balls that are computed ``(k,)`` [m].
+    """
     sine, turn = _contact_angle_sine(chain, errors, approach)
     root, lead = np.sqrt(np.abs(approach)), np.cos(chain.lead_angle)
     load = chain.stiffness * approach * root
@@ -80,7 +89,11 @@ def _axial_forces(chain: Chain, errors: Array, approach: Array) -> tuple[Array, 
 def _equations_and_jacobian(
     chain: Chain, errors: Array, at: NDArray[np.int64], load: float, approach: Array
 ) -> tuple[Array, Array]:
-    """Return the residuals of (17) and (18) for the balls with the numbers ``at`` [N], and their Jacobian [N/m]."""
+    """Return the residuals of equations (17) and (18) of Liu et al. ``(k,)`` [N], and their Jacobian ``(k, k)`` [N/m].
+
+    ``at``: numbers of the k balls that are not eliminated; ``errors``, ``approach``: their oversize and approach ``(k,)``
+    [m]; ``load``: axial load [N].
+    """
     force, rate = _axial_forces(chain, errors, approach)
     motion, slope = _motion_of_approach(chain, errors, approach)
     n = at.size
@@ -96,7 +109,16 @@ def _equations_and_jacobian(
 def _solve_round(
     chain: Chain, errors: Array, at: NDArray[np.int64], load: float, approach: Array
 ) -> tuple[Array, int, bool]:
-    """Solve the equations of the balls with the numbers ``at``; return their approaches, Newton steps and success."""
+    """Solve the equations of one round, for the balls that earlier rounds have not eliminated, by Newton's method.
+
+    ``at``: numbers of the k balls that are not eliminated; ``errors``: their oversize ``(k,)`` [m]; ``load``: axial load
+    [N]; ``approach``: approaches of these balls from which the method starts ``(k,)`` [m].
+
+    Returns
+    -------
+    tuple
+        Approaches of the k balls ``(k,)`` [m]; number of Newton steps; whether the method converged.
+    """
     value, jacobian = _equations_and_jacobian(chain, errors, at, load, approach)
     for step in range(MAX_STEPS):
         size = float(np.abs(value).max())

@@ -146,9 +146,10 @@ class Truncation:
 
 
 def contact_pressures(scene: Scene, found: StaticResult) -> Array:
-    """Return the largest pressure of each ball's contacts ``(n, 4)`` [Pa]; nan without equilibrium.
+    """Return the largest pressure of the four contacts of each of n balls ``(n, 4)`` [Pa]; nan without equilibrium.
 
-    If the model computes no pressures, they follow from the loads by Hertz's theory, for radii with their random errors.
+    If the model of the result ``found`` computes no pressures, they follow from the loads by Hertz's theory, for radii with
+    their random errors.
     """
     if found.pressure is not None or not np.isfinite(found.load).all():
         return found.load if found.pressure is None else found.pressure
@@ -397,7 +398,7 @@ def contact_rating(scene: Scene) -> float:
 
 
 def static_rating(scene: Scene) -> float:
-    """Return the basic static load rating C_0 of a ball screw or ball bearing by (2).
+    """Return the basic static load rating C_0 of a ball screw or ball bearing by eq. (2) of this module.
 
     Parameters
     ----------

@@ -222,6 +222,7 @@ def system_life(lives: Sequence[tuple[float, float]]) -> float:
     shortest: float = min(life for life, _ in lives)
 
     def excess(x: float) -> float:
+        """Return the sum of the parts' terms less 1, for a life of x times the shortest life."""
         return float(sum((x * shortest / life) ** slope for life, slope in lives)) - 1.0
 
     share = 1.0 if len(lives) == 1 else float(brentq(excess, 0.5 / len(lives), 1.0, rtol=1e-12))
@@ -251,7 +252,10 @@ def filled_turns(scene: Scene) -> float:
 
 
 def _capacity_factors(scene: Scene) -> tuple[Array, float]:
-    """Return the factors of (2) for conformity and curvature, with gamma^0.3, ``(4,)``, and the ball's diameter [mm]."""
+    """Return the factors of eq. (2) of this module for conformity and curvature ``(4,)``, then the ball's diameter [mm].
+
+    The first value contains gamma^0.3; its order is SL, SR, NL, NR (screw or inner ring, nut or outer ring; left, right).
+    """
     alpha, D = scene.track.contact_angle, 2.0 * scene.balls.radius
     gamma = D * cos(alpha) / (2.0 * scene.track.pitch_radius)
     f = groove_radii(scene) / D
@@ -261,7 +265,9 @@ def _capacity_factors(scene: Scene) -> tuple[Array, float]:
 
 
 def contact_capacity(scene: Scene) -> Array:
-    """Return the basic dynamic capacity Q_c of a contact on each raceway ``(4,)`` [N], by (2) for bearings, (3) for screws.
+    """Return the basic dynamic capacity Q_c of a contact on each raceway ``(4,)`` [N].
+
+    It follows from eq. (2) of this module for bearings and from eq. (3) for screws.
 
     Raises
     ------
@@ -270,18 +276,18 @@ def contact_capacity(scene: Scene) -> Array:
     """
     alpha = scene.track.contact_angle
     if float(groove_radii(scene).min()) <= scene.balls.radius:
-        raise ValueError("ratings need groove radii above the ball's radius")
+        raise ValueError("the load rating cannot be computed: all groove radii must be larger than the ball's radius")
     shape, D = _capacity_factors(scene)
     if scene.track.lead == 0.0:
         base = CONTACT * STEEL * (THRUST * (1.0 - sin(alpha) / 3.0) if is_thrust(scene) else SINGLE_ROW)
         return np.asarray(base * shape * cos(alpha) ** -0.3 * D**1.8 * scene.ball_count ** (-1.0 / 3.0))
     if sin(alpha) <= 0.0:
-        raise ValueError("the rating of a screw needs a contact angle above zero")
+        raise ValueError("the load rating of a screw cannot be computed: its contact angle must be above zero")
     return np.asarray(_turn_rating(scene) * _turns_factor(scene) / (scene.ball_count * sin(alpha) * _lead_cosine(scene)))
 
 
 def _lead_cosine(scene: Scene) -> float:
-    """Return the cosine of the lead angle phi."""
+    """Return the cosine of the lead angle phi of a scene's track."""
     return cos(lead_angle(scene.track))
 
 
@@ -291,7 +297,7 @@ def _turns_factor(scene: Scene) -> float:
 
 
 def _turn_rating(scene: Scene) -> Array:
-    """Return the dynamic load rating of each raceway of a screw for one turn by (3), ``(4,)`` [N]."""
+    """Return the dynamic load rating of each raceway of a screw for one turn by eq. (3) of this module, ``(4,)`` [N]."""
     alpha = scene.track.contact_angle
     shape, D = _capacity_factors(scene)
     angle = (1.0 - sin(alpha) / 3.0) * cos(alpha) ** 0.86 * tan(alpha) * _lead_cosine(scene) ** 1.3
@@ -343,7 +349,7 @@ def dynamic_rating(scene: Scene) -> float:
 
 
 def life(scene: Scene, load: Array) -> Life | None:
-    """Return the basic rating life of a ball screw or ball bearing under given contact loads, by (1).
+    """Return the basic rating life of a ball screw or ball bearing under given contact loads, by eq. (1) of this module.
 
     Parameters
     ----------
@@ -391,7 +397,7 @@ def life(scene: Scene, load: Array) -> Life | None:
 
 
 def equivalent_contact_loads(loads: Sequence[Array], shares: Sequence[float]) -> Array:
-    """Return the contact loads that cause the same fatigue damage as several load cases together, by (4).
+    """Return the contact loads that cause the same fatigue damage as several load cases together (eq. (4) of this module).
 
     Parameters
     ----------
@@ -435,7 +441,7 @@ LIMITS, RADIAL_FACTORS, AXIAL_FACTORS = (
 
 @record
 class EquivalentLife:
-    """Life of a duty cycle by the equivalent loads of a standard, (5) to (7)."""
+    """Life of a duty cycle by the equivalent loads of a standard, eqs. (5) to (7) of the module `rating.life`."""
 
     #: Life L10 [10^6 revolutions].
     revolutions: float = quantity(
@@ -501,7 +507,7 @@ def equivalent_life(
 
 
 def forces_on_halves(force: Array, preload: float) -> tuple[Array, Array]:
-    """Return the forces on the two halves of a preloaded nut by (6).
+    """Return the forces on the two halves of a preloaded nut by eq. (6) of this module.
 
     Parameters
     ----------
@@ -534,7 +540,7 @@ def forces_on_halves(force: Array, preload: float) -> tuple[Array, Array]:
 
 
 def mean_force(shares: Array, force: Array) -> float:
-    """Return the mean force of order 3 over the revolutions, F_m = (sum_j n_j F_j^3)^(1/3) [N], by (5).
+    """Return the mean force of order 3 over the revolutions, F_m = (sum_j n_j F_j^3)^(1/3) [N], by eq. (5) of this module.
 
     Parameters
     ----------
@@ -568,7 +574,9 @@ def _ratings_by_direction(scene: Scene) -> tuple[float, float]:
 
 
 def radial_and_axial_factors(alpha: float) -> tuple[float, float, float]:
-    """Return the factors e, X and Y of a single row of balls (ISO 281); P = X F_r + Y F_a if F_a > e F_r.
+    """Return the factors e, X and Y of a single row of balls by ISO 281.
+
+    The equivalent load is P = X F_r + Y F_a if F_a > e F_r, with the radial force F_r and the axial force F_a.
 
     Parameters
     ----------
@@ -593,13 +601,19 @@ def radial_and_axial_factors(alpha: float) -> tuple[float, float, float]:
     if angle > RADIAL_UP_TO + 1e-9:
         return 1.25 * tan(alpha), 1.25 * tan(alpha) * (1.0 - 2.0 / 3.0 * sin(alpha)), 1.0
     if angle < ANGLES[0] - 1e-9:
-        raise ValueError("below 20 deg the factors of ISO 281 for axial force depend on its f0, which is not computed here")
+        raise ValueError(
+            "the factors X and Y of ISO 281 cannot be computed for a contact angle below 20 deg, because they depend on "
+            "the standard's factor f_0 there; an angle of at least 20 deg is needed"
+        )
     e, X, Y = (float(np.interp(angle, ANGLES, values)) for values in (LIMITS, RADIAL_FACTORS, AXIAL_FACTORS))
     return e, X, Y
 
 
 def _equivalent_bearing_load(scene: Scene, force: Array) -> float:
-    """Return the dynamic equivalent load P of a ball bearing [N] under a force ``(3,)`` [N] (ISO 281)."""
+    """Return the dynamic equivalent load P of a ball bearing by ISO 281 [N]; ``force``: force on the bearing ``(3,)`` [N].
+
+    Raises ValueError for a thrust bearing with a radial force that ISO 281 does not cover.
+    """
     radial, axial, thrust = hypot(force[0], force[1]), abs(float(force[2])), is_thrust(scene)
     if not thrust and axial <= 1e-9 * radial:
         return radial
@@ -614,7 +628,7 @@ def _equivalent_bearing_load(scene: Scene, force: Array) -> float:
 def _uncovered_loads(scene: Scene, *, ring: bool) -> str:
     """Return the name of a load in a scene that the standard does not cover; empty if it covers all loads.
 
-    ring: whether the scene is a bearing (ISO 281); otherwise it is a ball screw (ISO 3408-5).
+    ``ring``: whether the scene is a bearing (ISO 281); otherwise it is a ball screw (ISO 3408-5).
     """
     moved = {name for s in scene.supports for name, value in s.fixed if value != 0.0}
     if any(x.moment[0] or x.moment[1] for x in scene.loads) or moved & {"rx", "ry"}:

@@ -70,7 +70,7 @@ class ModifiedLife:
 
 
 def reliability_factor(percent: float) -> float:
-    """Return the life modification factor a_1 for a reliability by (1).
+    """Return the life modification factor a_1 for a reliability by eq. (1) of this module.
 
     Parameters
     ----------
@@ -90,7 +90,9 @@ def reliability_factor(percent: float) -> float:
 
 
 def iso_factor(kappa: float, clean: float, *, thrust: bool = False) -> float:
-    """Return the life modification factor a_ISO for lubricant and contamination of a ball bearing by (2), at most 50.
+    """Return the life modification factor a_ISO for lubricant and contamination of a ball bearing, at most 50.
+
+    It follows from eq. (2) of this module.
 
     Parameters
     ----------

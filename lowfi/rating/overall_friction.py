@@ -22,7 +22,9 @@ OVERALL = 0.02
 
 
 def efficiency(track: Track, coefficient: float) -> float:
-    """Return the efficiency of a ball screw that drives its load, from an overall coefficient of friction, by (1).
+    """Return the efficiency of a ball screw that drives its load, from an overall coefficient of friction.
+
+    It follows from eq. (1) of this module.
 
     Parameters
     ----------

@@ -83,7 +83,7 @@ class ReferenceLife:
 
 
 def ball_reference_life(scene: Scene, life: Life | None) -> ReferenceLife | None:
-    """Return the basic reference rating life of a ball bearing by (1).
+    """Return the basic reference rating life of a ball bearing by eq. (1) of this module.
 
     Parameters
     ----------
@@ -106,7 +106,7 @@ def ball_reference_life(scene: Scene, life: Life | None) -> ReferenceLife | None
 
 
 def edge_stress(laminae: int) -> Array:
-    """Return the stress concentration factors f_k along a roller by (2).
+    """Return the stress concentration factors f_k along a roller by eq. (2) of this module.
 
     Parameters
     ----------
@@ -130,7 +130,7 @@ def edge_stress(laminae: int) -> Array:
 
 
 def roller_reference_life(row: RollerRow, line_loads: Array) -> ReferenceLife | None:
-    """Return the basic reference rating life of a row of rollers by (2) and (3).
+    """Return the basic reference rating life of a row of rollers by eqs. (2) and (3) of this module.
 
     Parameters
     ----------

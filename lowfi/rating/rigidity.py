@@ -53,19 +53,19 @@ PRACTICE = 0.8
 class Rigidities:
     """Axial rigidities of a nut or bearing [N/m]: contacts only, contacts and bodies, and with unequal contact loads."""
 
-    #: Rigidity of the contacts only.
+    #: Rigidity of the contacts alone [N/m].
     contacts: float = quantity(
         "rigidities_N_per_um.contacts_alone",
         "secant of rigid bodies and equal contact loads at the nominal contact angle, by Hertz' law",
         error="leaves out bodies and unequal loads",
     )
-    #: Rigidity of contacts and bodies; None for bearings, to which the formula does not apply.
+    #: Rigidity of contacts and bodies [N/m]; None for bearings, to which the formula does not apply.
     bodies: float | None = quantity(
         "rigidities_N_per_um.with_bodies",
         "the same with nut and screw as thick tubes, which widen and are squeezed",
         error="leaves out unequal loads",
     )
-    #: Rigidity by the model with unequal contact loads; None if its displacement is not known.
+    #: Rigidity by the model with unequal contact loads [N/m]; None if its displacement is not known.
     unequal: float | None = quantity(
         "rigidities_N_per_um.with_unequal_loads",
         "the model's secant, `axial.rigidity_N_per_um`",
@@ -97,7 +97,7 @@ def approach_per_displacement(scene: Scene) -> float:
 
 
 def contacts_displacement(scene: Scene, force: float) -> float:
-    """Return the axial displacement of a nut or bearing by deformation of the contacts only [m], by (1).
+    """Return the axial displacement of a nut or bearing by deformation of the contacts only [m], by eq. (1) of this module.
 
     Parameters
     ----------
@@ -123,6 +123,7 @@ def contacts_displacement(scene: Scene, force: float) -> float:
     s, n = approach_per_displacement(scene), scene.ball_count
 
     def excess(u: float, start: Array, force: float) -> float:
+        """Return by how much the axial force at a displacement u [m] exceeds a force [N]."""
         pressed = contact_force(start + s * u * np.array([1.0, -1.0]), pair)
         return float(s * counts @ (pressed[:, 0] - pressed[:, 1])) - force
 
@@ -135,7 +136,7 @@ def contacts_displacement(scene: Scene, force: float) -> float:
 
 
 def body_compliance(scene: Scene) -> float | None:
-    """Return the axial compliance of nut and screw as thick tubes under radial pressure [m/N], by (2).
+    """Return the axial compliance of nut and screw as thick tubes under radial pressure [m/N], by eq. (2) of this module.
 
     Parameters
     ----------
@@ -162,7 +163,9 @@ def body_compliance(scene: Scene) -> float | None:
     reach = scene.balls.radius * cos(track.contact_angle)
     inner, outer = 2.0 * (track.pitch_radius - reach), 2.0 * (track.pitch_radius + reach)
     if scene.nut.outer_diameter <= outer or scene.screw.bore >= inner:
-        raise ValueError("nut or screw has no wall behind its contacts")
+        raise ValueError(
+            "the axial compliance of nut and screw cannot be computed, because one of them has no wall behind its contacts"
+        )
     length = filled_turns(scene) / track.starts * track.lead
     nut, screw = scene.nut.material, scene.screw.material
     widen = (scene.nut.outer_diameter**2 + outer**2) / (scene.nut.outer_diameter**2 - outer**2) + nut.poissons_ratio

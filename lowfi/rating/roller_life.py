@@ -68,7 +68,10 @@ def is_thrust(row: RollerRow) -> bool:
 
 
 def race_capacities(row: RollerRow) -> Array:
-    """Return the basic dynamic capacity Q_c of a roller's contact with inner and outer race by (1), ``(2,)`` [N]."""
+    """Return the basic dynamic capacities Q_c of a roller's contacts with the inner and the outer race ``(2,)`` [N].
+
+    They follow from eq. (1) of this module.
+    """
     alpha, D, length = row.cup_angle, 1e3 * row.diameter, 1e3 * row.length
     gamma = row.diameter * cos(alpha) / tapered_bearing(row).pitch_diameter
     reduced = THRUST * (1.0 - 0.15 * sin(alpha)) if is_thrust(row) else RADIAL
@@ -79,7 +82,7 @@ def race_capacities(row: RollerRow) -> Array:
 
 
 def dynamic_rating(row: RollerRow) -> float:
-    """Return the basic dynamic load rating C of a row of rollers by (2).
+    """Return the basic dynamic load rating C of a row of rollers by eq. (2) of this module.
 
     Parameters
     ----------
@@ -142,7 +145,7 @@ def ratings(row: RollerRow) -> Ratings:
 
 
 def life(row: RollerRow, line_loads: Array) -> Life | None:
-    """Return the basic rating life of a row of tapered rollers under given line loads, by (3).
+    """Return the basic rating life of a row of tapered rollers under given line loads, by eq. (3) of this module.
 
     Parameters
     ----------

@@ -134,7 +134,7 @@ def _support_fixes(support: Support, *names: str) -> bool:
 def buckling_load_and_critical_speed(
     length: float, ends: tuple[str, str], root: float, bore: float, modulus: float
 ) -> tuple[float, float]:
-    """Return Euler's buckling load and the critical speed of a steel shaft by (1) and (2).
+    """Return Euler's buckling load and the critical speed of a steel shaft by eqs. (1) and (2) of this module.
 
     Parameters
     ----------
@@ -171,6 +171,8 @@ def shaft_compression(scene: Scene, result: StaticResult) -> float:
     """Return the largest axial compression of a screw shaft [N] by its loads, the reactions of its supports and the nut.
 
     The nut's force acts at the middle of the nut. The compression is zero if the shaft is only in tension.
+
+    ``result``: static result of the scene, with the reactions and contact loads.
     """
     balance = result.equilibrium
     forces = [(x.at, x.force[2]) for x in scene.loads]

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from tests.helpers import small_screw
 
-from rollbench.lowfi.friction.whole.run import WINDOW, Travelling
+from rollbench.lowfi.friction.whole.run import WINDOW, TravellingCompliance
 from rollbench.lowfi.statics.nominal import elastic_loads
 from rollbench.meshes.errors import draw_errors
 from rollbench.meshes.helix import ball_layout, layout_at, reduced_lead
@@ -31,7 +31,7 @@ def test_loads_between_the_places_of_a_window_are_those_of_the_places():
     places = PARTS * widths[0]
     exact = np.array([loads_at(by) for by in places])
     mean = np.mean([load[load > 0.0].mean() for load in exact])
-    windows = [Travelling(width) for width in widths]
+    windows = [TravellingCompliance(width) for width in widths]
     found = np.array([[loads_at(by, whole=t) for by in places] for t in windows])
     wide, usual, narrow = np.abs(found - exact).max(axis=(1, 2, 3)) / mean
     assert 0.0 < narrow < usual / 4.0 < wide / 12.0

@@ -15,7 +15,7 @@ from rollbench.compare.running import progress_bar
 from rollbench.compare.studies.friction.answer import Line
 from rollbench.lowfi.friction.screw.travel import UNCLEAR, ClosedTrack, History, StepError, run_with_step_errors
 from rollbench.lowfi.friction.whole.circuit import balls_of
-from rollbench.lowfi.friction.whole.run import AGAIN, Setting, in_motion
+from rollbench.lowfi.friction.whole.run import AGAIN, Setting, load_solver_in_motion
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.errors import draw_errors
 from rollbench.meshes.parts import Friction, Motion, Scene, Time
@@ -88,7 +88,7 @@ def solve_run(scene: Scene, friction: Friction, motion: Motion, model: str, memb
         advice = "give the circuits more room by [circulation]"
         raise Refusal(scene.name, "circulation", str(error), advice) from error
     ahead = float(np.sign(balls.grooves.nominal_orbit - balls.grooves.nut_speed)) or 1.0
-    loads = in_motion(model, ahead)
+    loads = load_solver_in_motion(model, ahead)
     setting = Setting(scene, friction, motion, drawn, balls, lambda met, at: loads(scene, met, at, "compiled"))
     return judge_history(*step_through_time(setting, motion, time, scene.name), time)
 

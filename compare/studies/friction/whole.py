@@ -28,7 +28,7 @@ from rollbench.compare.studies.friction import answer as output
 from rollbench.compare.studies.friction.answer import FrictionAnswer, Line, power_balance, three_digits
 from rollbench.compare.studies.friction.run import RunInTime, run_json, run_lines, run_table, solve_run
 from rollbench.lowfi.friction.whole.circuit import contact_onset
-from rollbench.lowfi.friction.whole.losses import WIDE, heathcote
+from rollbench.lowfi.friction.whole.losses import WIDE, heathcote_loss_increase
 from rollbench.lowfi.friction.whole.state import FrictionState, friction_state
 from rollbench.lowfi.friction.whole.torque import ONE_TURN
 from rollbench.lowfi.statics.result import StaticResult
@@ -507,7 +507,7 @@ def _whole_answer(
     wide, played = torque_range(besides, result), torque_with_play(besides, state)
     near = onset_of_touching(besides, result) if state.loaded else None
     held = preload(scene, besides.bare).axial if besides.bare.converged else 0.0
-    e, slip = state.torque, heathcote(scene, state.at, state.balls, friction, motion)
+    e, slip = state.torque, heathcote_loss_increase(scene, state.at, state.balls, friction, motion)
     data = head | {
         "status": status,
         "converged": good,

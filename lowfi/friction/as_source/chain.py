@@ -1,9 +1,12 @@
-"""Lin's method for balls that may touch, at given loads, for comparison: a root (Lin 3.25-3.31, 3.75-3.77).
+"""Lin's method for balls that may touch, at given contact loads, for comparison: root finding.
 
-First every ball separately; neighbours in reach that approach then count as touching; each group of touching balls is one
-system of equations: force balance of all, equal velocities of neighbours, with the ball-to-ball forces as unknowns.
+Numbers of sections and equations in this module are those of Lin's thesis (2019): 3.25 to 3.31 and 3.75 to 3.77.
 
-Balls in a linear bearing (Lin 3.3.1, 3.3.2) are chains too: a root at given loads.
+The motion of every ball is computed separately first. Neighbours in reach that approach each other then count as touching.
+Each group of touching balls is one system of equations: the force balance of all its balls and equal velocities of
+neighbours, with the ball-to-ball forces as further unknowns.
+
+Balls in a linear bearing (sections 3.3.1 and 3.3.2) are solved in the same way.
 """
 
 from __future__ import annotations
@@ -23,7 +26,8 @@ from rollbench.meshes.arrays import Array, Mask
 
 Status = Literal["exact", "overlapping", "failed"]
 
-#: Force out of balance over a ball's friction bound, and closing speed over the nominal, that count as none.
+#: Largest force out of balance over a ball's friction bound, and largest closing speed over the nominal speed, that are
+#: accepted as zero.
 ACCEPTED = 1e-8
 
 #: k_S of the source's sigmoid in its searches for touching balls, for which the text prints none.
@@ -32,38 +36,38 @@ SHARPNESS = 100.0
 
 @dataclass(frozen=True)
 class NeighbourInteraction:
-    """Forces between touching balls, with n unknowns of motion a ball, the first of them along the track."""
+    """Forces between touching balls. A ball has n unknowns of motion, of which the first is that along the track."""
 
-    #: Sliding of the first ball's surface at the contact by its motion ``(2, n)`` [m].
+    #: Sliding velocity of the first ball's surface at the contact with the second one, per unit of its unknowns ``(2, n)``.
     first: Array
-    #: Likewise of the second ball.
+    #: The same of the second ball's surface ``(2, n)``.
     second: Array
-    #: Closing velocity per difference of the first unknowns.
+    #: Velocity at which two balls approach each other per difference of their first unknowns.
     closing: float
-    #: Coefficient of friction.
+    #: Coefficient of friction from ball to ball.
     mu: float
-    #: Surface speed per unknown ``(n,)``.
+    #: Surface speed of a ball per unit of each unknown ``(n,)``, by which the unknowns are scaled.
     units: Array
-    #: Motion to start from ``(n,)``.
+    #: Unknowns of a ball in nominal rolling ``(n,)``, from which searches begin.
     nominal: Array
 
     @property
     def speed(self) -> float:
-        """Nominal speed along the track [m/s], one at rest."""
+        """Nominal speed of a ball along the track [m/s]; 1 if the track is at rest, so that it can be divided by."""
         return abs(float(self.nominal[0] * self.units[0])) or 1.0
 
 
 @dataclass(frozen=True)
 class Balls:
-    """N balls in order at given loads."""
+    """N balls in order along the track at given contact loads. A ball has four contacts and n unknowns of motion."""
 
-    #: Contacts ``(4 N,)``.
+    #: Contacts of all balls ``(4 N,)``, ball after ball.
     at: Contacts
-    #: Motion of the contacts by the unknowns ``(N, 4, 3, n)``.
+    #: Sliding along x and z [m/s] and spin [rad/s] of each contact per unit of its ball's unknowns ``(N, 4, 3, n)``.
     maps: Array
-    #: Motion of the contacts without them ``(N, 4, 3)``.
+    #: Sliding [m/s] and spin [rad/s] of each contact while the balls rest ``(N, 4, 3)``.
     drives: Array
-    #: Forces between neighbours.
+    #: Forces between neighbouring balls.
     pair: NeighbourInteraction
 
     @property
@@ -73,11 +77,11 @@ class Balls:
 
     @property
     def bound(self) -> float:
-        """Largest friction bound of a ball [N]."""
+        """Largest sum of friction bounds (coefficient times load) of the four contacts of a ball [N]."""
         return max(float(self.at.strength.reshape(-1, 4).sum(axis=1).max()), 1e-300)
 
     def subset(self, chosen: slice) -> Balls:
-        """Return some of the balls."""
+        """Return the balls in a range ``chosen`` of indices."""
         rows = slice(4 * chosen.start, 4 * chosen.stop)
         at = Contacts(self.at.a[rows], self.at.b[rows], self.at.load[rows], self.at.mu[rows])
         return Balls(at, self.maps[chosen], self.drives[chosen], self.pair)
@@ -85,52 +89,56 @@ class Balls:
 
 @dataclass(frozen=True)
 class Balance:
-    """Forces and losses of N balls in given motions."""
+    """Forces and losses of N balls in given motions, with n unknowns for each ball."""
 
-    #: Generalised forces out of balance ``(N, n)`` [W per unknown].
+    #: Generalised forces out of balance ``(N, n)``: power per unit of each unknown.
     left: Array
-    #: Friction on the balls along the contacts' x and z ``(N, 4, 2)`` [N].
+    #: Friction on the balls along the axes x and z of each contact ``(N, 4, 2)`` [N].
     force: Array
-    #: ``(N, 4)`` [N m].
+    #: Moment of friction on the balls about the normal of each contact ``(N, 4)`` [N m].
     moment: Array
-    #: ``(N, 4)`` [W].
+    #: Power lost in each contact with the grooves ``(N, 4)`` [W].
     groove_loss: Array
-    #: ``(N-1,)`` [W].
+    #: Power lost between each ball and the next one ``(N-1,)`` [W].
     ball_loss: Array
-    #: Direction in which ball k slides on ball k + 1 ``(N-1, 2)``.
+    #: Unit vector of the direction in which ball k slides on ball k + 1 ``(N-1, 2)``.
     rub: Array
 
 
 @dataclass(frozen=True)
 class SourceMotion:
-    """Motion of N balls by Lin's method."""
+    """Motion of N balls by Lin's method, with n unknowns for each ball."""
 
-    #: Motions ``(N, n)``.
+    #: Motions of the balls ``(N, n)``.
     q: Array
-    #: Motions before contact ``(N, n)``.
+    #: Motions of the same balls if none touches another ``(N, n)``.
     free: Array
-    #: ``(N-1,)`` [N].
+    #: Force of each ball on the next one ``(N-1,)`` [N].
     ball_force: Array
-    #: ``(N, 4)`` [W].
+    #: Power lost in each contact with the grooves ``(N, 4)`` [W].
     groove_loss: Array
-    #: ``(N-1,)`` [W].
+    #: Power lost between each ball and the next one ``(N-1,)`` [W].
     ball_loss: Array
-    #: Largest force out of balance over the friction bound.
+    #: Largest force out of balance over the friction bound of a ball.
     left: float
-    #: Calls of the balance.
+    #: Number of evaluations of the force balance.
     calls: int
-    #: ``"exact"``, ``"failed"`` (no root), or ``"overlapping"``: a root whose neighbours approach nevertheless or pull at
-    #: each other, since what touches was decided before (Lin 3.31).
+    #: ``"exact"``, ``"failed"`` (no root was found), or ``"overlapping"``: a root was found, but neighbours which do not
+    #: count as touching approach each other, or touching ones pull at each other. This may occur because the method decides
+    #: first which balls touch (equation 3.31 of Lin's thesis).
     status: Status
 
     @property
     def loss(self) -> float:
-        """Total dissipation [W]."""
+        """Power lost in all contacts, with grooves and between balls [W]."""
         return float(self.groove_loss.sum() + self.ball_loss.sum())
 
 
 def force_balance(balls: Balls, law: Law, q: Array, ball_force: Array) -> Balance:
-    """Return balance of N balls in motions q ``(N, n)`` under a friction law and forces ``(N-1,)`` [N] of ball k on k + 1.
+    """Return the forces out of balance and the losses of N balls in given motions.
+
+    ``law``: friction law of the contacts with the grooves; ``q``: motions ``(N, n)``; ``ball_force``: forces of each ball k
+    on ball k + 1 ``(N-1,)`` [N].
 
     References
     ----------
@@ -156,23 +164,35 @@ def force_balance(balls: Balls, law: Law, q: Array, ball_force: Array) -> Balanc
 
 
 def touching_groups(touching: Mask) -> list[slice]:
-    """Return groups of balls that touch, from marks ``(N-1,)``; a single ball is a group too."""
+    """Return the index ranges of groups of touching balls; a ball that touches no other one is a group of its own.
+
+    ``touching``: whether each ball touches the next one ``(N-1,)``.
+    """
     ends = [0, *(np.flatnonzero(~touching) + 1).tolist(), touching.size + 1]
     return [slice(a, b) for a, b in pairwise(ends)]
 
 
 def solve_touching_group(balls: Balls, law: Law, q: Array, ball_force: Array) -> tuple[Array, Array, float, int]:
-    """Return motions, forces, residual (see ``ACCEPTED``) and calls of a group of touching balls, from a start.
+    """Return the motions of a group of N touching balls and the forces between them, as the root of one system.
 
-    MINPACK's hybrid method with a Jacobian by differences, as Matlab's fsolve, on scaled equations.
+    The scaled equations are solved by MINPACK's hybrid method with a Jacobian by finite differences, as by Matlab's fsolve.
+    ``law``: friction law; ``q`` ``(N, n)``, ``ball_force`` [N]: motions and forces to start from.
+
+    Returns
+    -------
+    tuple
+        Motions ``(N, n)``; forces of each ball on the next one ``(N-1,)`` [N]; largest residual of the scaled equations, to
+        be compared with ``ACCEPTED``; number of evaluations.
     """
     n, pair, bound = balls.count, balls.pair, balls.bound
     turn = pair.units / pair.speed
 
     def split(x: Array) -> tuple[Array, Array]:
+        """Return motions and forces from the scaled unknowns x."""
         return x[: q.size].reshape(q.shape) / turn, x[q.size :] * bound
 
     def residual(x: Array) -> Array:
+        """Return the scaled forces out of balance, then the differences of the speeds of neighbours."""
         motions, forces = split(x)
         left = force_balance(balls, law, motions, forces).left / (pair.units * bound)
         return np.append(left.ravel(), np.diff(x[: q.size].reshape(q.shape)[:, 0]))
@@ -187,9 +207,16 @@ def solve_touching_group(balls: Balls, law: Law, q: Array, ball_force: Array) ->
 def solve_source_chain(
     balls: Balls, law: Law, touching: Mask, start: tuple[Array, Array]
 ) -> tuple[Array, Array, float, int]:
-    """Return motions ``(N, n)``, forces ``(N-1,)``, worst residual and calls, for given contacts ``(N-1,)``.
+    """Return the motions of N balls and the forces between them, group by group, if it is given which balls touch.
 
-    start: motions and forces.
+    ``law``: friction law; ``touching``: whether each ball touches the next one ``(N-1,)``; ``start``: motions ``(N, n)``
+    and forces ``(N-1,)`` [N] to start from.
+
+    Returns
+    -------
+    tuple
+        Motions ``(N, n)``; forces of each ball on the next one ``(N-1,)`` [N]; largest residual of all groups; number of
+        evaluations.
     """
     q, force = start[0].copy(), np.zeros(balls.count - 1)
     worst, calls = 0.0, 0
@@ -203,7 +230,11 @@ def solve_source_chain(
 
 
 def not_separating(pair: NeighbourInteraction, q: Array, tolerance: float = 0.0) -> Mask:
-    """Return which neighbours ``(N-1,)`` do not separate in motions q. tolerance: relative to the nominal speed."""
+    """Return whether each ball does not move away from the next one ``(N-1,)``.
+
+    ``q``: motions of the balls ``(N, n)``; ``tolerance``: speed of approach from which on neighbours count, as a fraction
+    of the nominal speed.
+    """
     rate = (q[:-1, 0] - q[1:, 0]) * pair.units[0] / pair.speed
     return np.asarray(rate >= tolerance)
 
@@ -211,9 +242,24 @@ def not_separating(pair: NeighbourInteraction, q: Array, tolerance: float = 0.0)
 def solve_by_root(
     balls: Balls, law: Law, reach: Mask, start: Array | None = None, touching: tuple[Array, Array] | None = None
 ) -> SourceMotion:
-    """Return motion and ball-to-ball forces as Lin finds them.
+    """Return the motions of balls and the forces between them by Lin's method.
 
-    A law without a root, such as Coulomb's where a contact rests, leaves "failed".
+    The status is "failed" for a friction law with which the equations have no root, such as Coulomb's if a contact sticks.
+    Lin's text does not say from which motions the searches start.
+
+    Parameters
+    ----------
+    balls
+        The N balls.
+    law
+        Friction law of the contacts with the grooves.
+    reach
+        Whether each ball is near enough to the next one to touch it ``(N-1,)``.
+    start
+        Motions ``(N, n)`` from which the search for separate balls starts; None: nominal rolling.
+    touching
+        Motions ``(N, n)`` and forces ``(N-1,)`` [N] from which the search for touching balls starts; None: the motions of
+        the separate balls, and no forces.
 
     Parameters
     ----------
@@ -245,7 +291,10 @@ def solve_by_root(
 
 
 def neighbour_interaction(bearing: LinearBearing) -> NeighbourInteraction:
-    """Return the interaction of balls of a linear bearing in touch (Lin 3.26-3.29); unknowns v, omega_x, omega_y."""
+    """Return the interaction of touching balls of a linear bearing, by equations 3.26 to 3.29 of Lin's thesis.
+
+    The unknowns of a ball are its speed v along the track [m/s] and the angular speeds omega_x and omega_y [rad/s].
+    """
     r, v = bearing.ball_radius, bearing.speed
     turns = np.array([[0.0, 0.0, r], [0.0, -r, 0.0]])
     nominal = np.array([0.5 * v, 0.5 * v / (r * np.cos(bearing.contact_angle)), 0.0])
@@ -253,9 +302,10 @@ def neighbour_interaction(bearing: LinearBearing) -> NeighbourInteraction:
 
 
 def linear_balls(bearing: LinearBearing, angles: Array, loads: Array) -> Balls:
-    """Return N balls with contact angles [rad] and normal loads [N], both ``(N, 4)``, in the order BL, BR, TR, TL.
+    """Return N balls of a linear bearing with their contacts, by equations 3.22 to 3.24 of Lin's thesis.
 
-    Contact motions by Lin 3.22-3.24. Raises ValueError for loads that are negative.
+    ``angles``: contact angles ``(N, 4)`` [rad]; ``loads``: normal loads ``(N, 4)`` [N], both in the order BL, BR, TR, TL
+    (bottom or top, left or right). Raises ValueError if a load is negative.
     """
     angles, loads = np.atleast_2d(np.asarray(angles, dtype=float)), np.atleast_2d(np.asarray(loads, dtype=float))
     r, n = bearing.ball_radius, contact_directions(angles)
@@ -271,10 +321,11 @@ def linear_balls(bearing: LinearBearing, angles: Array, loads: Array) -> Balls:
 
 
 def linear_law(bearing: LinearBearing, sharpness: float | None = SHARPNESS) -> Law:
-    """Return sigmoid of Lin 3.20 with k_S = ``sharpness`` and the nominal spin v tan(beta)/(2 R_B); None: Coulomb's law.
+    """Return the sigmoid friction law of equation 3.20 of Lin's thesis for a linear bearing, or Coulomb's law.
 
-    The reference is an assumption: 3.25 prints no sigmoid, and the rotary bearing's (difference of the rings' spins)
-    is zero between grooves that do not turn.
+    ``sharpness``: factor k_S of the sigmoid; None: Coulomb's law. The reference of the sigmoid is the nominal spin v
+    tan(beta)/(2 R_B). This is an assumption: equation 3.25 contains no sigmoid, and the reference for rotary bearings, the
+    difference of the spins of both rings, is zero between grooves that do not turn.
     """
     if sharpness is None:
         return Coulomb()
@@ -284,7 +335,11 @@ def linear_law(bearing: LinearBearing, sharpness: float | None = SHARPNESS) -> L
 def solve_linear_by_root(
     bearing: LinearBearing, angles: Array, loads: Array, reach: Mask | bool = True, law: Law | None = None
 ) -> SourceMotion:
-    """Return balls in a linear bearing by Lin's method (3.25-3.31). law: default Coulomb's law as printed in 3.25."""
+    """Return the motion of balls in a linear bearing by Lin's method, equations 3.25 to 3.31 of his thesis.
+
+    ``angles`` [rad], ``loads`` [N]: contact angles and loads ``(N, 4)``; ``reach``: whether each ball is near enough to the
+    next one to touch it ``(N-1,)``; ``law``: friction law; None: Coulomb's law, as equation 3.25 is printed.
+    """
     balls = linear_balls(bearing, angles, loads)
     near = np.broadcast_to(np.asarray(reach, dtype=bool), (balls.count - 1,))
     return solve_by_root(balls, Coulomb() if law is None else law, near)
@@ -293,8 +348,10 @@ def solve_linear_by_root(
 def linear_pair_by_root(
     bearing: LinearBearing, theta: float, rho: float, vertical: float, law: Law | None = None
 ) -> SourceMotion:
-    """Return Lin's case study 3.3.4 by his method: theta [rad], side force ratio rho, N_y [N] on each ball, in reach.
+    """Return the motion of the two balls in section 3.3.4 of Lin's thesis by his method; they are near enough to touch.
 
-    Loads in equilibrium at the given angles, in closed form as in the linear pair here.
+    ``theta``: deviation of the contact angles on the bottom groove [rad]; ``rho``: ratio N_x/N_y of side force to vertical
+    force; ``vertical``: vertical force N_y on each ball [N]; ``law``: friction law; None: Coulomb's law. The contact loads
+    are in equilibrium at the given angles, in closed form (`pair_angles_and_loads`).
     """
     return solve_linear_by_root(bearing, *pair_angles_and_loads(bearing, theta, rho, vertical), True, law)

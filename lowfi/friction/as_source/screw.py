@@ -1,22 +1,22 @@
-"""Lin's method for a ball screw, for comparison: roots for loads, for balls and for a run (Lin 3.4).
+"""Lin's method for a ball screw, for comparison: root finding for contact loads, for balls and for a run in time.
 
-Loads and motion of balls are one root (Lin 3.4.1, 3.4.2).
+Numbers of sections and equations in this module are those of Lin's thesis (2019); the method is described in section 3.4.
 
-Unknowns of a ball, as above Lin 3.71: position in the groove section (2), contact angles gamma (4), motion (4); of two
-that touch: the force between them. First the loads without friction and the screw's position, which then stays.
+Contact loads without friction: the unknowns are the position of each ball in its groove section (2), its contact angles
+gamma (4), and the screw's motions. If the screw is rigid, this is the state of chapter 2 (equations 2.11 to 2.25), searched
+by the hybrid method.
 
-Contact loads without friction are a root.
+Contact loads coupled with friction (sections 3.4.1 and 3.4.2): loads and motion of balls are the root of one system. The
+unknowns of a ball, named above equation 3.71, are its position in the groove section (2), its contact angles gamma (4) and
+its motion (4); two touching balls add the force between them. The loads without friction and the screw's position are
+computed first, and this position is then held.
 
-Unknowns: position of each ball in its groove section (2), its contact angles gamma (4) and the screw's motions. Where the
-beam is rigid that is chapter 2's state (Lin 2.11-2.25), searched by the hybrid method.
+A whole ball screw in time (section 3.4.4): in each step the loads are found as a root, then the motion of every ball
+separately, then that of the groups of balls which are within reach and approach each other (equation 3.77). The positions
+advance with these speeds. The method does not prevent negative gaps; `SourceRun.overlap` says how large they become.
 
-A whole ball screw in time is a root for every touching group (Lin 3.4.4).
-
-Each step: loads as a root, every ball's motion separately, then the groups of those that are within reach and approach
-(Lin 3.77); positions move on with these speeds. Nothing keeps gaps from becoming negative: how far is reported.
-
-To count failures the root is sought from several starts, rolling and at random about our solution. Every search yields what
-it found, None where Lin's method finds no loads to begin with.
+To count failures, the root is searched from several starts: from rolling balls, and from random deviations from our own
+solution. Every search yields the motion that it found, or None if Lin's method finds no contact loads to begin with.
 """
 
 from __future__ import annotations
@@ -57,20 +57,28 @@ from rollbench.meshes.arrays import Array, Mask
 
 @dataclass(frozen=True)
 class BallPositions:
-    """Positions of N balls and the screw."""
+    """Positions of N balls between their grooves, and of the screw with its m motions."""
 
     #: Displacement of the balls along x3, z3 ``(N, 2)`` [m].
     ball: Array
     #: Contact angles ``(N, 4)`` [rad].
     gamma: Array
-    #: ``(m,)`` [m].
+    #: Displacements of the screw in its motions ``(m,)`` [m].
     screw: Array
 
 
 def contact_forces(cell: Cell, at: BallPositions) -> tuple[Array, Array, Array]:
-    """Return contact loads ``(N, 4)`` [N], misalignment n . t of groove and line of centres, and normals ``(N, 4, 2)``.
+    """Return the contact loads of N balls in given positions, with the conditions for the contact angles.
 
-    Contact conditions of Lin's chapter 2: the groove's tangent at gamma is normal to the line of centres.
+    They follow from the contact conditions in chapter 2 of Lin's thesis: at the contact angle gamma, the tangent of the
+    groove is perpendicular to the line of centres. ``cell``: the balls and their grooves; ``at``: positions of balls and
+    screw.
+
+    Returns
+    -------
+    tuple
+        Contact loads ``(N, 4)`` [N]; scalar product of the line of centres and the groove's tangent over the distance of
+        the centres, zero if the condition is satisfied ``(N, 4)``; unit normals of the contacts ``(N, 4, 2)``.
     """
     g, c, s = cell.groove, np.cos(at.gamma), np.sin(at.gamma)
     screw = (cell.screw_motion @ at.screw + cell.offset)[:, None, :]
@@ -82,15 +90,20 @@ def contact_forces(cell: Cell, at: BallPositions) -> tuple[Array, Array, Array]:
 
 
 def load_scale(cell: Cell) -> tuple[float, float]:
-    """Return the force of a ball's share of the load [N] and its approach [m], by which the equations are scaled."""
+    """Return the load on the screw divided by the number of balls [N], then a ball's approach under this load [m].
+
+    The equations of `loads_by_root` are scaled by them.
+    """
     share = max(float(np.linalg.norm(cell.force)) / cell.angle.shape[0], 1e-300)
     return share, float(np.max(cell.groove.constants.C)) * share ** (2.0 / 3.0)
 
 
 def starting_positions(cell: Cell) -> BallPositions:
-    """Return start of the search: screw pressed by four approaches of a ball's share (and the clearance), balls half way.
+    """Return the positions from which the search of the contact loads starts.
 
-    The text's nominal state has no stiffness without preload; this is the start of ``rings.settle_cell``.
+    The screw is displaced along its load by four times the approach of a ball under its part of the load, and by the
+    clearance; the balls are half way. The nominal state of Lin's text has no stiffness without preload. `rings.settle_cell`
+    starts from the same positions.
     """
     total, (_, size) = float(np.linalg.norm(cell.force)), load_scale(cell)
     size += max(0.0, -float(np.min(cell.interference)))
@@ -99,18 +112,21 @@ def starting_positions(cell: Cell) -> BallPositions:
 
 
 def loads_by_root(cell: Cell, start: BallPositions | None = None) -> SettledCell:
-    """Return the loads of a cell of N balls as a root of 6 N + m equations; from `starting_positions` where start is None.
+    """Return the contact loads of N balls without friction, as the root of 6 N + m equations (m: motions of the screw).
 
-    ``left`` [N]: largest force out of balance; ``steps``: calls; ``converged`` is False where no root is found.
+    ``start``: positions from which the search starts; None: `starting_positions`. In the result, ``left`` is the largest
+    force out of balance [N], ``steps`` the number of evaluations, and ``converged`` is False if no root was found.
     """
     n = cell.angle.shape[0]
     scale, size = load_scale(cell)
     at = starting_positions(cell) if start is None else start
 
     def split(x: Array) -> BallPositions:
+        """Return positions from the scaled unknowns x."""
         return BallPositions(x[: 2 * n].reshape(n, 2) * size, x[2 * n : 6 * n].reshape(n, 4), x[6 * n :] * size)
 
     def residual(x: Array) -> Array:
+        """Return the scaled forces out of balance on balls and screw, with the contact conditions between them."""
         force, bent, normal = contact_forces(cell, split(x))
         pull = force[..., None] * normal
         on_screw = np.einsum("nim,ni->m", cell.screw_motion, pull[:, ON_SCREW].sum(axis=1)) + cell.force + cell.drag
@@ -126,9 +142,10 @@ def loads_by_root(cell: Cell, start: BallPositions | None = None) -> SettledCell
 
 
 def neighbour_interaction(groove: ScrewGroove) -> NeighbourInteraction:
-    """Return the interaction of balls of a screw in touch, on the exact helix.
+    """Return the interaction of touching balls of a screw, on the exact helix.
 
-    Unknowns omega_B, omega_x, omega_y, omega_z; corrects Lin 3.73-3.75.
+    The unknowns of a ball are its angular speeds omega_B around the axis and omega_x, omega_y, omega_z [rad/s]. The exact
+    helix corrects equations 3.73 to 3.75 of Lin's thesis.
     """
     p, r = groove.pair, groove.ball_radius
     return NeighbourInteraction(
@@ -137,9 +154,9 @@ def neighbour_interaction(groove: ScrewGroove) -> NeighbourInteraction:
 
 
 def least_sliding_motion(groove: ScrewGroove) -> Array:
-    """Return the motion ``(4,)`` [rad/s] of a ball that slides least at four contacts at the nominal angle.
+    """Return the motion of a ball that slides least at four contacts at the nominal contact angle ``(4,)`` [rad/s].
 
-    Where searches begin; an assumption, as the text names no start.
+    Searches start from it. This is an assumption, because Lin's text does not say where they start.
     """
     maps, drives = groove.maps(groove.normals(np.full(4, groove.contact_angle)))
     units = np.array([groove.radius, *[groove.ball_radius] * 3])
@@ -148,53 +165,60 @@ def least_sliding_motion(groove: ScrewGroove) -> Array:
 
 
 def screw_balls(groove: ScrewGroove, force: Array, angle: Array) -> Balls:
-    """Return N balls at given contact loads [N] and angles [rad], both ``(N, 4)``, in the order SL, SR, NL, NR."""
+    """Return N balls of a screw with their contacts.
+
+    ``force``: contact loads ``(N, 4)`` [N]; ``angle``: contact angles ``(N, 4)`` [rad], both in the order SL, SR, NL, NR
+    (screw or nut, left or right).
+    """
     maps, drives = groove.maps(groove.normals(angle))
     return Balls(screw_contacts(groove, force), maps, drives, neighbour_interaction(groove))
 
 
 @dataclass(frozen=True)
 class SourceState:
-    """N balls with their loads by Lin's method."""
+    """Positions, contact loads and motions of N balls by Lin's method."""
 
-    #: Positions.
+    #: Positions of the balls and the screw.
     at: BallPositions
     #: Contact forces ``(N, 4)`` [N].
     force: Array
     #: Motions ``(N, 4)`` [rad/s].
     q: Array
-    #: ``(N-1,)`` [N].
+    #: Force of each ball on the next one ``(N-1,)`` [N].
     ball_force: Array
     #: Largest residual of the scaled equations.
     left: float
-    #: Calls of the equations.
+    #: Number of evaluations of the equations.
     calls: int
 
 
 @dataclass(frozen=True)
 class SourceScrew:
-    """Balls of a screw by Lin's method."""
+    """Contact loads and motions of the balls of a screw by Lin's method."""
 
-    #: Loads without friction.
+    #: Contact loads without friction.
     load: SettledCell
     #: Contact forces with friction ``(N, 4)`` [N].
     force: Array
     #: Contact angles with friction ``(N, 4)`` [rad].
     angle: Array
-    #: The motion.
+    #: Motion of the balls and forces between them.
     motion: SourceMotion
 
 
 def solve_coupled_group(cell: Cell, law: Law, start: SourceState, scale: float) -> SourceState:
-    """Return N touching balls with their loads as one root, with the screw as in ``start`` (Lin 3.71, 3.75-3.77).
+    """Return the state of N touching balls whose loads and motions are one root, with the screw held in position.
 
-    scale [N]: sum of a ball's contact loads, by which the equations are scaled.
+    The equations are 3.71 and 3.75 to 3.77 of Lin's thesis. ``cell``: the balls and their grooves; ``law``: friction law;
+    ``start``: state from which the search starts, which also gives the screw's position; ``scale``: sum of a ball's contact
+    loads [N], by which the equations are scaled.
     """
     g, pair = cell.groove, neighbour_interaction(cell.groove)
     n, turn = cell.angle.shape[0], pair.units / pair.speed
     size, bound = float(np.max(g.constants.C)) * scale ** (2.0 / 3.0), g.mu * scale or 1.0
 
     def split(x: Array) -> tuple[BallPositions, Array, Array]:
+        """Return positions, motions and forces between the balls from the scaled unknowns x."""
         by_ball = x[: 10 * n].reshape(n, 10)
         return (
             BallPositions(by_ball[:, :2] * size, by_ball[:, 2:6], start.at.screw),
@@ -203,6 +227,7 @@ def solve_coupled_group(cell: Cell, law: Law, start: SourceState, scale: float) 
         )
 
     def residual(x: Array) -> Array:
+        """Return the scaled equations of all balls, then the differences of the speeds of neighbours."""
         if not np.all(np.isfinite(x)):
             return np.full_like(x, 1e3)
         places, q, between = split(x)
@@ -225,7 +250,10 @@ def solve_coupled_group(cell: Cell, law: Law, start: SourceState, scale: float) 
 
 
 def solve_coupled_groups(cell: Cell, law: Law, touching: Mask, start: SourceState, scale: float) -> SourceState:
-    """Return all N balls, group by group, for given contacts ``(N-1,)``."""
+    """Return the coupled state of all N balls, group by group, if it is given which balls touch.
+
+    ``touching``: whether each ball touches the next one ``(N-1,)``; the other arguments are those of `solve_coupled_group`.
+    """
     n = cell.angle.shape[0]
     ball, gamma, q = start.at.ball.copy(), start.at.gamma.copy(), start.q.copy()
     force, between, left, calls = np.zeros((n, 4)), np.zeros(n - 1), 0.0, 0
@@ -249,14 +277,21 @@ def solve_coupled_groups(cell: Cell, law: Law, touching: Mask, start: SourceStat
 
 
 def start_from_result(result: PairResult, touching: bool) -> SourceState:
-    """Return a solution of the chain solver, balls in contact or not, as a start."""
+    """Return the solution of our own solver for two balls as a state from which Lin's searches start.
+
+    ``touching``: whether to take the solution with forces between the balls (True) or that of separate balls.
+    """
     solution = result.touching if touching else result.free
     at = BallPositions(solution.load.ball, solution.load.angle, np.zeros(0))
     return SourceState(at, solution.load.force, solution.motion.q, solution.motion.ball_force[:1], 0.0, 0)
 
 
 def solve_separate_balls(cell: Cell, load: SettledCell, law: Law) -> SourceState:
-    """Return separate balls at loads without friction, searched from rolling: the start where no other is given."""
+    """Return the state of separate balls at contact loads without friction, searched from nominal rolling.
+
+    Coupled searches start from it if no other start is given. ``load``: contact loads without friction; ``law``: friction
+    law.
+    """
     n, pair = cell.angle.shape[0], neighbour_interaction(cell.groove)
     none, first = np.zeros(n - 1), np.tile(pair.nominal, (n, 1))
     q, _, left, calls = solve_source_chain(screw_balls(cell.groove, load.force, load.angle), law, none > 0.0, (first, none))
@@ -271,9 +306,10 @@ def coupled_by_root(
     start: SourceState | None = None,
     touching: SourceState | None = None,
 ) -> SourceScrew:
-    """Return N balls whose friction changes their loads, by Lin's method.
+    """Return the contact loads and motions of N balls whose friction changes their contact loads, by Lin's method.
 
-    Groups of balls that touch are those that approach each other when separate (Lin 3.76, 3.77).
+    Balls that approach each other when they are computed separately form groups that touch (equations 3.76 and 3.77 of
+    Lin's thesis). Lin's text does not say where the searches start.
 
     Parameters
     ----------
@@ -309,10 +345,12 @@ def coupled_by_root(
 def screw_pair_by_root(
     pair: Pair, law: Law | None = None, start: SourceState | None = None, touching: SourceState | None = None
 ) -> SourceScrew:
-    """Return two balls of a screw in reach (Lin 3.4.3) by Lin's method; law: his sigmoid with SHARPNESS where None.
+    """Return the loads and motions of two balls of a screw that are near enough to touch, by Lin's method (section 3.4.3).
 
-    Loads by root finding first; the motion at these where the pair's coupling is "none", else both together, from
-    starts as in `coupled_by_root`.
+    The contact loads without friction are found first. If the coupling of the pair is "none", the motion is solved at these
+    loads, otherwise loads and motion together. ``law``: friction law; None: Lin's sigmoid with the factor ``SHARPNESS``.
+    ``start``, ``touching``: states from which the searches for separate and for touching balls start, as in
+    `coupled_by_root`.
 
     Raises
     ------
@@ -322,11 +360,16 @@ def screw_pair_by_root(
         No loads are found.
     """
     if pair.coupling == "ball and screw":
-        raise ValueError('the source fixes the screw in its position without friction; allowed: coupling "none" or "ball"')
+        raise ValueError(
+            "Lin's method for two balls holds the screw in its position without friction, so that it has no coupling of "
+            'friction with ball and screw; it needs coupling "none" or "ball"'
+        )
     cell, law = pair.cell(), source_law(pair.groove, SHARPNESS) if law is None else law
     load, reach = loads_by_root(cell), np.array([True])
     if not load.converged:
-        raise RuntimeError(f"no root for the loads: {load.left:.1e} N left after {load.steps} calls")
+        raise RuntimeError(
+            f"root finding of the contact loads failed: {load.left:.1e} N are out of balance after {load.steps} evaluations"
+        )
     if pair.coupling == "ball":
         return coupled_by_root(cell, load, reach, law, start, touching)
     motion = solve_by_root(
@@ -341,57 +384,59 @@ def screw_pair_by_root(
 
 @dataclass(frozen=True)
 class SourceRun:
-    """Run in time by Lin's method: T steps, N balls; ball k pushes ball k + 1, the last one the first."""
+    """Run of N balls in time by Lin's method, with T steps. Ball k pushes ball k + 1; the last ball pushes the first."""
 
-    #: ``(T,)`` [rad].
+    #: Angle of the nut at the beginning of each step ``(T,)`` [rad].
     nut_angle: Array
-    #: Gaps at the end of each step ``(T, N)`` [rad], negative for overlap.
+    #: Gap between each ball and the next one at the end of each step ``(T, N)`` [rad]; negative if they overlap.
     gap: Array
-    #: ``(T, N)`` [N].
+    #: Force of each ball on the next one ``(T, N)`` [N].
     ball_force: Array
-    #: ``(T, N)`` [rad/s].
+    #: Angular speed of each ball around the axis, relative to the screw ``(T, N)`` [rad/s].
     omega: Array
-    #: ``(T,)`` [N m].
+    #: Friction torque of the contacts with the grooves ``(T,)`` [N m].
     groove_torque: Array
-    #: ``(T,)`` [N m].
+    #: Friction torque of the contacts between balls ``(T,)`` [N m].
     ball_torque: Array
-    #: Status of each step's motion; ``"failed"`` also where no loads were found: then the speeds of the step before go on.
+    #: Status of each step's motion (`SourceMotion.status`); ``"failed"`` also if no contact loads were found. After a
+    #: failure the speeds of the previous step continue.
     status: tuple[str, ...]
 
     @property
     def failures(self) -> int:
-        """Number of steps without a root."""
+        """Number of steps for which no root was found."""
         return self.status.count("failed")
 
     @property
     def overlapping(self) -> int:
-        """Number of steps with a root whose neighbours in reach approach nevertheless or pull."""
+        """Number of steps with the status "overlapping": a root was found, but neighbours approach each other or pull."""
         return self.status.count("overlapping")
 
     @property
     def overlap(self) -> float:
-        """Largest overlap of neighbours [rad]."""
+        """Largest overlap of neighbouring balls in all steps [rad]."""
         return max(0.0, -float(self.gap.min()))
 
 
 @dataclass
 class _PreviousStep:
-    """State of the previous step: positions of the balls, their motions ``(N, 4)`` and ball-to-ball forces ``(N,)``."""
+    """State of N balls in the previous step, from which searches start."""
 
-    #: Positions.
+    #: Positions of the balls.
     at: BallPositions
-    #: Motions without ball-to-ball contact.
+    #: Motions of the balls if none touches another ``(N, 4)`` [rad/s].
     free: Array
-    #: Motions with ball-to-ball contact.
+    #: Motions of the balls with the forces between them ``(N, 4)`` [rad/s].
     q: Array
-    #: Ball-to-ball forces [N].
+    #: Force of each ball on the next one ``(N,)`` [N].
     force: Array
 
 
 def simulate_by_root(run: Run, steps: int | None = None) -> SourceRun:
-    """Return the first ``steps`` of a run (all where None) from evenly spread balls, under Lin's sigmoid.
+    """Return the first steps of a run of a screw in time by Lin's method with his sigmoid friction law.
 
-    Starts of each search: the step before, rolling at first; the text names none.
+    The balls are spread evenly at the beginning. Every search starts from the previous step, the first one from rolling;
+    Lin's text does not say where they start.
 
     Parameters
     ----------
@@ -406,7 +451,10 @@ def simulate_by_root(run: Run, steps: int | None = None) -> SourceRun:
         Balls in a return tube, or loads coupled with friction, which the comparison leaves out.
     """
     if run.tube > 0.0 or run.coupling != "none":
-        raise ValueError('the run by root finding needs tube = 0 and coupling = "none"')
+        raise ValueError(
+            "a run by Lin's root finding needs a track without return tube (tube = 0) and contact loads that do not depend "
+            'on friction (coupling = "none")'
+        )
     g, n, dt = run.groove, run.count, run.duration / run.steps
     law = source_law(g, SHARPNESS)
     azimuth = run.ring * (np.arange(n) + run.first) / n - np.pi * run.turns
@@ -437,12 +485,17 @@ def simulate_by_root(run: Run, steps: int | None = None) -> SourceRun:
 def _solve_step(
     run: Run, force: Array, angle: Array, reach: NDArray[np.bool_], law: Law, before: _PreviousStep | None
 ) -> tuple[SourceMotion, NDArray[np.intp]]:
-    """Return the motion of the balls and their order, which begins after a neighbour out of reach, where the ring is cut.
+    """Return the motion of the balls in one step, then the order of the balls in this motion (indices ``(N,)``).
 
-    Raises RuntimeError where all neighbours touch.
+    The order begins after a ball that is out of reach of the next one, where the ring of balls is cut open. ``force`` [N],
+    ``angle`` [rad]: contact loads and angles ``(N, 4)``; ``reach``: whether each ball is near enough to the next one to
+    touch it ``(N,)``; ``law``: friction law; ``before``: previous step. Raises RuntimeError if every ball touches the next
+    one.
     """
     if np.all(reach):
-        raise RuntimeError("every ball touches the next: the ring has no place to be cut")
+        raise RuntimeError(
+            "the motion of the balls cannot be solved because every ball touches the next one; at least one gap is needed"
+        )
     order = np.roll(np.arange(run.count), -int(np.argmin(reach)) - 1)
     balls = screw_balls(run.groove, force[order], angle[order])
     near = reach[order[:-1]]
@@ -454,9 +507,10 @@ def _solve_step(
 
 
 def perturbed_motions(q: Array, units: Array, rng: np.random.Generator, off: float) -> Array:
-    """Return motions ``(N, n)``, each unknown off by up to ``off`` of itself, at least of 1 % of the largest surface speed.
+    """Return motions of N balls with random relative deviations, for searches from several starts.
 
-    units ``(n,)``: surface speed per unknown.
+    ``q``: motions ``(N, n)``; ``units``: surface speed per unit of each unknown ``(n,)``; ``off``: largest deviation of an
+    unknown as a fraction of its value, or of 1 % of the ball's largest surface speed if this is more.
     """
     x = q * units
     size = np.maximum(np.abs(x), 0.01 * np.max(np.abs(x), axis=1, keepdims=True))
@@ -466,9 +520,10 @@ def perturbed_motions(q: Array, units: Array, rng: np.random.Generator, off: flo
 def linear_solutions_from_starts(
     bearing: LinearBearing, angles: Array, loads: Array, rng: np.random.Generator, count: int, off: float
 ) -> Iterator[SourceMotion]:
-    """Yield solutions for balls of a linear bearing, all in reach, from random starts; forces at random up to doubled.
+    """Yield motions of N balls of a linear bearing by Lin's method, each from another random start; all balls are in reach.
 
-    angles [rad], loads [N]: ``(N, 4)``.
+    The first start is rolling. The others deviate from our own solution, with the forces between the balls multiplied by
+    random factors from 0 to 2.
 
     Parameters
     ----------
@@ -483,7 +538,7 @@ def linear_solutions_from_starts(
     count
         Number of starts.
     off
-        Largest relative deviation of a start.
+        Largest relative deviation of a start from our own solution.
     """
     apart, together = (solve_linear_chain(prepare_chain(bearing, angles, loads, touching)) for touching in (False, True))
     balls = linear_balls(bearing, angles, loads)
@@ -499,7 +554,7 @@ def linear_solutions_from_starts(
 
 
 def screw_sigmoid(groove: ScrewGroove, sharpness: float = SHARPNESS) -> Sigmoid:
-    """Return Lin's law; at rest, where its reference is zero, with a spin of 1 rad/s.
+    """Return Lin's sigmoid friction law for a screw. At rest, where its reference spin is zero, the reference is 1 rad/s.
 
     Parameters
     ----------
@@ -514,20 +569,22 @@ def screw_sigmoid(groove: ScrewGroove, sharpness: float = SHARPNESS) -> Sigmoid:
 def pair_solutions_from_starts(
     pair: Pair, solved: PairResult, rng: np.random.Generator, count: int, off: float
 ) -> Iterator[SourceMotion | None]:
-    """Yield solutions for a pair of a screw with its loads from random starts; positions as in our solution ``solved``.
+    """Yield motions of two balls of a screw by Lin's method, each from another random start; None without contact loads.
+
+    The first start is rolling, the others deviate from our own solution.
 
     Parameters
     ----------
     pair
         Two balls of a screw.
     solved
-        Solution of the pair, whose contact positions are taken.
+        Our own solution of the pair.
     rng
         Source of the random starts.
     count
         Number of starts.
     off
-        Largest relative deviation of a start.
+        Largest relative deviation of a start from our own solution.
     """
     free, touching, units = (
         start_from_result(solved, False),
@@ -549,11 +606,10 @@ def pair_solutions_from_starts(
 def screw_solutions_from_starts(
     chain: Chain, angle: Array, solved: ChainMotion, rng: np.random.Generator, count: int, off: float
 ) -> Iterator[SourceMotion]:
-    """Yield solutions for an open chain of a screw at given loads from random starts.
+    """Yield motions of an open chain of balls of a screw by Lin's method at given contact loads, each from a random start.
 
-    Only closed gaps are in reach: one that closes within a step comes to contact in the solver here and overlaps in Lin's.
-
-    angle ``(N, 4)`` [rad]: its contact angles; solved: our solution.
+    Only neighbours without gap are in reach of each other: if a gap closes within a step, the balls come into contact in
+    our own solver, but overlap in Lin's.
 
     Parameters
     ----------
@@ -562,13 +618,13 @@ def screw_solutions_from_starts(
     angle
         Contact angles, ``(N, 4)`` [rad].
     solved
-        Solution of the chain.
+        Our own solution of the chain.
     rng
         Source of the random starts.
     count
         Number of starts.
     off
-        Largest relative deviation of a start.
+        Largest relative deviation of a start from our own solution.
     """
     alone = solve_chain(replace(chain, slack=np.full(chain.slack.shape, np.inf)))
     balls, law = screw_balls(chain.groove, chain.force, angle), screw_sigmoid(chain.groove)

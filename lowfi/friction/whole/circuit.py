@@ -15,8 +15,15 @@ from rollbench.lowfi.friction.screw.chain import AnyChain, ChainMotion, Friction
 from rollbench.lowfi.friction.screw.groove import ON_SCREW, Constants, Grooved, contact_spacing
 from rollbench.lowfi.friction.screw.travel import ClosedTrack
 from rollbench.lowfi.friction.whole.contacts import StaticContacts, contacts_of_result
-from rollbench.lowfi.friction.whole.losses import BallPath, ball_friction, ball_path, rubs_of, shares, turn_back
-from rollbench.lowfi.friction.whole.torque import ONE_TURN, about_axis
+from rollbench.lowfi.friction.whole.losses import (
+    BallPath,
+    ball_friction,
+    ball_path,
+    friction_contacts,
+    relative_coefficients,
+    rotate_to_groove_axes,
+)
+from rollbench.lowfi.friction.whole.torque import ONE_TURN, axial_force_and_moment
 from rollbench.lowfi.jit import CONTACT, is_copy_loaded
 from rollbench.lowfi.statics.contacts import error_free_hertz
 from rollbench.lowfi.statics.result import StaticResult
@@ -43,7 +50,10 @@ class CircuitError(ValueError):
 
 
 class Circuit(NamedTuple):
-    """One closed track with n balls, all angles azimuths of the nut on the helix of start 1; a bearing has arc = ring."""
+    """One closed track with n balls. All angles are azimuths in the nut's frame, on the helix of the first start.
+
+    A bearing is one closed turn, so that its loaded arc is as long as the whole track.
+    """
 
     #: The track.
     track: ClosedTrack
@@ -54,10 +64,10 @@ class Circuit(NamedTuple):
 
 
 def circuits(scene: Scene) -> tuple[Circuit, ...]:
-    """Return the circuits of a scene, those of the first start first.
+    """Return the circuits of a scene, beginning with those of the first start.
 
-    Without [circulation] the balls of a screw leave their loaded arc, from one gap to the next, at one end and enter it at
-    the other at once.
+    If a screw has no table [circulation], its loaded arcs reach from one gap between its balls to the next. A ball that
+    leaves such an arc at one end enters it at once at the other end.
 
     Parameters
     ----------
@@ -67,7 +77,7 @@ def circuits(scene: Scene) -> tuple[Circuit, ...]:
     Raises
     ------
     CircuitError
-        Arcs that do not fit their balls or overlap, or returns that do not fit theirs.
+        A loaded arc or a return is too short for its balls, loaded arcs overlap, or the balls cannot be shared equally.
     """
     loop = scene.circulation or Circulation()
     azimuths = np.sort(np.asarray(scene.balls.azimuths, dtype=float))
@@ -78,9 +88,9 @@ def circuits(scene: Scene) -> tuple[Circuit, ...]:
         allowed = f"a number that divides the {azimuths.size} balls of a start"
         raise CircuitError("circuits", allowed, "circuits share the balls of their start equally")
     apart = scene.circulation is None and not ring
-    groups = np.split(azimuths, _gaps(azimuths) if apart else loop.circuits)
+    groups = np.split(azimuths, _first_balls_after_gaps(azimuths) if apart else loop.circuits)
     turns = None if loop.turns is None else 2.0 * np.pi * loop.turns / loop.circuits
-    arcs = [2.0 * np.pi if ring else _arc(group, turns, spacing) for group in groups]
+    arcs = [2.0 * np.pi if ring else _loaded_arc_length(group, turns, spacing) for group in groups]
     middles = [0.5 * float(group[0] + group[-1]) for group in groups]
     for k in range(1, len(groups)):
         if middles[k] - middles[k - 1] < 0.5 * (arcs[k] + arcs[k - 1]) - CLOSE:
@@ -92,7 +102,7 @@ def circuits(scene: Scene) -> tuple[Circuit, ...]:
         for k, group in enumerate(groups):
             number = members[k] + start * azimuths.size
             begin = float(group[0]) - 0.5 * spacing if ring else middles[k] - 0.5 * arcs[k]
-            length = arcs[k] if ring else _ring(loop, group.size, arcs[k], spacing, path.radius)
+            length = arcs[k] if ring else _track_length(loop, group.size, arcs[k], spacing, path.radius)
             back = begin + arcs[k] + (length - arcs[k]) * (np.arange(loop.returning) + 0.5) / max(loop.returning, 1)
             azimuth = np.append(group, back)
             ball = np.append(number, np.full(loop.returning, -1))
@@ -102,14 +112,20 @@ def circuits(scene: Scene) -> tuple[Circuit, ...]:
     return tuple(out)
 
 
-def _gaps(azimuths: Array) -> NDArray[np.int64]:
+def _first_balls_after_gaps(azimuths: Array) -> NDArray[np.int64]:
     """Return the numbers of the balls, in the order of their azimuths [rad], before which a gap between circuits lies."""
     apart = np.diff(azimuths)
     return np.flatnonzero(apart > APART * np.median(apart)) + 1 if apart.size else np.zeros(0, dtype=np.int64)
 
 
-def _arc(group: Array, given: float | None, spacing: float) -> float:
-    """Return length of a loaded arc [rad]: ``given``, or as much as its balls fill, half a distance beyond outer ones."""
+def _loaded_arc_length(group: Array, given: float | None, spacing: float) -> float:
+    """Return the length of the loaded arc of one circuit [rad].
+
+    It is ``given`` [rad], or if this is None, the length that the balls fill, with half a distance between neighbours
+    beyond each outer ball. ``group``: sorted azimuths of the balls on the arc [rad]; ``spacing``: azimuth between two balls
+    that touch [rad], the length of an arc with a single ball. Raises CircuitError if the given arc is too short for its
+    balls.
+    """
     span = float(group[-1] - group[0])
     if given is None:
         return span * group.size / (group.size - 1) if group.size > 1 else spacing
@@ -119,8 +135,13 @@ def _arc(group: Array, given: float | None, spacing: float) -> float:
     return given
 
 
-def _ring(loop: Circulation, loaded: int, arc: float, spacing: float, radius: float) -> float:
-    """Return the length of the closed track [rad]; radius: length of the track per angle [m]."""
+def _track_length(loop: Circulation, loaded: int, arc: float, spacing: float, radius: float) -> float:
+    """Return the length of a closed track, loaded arc and return together, as an azimuth [rad].
+
+    ``loop``: table [circulation], whose filling or gap determines the length; ``loaded``: number of balls on the loaded
+    arc; ``arc``: its length [rad]; ``spacing``: azimuth between two balls that touch [rad]; ``radius``: length of the track
+    per angle [m]. Raises CircuitError if the loaded arc and the return cannot hold their balls.
+    """
     count = loaded + loop.returning
     if loop.filling is not None:
         length = count * spacing / loop.filling
@@ -138,7 +159,7 @@ def _ring(loop: Circulation, loaded: int, arc: float, spacing: float, radius: fl
 
 
 def travel(scene: Scene) -> Array:
-    """Return positions of the nut along the screw at both ends of the scene's run ``(2,)`` [m], from its first position.
+    """Return how far the nut has moved along the screw at the beginning (0) and the end of a scene's run ``(2,)`` [m].
 
     Parameters
     ----------
@@ -153,7 +174,7 @@ def travel(scene: Scene) -> Array:
 
 @dataclass(frozen=True, eq=False)
 class SceneGrooves(BallPath, Grooved):
-    """Nominal grooves of a scene in motion, one for a whole run: kernels cache arrays by it."""
+    """Nominal grooves in motion. One object serves a whole run, because compiled functions cache arrays for it."""
 
     #: Largest coefficient of friction.
     mu: float
@@ -167,18 +188,21 @@ class SceneGrooves(BallPath, Grooved):
 
 
 def grooves_of(scene: Scene, friction: Friction, drive: Drive) -> SceneGrooves:
-    """Return the nominal grooves of a scene whose screw or nut turns."""
+    """Return the nominal grooves of a scene; ``drive``: motion of the screw or nut that turns.
+
+    Their coefficient of friction is the larger one of the screw's and the nut's grooves.
+    """
     path, h = ball_path(scene, drive, scene.balls.radius), error_free_hertz(scene)
     return SceneGrooves(**asdict(path), mu=max(friction.screw, friction.nut), hertz=Constants(h.C, h.C_a, h.C_b))
 
 
 @dataclass(frozen=True)
 class SceneChain(AnyChain):
-    """Balls of different sizes and coefficients."""
+    """Balls of one closed track that may differ in size and in their coefficients of friction."""
 
-    #: Contacts of the balls.
+    #: Contact forces, angles and ellipses of the balls.
     at: StaticContacts
-    #: The contacts as friction needs them.
+    #: Sliding contacts of the same balls: semi-axes, directions and coefficients of friction.
     contacts: FrictionContacts
     #: Coefficient of friction from ball to ball.
     between: float
@@ -194,14 +218,20 @@ class SceneChain(AnyChain):
         return self.between
 
     def wrench(self, pull: Array) -> Array:
-        """Return friction on the balls in x3, y3, z3 ``(N, 4, 6)`` of forces in the contacts' axes ``(N, 4, 3)``."""
+        """Return the friction on the balls as forces [N] and moments [N m] in the section's axes x3, y3, z3 ``(N, 4, 6)``.
+
+        ``pull``: friction in the axes of each contact ``(N, 4, 3)``, two forces [N] and the drilling moment [N m].
+        """
         turned = pull.copy()
-        turn_back(self.at, turned)
+        rotate_to_groove_axes(self.at, turned)
         return super().wrench(turned)
 
     def input_power(self, wrench: Array) -> float:
-        """Return the power of screw and nut, from forces and moments about the axis in space [W]."""
-        axial, moment = about_axis(self.at, wrench)
+        """Return the power that screw and nut supply against friction [W].
+
+        ``wrench``: friction on the balls, forces [N] and moments [N m] in the sections' axes ``(N, 4, 6)`` (`wrench`).
+        """
+        axial, moment = axial_force_and_moment(self.at, wrench)
         helical = moment + self.groove.ratio * axial
         return float(np.sum(helical * np.where(ON_SCREW, self.groove.screw_speed, self.groove.nut_speed)))
 
@@ -218,35 +248,38 @@ def chain_motion(
 ) -> ChainMotion:
     """Return the motion of the balls of one closed track, in order of azimuth, and the forces between them.
 
-    The contact of two balls is that of nominal ones; their sizes count in the slack.
+    Two balls touch each other as two nominal balls do; their actual sizes only change the slack between them.
 
     Parameters
     ----------
     scene, at
         The scene and the contacts of its balls.
     slack
-        As in `AnyChain` ``(N,)``.
-    friction, drive
-        Coefficients, and the motion of screw or nut.
+        Slack between each ball and the next one ``(N,)``, as in `AnyChain`.
+    friction
+        Coefficients of friction.
+    drive
+        Motion of screw or nut.
     grooves
         Nominal grooves.
     start
-        Motions ``(N, 4)`` [rad/s] and forces ``(N,)`` [N] to begin from.
+        First estimates: motions of the balls ``(N, 4)`` [rad/s], then forces between neighbours ``(N,)`` [N]. If None, the
+        solution begins without estimates.
     fast
-        Whether to use compiled kernels.
+        Whether to use the compiled functions instead of plain Python.
 
     Returns
     -------
     ChainMotion
-        The motion; see ``converged`` for a failure.
+        The motion; its field ``converged`` is False if no solution was found.
     """
-    share, top = shares(friction)
-    rubs = rubs_of(scene, at, top * share, drive)
+    share, top = relative_coefficients(friction)
+    rubs = friction_contacts(scene, at, top * share, drive)
     motion = solve_chain(
         SceneChain(grooves, at.force, at.normals, slack, at, rubs, friction.between_balls), start, fast, True
     )
     for rows in (motion.seen, motion.pull):
-        turn_back(at, rows)
+        rotate_to_groove_axes(at, rows)
     return motion
 
 
@@ -260,7 +293,7 @@ class Balls:
 
     #: Tracks of the circuits.
     tracks: tuple[ClosedTrack, ...]
-    #: ``(N,)`` [m].
+    #: Radii of the balls ``(N,)`` [m].
     radius: Array
     #: Number of the ball in the scene ``(N,)``, -1 in the return.
     number: NDArray[np.int64]
@@ -280,7 +313,16 @@ class Balls:
         return np.asarray(out - self.spacing)
 
     def place(self, azimuth: Array) -> tuple[Array, NDArray[np.bool_]]:
-        """Return azimuths on helix of start 1 folded into the circuits ``(N,)``, and which balls are on a loaded arc."""
+        """Return the positions of all balls in their circuits, and which balls are on a loaded arc.
+
+        ``azimuth``: azimuths in the nut's frame ``(N,)`` [rad], which increase without bound as balls circulate.
+
+        Returns
+        -------
+        tuple
+            First the azimuths, on the helix of the first start, reduced to one revolution of each circuit ``(N,)`` [rad];
+            then whether each ball is on its loaded arc ``(N,)``.
+        """
         folded, loaded = np.empty_like(azimuth), np.zeros(azimuth.size, dtype=bool)
         for track in self.tracks:
             along = track.along(azimuth)
@@ -288,7 +330,11 @@ class Balls:
         return folded, loaded
 
     def layout(self, scene: Scene, folded: Array, turned: float = 0.0) -> BallLayout:
-        """Return the positions of all balls at azimuths ``folded`` ``(N,)`` of `place`, where the nut has turned [rad]."""
+        """Return the positions of all balls in space.
+
+        ``folded``: azimuths of the balls ``(N,)`` [rad], the first value that `place` returns; ``turned``: angle by which
+        the nut has turned since the start [rad].
+        """
         track, starts = scene.track, np.empty(folded.size)
         for loop in self.tracks:
             starts[loop.balls] = loop.start
@@ -315,9 +361,9 @@ def balls_of(scene: Scene, friction: Friction, drive: Drive, drawn: Drawn, membe
     Raises
     ------
     CircuitError
-        Impossible circuits.
+        The circuits cannot hold their balls.
     ValueError
-        Balls that overlap, or a circuit without clearance.
+        Balls overlap, or a circuit has no clearance.
     """
     tracks, azimuths, numbers = zip(*circuits(scene), strict=True)
     azimuth, number = np.concatenate(azimuths), np.concatenate(numbers)
@@ -332,10 +378,16 @@ def balls_of(scene: Scene, friction: Friction, drive: Drive, drawn: Drawn, membe
     balls = Balls(tracks, radius, number, azimuth, spacing, grooves)
     gaps = balls.gaps(azimuth)
     if gaps.min() < -FULL:
-        raise ValueError(f"balls overlap by {-1e6 * pair.closing * gaps.min():.3g} um where the run begins")
+        raise ValueError(
+            f"neighbouring balls overlap by {-1e6 * pair.closing * gaps.min():.3g} um at the beginning; smaller balls or "
+            "larger angles between them are needed"
+        )
     for members in (track.balls for track in tracks):
         if members.stop - members.start > 1 and gaps[members].sum() < FULL:
-            raise ValueError("a circuit without any clearance: forces between its balls are not determined")
+            raise ValueError(
+                "a circuit has no clearance, so that the forces between its balls are not determined; "
+                "it needs gaps between the balls"
+            )
     return balls
 
 
@@ -348,27 +400,27 @@ CLOSING = 1e-9
 
 @dataclass(frozen=True)
 class Onset:
-    """Time until neighbours of a static state meet: N balls, M pairs of neighbours in their circuits."""
+    """Rotation until neighbouring balls of a static state meet: N balls, M pairs of neighbours in their circuits."""
 
-    #: Angular speeds ``(N,)`` [rad/s], of unloaded balls as assumed.
+    #: Angular speeds of the balls around the axis ``(N,)`` [rad/s]; those of unloaded balls are assumed.
     orbit: Array
-    #: Sums of contact loads ``(N,)`` [N].
+    #: Sum of the contact loads of each ball ``(N,)`` [N].
     loaded: Array
     #: Numbers of the balls, the second at the larger azimuth ``(M, 2)``.
     pair: NDArray[np.int64]
     #: Gap between the two balls of a pair ``(M,)`` [rad].
     gap: Array
-    #: Angle of the rotating part at which they meet at these speeds ``(M,)`` [rad]; inf: never.
+    #: Rotation of the driven part after which the two balls meet at these speeds ``(M,)`` [rad]; infinite if they never do.
     meeting: Array
-    #: Angle at which the leading one has left its loaded arc, or the balls of a bearing have gone round once ``(M,)``
-    #: [rad].
+    #: Rotation of the driven part after which the leading ball of the pair has left its loaded arc, or the balls of a
+    #: bearing have gone round once ``(M,)`` [rad].
     leaving: Array
-    #: Whether friction balances on every ball.
+    #: Whether the friction forces are in balance on every ball.
     converged: bool
 
     @property
     def first(self) -> float:
-        """Angle of the rotating part at which the first neighbours meet [rad]."""
+        """Rotation of the driven part after which the first two neighbours meet [rad]; infinite if none do."""
         return float(self.meeting.min(initial=np.inf))
 
     @property
@@ -378,26 +430,27 @@ class Onset:
 
 
 def contact_onset(scene: Scene, result: StaticResult, idle: float = 0.0, drive: Drive = NUT) -> Onset:
-    """Return the onset of ball-to-ball contact from a static load distribution (Lin 4.3.2).
+    """Return when neighbouring balls begin to touch, from a static load distribution (section 4.3.2 of Lin's thesis).
 
     Lin argues from the loads: balls that lose contact stay behind, so that others run into them. Here each loaded ball
-    moves with least dissipation at its static loads. Speeds are those of the moment: where balls go as they roll, and how
-    loads follow, needs a run in time. They do not depend on the coefficient of friction and are proportional to the speed
-    of the rotating part.
+    moves with least dissipation at its static loads. The speeds are those at this instant; how the balls go on, and how
+    their loads change, can only be computed by a run in time. The speeds do not depend on the coefficient of friction and
+    are proportional to the speed of the rotating part.
 
     Parameters
     ----------
     scene, result
         The scene and its static result.
     idle
-        Orbit of unloaded balls over the nominal one: 0, they do not move, as Lin assumes; 1, they roll along.
+        Angular speed of unloaded balls around the axis as a ratio of the nominal one: with 0 they do not move, as Lin
+        assumes; with 1 they roll along with the others.
     drive
         Motion of screw or nut.
 
     Raises
     ------
     ValueError
-        Loads that did not converge, balls that overlap, or impossible circuits.
+        The static loads did not converge, balls overlap, or the circuits cannot hold their balls.
     """
     path = ball_path(scene, drive, scene.balls.radius)
     balls = ball_friction(scene, contacts_of_result(scene, result), Friction(1.0, 1.0), drive, fast=is_copy_loaded(CONTACT))
@@ -418,7 +471,7 @@ def contact_onset(scene: Scene, result: StaticResult, idle: float = 0.0, drive: 
             leaving.append(np.full(after.size, 2.0 * np.pi / abs(path.nominal_orbit)) if ring else left / leader)
     pair, gap = np.concatenate(pairs), np.concatenate(gaps)
     if np.any(gap < -CLOSE):
-        raise ValueError("the balls of the scene overlap")
+        raise ValueError("neighbouring balls of the scene overlap; larger angles between the balls are needed")
     speed = abs(drive.speed)
     closing = orbit[pair[:, 0]] - orbit[pair[:, 1]]
     meets = closing > CLOSING * speed

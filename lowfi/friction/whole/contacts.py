@@ -31,9 +31,9 @@ FAINT = 1e-9
 
 @dataclass(frozen=True)
 class StaticContacts:
-    """Contacts of N balls with the flanks SL, SR, NL, NR (screw or nut, left or right) by a static model."""
+    """Contacts of N balls with the flanks SL, SR, NL, NR (screw or nut, left or right), from a static model."""
 
-    #: Radius of the balls with errors ``(N,)`` [m].
+    #: Radius of each ball, errors included ``(N,)`` [m].
     ball_radius: Array
     #: Contact forces ``(N, 4)`` [N], zero without contact.
     force: Array
@@ -86,11 +86,11 @@ class StaticContacts:
 def contacts_of_result(scene: Scene, result: StaticResult, member: int = 0) -> StaticContacts:
     """Return the contacts of a static result, with the Hertz constants that the scene's ingredient ``hertz`` chooses.
 
-    member: number of the specimen with random errors for which ``result`` was solved. Raises ValueError if the result did
-    not converge.
+    ``member``: number of the specimen with random errors for which ``result`` was solved. Raises ValueError if the result
+    did not converge.
     """
     if not result.converged:
-        raise ValueError(f"friction needs converged contact loads: {result.status}")
+        raise ValueError(f"friction cannot be computed, because the contact loads did not converge: {result.status}")
     layout = ball_layout(scene)
     return contacts_at(scene, result, specimen(scene, layout, member), layout)
 
@@ -117,13 +117,19 @@ def contacts_at(scene: Scene, result: StaticResult | ContactLoads, drawn: Specim
 
 
 def _force_cube_root(force: Array) -> Array:
-    """Return cube roots of contact forces ``(N, 4)``, for the semi-axes; tiny but not zero for unloaded contacts."""
+    """Return the cube roots of contact forces ``(N, 4)`` [N^(1/3)], which the semi-axes are proportional to.
+
+    For unloaded contacts they are tiny but not zero.
+    """
     most = force.max(axis=1, keepdims=True)
     return np.asarray(np.cbrt(np.maximum(force, np.maximum(FAINT * most, 1e-30))))
 
 
 def replace_loads(at: StaticContacts, force: Array, angle: Array) -> StaticContacts:
-    """Return contacts with other forces ``(N, 4)`` [N] and contact angles ``(N, 4)`` [rad] but the same Hertz constants."""
+    """Return the contacts ``at`` with other forces and the same Hertz constants.
+
+    ``force``: contact forces ``(N, 4)`` [N]; ``angle``: contact angles ``(N, 4)`` [rad].
+    """
     grown = _force_cube_root(force) / _force_cube_root(at.force)
     return replace(at, force=force, angle=angle, a=at.a * grown, b=at.b * grown)
 
@@ -164,9 +170,11 @@ def spread_to_all_balls(
 
 
 def _ellipse_constants(scene: Scene, drawn: Specimen, angle: Array) -> tuple[Array, Array, NDArray[np.bool_]]:
-    """Return Hertz constants of long and short semi-axes ``(N, 4)``, and whether the long one lies across the groove.
+    """Return the Hertz constants of the long, then the short semi-axes, and whether the long one lies across the groove.
 
-    The scene's ingredient ``hertz`` chooses the radii: nominal, with errors, or as printed in Lin's thesis.
+    Each array is ``(N, 4)``; the semi-axes [m] are the constants times the cube root of the force [N]. The scene's
+    ingredient ``hertz`` chooses the radii: nominal, with the errors ``drawn``, or as printed in Lin's thesis. ``angle``:
+    contact angles ``(N, 4)`` [rad].
     """
     kind, shape = scene.ingredients.hertz, angle.shape
     if kind == "as printed":
@@ -184,7 +192,7 @@ def _ellipse_constants(scene: Scene, drawn: Specimen, angle: Array) -> tuple[Arr
 
 
 def _printed_ellipse_constants(scene: Scene) -> tuple[Array, Array]:
-    """Return the Hertz constants of long and short semi-axes ``(4,)`` with the errors of Lin's Table B.1."""
+    """Return the Hertz constants of the long, then the short semi-axes ``(4,)`` [m/N^(1/3)] by Lin's printed Table B.1."""
     bare = replace(scene, errors=Errors())
     drawn = specimen(bare, ball_layout(bare))
     gamma, ball = np.full(scene.ball_count, scene.track.contact_angle), scene.balls.material

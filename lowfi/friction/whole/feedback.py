@@ -1,8 +1,8 @@
 """Effect of friction on the position of a ball: new contact loads and angles at the same axial load of every ball.
 
-Friction across the groove pushes each ball sideways until its contacts resist, at other contact angles or on a third
-flank (Lin 3.4.1). Each ball moves in its section and the screw along its axis by as much as keeps the axial load
-that this ball carries, friction included; how loads are shared among balls stays as the static model has it.
+Friction across the groove pushes each ball sideways until its contacts resist, at other contact angles or on a third flank
+(section 3.4.1 of Lin's thesis). Each ball moves in its section and the screw along its axis by as much as keeps the axial
+load that this ball carries, friction included; how loads are shared among balls stays as the static model has it.
 """
 
 from __future__ import annotations
@@ -24,12 +24,14 @@ from rollbench.meshes.errors import Specimen, specimen
 from rollbench.meshes.parts import Friction, Scene
 from rollbench.meshes.parts import Motion as Drive
 
-#: Difference of friction and what of it is fed back, as a fraction of a ball's contact loads: aimed at, and accepted.
+#: Difference between the friction in the contacts and the friction that they balance, as a fraction of a ball's contact
+#: loads: the tolerance that the iteration aims at, and the largest difference that is accepted.
 AGREED, ACCEPTED = 1e-7, 1e-4
-#: Rounds after which a ball is solved by Newton's method: where a lightly loaded contact is about to slip or to stick,
-#: friction turns with the smallest change of place, and rounds go to and fro about the state.
+#: Rounds after which a ball is solved by Newton's method. Where a lightly loaded contact is about to slip or to stick,
+#: friction changes its direction with the smallest change of position, and the rounds go to and fro about the equilibrium.
 ROUNDS = 40
-#: Step of the differences that make its slope, and where it ends, as fractions of a ball's contact loads; trials at most.
+#: Newton's method: step of the finite differences and final step, as fractions of a ball's contact loads; largest number of
+#: evaluations.
 DIFFERENCE, SOLVED, TRIALS = 1e-8, 1e-12, 400
 #: Displaced starts in the search for other states, and difference of states, as fractions of a ball's largest force.
 DISPLACED, ANOTHER = 3.0, 1e-3
@@ -39,24 +41,25 @@ JAMMED = 0.3
 
 @dataclass(frozen=True)
 class Seats:
-    """N balls between their grooves at the static state."""
+    """Positions of N balls relative to their four grooves in the static state, without friction."""
 
     #: Vector from the centre of each groove's profile to the ball's centre along x3, z3 ``(N, 4, 2)`` [m].
     away: Array
     #: Length of this vector where ball and groove just touch ``(N, 4)`` [m].
     reach: Array
-    #: Hertz constants ``(N, 4)``.
+    #: Hertz constants C of the approach C F^(2/3) ``(N, 4)`` [m/N^(2/3)].
     C: Array
     #: Direction of the screw's axis in x3, y3, z3 ``(3,)``.
     axis: Array
 
 
-def seats(at: StaticContacts, C: Array, reach: Array, centre: Array) -> Seats:
-    """Return balls between their grooves from their contacts.
+def ball_seats(at: StaticContacts, C: Array, reach: Array, centre: Array) -> Seats:
+    """Return the positions of N balls relative to their grooves from their contacts.
 
-    A flank without contact moves with the other one of its body. A ball without load keeps its nominal position.
-
-    reach ``(N, 4)``, centre ``(N, 4, 2)``: of the profiles without load [m].
+    A flank without contact moves with the other flank of its body. A ball without load keeps its nominal position. ``at``:
+    contacts of the balls; ``C``: Hertz constants ``(N, 4)`` [m/N^(2/3)]; ``reach`` ``(N, 4)`` [m]: distance of the ball's
+    centre from the centre of each groove's profile where both just touch; ``centre`` ``(N, 4, 2)`` [m]: centres of the
+    profiles.
     """
     squeeze = C * np.cbrt(at.force) ** 2
     away = (reach + squeeze)[..., None] * at.normals[..., [0, 2]]
@@ -68,22 +71,32 @@ def seats(at: StaticContacts, C: Array, reach: Array, centre: Array) -> Seats:
     return Seats(away, reach, C, np.asarray(at.frames[0, :, 2]))
 
 
-def seats_of(scene: Scene, result: StaticResult, at: StaticContacts, member: int = 0) -> Seats:
-    """Return Hertz constants and geometry of all contacts of a solved scene; member: as for `contacts_of`."""
-    return seats_at(at, specimen(scene, at.layout, member), result.hertz_C)
+def ball_seats_of_result(scene: Scene, result: StaticResult, at: StaticContacts, member: int = 0) -> Seats:
+    """Return the positions of the balls of a solved scene relative to their grooves.
+
+    ``at``: contacts of the static ``result``; ``member``: number of the specimen with random errors that was solved.
+    """
+    return ball_seats_with_errors(at, specimen(scene, at.layout, member), result.hertz_C)
 
 
-def seats_at(at: StaticContacts, drawn: Specimen, C: Array) -> Seats:
-    """Return the geometry of contacts with errors ``drawn`` and Hertz constants C ``(N, 4)``."""
+def ball_seats_with_errors(at: StaticContacts, drawn: Specimen, C: Array) -> Seats:
+    """Return the positions of N balls relative to grooves with errors.
+
+    ``at``: contacts of the balls; ``drawn``: parts with random errors; ``C``: Hertz constants ``(N, 4)`` [m/N^(2/3)].
+    """
     inward = np.zeros_like(at.angle)
     for s, row in enumerate(drawn.profile):
         inward[:, s] = np.polynomial.polynomial.polyval(at.angle[:, s], row) if row.size else 0.0
     reach = drawn.radius[None, :] - inward - drawn.ball_radius[:, None]
-    return seats(at, C, reach, drawn.centre)
+    return ball_seats(at, C, reach, drawn.centre)
 
 
-def _left(force: Array, normal: Array, along: Array, applied: Array) -> Array:
-    """Return forces ``(N, 3)`` [N] by which contacts leave balls (x3, z3) and screw (z) out of balance with given ones."""
+def _unbalanced_forces(force: Array, normal: Array, along: Array, applied: Array) -> Array:
+    """Return the sum of the contact forces on each ball (x3, z3) and on the screw (z), less given forces ``(N, 3)`` [N].
+
+    ``force`` ``(N, 4)``: contact forces [N]; ``normal`` ``(N, 4, 2)``: their directions in x3, z3; ``along`` ``(2,)``:
+    direction of the screw's axis in x3, z3; ``applied`` ``(N, 3)``: the given forces [N].
+    """
     push = force[..., None] * normal
     screw = -np.einsum("nsi,i->n", push[:, ON_SCREW], along)
     return np.column_stack([push.sum(axis=1), screw]) - applied
@@ -91,23 +104,23 @@ def _left(force: Array, normal: Array, along: Array, applied: Array) -> Array:
 
 @dataclass(frozen=True)
 class FedBack:
-    """Contacts and friction of N balls that agree.
+    """Contacts of N balls that are in equilibrium with the friction which acts in these contacts.
 
-    A ball fails where the contacts and the friction returned leave it, or the axial load that it carried without friction,
-    out of balance by more than ``ACCEPTED`` of its contact loads.
+    A ball fails if its forces, or the axial load that it carried without friction, are out of balance by more than
+    ``ACCEPTED`` times its contact loads.
     """
 
-    #: The contacts.
+    #: Contacts of the balls with friction.
     at: StaticContacts
-    #: The friction.
+    #: Motion and friction of the balls in these contacts.
     friction: BallFriction
     #: Which balls failed ``(N,)``.
     failed: NDArray[np.bool_]
-    #: Number of rounds.
+    #: Number of rounds of the iteration.
     rounds: int
-    #: Largest force out of balance over the ball's contact loads.
+    #: Largest force out of balance on a ball over the sum of its contact loads.
     change: float
-    #: Forces of friction on balls and screw that the contacts balance ``(N, 3)`` [N], see ``settle_seats``.
+    #: Friction on the balls along x3 and z3 and on the screw along its axis, which the contacts balance ``(N, 3)`` [N].
     push: Array
 
 
@@ -121,36 +134,45 @@ def feed_back(
     near: Array | None = None,
     motion: Array | None = None,
 ) -> FedBack:
-    """Return contacts and friction in agreement, ball by ball.
+    """Return the contact loads, angles and friction of each ball that are in equilibrium with each other.
 
-    Begun at the static state, so that of several states it is the one that rolls on from there.
+    The iteration begins at the static state. If a ball has several equilibria, this leads to the one that it reaches by
+    rolling from the static state.
 
     Parameters
     ----------
-    scene, at, place
-        The scene, its contacts without friction, and its balls between their grooves.
-    friction, drive
-        Coefficients, and the motion of screw or nut.
+    scene
+        Screw whose friction displaces balls.
+    at
+        Contacts of its N balls without friction.
+    place
+        Positions of the balls relative to their grooves without friction.
+    friction
+        Coefficients of friction.
+    drive
+        Motion of screw or nut.
     fast
-        Whether to use compiled kernels.
+        Whether to use the compiled functions instead of plain Python.
     near
-        Forces of friction of a similar state to begin with instead ``(N, 3)`` (``FedBack.push``).
+        Friction of a similar state ``(N, 3)`` [N] (`FedBack.push`), from which the iteration begins instead.
     motion
-        Its motions ``(N, 4)`` [rad/s], which lead sooner to the same ones.
+        Motions of the balls in a similar state ``(N, 4)`` [rad/s]. They shorten the solution but do not change it.
 
     Returns
     -------
     FedBack
-        The state; see ``failed`` for balls without one.
+        The equilibrium; its field ``failed`` marks balls for which none was found.
     """
     count = at.force.shape[0]
     along, loaded = place.axis[[0, 2]], at.force.sum(axis=1) > 0.0
-    still = _left(at.force, at.normals[..., [0, 2]], along, np.zeros((count, 3)))
+    still = _unbalanced_forces(at.force, at.normals[..., [0, 2]], along, np.zeros((count, 3)))
     guess, shift, mixer = np.zeros((count, 3)), np.zeros((count, 3)), AndersonMixer(2, ROUNDS)
     contacts, active, rounds = at, np.flatnonzero(loaded), 0
     if near is not None and active.size:
         guess[active] = near[active]
-        contacts, shift[active], _ = _seated(at, place, active, still[active] + guess[active], shift[active], at, fast)
+        contacts, shift[active], _ = _contacts_under_forces(
+            at, place, active, still[active] + guess[active], shift[active], at, fast
+        )
     failed = np.zeros(count, dtype=bool)
     q = np.full((count, 4), np.nan) if motion is None else motion.copy()
     while active.size and rounds < ROUNDS:
@@ -158,12 +180,12 @@ def feed_back(
         chosen = contacts.subset(active)
         by_ball = ball_friction(scene, chosen, friction, drive, fast, q[active])
         q[active] = by_ball.q
-        answer = _answer(by_ball, chosen, place.axis)
+        answer = _friction_on_balls_and_screw(by_ball, chosen, place.axis)
         unsettled = (np.abs(answer - guess[active]).max(axis=1) > AGREED * chosen.force.sum(axis=1)) | failed[active]
         active = active[unsettled]
         mixer.keep(unsettled)
         guess[active] = mixer.next(guess[active], answer[unsettled])
-        contacts, shift[active], failed[active] = _seated(
+        contacts, shift[active], failed[active] = _contacts_under_forces(
             contacts, place, active, still[active] + guess[active], shift[active], at, fast
         )
     for ball in active:
@@ -172,22 +194,34 @@ def feed_back(
         one, size = np.array([ball]), float(contacts.force[ball].sum())
 
         def excess(x: Array, one: NDArray[np.int64] = one, size: float = size) -> Array:
-            there, _, _ = _seated(at, place, one, still[one] + size * x, shift[one], at, fast)
+            """Return by how much the friction at given friction x exceeds x itself, as fractions of the contact loads."""
+            there, _, _ = _contacts_under_forces(at, place, one, still[one] + size * x, shift[one], at, fast)
             chosen = there.subset(one)
             by_ball = ball_friction(scene, chosen, friction, drive, fast, q[one])
-            return np.asarray(_answer(by_ball, chosen, place.axis)[0] / size - x)
+            return np.asarray(_friction_on_balls_and_screw(by_ball, chosen, place.axis)[0] / size - x)
 
         options = {"xtol": SOLVED, "eps": DIFFERENCE**2, "maxfev": TRIALS}
         guess[ball] = size * root(excess, guess[ball] / size, options=options).x
-        contacts, shift[one], failed[one] = _seated(contacts, place, one, still[one] + guess[one], shift[one], at, fast)
+        contacts, shift[one], failed[one] = _contacts_under_forces(
+            contacts, place, one, still[one] + guess[one], shift[one], at, fast
+        )
     final = ball_friction(scene, contacts, friction, drive, fast, q)
-    off = _left(contacts.force, contacts.normals[..., [0, 2]], along, still + _answer(final, contacts, place.axis))
+    off = _unbalanced_forces(
+        contacts.force,
+        contacts.normals[..., [0, 2]],
+        along,
+        still + _friction_on_balls_and_screw(final, contacts, place.axis),
+    )
     change = np.abs(off).max(axis=1) / np.maximum(contacts.force.sum(axis=1), 1e-300)
     return FedBack(contacts, final, failed | (change > ACCEPTED), rounds, float(change.max(initial=0.0)), guess)
 
 
-def _answer(by_ball: BallFriction, at: StaticContacts, axis: Array) -> Array:
-    """Return the friction on balls along x3, z3 and on the screw along its axis ``(3,)``, ``(N, 3)`` [N]."""
+def _friction_on_balls_and_screw(by_ball: BallFriction, at: StaticContacts, axis: Array) -> Array:
+    """Return the friction on each ball along x3 and z3 and on the screw along its axis ``(N, 3)`` [N].
+
+    ``by_ball``: friction of the balls in the contacts ``at``; ``axis`` ``(3,)``: direction of the screw's axis in x3, y3,
+    z3.
+    """
     wrench = by_ball.wrench(at.normals)[..., :3]
     drag = -np.einsum("nsi,i->n", wrench[:, ON_SCREW], axis)
     return np.column_stack([wrench[:, :, [0, 2]].sum(axis=1), drag])
@@ -196,10 +230,11 @@ def _answer(by_ball: BallFriction, at: StaticContacts, axis: Array) -> Array:
 def second_states(
     scene: Scene, place: Seats, at: StaticContacts, rolling: FedBack, friction: Friction, drive: Drive, fast: bool = False
 ) -> tuple[int, ...]:
-    """Return the balls that settle in another state, jammed between their grooves, from one of four displaced starts.
+    """Return the indices of balls for which another equilibrium is found, jammed between their grooves.
 
-    Starts push the balls with ``DISPLACED`` times their largest contact load along x3 and z3. A search: that it finds
-    none is no proof that there is none. ``at``: contacts without friction, ``rolling``: the state that rolls on from them.
+    The search starts from four displaced states, in which the balls are pushed along x3 or z3 with ``DISPLACED`` times
+    their largest contact load. It may miss such an equilibrium. ``place``, ``at``: positions and contacts of the balls
+    without friction; ``rolling``: the equilibrium that the balls reach by rolling from there.
     """
     size, other = rolling.at.force.max(axis=1), np.zeros(at.force.shape[0], dtype=bool)
     for axis in range(2):
@@ -212,7 +247,7 @@ def second_states(
     return tuple(int(k) for k in np.flatnonzero(other))
 
 
-def _seated(
+def _contacts_under_forces(
     contacts: StaticContacts,
     place: Seats,
     balls: NDArray[np.int64],
@@ -221,7 +256,18 @@ def _seated(
     bare: StaticContacts,
     fast: bool,
 ) -> tuple[StaticContacts, Array, NDArray[np.bool_]]:
-    """Return contacts with some balls where given forces hold them, their shifts ``(k, 3)``, and which did not settle."""
+    """Return contacts in which k of the N balls are in equilibrium with given forces.
+
+    ``contacts``: contacts of all balls, of which those of ``balls`` ``(k,)`` (indices) are replaced; ``place``: positions
+    of all balls without friction; ``forces`` ``(k, 3)``: forces on each ball and on the screw [N]; ``start`` ``(k, 3)``:
+    displacements to begin from [m]; ``bare``: contacts without friction, whose loads give the scale of the tolerance.
+
+    Returns
+    -------
+    tuple
+        The contacts of all balls; displacements of the k balls along x3, z3 and of the screw along its axis ``(k, 3)`` [m];
+        which of the k balls found no equilibrium ``(k,)``.
+    """
     away = place.away[balls]
     pressed = np.hypot(away[..., 0], away[..., 1]) - place.reach[balls]
     x, force, normal, left = settle_each_ball(away, pressed, place.C[balls], place.axis[[0, 2]], forces, start, fast)

@@ -1,7 +1,7 @@
 """Motion, friction and losses of every ball of a screw or bearing at the contact loads of a static model.
 
-The motion of each ball is that of least dissipation (``motion``); friction does not change the loads. The sums that
-follow from it, torques and efficiencies, are in ``screw_torque``.
+The motion of each ball is that of least dissipation (``lowfi.friction.screw.motion``); friction does not change the loads.
+The sums that follow from it, torques and efficiencies, are in ``lowfi.friction.whole.torque``.
 
 Heathcote slip is what the curvature of the contact across the groove adds to the losses of flat contact ellipses. Ball and
 groove meet in a surface of radius R_d across the groove, 1/R_d = (1/R_ball + 1/R_groove)/2. A ball that rolls with
@@ -38,25 +38,28 @@ UNBALANCED = 1e-6
 
 @dataclass(frozen=True)
 class BallPath(HelicalMotion):
-    """Ball of a given radius on the scene's helix."""
+    """Motion of a ball of a given radius along the scene's helix, or round the ring of a bearing (zero lead)."""
 
-    #: [m].
+    #: Radius of the ball [m].
     ball_radius: float
-    #: [m].
+    #: Radius of the helix of ball centres [m].
     pitch_radius: float
-    #: [rad].
+    #: Nominal contact angle [rad].
     contact_angle: float
-    #: [m].
+    #: Advance per turn [m], negative for a left-hand thread.
     lead: float
-    #: [rad/s].
+    #: Angular speed of the nut [rad/s].
     nut_speed: float
-    #: [rad/s].
+    #: Angular speed of the screw [rad/s].
     screw_speed: float
 
 
 @lru_cache(maxsize=64)
 def ball_path(scene: Scene, drive: Drive, ball_radius: float) -> BallPath:
-    """Return the kinematics of a ball of a radius [m] in a scene whose screw or nut turns; cached."""
+    """Return the kinematics of a ball of radius ``ball_radius`` [m] in a scene; results are cached.
+
+    ``drive``: motion of the screw or nut that turns.
+    """
     screw = drive.speed if drive.turns == "screw" else 0.0
     track = scene.track
     lead = 2.0 * np.pi * reduced_lead(track)
@@ -65,11 +68,13 @@ def ball_path(scene: Scene, drive: Drive, ball_radius: float) -> BallPath:
 
 @dataclass(frozen=True)
 class BallFriction:
-    """Motion and friction of N balls, contacts in the order SL, SR, NL, NR."""
+    """Motion and friction of N balls, each with four contacts in the order SL, SR, NL, NR (screw, nut; left, right)."""
 
-    #: Speed about the axis of a frame in which the part that does not rotate is at rest ``(N,)`` [rad/s]; nan without load.
+    #: Angular speed of each ball's centre around the axis ``(N,)`` [rad/s], seen from the part that does not rotate; nan
+    #: without load.
     orbit: Array
-    #: About x3, y3, z3, relative to that turning frame ``(N, 3)`` [rad/s]; nan without load.
+    #: Angular speed of each ball about x3, y3, z3, relative to its section, which goes round with it ``(N, 3)`` [rad/s];
+    #: nan without load.
     rotation: Array
     #: Of the ball against the groove: sliding of the contact's centre across (x) and along (z) the groove, and spin about
     #: the normal ``(N, 4, 3)`` [m/s, rad/s].
@@ -78,13 +83,13 @@ class BallFriction:
     force: Array
     #: Moment of friction on the ball about the normal ``(N, 4)`` [N m].
     moment: Array
-    #: Loss by ``CAUSES`` ``(N, 4, 3)`` [W].
+    #: Power lost in each contact by each of the three ``CAUSES`` ``(N, 4, 3)`` [W].
     loss: Array
-    #: Which contacts stick ``(N, 4)``.
+    #: Whether each contact sticks ``(N, 4)``.
     rest: NDArray[np.bool_]
-    #: Status of each ball; ``"no load"`` for one that nothing presses.
+    #: Status of the solution for each ball; ``"no load"`` for a ball without contact forces.
     status: tuple[str, ...]
-    #: Largest force out of balance, as a fraction of the ball's sum of mu F.
+    #: Largest generalised force out of balance of all balls, as a fraction of the ball's sum of mu F.
     left: float
 
     @property
@@ -103,7 +108,11 @@ class BallFriction:
         return float(self.loss.sum())
 
     def wrench(self, normals: Array) -> Array:
-        """Return the friction force and moment on the ball at each contact in x3, y3, z3 ``(N, 4, 6)`` [N, N m]."""
+        """Return the friction on each ball at its contacts ``(N, 4, 6)``: three forces [N], three moments [N m].
+
+        The components are in x3, y3, z3. ``normals``: unit vectors from each ball's centre to its contacts in x3, y3, z3
+        ``(N, 4, 3)``.
+        """
         return contact_wrench(normals, self.force, self.moment)
 
 
@@ -112,33 +121,38 @@ def ball_friction(
 ) -> BallFriction:
     """Return the motion of least dissipation and the friction of every ball.
 
-    Where all coefficients are zero the motion is the limit for equal ones that vanish. Valid for a helix of any hand and
-    number of starts and for a ring (zero lead); groove errors and the bending of the screw enter by loads and contact
-    angles, not by the directions of motion.
+    If all coefficients are zero, the motion is the limit of motions with equal coefficients that tend to zero. It is valid
+    for a helix of any hand and number of starts and for a ring (zero lead). Groove errors and the bending of the screw
+    have an influence by the loads and contact angles, but not by the directions of motion.
 
     Parameters
     ----------
-    scene, at
-        The scene and the contacts of its balls.
-    friction, drive
-        Coefficients, and the motion of screw or nut.
+    scene
+        Screw or bearing.
+    at
+        Contacts of its N balls.
+    friction
+        Coefficients of friction.
+    drive
+        Motion of screw or nut.
     fast
-        Whether to use compiled kernels.
+        Whether to use the compiled functions instead of plain Python.
     near
-        Motions of a similar state to begin from ``(N, 4)`` (``BallFriction.q``), nan where none is known.
+        First estimates of the motions ``(N, 4)`` [rad/s], from a similar state (``BallFriction.q``); nan for balls without
+        an estimate. If None, there are no estimates.
 
     Raises
     ------
     ValueError
-        No motion.
+        The speed of screw and nut is zero.
     """
     if drive.speed == 0.0:
-        raise ValueError("friction at rest is not determined: give a speed")
+        raise ValueError("friction at rest is not determined; it needs a speed of screw or nut other than zero")
     count = at.force.shape[0]
     loaded = np.flatnonzero(at.force.sum(axis=1) > 0.0)
     pressed = at.subset(loaded)
-    share, top = shares(friction)
-    rubs = rubs_of(scene, pressed, share, drive)
+    share, top = relative_coefficients(friction)
+    rubs = friction_contacts(scene, pressed, share, drive)
     n = loaded.size
     q = np.full((n, 4), np.nan) if near is None else near[loaded]
     forces, rests, outcome = np.zeros((n, 4, 3)), np.zeros((n, 4)), np.zeros((n, 2))
@@ -147,8 +161,8 @@ def ball_friction(
     )
     seen = rubs.drives + np.einsum("nirj,nj->nir", rubs.maps, q)
     seen[rests > 0.0] = 0.0
-    turn_back(pressed, seen)
-    turn_back(pressed, forces)
+    rotate_to_groove_axes(pressed, seen)
+    rotate_to_groove_axes(pressed, forces)
     every, motion, pull = np.full((count, 4), np.nan), np.zeros((count, 4, 3)), np.zeros((count, 4, 3))
     rest, status = np.zeros((count, 4), dtype=bool), ["no load"] * count
     every[loaded], motion[loaded], pull[loaded] = q, seen, -top * forces
@@ -156,15 +170,18 @@ def ball_friction(
     left = outcome[:, 1] / rubs.shape[..., 2].sum(axis=1)
     for k, code, off in zip(loaded, outcome[:, 0].astype(int), left, strict=True):
         status[k] = STATUS[code] if off <= UNBALANCED else "failed"
-    return from_motions(at, every, motion, pull, rest, status, float(left.max(initial=0.0)))
+    return friction_of_motions(at, every, motion, pull, rest, status, float(left.max(initial=0.0)))
 
 
-def from_motions(
+def friction_of_motions(
     at: StaticContacts, q: Array, motion: Array, pull: Array, rest: NDArray[np.bool_], status: list[str], left: float
 ) -> BallFriction:
-    """Return the record of N balls from their motions.
+    """Return a `BallFriction` of N balls, with the losses that follow from their motions and friction.
 
-    q ``(N, 4)``: motions, nan without load; pull ``(N, 4, 3)``: force and moment of friction; the rest as in the record.
+    ``at``: contacts of the balls; ``q``: motions ``(N, 4)`` [rad/s], orbit and then rotation, nan without load; ``motion``:
+    sliding and spin of the contacts ``(N, 4, 3)`` [m/s, rad/s]; ``pull``: friction on the ball ``(N, 4, 3)``, two forces
+    [N] and the moment about the normal [N m]. ``rest``, ``status`` and ``left`` are taken over as the fields of the same
+    names.
     """
     loaded = at.force[..., None] > 0.0
     loss = np.where(loaded, -pull * np.nan_to_num(motion), 0.0) + 0.0
@@ -172,40 +189,54 @@ def from_motions(
     return BallFriction(q[:, 0], q[:, 1:], seen, pull[..., :2], pull[..., 2], loss, rest, tuple(status), left)
 
 
-def shares(friction: Friction) -> tuple[Array, float]:
-    """Return the coefficients at the contacts as parts of the largest ``(4,)``, and that one; ones where all are zero.
+def relative_coefficients(friction: Friction) -> tuple[Array, float]:
+    """Return the ratios of the four contacts' coefficients of friction to the largest coefficient, and this coefficient.
 
-    Motions depend only on ratios of coefficients: without friction they are the limit for equal ones that vanish.
+    The ratios ``(4,)`` are in the order SL, SR, NL, NR. They are 1 if all coefficients are zero: the motions depend only on
+    the ratios, so those without friction are the limit of motions with equal coefficients that tend to zero.
     """
     mu = np.array([friction.screw, friction.screw, friction.nut, friction.nut])
     top = float(mu.max())
     return (mu / top if top > 0.0 else np.ones(4)), top
 
 
-def rubs_of(scene: Scene, at: StaticContacts, share: Array, drive: Drive) -> FrictionContacts:
-    """Return the contacts as friction needs them, with coefficients ``share`` ``(4,)``; axes x along the long semi-axis."""
+def friction_contacts(scene: Scene, at: StaticContacts, share: Array, drive: Drive) -> FrictionContacts:
+    """Return the sliding contacts of all balls in axes whose x lies along the long semi-axis of each contact ellipse.
+
+    ``at``: contact forces and ellipses; ``share``: coefficients of friction of the contacts SL, SR, NL, NR ``(4,)``,
+    absolute or relative; the friction bounds in the result are products of these and the forces. ``drive``: motion of screw
+    or nut.
+    """
     maps, drives = ball_path(scene, drive, scene.balls.radius).maps(at.normals, at.ball_radius)
     for rows in (maps, drives):
-        rows[~at.across] = _quarter(rows[~at.across])
+        rows[~at.across] = _rotate_quarter_turn(rows[~at.across])
     return FrictionContacts(
         np.stack([at.a, at.b, share * at.force], axis=-1), np.ascontiguousarray(maps), np.ascontiguousarray(drives)
     )
 
 
-def turn_back(at: StaticContacts, values: Array) -> None:
-    """Rotate values in the axes of `rubs_of` ``(N, 4, 3)`` to x across the groove and z along it, in place."""
-    values[~at.across] = _quarter(values[~at.across], -1.0)
+def rotate_to_groove_axes(at: StaticContacts, values: Array) -> None:
+    """Rotate components from the axes of `friction_contacts` to axes x across the groove and z along it.
+
+    ``values`` ``(N, 4, 3)``: components along x and z and about the normal for each contact; they are overwritten.
+    """
+    values[~at.across] = _rotate_quarter_turn(values[~at.across], -1.0)
 
 
-def _quarter(rows: Array, sign: float = 1.0) -> Array:
-    """Return components ``(k, 3, ...)`` along contact axes x, z turned by a quarter about their normals; sign -1: back."""
+def _rotate_quarter_turn(rows: Array, sign: float = 1.0) -> Array:
+    """Return the components of k contacts after their axes x, z have turned by 90 degrees about the contact normal.
+
+    ``rows`` ``(k, 3, ...)``: components along x and z and about the normal; ``sign``: 1 or, for the opposite sense, -1.
+    """
     return np.stack([sign * rows[:, 1], -sign * rows[:, 0], rows[:, 2]], axis=1)
 
 
 def closing_speeds(scene: Scene, at: StaticContacts, by_ball: BallFriction, drive: Drive) -> Array:
-    """Return the speed at which a ball approaches the next one of its start ``(N,)`` [m/s]; nan without one or load.
+    """Return the speed at which each ball approaches the next one of the same start ``(N,)`` [m/s].
 
-    The next one is at the larger azimuth; a ring's last ball is followed by its first, where the balls fill the turn.
+    It is negative if they separate. The next ball is the neighbour at the larger azimuth. The last ball of a ring is
+    followed by its first. The speed is nan for a ball without a next one and where one of both has no load. ``at``:
+    contacts of the N balls; ``by_ball``: their motions; ``drive``: motion of screw or nut.
     """
     path = ball_path(scene, drive, scene.balls.radius)
     count, starts = at.force.shape[0], scene.track.starts
@@ -231,7 +262,16 @@ WIDE = 0.03
 
 
 def quadrature(outwards: int = OUTWARDS, around: int = ROUND) -> tuple[Array, Array, Array]:
-    """Return points x, z ``(k,)`` of the unit disc and weights ``(k,)`` under Hertz's pressure, which sum up to one."""
+    """Return the points and weights of a quadrature over the unit disc with Hertz's pressure as the weight function.
+
+    ``outwards``, ``around``: numbers of points along a radius and around the disc, k in all.
+
+    Returns
+    -------
+    tuple
+        Coordinates x, then z, of the points ``(k,)`` as fractions of the semi-axes, then the weights ``(k,)``, whose sum is
+        1.
+    """
     node, weight = np.polynomial.legendre.leggauss(outwards)
     height, half = 0.5 * (1.0 + node), 0.5 * weight  # radius^2 = 1 - height^2 makes pressure a polynomial
     radius = np.sqrt(1.0 - height**2)
@@ -241,9 +281,16 @@ def quadrature(outwards: int = OUTWARDS, around: int = ROUND) -> tuple[Array, Ar
 
 
 def surface_speeds(scene: Scene, at: StaticContacts, drive: Drive, curved: float) -> tuple[Array, Array]:
-    """Return the sliding of the contacts' points by a ball's motion ``(N, 4, k, 2, 4)`` and by the drives ``(N, 4, k, 2)``.
+    """Return how points in the contacts slide by the motions of the balls and by the motion of screw and nut.
 
-    curved: factor of the contacts' curvature, 0 for flat ellipses.
+    ``at``: contacts of N balls, each with the k points of `quadrature`; ``drive``: motion of screw or nut; ``curved``:
+    factor of the contacts' curvature across the groove, 1 for the actual one and 0 for flat ellipses.
+
+    Returns
+    -------
+    tuple
+        First the sliding across and along the groove per unit of each ball's four motions ``(N, 4, k, 2, 4)`` [m]; then the
+        sliding by screw and nut while the ball rests ``(N, 4, k, 2)`` [m/s].
     """
     path = ball_path(scene, drive, scene.balls.radius)
     maps, drives = path.maps(at.normals, at.ball_radius)
@@ -269,9 +316,12 @@ def surface_speeds(scene: Scene, at: StaticContacts, drive: Drive, curved: float
 
 
 def least_power(rows: Array, added: Array, strength: Array, start: Array, slide: float) -> Array:
-    """Return the least power over the motions of N balls ``(N,)`` [W], by Newton's method at falling regularising speeds.
+    """Return the power that each of N balls loses in its motion of least dissipation ``(N,)``.
 
-    strength ``(N, 4)``: mu F [N]; start ``(N, 4)``: motions to begin from; slide: a typical sliding speed [m/s].
+    It is found by Newton's method. The sliding speed is regularised as sqrt(v^2 + eps^2), with eps reduced in steps.
+    ``rows``, ``added``: sliding of the contacts' points (`surface_speeds`); ``strength`` ``(N, 4)``: friction bound of each
+    contact, coefficient times force [N], or force times relative coefficient, then the power is relative, too; ``start``
+    ``(N, 4)``: motions to begin from [rad/s]; ``slide``: a typical sliding speed [m/s], the scale of eps.
     """
     loaded = (strength > 0.0).any(axis=0)
     weight = (strength[:, loaded, None] * quadrature()[2]).reshape(len(strength), -1)
@@ -279,6 +329,7 @@ def least_power(rows: Array, added: Array, strength: Array, start: Array, slide:
     q = start.copy()
 
     def value(motion: Array, eps: float) -> tuple[Array, Array, Array]:
+        """Return the power of each ball, the sliding of its points and the regularised size of this sliding [m/s]."""
         v = (rows @ motion[..., None]).reshape(added.shape) + added
         size = np.sqrt(v[..., 0] ** 2 + v[..., 1] ** 2 + eps * eps)
         return (weight * size).sum(axis=1), v, size
@@ -307,10 +358,13 @@ def least_power(rows: Array, added: Array, strength: Array, start: Array, slide:
     return value(q, 0.0)[0]
 
 
-def heathcote(scene: Scene, at: StaticContacts, by_ball: BallFriction, friction: Friction, drive: Drive) -> float:
-    """Return the part by which Heathcote slip raises the losses of all contacts at their loads; nan where nothing is lost.
+def heathcote_loss_increase(
+    scene: Scene, at: StaticContacts, by_ball: BallFriction, friction: Friction, drive: Drive
+) -> float:
+    """Return the relative increase of the losses of all contacts by Heathcote slip, at given loads; nan without any loss.
 
-    Accurate to about 0.002 (quadrature and regularising speeds, the same with and without curvature).
+    The increase is accurate to about 0.002. Quadrature and regularising speeds, which limit the accuracy, are the same with
+    and without curvature of the contacts.
 
     Parameters
     ----------
@@ -328,7 +382,7 @@ def heathcote(scene: Scene, at: StaticContacts, by_ball: BallFriction, friction:
     balls = np.flatnonzero(np.isfinite(by_ball.orbit))
     if balls.size == 0:
         return float("nan")
-    pressed, share = at.subset(balls), shares(friction)[0]
+    pressed, share = at.subset(balls), relative_coefficients(friction)[0]
     strength = share * pressed.force
     start = np.column_stack([by_ball.orbit, by_ball.rotation])[balls]
     seen = np.nan_to_num(by_ball.motion[balls])

@@ -19,8 +19,8 @@ from rollbench.lowfi.friction.screw.groove import ON_SCREW
 from rollbench.lowfi.friction.screw.travel import ClosedTrack, Instant, Place
 from rollbench.lowfi.friction.whole.circuit import Balls, SceneGrooves, chain_motion
 from rollbench.lowfi.friction.whole.contacts import StaticContacts, contacts_at, spread_to_all_balls
-from rollbench.lowfi.friction.whole.feedback import feed_back, seats_at
-from rollbench.lowfi.friction.whole.torque import about_axis, feeds_back
+from rollbench.lowfi.friction.whole.feedback import ball_seats_with_errors, feed_back
+from rollbench.lowfi.friction.whole.torque import axial_force_and_moment, feeds_back
 from rollbench.lowfi.statics.nominal import ContactLoads, beam_loads, elastic_loads
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.meshes.arrays import Array
@@ -29,41 +29,44 @@ from rollbench.meshes.helix import BallLayout, layout_at, reduced_lead
 from rollbench.meshes.parts import Friction, Scene, Track
 from rollbench.meshes.parts import Motion as Drive
 
-#: Length of a window of `Travelling` and the least one [rad], how far beyond it balls may be as a part of it, and how far
-#: they may move against each other [rad].
+#: Length of a window of `TravellingCompliance` and the least one [rad], how far beyond it balls may be as a part of it, and
+#: how far they may move against each other [rad].
 WINDOW, LEAST, BEYOND, APART = np.radians(8.0), 1e-4, 0.01, 5e-4
 
 
-class Window(NamedTuple):
-    """Compliance of a body at three positions of its balls: at the start, half a length and a length on."""
+class ComplianceWindow(NamedTuple):
+    """Compliance of a body at three positions of its balls: at the start, middle and end of a piece of the track."""
 
     #: Azimuth of the balls at the start [rad].
     azimuth: Array
     #: Axial position of the balls at the start [m].
     z: Array
-    #: [rad].
+    #: Angle by which the balls travel from the first to the third position [rad], negative if they travel backwards.
     length: float
-    #: ``(2 c, 2 c)`` each [m/N].
+    #: Compliance between the c contacts, each with two axes, at the three positions, each ``(2 c, 2 c)`` [m/N].
     G: tuple[Array, Array, Array]
 
 
 @dataclass
-class Travelling:
+class TravellingCompliance:
     """Compliance of bodies between contacts that travel round the track together, in place of `whole_body`.
 
-    Computed at three positions of a window, and between them by the parabola through these. A body of revolution with a
-    groove in it responds alike to balls that turn and advance together, but for its ends: the compliance changes slowly.
-    Where balls move by more than ``APART`` against each other, or others are on the loaded arc, a new window begins. For
-    one scene and backend.
+    The compliance is computed at three positions of a window, and between them by the parabola through these. A body of
+    revolution with a groove in it responds in the same way to balls that turn and advance together, except near its ends,
+    so that the compliance changes slowly. Where balls have moved by more than ``APART`` relative to each other, or other
+    balls are on the loaded arc, a new window begins. An object serves one scene and one backend.
     """
 
-    #: Length of a window [rad], signed as the balls travel in the nut.
+    #: Length of a window [rad], with the sign of the balls' travel in the nut.
     ahead: float
-    #: Windows by bodies and balls.
-    windows: dict[tuple[object, ...], list[Window]] = field(default_factory=dict)
+    #: Windows computed so far, by body, flanks and number of balls.
+    windows: dict[tuple[object, ...], list[ComplianceWindow]] = field(default_factory=dict)
 
     def __call__(self, scene: Scene, layout: BallLayout, screw: bool, backend: Backend, flanks: Sequence[int]) -> Array:
-        """Return the compliance, as `whole_body`."""
+        """Return the compliance of screw or nut between its contacts [m/N].
+
+        Arguments and the shape of the result are those of `whole_body`.
+        """
         track, rate = scene.track, reduced_lead(scene.track)
         known = self.windows.setdefault((screw, tuple(flanks), layout.z.size), [])
         for window in known:
@@ -79,8 +82,13 @@ class Travelling:
         left = 1.0 - share
         return np.asarray(left * (left - share) * first + 4.0 * share * left * second + share * (share - left) * third)
 
-    def begin(self, layout: BallLayout, track: Track, compute: Callable[[BallLayout], Array]) -> Window:
-        """Return a window from ``layout`` on, shorter where a ball would pass the nut's face. Raises as `whole_body`."""
+    def begin(self, layout: BallLayout, track: Track, compute: Callable[[BallLayout], Array]) -> ComplianceWindow:
+        """Return the window that begins at the balls' positions ``layout``.
+
+        It is shorter than ``ahead`` where a ball would otherwise pass the nut's face. ``compute``: function that returns
+        the compliance [m/N] at given positions of the balls. Raises ValueError if this function does so at the first
+        position.
+        """
         rate, length = reduced_lead(track), self.ahead
         while True:
             places = (layout_at(track, layout.azimuth + s, layout.z + s * rate) for s in (length, 0.5 * length, 0.0))
@@ -91,25 +99,25 @@ class Travelling:
                     raise
                 length /= 8.0
                 continue
-            return Window(layout.azimuth, layout.z, length, (first, second, third))
+            return ComplianceWindow(layout.azimuth, layout.z, length, (first, second, third))
 
 
-def in_motion(model: str, ahead: float) -> Callable[..., ContactLoads]:
-    """Return the function by which a model computes the loads of travelling balls.
+def load_solver_in_motion(model: str, ahead: float) -> Callable[..., ContactLoads]:
+    """Return the function by which a static model computes the contact loads of travelling balls, again and again.
 
     Parameters
     ----------
     model
-        Name of the model.
+        Name of the static model.
     ahead
-        1.0 or -1.0: sense in which the balls travel in the nut.
+        Sense in which the balls travel in the nut: 1.0 towards larger azimuths, or -1.0.
     """
     if model != "refined":
         return AGAIN[model]
-    return partial(elastic_loads, whole=Travelling(WINDOW * ahead))
+    return partial(elastic_loads, whole=TravellingCompliance(WINDOW * ahead))
 
 
-#: How the models of a static run find loads again and again, by name.
+#: Functions that compute the contact loads again at each instant of a run, by the name of the static model.
 AGAIN: dict[str, Callable[..., ContactLoads]] = {"lin": beam_loads, "refined": elastic_loads}
 
 #: A static model: contact loads of balls with these errors at these places.
@@ -119,17 +127,17 @@ Solve = Callable[[Specimen, BallLayout], StaticResult | ContactLoads]
 class Memory(NamedTuple):
     """State of the last instant of N balls."""
 
-    #: Motions ``(N, 4)`` [rad/s].
+    #: Motions of the balls, orbit and then rotation ``(N, 4)`` [rad/s].
     q: Array
-    #: Ball-to-ball forces ``(N,)`` [N].
+    #: Force of each ball on the next one ``(N,)`` [N].
     force: Array
-    #: Friction fed back ``(N, 3)`` [N].
+    #: Friction fed back on the balls along x3 and z3 and on the screw along its axis ``(N, 3)`` [N].
     push: Array
 
 
 @dataclass(frozen=True)
 class Setting:
-    """Constants of a run of a scene in time, a setting of ``travel`` with azimuths in the nut's frame."""
+    """Constants of a run of a scene in time, used by ``lowfi.friction.screw.travel``; azimuths are in the nut's frame."""
 
     #: The scene.
     scene: Scene
@@ -137,33 +145,40 @@ class Setting:
     friction: Friction
     #: Motion of screw or nut.
     drive: Drive
-    #: Parts with their errors.
+    #: Parts with their random errors.
     drawn: Drawn
     #: Balls in their circuits.
     balls: Balls
-    #: Computes the contact loads.
+    #: Function that computes the contact loads of balls at given positions.
     solve: Solve
-    #: Whether to use compiled kernels.
+    #: Whether to use the compiled functions instead of plain Python.
     fast: bool = True
 
     def angles(self, time: float) -> tuple[float, float]:
-        """Return the angles of screw and nut in space [rad]."""
+        """Return the angles by which first the screw and second the nut have turned in space at a time [s], both [rad]."""
         turned = self.drive.speed * time
         return (turned, 0.0) if self.drive.turns == "screw" else (0.0, turned)
 
     def contacts(self, azimuth: Array, time: float, push: Array, q: Array) -> tuple[StaticContacts, NDArray[np.bool_], str]:
-        """Return the contacts of all N balls, which are on a loaded arc, and how the loads ended.
+        """Return the contacts of all N balls at one instant, whether each ball is on a loaded arc, and a status.
 
         Parameters
         ----------
         azimuth
-            In the nut's frame ``(N,)`` [rad].
+            Azimuths of the balls in the nut's frame ``(N,)`` [rad].
         time
-            [s].
+            Time since the start [s].
         push
-            Forces of friction fed back in the step before ``(N, 3)`` [N]; overwritten.
+            Friction fed back in the previous step ``(N, 3)`` [N], which is overwritten by that of this step
+            (`FedBack.push`).
         q
-            Its motions ``(N, 4)``; see `feed_back`.
+            Motions of the balls in the previous step ``(N, 4)`` [rad/s], first estimates for `feed_back`.
+
+        Returns
+        -------
+        tuple
+            The contacts; which balls are on a loaded arc ``(N,)``; ``"converged"``, or a sentence part that says what
+            failed.
         """
         scene, track = self.scene, self.scene.track
         on_screw, on_nut = self.angles(time)
@@ -177,7 +192,7 @@ class Setting:
         if result.converged:
             at = contacts_at(scene, result, met, arc_layout)
             if feeds_back(scene, self.friction):
-                place = seats_at(at, met, result.hertz_C)
+                place = ball_seats_with_errors(at, met, result.hertz_C)
                 fed = feed_back(scene, at, place, self.friction, self.drive, self.fast, push[on_arc], q[on_arc])
                 push[on_arc], at = fed.push, fed.at
                 status = f"friction and place do not agree on {int(fed.failed.sum())} balls" if fed.failed.any() else status
@@ -204,7 +219,7 @@ class Setting:
         return self.balls.number
 
     def begin(self) -> Place:
-        """Return the scene's positions, with balls rolling at the nominal speed."""
+        """Return the state at the beginning: balls at the scene's positions, which roll at the nominal speed."""
         count, nut = self.balls.radius.size, self.groove.nut_speed
         nominal = self.groove.nominal_orbit - nut
         memory = Memory(np.tile([nominal + nut, 0.0, 0.0, 0.0], (count, 1)), np.zeros(count), np.zeros((count, 3)))
@@ -212,13 +227,22 @@ class Setting:
         return Place(self.balls.azimuth, gap, np.full(count, nominal), memory)
 
     def time_to_end(self, azimuth: Array, omega: Array, time: float) -> float:  # noqa: ARG002 - arcs are fixed in the nut
-        """Return the time until a ball passes an end of its loaded arc [s]; inf for a bearing, which has none."""
+        """Return the time until a ball passes an end of its loaded arc [s]; infinite for a bearing, which has no ends.
+
+        ``azimuth``: positions of the balls in the nut's frame ``(N,)`` [rad]; ``omega``: their speeds there ``(N,)``
+        [rad/s].
+        """
         if self.scene.track.lead == 0.0:
             return np.inf
         return min(track.time_to_end(azimuth, omega) for track in self.tracks)
 
     def instant(self, azimuth: Array, time: float, slack: Array, memory: Memory) -> Instant | str:
-        """Return loads at the balls' positions, then their motions; azimuths ``(N,)`` in the nut's frame."""
+        """Return the loads and motions of the balls at one instant, or a sentence part that says what failed.
+
+        ``azimuth``: positions of the balls in the nut's frame ``(N,)`` [rad]; ``time`` [s]; ``slack``: largest rate at
+        which each ball may gain on the next one ``(N,)`` [rad/s]; ``memory``: results of the previous instant, the first
+        estimates.
+        """
         push = memory.push.copy()
         at, loaded, status = self.contacts(azimuth, time, push, memory.q)
         if status != "converged":
@@ -251,17 +275,18 @@ class Setting:
             converged=all(m.converged for m in moved),
             memory=Memory(q, force, push),
             axial=axial,
-            on_screw=_on_screw(self, at, wrench, axial),
+            on_screw=_screw_torque(self, at, wrench, axial),
         )
 
 
-def _on_screw(setting: Setting, at: StaticContacts, wrench: Array, axial: float) -> float:
-    """Return the torque about +z that drives the screw under the external axial load [N], in N m.
+def _screw_torque(setting: Setting, at: StaticContacts, wrench: Array, axial: float) -> float:
+    """Return the torque about +z that drives the screw under an external axial load ``axial`` [N], in N m.
 
-    Moments of contact loads and friction about the axis; an axial force of friction that the loads leave out is
-    carried down the helix.
+    It is the moment of contact loads and friction about the axis. The axial force of friction that the contact loads do not
+    balance adds its work along the helix. ``at``: contacts of the N balls; ``wrench``: friction on the balls, forces [N]
+    and moments [N m] in their sections' axes ``(N, 4, 6)``.
     """
     wrenches = wrench.copy()
     wrenches[..., :3] -= at.force[..., None] * at.normals
-    along, moment = (float(component[:, ON_SCREW].sum()) for component in about_axis(at, wrenches))
+    along, moment = (float(component[:, ON_SCREW].sum()) for component in axial_force_and_moment(at, wrenches))
     return moment + reduced_lead(setting.scene.track) * (along - axial)

@@ -9,9 +9,9 @@ import numpy as np
 
 from rollbench.lowfi.friction.whole.circuit import balls_of, chain_motion
 from rollbench.lowfi.friction.whole.contacts import StaticContacts, contacts_of_result, spread_to_all_balls
-from rollbench.lowfi.friction.whole.feedback import JAMMED, feed_back, seats_of, second_states
-from rollbench.lowfi.friction.whole.losses import BallFriction, ball_friction, closing_speeds, from_motions
-from rollbench.lowfi.friction.whole.torque import ScrewTorque, feeds_back, sum_up, will_compile
+from rollbench.lowfi.friction.whole.feedback import JAMMED, ball_seats_of_result, feed_back, second_states
+from rollbench.lowfi.friction.whole.losses import BallFriction, ball_friction, closing_speeds, friction_of_motions
+from rollbench.lowfi.friction.whole.torque import ScrewTorque, feeds_back, sum_friction, will_compile
 from rollbench.lowfi.jit import CONTACT, is_copy_loaded, is_machine_code_cached, register_compile_job
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.meshes.arrays import Array
@@ -19,7 +19,7 @@ from rollbench.meshes.errors import draw_errors
 from rollbench.meshes.parts import Friction, Scene
 from rollbench.meshes.parts import Motion as Drive
 
-#: Balls up to which nobody waits for the kernels to be compiled: interpreted ones take some 0.05 s a ball and state, and
+#: Number of balls up to which no run waits until functions are compiled: in plain Python they take some 0.05 s a ball, and
 #: a whole answer, with its drag and the band of coefficients, has up to seven.
 UNCOMPILED = 120
 #: Gap [m] up to which neighbours count as touching.
@@ -28,33 +28,34 @@ TOUCHING = 1e-6
 
 @dataclass(frozen=True)
 class Neighbours:
-    """Friction of N balls, in the order of the scene, with neighbours that touch."""
+    """Friction of N balls, in the order of the scene, where touching neighbours push each other."""
 
     #: Motion and friction of the balls.
     balls: BallFriction
     #: Force of a ball on the next one at the larger azimuth ``(N,)`` [N].
     force: Array
-    #: Lost between balls [W].
+    #: Power lost between touching balls [W].
     power: float
     #: Number of pairs that touch.
     touching: int
-    #: Smallest gap of all neighbours on the loaded arcs [rad]; inf without any.
+    #: Smallest gap between neighbours on the loaded arcs [m]; infinite without neighbours.
     least: float
 
 
-def neighbours(
+def friction_with_neighbours(
     scene: Scene, at: StaticContacts, friction: Friction, drive: Drive, member: int = 0, fast: bool = False
 ) -> Neighbours:
-    """Return the motions of all balls at loads that do not change, where those within ``TOUCHING`` of each other push.
+    """Return the friction of all balls at given contact loads, where neighbours closer than ``TOUCHING`` push each other.
 
-    Balls in the return touch none.
+    Balls in the return touch no other ball. ``at``: contacts of the balls; ``friction``: coefficients; ``drive``: motion of
+    screw or nut; ``member``: number of the specimen with random errors; ``fast``: whether to use the compiled functions.
 
     Raises
     ------
     CircuitError
-        Impossible circuits.
+        The circuits cannot hold their balls.
     ValueError
-        Balls that overlap.
+        Balls overlap.
     """
     track, drawn = scene.track, draw_errors(scene, member)
     all_balls = balls_of(scene, friction, drive, drawn, member)
@@ -87,7 +88,7 @@ def neighbours(
             status[k] = "balanced" if moved.converged else "failed"
     rest = np.zeros(at.force.shape, dtype=bool)
     scale = max(max(friction.screw, friction.nut) * float(at.force.sum(axis=1).max(initial=0.0)), 1e-30)
-    by_ball = from_motions(at, q, motion, pull, rest, status, left / scale)
+    by_ball = friction_of_motions(at, q, motion, pull, rest, status, left / scale)
     return Neighbours(by_ball, force, power, touching, least)
 
 
@@ -99,26 +100,26 @@ class FrictionState:
     at: StaticContacts
     #: Motion and friction of every ball.
     balls: BallFriction
-    #: Sums over all balls.
+    #: Torques, forces and losses, as sums over all balls.
     torque: ScrewTorque
-    #: Speeds at which neighbours approach ``(N,)`` [m/s].
+    #: Speed at which each ball approaches the next one ``(N,)`` [m/s].
     closing: Array
-    #: The sums at the static loads, without feedback.
+    #: The same sums at the static loads, which friction does not change.
     bare: ScrewTorque
-    #: Indices of balls whose feedback did not settle, in one direction of motion or the other.
+    #: Indices of balls for which no agreement of friction and position was found, in either direction of motion.
     unsettled: tuple[int, ...]
-    #: Difference of friction and what of it is fed back, see ``FedBack``.
+    #: Largest force out of balance over a ball's contact loads (`FedBack.change`).
     change: float
-    #: Whether friction feeds back.
+    #: Whether friction displaces the balls in their grooves and so changes the contact loads.
     coupled: bool
     #: Forces and losses between touching balls; None if not requested.
     neighbours: Neighbours | None = None
-    #: Indices of balls for which a second, jammed state was found; None where none was looked for.
+    #: Indices of balls for which a second, jammed state was found; None if no second state was searched.
     second: tuple[int, ...] | None = None
 
     @property
     def settled(self) -> bool:
-        """Whether friction balances on every ball, and agrees with its position."""
+        """Whether the friction of every ball is in balance and agrees with the ball's position."""
         return self.balls.converged and not self.unsettled
 
     @property
@@ -130,30 +131,34 @@ class FrictionState:
 def friction_state(
     scene: Scene, result: StaticResult, friction: Friction, drive: Drive, member: int = 0, *, fast: bool | None = None
 ) -> FrictionState:
-    """Return the friction of a solved scene.
+    """Return the friction of a scene at the contact loads of a static result.
 
-    Fed back on the positions of the balls, and with neighbours that push each other, where ``friction`` asks for it; with
-    both, neighbours push at the loads that each ball's own friction leaves, as in a run in time. Friction of a ring runs
-    along its groove and moves no ball.
+    If ``friction`` requests it, friction changes the positions of the balls (feedback), and touching neighbours push each
+    other. With both, neighbours push at the loads that result from each ball's own friction, as in a run in time. In a
+    ring, friction acts along the groove and displaces no ball.
 
     Parameters
     ----------
-    scene, result
-        The scene and its static result.
-    friction, drive
-        Coefficients, and the motion of screw or nut.
+    scene
+        Screw or bearing.
+    result
+        Its static result.
+    friction
+        Coefficients of friction, and what is requested.
+    drive
+        Motion of screw or nut.
     member
-        Number of the specimen that ``result`` was solved for.
+        Number of the specimen with random errors for which ``result`` was solved.
     fast
-        Whether to use compiled kernels; by default where they pay. A few balls do not wait for kernels to be compiled:
-        `lowfi.jit.compile_afterwards` does that.
+        Whether to use the compiled functions instead of plain Python. If None, they are used where they save time; a scene
+        with few balls does not wait until they are compiled, because `lowfi.jit.compile_afterwards` does that later.
 
     Raises
     ------
     CircuitError
-        Impossible circuits of a scene with neighbours.
+        Neighbours are requested, and the circuits cannot hold their balls.
     ValueError
-        A result that did not converge, no motion, or balls that overlap.
+        The static result did not converge, the speed is zero, or balls overlap.
     """
     at = contacts_of_result(scene, result, member)
     coupled = feeds_back(scene, friction)
@@ -172,30 +177,32 @@ def friction_state(
             will_compile(scene, friction) or is_copy_loaded(CONTACT) or (coupled and is_machine_code_cached(CONTACT))
         )
     balls = ball_friction(scene, at, friction, drive, fast)
-    torque = bare = sum_up(scene, at, balls, drive)
+    torque = bare = sum_friction(scene, at, balls, drive)
     unsettled: tuple[int, ...] = ()
     second: tuple[int, ...] | None
     change, second, at_back = 0.0, None, at
     if coupled:
-        place = seats_of(scene, result, at, member)
-        there, back = (feed_back(scene, at, place, friction, d, fast) for d in (drive, reverse(drive)))
+        place = ball_seats_of_result(scene, result, at, member)
+        there, back = (feed_back(scene, at, place, friction, d, fast) for d in (drive, reversed_motion(drive)))
         still, at, at_back, balls = at, there.at, back.at, there.friction
-        torque = replace(sum_up(scene, at, balls, drive, coupled=True), reverse_power=back.friction.power)
+        torque = replace(sum_friction(scene, at, balls, drive, coupled=True), reverse_power=back.friction.power)
         change = max(there.change, back.change)
         unsettled = tuple(int(k) for k in np.flatnonzero(there.failed | back.failed))
         if max(friction.screw, friction.nut) >= JAMMED:
             second = second_states(scene, place, still, there, friction, drive, fast)
     touching: Neighbours | None = None
     if pushed:
-        ways = ((at, drive), (at_back, reverse(drive)))
-        touching, back_again = (neighbours(scene, contacts, friction, d, member, fast) for contacts, d in ways)
+        ways = ((at, drive), (at_back, reversed_motion(drive)))
+        touching, back_again = (
+            friction_with_neighbours(scene, contacts, friction, d, member, fast) for contacts, d in ways
+        )
         balls = touching.balls
-        sums = sum_up(scene, at, balls, drive, coupled=coupled)
+        sums = sum_friction(scene, at, balls, drive, coupled=coupled)
         torque = replace(sums, power=sums.power + touching.power, reverse_power=back_again.balls.power + back_again.power)
     closing = closing_speeds(scene, at, balls, drive)
     return FrictionState(at, balls, torque, closing, bare, unsettled, change, coupled, touching, second)
 
 
-def reverse(drive: Drive) -> Drive:
-    """Return the motion backwards."""
+def reversed_motion(drive: Drive) -> Drive:
+    """Return the motion of screw or nut with the opposite speed."""
     return replace(drive, speed=-drive.speed)

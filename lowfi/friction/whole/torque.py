@@ -6,11 +6,13 @@ helix, so that any state in balance obeys
 
     T Omega + F r Omega = P                                                                                            (1)
 
-exactly, P taken at the true loads. Friction changes the contact loads by parts of the order of mu: with P at the loads
-without friction T = P/Omega - r F has an error of second order in mu, small in preloaded four-point contact, large in
-two-point contact; ``ball_feedback`` takes P at loads with friction.
+exactly, with P at the true loads. Friction changes the contact loads by a fraction of the order of mu. With P at the loads
+without friction, T = P/Omega - r F therefore has an error of second order in mu, which is small in preloaded four-point
+contact and large in two-point contact. With feedback (``lowfi.friction.whole.feedback``) P is taken at the loads with
+friction.
 
-Also here: whether a scene's friction feeds back, and whether kernels are compiled for so many balls.
+Two further functions say whether the friction of a scene displaces its balls, and whether functions are compiled for so
+many balls.
 """
 
 from __future__ import annotations
@@ -37,31 +39,31 @@ ROUND_OFF = 1e-6
 
 @dataclass(frozen=True)
 class ScrewTorque:
-    """Sums of the friction of all balls; everything along +z."""
+    """Sums of the friction of all balls. Forces are positive along +z, torques and angles about +z."""
 
-    #: Speed of the screw against the nut [rad/s].
+    #: Angular speed of the screw relative to the nut [rad/s].
     speed: float
-    #: Advance per angle, lead/(2 pi), signed by the hand [m/rad].
+    #: Advance per angle, lead/(2 pi) [m/rad], negative for a left-hand thread.
     ratio: float
     #: External axial load on the screw that the contacts carry [N].
     load: float
-    #: Lost in the contacts [W].
+    #: Power lost in the contacts [W].
     power: float
-    #: Axial force of friction on the screw, which the loads leave out [N].
+    #: Axial force of friction on the screw [N], which the contact loads of the static model do not balance.
     pull: float
-    #: Work of the drive of the screw, and of the nut, per angle of its helical motion [N m]: moments and forces of all
-    #: contacts about the axis, normal forces included.
+    #: Work of the drive of first the screw and second the nut, per angle of its helical motion [N m]. It contains the
+    #: moments about the axis and the axial forces of all contacts, normal forces included.
     helical: tuple[float, float]
-    #: Largest friction in the plane of a ball's section over its largest contact load.
+    #: Largest ratio, over all balls, of the friction in the plane of a ball's section to its largest contact load.
     tilt: float
     #: Sum of all contact loads [N].
     carried: float
-    #: Lost by the reversed motion [W], another one where friction feeds back on the loads.
+    #: Power lost in the reversed motion [W]; it differs from ``power`` if friction changes the contact loads.
     reverse_power: float
 
     @property
     def friction(self) -> float:
-        """Friction torque, the power lost per angle [N m]: it opposes the screw, its opposite the nut."""
+        """Friction torque, the power lost over the angular speed [N m]; it opposes the screw, and its opposite the nut."""
         return self.power / abs(self.speed)
 
     @property
@@ -71,7 +73,7 @@ class ScrewTorque:
 
     @property
     def input_power(self) -> float:
-        """Power that the contacts take from screw and nut [W]: summed from forces and moments in space, not from losses."""
+        """Power that the contacts take from screw and nut [W], as the sum of forces and moments in space times motions."""
         return self.helical[0] * self.speed
 
     @property
@@ -98,9 +100,9 @@ class ScrewTorque:
 
     @property
     def efficiency(self) -> tuple[float, float]:
-        """Efficiencies forward (work on the load over work of the torque) and backward; nan without axial load.
+        """Efficiencies, first forward (work on the axial load over work of the torque), then backward.
 
-        Backward it is negative where the screw locks itself.
+        The second one is negative if the screw locks itself. Both are nan without axial load.
         """
         if not self.translating:
             return float("nan"), float("nan")
@@ -112,16 +114,19 @@ class ScrewTorque:
         return self.translating and self.backward <= 0.0
 
 
-def sum_up(scene: Scene, at: StaticContacts, by_ball: BallFriction, drive: Motion, coupled: bool = False) -> ScrewTorque:
-    """Return the sums over all contacts of a scene whose screw or nut turns with ``drive``.
+def sum_friction(
+    scene: Scene, at: StaticContacts, by_ball: BallFriction, drive: Motion, coupled: bool = False
+) -> ScrewTorque:
+    """Return the sums of the friction over all contacts of a scene.
 
-    coupled: whether contact loads and friction together carry the axial load, or only the contact loads.
+    ``at``: contacts of its balls; ``by_ball``: their friction; ``drive``: motion of the screw or nut that turns;
+    ``coupled``: whether contact loads and friction together carry the axial load (True), or the contact loads alone.
     """
     normals, frames = at.normals, at.frames
     friction = by_ball.wrench(normals)
     total = friction.copy()
     total[..., :3] -= at.force[..., None] * normals
-    axial, moment = about_axis(at, total)
+    axial, moment = axial_force_and_moment(at, total)
     ratio = reduced_lead(scene.track)
     speed = drive.speed if drive.turns == "screw" else -drive.speed
     helical = moment + ratio * axial  # on the balls: the drives push with it
@@ -143,8 +148,12 @@ def sum_up(scene: Scene, at: StaticContacts, by_ball: BallFriction, drive: Motio
     )
 
 
-def about_axis(at: StaticContacts, wrench: Array) -> tuple[Array, Array]:
-    """Return axial forces [N] and moments about axis [N m], ``(N, 4)`` each, of wrenches ``(N, 4, 6)`` at the contacts."""
+def axial_force_and_moment(at: StaticContacts, wrench: Array) -> tuple[Array, Array]:
+    """Return the axial forces [N], then the moments about the screw's axis [N m], of all contacts, each ``(N, 4)``.
+
+    ``wrench`` ``(N, 4, 6)``: three forces [N] and three moments [N m] at each contact ``at``, in the axes x3, y3, z3 of the
+    ball's section.
+    """
     turn = at.frames
     force = np.einsum("nsi,nij->nsj", wrench[..., :3], turn)
     moment = np.einsum("nsi,nij->nsj", wrench[..., 3:], turn)
@@ -155,17 +164,22 @@ def about_axis(at: StaticContacts, wrench: Array) -> tuple[Array, Array]:
 #: Motion where the scene gives none: the screw turns once a second.
 ONE_TURN = Motion(2.0 * pi)
 
-#: Balls from which compiling the kernels (20 s, once) pays for a single solve, without feedback and with it.
+#: Numbers of balls from which compilation (20 s, once) saves time in a single solution, without and with feedback.
 COMPILE_ABOVE, COUPLED_ABOVE = 1000, 8
 
 
 def feeds_back(scene: Scene, friction: Friction) -> bool:
-    """Return whether friction displaces balls in their grooves: it is requested, and there is friction and a lead."""
+    """Return whether friction displaces balls in their grooves.
+
+    It does if this feedback is requested in ``friction``, a coefficient is above zero, and the track has a lead.
+    """
     return friction.feedback and scene.track.lead != 0.0 and max(friction.screw, friction.nut) > 0.0
 
 
 def will_compile(scene: Scene, friction: Friction) -> bool:
-    """Return whether so many balls are solved that kernels are compiled, unless machine code is on disk (``cached``).
+    """Return whether a scene has so many balls that it saves time to compile the functions of contact friction first.
+
+    The answer does not consider whether machine code is on disk already (`lowfi.jit.is_machine_code_cached`).
 
     Parameters
     ----------

@@ -8,7 +8,7 @@ from scipy.optimize import minimize
 from tests.helpers import small_screw, solved
 
 from rollbench.lowfi.friction.screw.groove import ON_SCREW, contact_axes
-from rollbench.lowfi.friction.whole.losses import ball_path, heathcote, least_power, quadrature
+from rollbench.lowfi.friction.whole.losses import ball_path, heathcote_loss_increase, least_power, quadrature
 from rollbench.lowfi.friction.whole.state import friction_state
 from rollbench.meshes.helix import groove_radii
 from rollbench.meshes.parts import Friction, Motion
@@ -74,7 +74,7 @@ def test_estimate_is_that_of_the_motion_solved_again(beta, conformity, oversize)
     scene = replace(scene, screw=replace(scene.screw, groove_radius=radius), nut=replace(scene.nut, groove_radius=radius))
     found = friction_state(scene, solved(scene), MU, TURN)
     at = found.at
-    estimate = heathcote(scene, at, found.balls, MU, TURN)
+    estimate = heathcote_loss_increase(scene, at, found.balls, MU, TURN)
     exact = 0.0
     for i in range(2):
         q0 = np.array([found.balls.orbit[i], *found.balls.rotation[i]])

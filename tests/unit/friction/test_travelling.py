@@ -7,7 +7,7 @@ from tests.helpers import small_screw
 from rollbench.lowfi.compliance.between import contact_frames
 from rollbench.lowfi.compliance.bodies import whole_body
 from rollbench.lowfi.compliance.parts import REFINED
-from rollbench.lowfi.friction.whole.run import APART, WINDOW, Travelling
+from rollbench.lowfi.friction.whole.run import APART, WINDOW, TravellingCompliance
 from rollbench.lowfi.statics.nominal import elastic_loads
 from rollbench.meshes.errors import specimen
 from rollbench.meshes.helix import ball_layout, layout_at, reduced_lead
@@ -23,7 +23,7 @@ def moved(by, scene=SCENE, apart=0.0):
 
 @pytest.mark.parametrize("screw", [True, False])
 def test_between_the_places_of_a_window_the_compliance_is_that_of_the_place(screw, monkeypatch):
-    travelling = Travelling(WINDOW)
+    travelling = TravellingCompliance(WINDOW)
     travelling(SCENE, moved(0.0), screw, REFINED, (0, 1))
     calls = []
     monkeypatch.setattr("rollbench.lowfi.friction.whole.run.whole_body", lambda *a: calls.append(a) or whole_body(*a))
@@ -39,7 +39,7 @@ def test_between_the_places_of_a_window_the_compliance_is_that_of_the_place(scre
 
 
 def test_balls_that_leave_each_other_begin_a_window_of_their_own():
-    travelling = Travelling(-WINDOW)
+    travelling = TravellingCompliance(-WINDOW)
     for apart, windows in ((0.0, 1), (0.5 * APART, 1), (2.0 * APART, 2)):
         travelling(SCENE, moved(-0.3 * WINDOW, apart=apart), False, REFINED, (0, 1))
         assert len(*travelling.windows.values()) == windows
@@ -50,7 +50,7 @@ def test_a_window_ends_before_a_ball_passes_the_nuts_face():
     last = float(contact_frames(SCENE, ball_layout(SCENE), False)[0][:, 2].max())
     room = (SCENE.nut.position + 0.5 * SCENE.nut.length - last) / reduced_lead(SCENE.track)
     place = moved(room - 0.3 * WINDOW)
-    travelling = Travelling(WINDOW)
+    travelling = TravellingCompliance(WINDOW)
     travelling(SCENE, place, False, REFINED, (0, 1))
     ((window,),) = travelling.windows.values()
     assert 0.0 < window.length < 0.3 * WINDOW
@@ -60,6 +60,9 @@ def test_loads_of_balls_that_travel_are_those_of_balls_that_stay():
     scene = small_screw(3, 0.7, force=(0.0, 0.0, 60.0))
     layout = ball_layout(scene)
     drawn = specimen(scene, layout)
-    still, moving = elastic_loads(scene, drawn, layout), elastic_loads(scene, drawn, layout, whole=Travelling(WINDOW))
+    still, moving = (
+        elastic_loads(scene, drawn, layout),
+        elastic_loads(scene, drawn, layout, whole=TravellingCompliance(WINDOW)),
+    )
     assert moving.converged
     assert np.allclose(moving.load, still.load, rtol=0.0, atol=1e-12 * still.load.max())
