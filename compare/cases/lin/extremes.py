@@ -367,7 +367,7 @@ def linear_pair(
     """Return two neighbouring balls of the linear bearing of Lin's section 3.3.
 
     ``theta``: deviation of the contact angle from nominal [deg]; ``rho``: side force over vertical load; ``vertical``:
-    vertical load on a ball [N]; ``mu``: friction coefficient of grooves and of touching balls; ``speed``: of the moving
+    vertical load on a ball [N]; ``mu``: friction coefficient of grooves and of touching balls; ``speed``: of the
     rail [m/s].
     """
     bearing = replace(LINEAR, mu=mu, mu_balls=mu, speed=speed)

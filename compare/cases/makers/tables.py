@@ -38,7 +38,7 @@ class Table:
     def misprinted(self, what: str) -> bool:
         """Return whether the table's head lists an entry as a misprint.
 
-        ``what``: name of the part, or name of the part and quantity, such as "R40-10 rigidity". A name that is listed
+        ``what``: name of the part, or name of the part and quantity, such as "SFE1632-3 rigidity". A name that is listed
         without a quantity stands for all quantities of the part.
         """
         return any(what.startswith(known) for known in self.head.get("misprints", "-").split("; "))
