@@ -68,7 +68,7 @@ OTHER = 1e-3
 
 @dataclass(frozen=True)
 class GroupResult:
-    """Results of one group of extreme cases: solutions that converged, energy balance, spread over starts."""
+    """Results of one group of extreme cases: solutions that converged, power balance, spread over the starts."""
 
     #: Name of the group.
     group: str
@@ -367,8 +367,8 @@ def linear_pair(
     """Return two neighbouring balls of the linear bearing of Lin's section 3.3.
 
     ``theta``: deviation of the contact angle from nominal [deg]; ``rho``: side force over vertical load; ``vertical``:
-    vertical load on a ball [N]; ``mu``: friction coefficient of grooves and of touching balls; ``speed``: of the
-    rail [m/s].
+    vertical load on each ball [N]; ``mu``: friction coefficient of grooves and of touching balls; ``speed``: speed of the
+    carriage [m/s].
     """
     bearing = replace(LINEAR, mu=mu, mu_balls=mu, speed=speed)
     return LinearCase(bearing, *pair_angles_and_loads(bearing, radians(theta), rho, vertical, loads="elastic"))

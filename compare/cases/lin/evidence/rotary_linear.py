@@ -87,7 +87,7 @@ def solve_linear_pair(
 
     ``theta``: deviation of the contact angle from nominal [rad]; ``loads``: how the contact loads are computed (equal on
     each "diagonal", "balanced" at the stated angles, or "elastic" with angles that follow the loads); ``mated``: whether
-    with the groove errors of case (b) instead of case (a); ``mu_balls``: friction coefficient between the balls.
+    the top groove is made to match the bottom one, case (b); ``mu_balls``: friction coefficient between the balls.
     """
     return solve_pair(replace(LINEAR, mu_balls=mu_balls), theta, SIDE, VERTICAL, mated=mated, loads=loads)
 
@@ -246,8 +246,8 @@ def _check_map_claims(findings: Findings, m: PairMaps) -> None:
 def formula_deviation(mated: bool) -> Array:
     """Return the relative deviations (2,) of both balls' velocities from nominal by Lin's formula (3.43).
 
-    The loads are those that Lin states in the text: equal on each diagonal. ``mated``: whether with the groove errors of
-    case (b) instead of case (a).
+    The loads are those that Lin states in the text: equal on each diagonal. ``mated``: whether the top groove is made to
+    match the bottom one, case (b) instead of case (a).
     """
     angles, loads = pair_angles_and_loads(LINEAR, THETA, SIDE, VERTICAL, mated=mated, loads="diagonal")
     return velocity_deviation(LINEAR.contact_angle, angles - LINEAR.contact_angle, loads[:, 0], loads[:, 1])
@@ -282,7 +282,7 @@ def force_with_misprinted_exponents() -> float:
 def formula_force(*, mated: bool) -> float:
     """Return the ball-to-ball force [N] in the linear bearing by Lin's formula (3.51).
 
-    ``mated``: whether with the groove errors of case (b) instead of case (a).
+    ``mated``: whether the top groove is made to match the bottom one, case (b) instead of case (a).
     """
     return pair_formulas(LINEAR, THETA, SIDE, VERTICAL, K_F, mated=mated)[1]
 
