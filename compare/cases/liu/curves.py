@@ -39,7 +39,10 @@ NO_VALUES = "The text prints no value of this figure: ours alone."
 
 
 def _drawn_errors(half_range: int, number: int = 0) -> Array:
-    """Return the ball errors [m] of the drawn screw ``number``, uniform within +-half_range [um]."""
+    """Return the errors of the ball diameters (78,) [m] of one randomly drawn screw.
+
+    ``half_range``: the errors are uniform within plus and minus this range [um]; ``number``: of the drawn screw, from 0.
+    """
     return np.asarray(draw_errors(liu.SEED + half_range, number, 1, liu.ball_count(), 1e-6 * half_range)[0])
 
 
@@ -49,23 +52,33 @@ def _curve_over_balls(values: Array, label: str, *, emphasis: bool = False) -> S
 
 
 def _ball_loads(errors: Array, force: float, chain: Chain | None = None) -> Array:
-    """Return the load of each ball [N] for ball errors [m] under an axial force [N]; default model: Liu's."""
+    """Return the contact load of each ball (78,) [N] under an axial force [N].
+
+    ``errors``: errors of the ball diameters (78,) [m]; ``chain``: axial model; None: Liu's, calibrated.
+    """
     return solve_chain(chain or liu.calibrated_model(), errors, force).load
 
 
 def _printed_markers(x: Sequence[float], y: Sequence[float], label: str = "printed") -> Series:
-    """Return printed values as markers."""
+    """Return printed values as markers of a figure, with abscissas ``x`` and ordinates ``y`` in the panel's units."""
     return Series(label, x, y, "markers", emphasis=True)
 
 
 @cache
 def _drawn_screws(half_range: int) -> Ensemble:
-    """Draw and solve `CURVES` screws with errors within +-half_range [um], under all loads of the test."""
+    """Draw and solve `CURVES` screws with random ball errors, under all axial loads `TEST_LOADS`.
+
+    ``half_range``: the errors of the ball diameters are uniform within plus and minus this range [um].
+    """
     return solve_ensemble(liu.calibrated_model(), 1e-6 * half_range, list(TEST_LOADS), CURVES, seed=liu.SEED + half_range)
 
 
 def _percentile_curves(half_range: int, quantity: Spread, unit: float, loads: Sequence[float] = LOADS) -> list[Series]:
-    """Return median and central 99 % of a quantity of the drawn screws as curves over the axial load; in ``unit``."""
+    """Return median and central 99 % of a quantity of drawn screws, as curves over the axial load.
+
+    ``half_range``: of the ball errors [um]; ``quantity``: name, such as "stiffness"; ``unit``: unit of the curve in SI, by
+    which values are divided; ``loads``: axial loads [N].
+    """
     of = [_drawn_screws(half_range).values_at(quantity, f) / unit for f in loads]
     low, middle, high = ([float(np.quantile(x, q)) for x in of] for q in (liu.UNLIKELY, 0.5, 1.0 - liu.UNLIKELY))
     return [
@@ -75,12 +88,15 @@ def _percentile_curves(half_range: int, quantity: Spread, unit: float, loads: Se
 
 
 def _curve_without_errors(value: Callable[[float], float], loads: Sequence[float] = LOADS) -> Series:
-    """Return the curve of a quantity over the axial load, without errors; ``value``: quantity at a load [N]."""
+    """Return the curve of a quantity of the screw without errors over the axial load.
+
+    ``value``: function that returns the quantity, in the panel's unit, at an axial load [N]; ``loads``: these loads [N].
+    """
     return Series("no errors", list(loads), [value(f) for f in loads], "line")
 
 
 def _solve_without_errors(force: float) -> tuple[float, float]:
-    """Return displacement [um] and stiffness [1e8 N/m] of the screw without errors under an axial force [N]."""
+    """Return axial displacement [um], then stiffness [1e8 N/m] of the screw without errors under an axial force [N]."""
     state = solve_chain(liu.calibrated_model(), np.zeros(liu.ball_count()), force)
     return 1e6 * state.displacement, 1e-8 * state.stiffness
 
@@ -104,7 +120,10 @@ def ball_deformation_figure() -> Figure:
 
 
 def free_screw_elongation(force: float) -> float:
-    """Return the elongation [um] of the screw outside the nut under an axial force [N]; section of scene liu-screw."""
+    """Return the elongation [um] of the screw outside the nut in the test, under an axial force [N].
+
+    The cross section, which is not printed, is that of the scene liu-screw.
+    """
     return 1e6 * force * FREE_LENGTH / screw_section(liu.liu_screw()).EA
 
 
@@ -210,7 +229,10 @@ def one_ball_figure() -> Figure:
 
 
 def _load_curves_and_ranges(half_range: int, loads: Iterable[float]) -> list[Series]:
-    """Return curves of the ball loads of one drawn screw under axial loads [N], and markers of the printed load ranges."""
+    """Return curves of the ball loads of one drawn screw, and markers of the printed ranges of these loads.
+
+    ``half_range``: of the ball errors [um]; 0: no errors, for which no range is printed; ``loads``: axial loads [N].
+    """
     series = []
     for force in loads:
         series.append(_curve_over_balls(_ball_loads(_drawn_errors(half_range), force), f"ours, {force:g} N"))
@@ -277,7 +299,11 @@ def displacement_figure() -> Figure:
 
 
 def _printed_stiffness_markers(found: dict[str, float], which: int | str, label: str) -> Series:
-    """Return markers of the printed stiffness over the axial load, for one error range [um] or printed screw."""
+    """Return markers of the printed stiffness over the axial load.
+
+    ``found``: printed values by key; ``which``: half range of the ball errors [um], or letter of one of the three printed
+    screws; ``label``: legend.
+    """
     keys = [k for k in found if k.startswith(f"K_{which}_")]
     return _printed_markers([float(k.split("_")[2]) for k in keys], [found[k] for k in keys], label)
 

@@ -49,9 +49,10 @@ ASSUMED = (
     "Drawn errors are independent and uniform in +-e; the draws of the source are not printed.",
 )
 
-#: Number of screws drawn with random errors; seed of the random numbers; axial loads [N] by error range [um].
+#: Number of screws drawn with random errors; seed of the random numbers.
 MEMBERS, SEED = 5000, 2025
 
+#: Axial loads [N] by half range of the random ball errors [um].
 LOADS: dict[int, tuple[float, ...]] = {
     1: (100.0, 500.0, 1000.0, 2137.0, 3000.0, 5000.0),
     3: (100.0, 500.0, 1000.0, 2137.0, 3000.0, 5000.0),
@@ -92,7 +93,10 @@ def calibrated_model(law: Law = "implicit") -> Chain:
 
 
 def implied_area(balls_a_turn: float) -> float:
-    """Return 1/(1/A_n + 1/A_s) [m^2] of the cross sections of nut and screw that the calibrated compliance implies."""
+    """Return the cross sections of nut and screw in series, 1/(1/A_n + 1/A_s) [m^2], that the calibrated model implies.
+
+    ``balls_a_turn``: number of balls in a turn, which determines the length of a segment between two balls.
+    """
     scene = liu_screw()
     return scene.track.lead / balls_a_turn / (scene.balls.material.youngs_modulus * calibrated_model().compliance)
 
@@ -106,27 +110,39 @@ def errors_of_ball_33(error: float) -> Array:
 
 @cache
 def single_error_state(error_um: float, load: float, chain: Chain | None = None) -> ChainState:
-    """Solve Liu's model with a diameter error [um] of ball 33 only, under an axial load [N]."""
+    """Solve the contact loads of the screw with an error of ball 33 only, under an axial load.
+
+    ``error_um``: error of the ball's diameter [um]; ``load``: axial load [N]; ``chain``: axial model; None: Liu's,
+    calibrated.
+    """
     return solve_chain(chain or calibrated_model(), errors_of_ball_33(1e-6 * error_um), load)
 
 
 @cache
 def drawn_ensemble(half_range_um: int) -> Ensemble:
-    """Draw and solve `MEMBERS` screws with random ball errors within +-half_range [um], under the loads `LOADS`."""
+    """Draw and solve `MEMBERS` screws with random ball errors, under the axial loads `LOADS`.
+
+    ``half_range_um``: the errors of the ball diameters are uniform within plus and minus this range [um].
+    """
     return solve_ensemble(
         calibrated_model(), 1e-6 * half_range_um, list(LOADS[half_range_um]), MEMBERS, seed=SEED + half_range_um
     )
 
 
 def drawn_sample(half_range_um: int, quantity: Quantity, load: float) -> Array:
-    """Return one quantity, such as "stiffness", of all randomly drawn screws under an axial load [N], (n,)."""
+    """Return one quantity of all randomly drawn screws under an axial load, (n,) in SI units for n screws.
+
+    ``half_range_um``: half range of the ball errors [um]; ``quantity``: name, such as "stiffness"; ``load``: axial load
+    [N], one of `LOADS`.
+    """
     return drawn_ensemble(half_range_um).values_at(quantity, load)
 
 
 def percentile_sentence(values: Array, printed: float, half_digit: float) -> tuple[PercentileRank, str]:
-    """Return the percentile of a printed number among the values of drawn screws, and a sentence that states it.
+    """Return the percentile of a printed number among the values of drawn screws, and the percentile in words.
 
-    ``half_digit``: half a step of the printed number's last digit.
+    ``values``: values of the drawn screws, in the unit of the printed number; ``half_digit``: half a step of the printed
+    number's last digit.
     """
     p = percentile_rank(values, printed, half_digit)
     low, high = np.quantile(values, [UNLIKELY, 1.0 - UNLIKELY])
@@ -162,8 +178,8 @@ def section_2(e: Findings, study: Study) -> None:  # noqa: ARG001 - every table 
 def compare_with_elimination() -> tuple[int, int, float]:
     """Compare the Newton method with the publication's elimination of unloaded balls, on `FEW` drawn screws at 500 N.
 
-    Return the number of screws with the same loaded balls, the most rounds of the elimination, and the largest
-    difference of a load over the largest load.
+    Returns, in this order: the number of screws with the same loaded balls by both; the most rounds of the elimination;
+    the largest difference of a load over the largest load.
     """
     errors = draw_errors(SEED, 0, FEW, ball_count(), 2e-6)
     same, rounds, worst = 0, 0, 0.0
@@ -208,9 +224,10 @@ def mei_model() -> Chain:
 
 
 def mei_deviations(chain: Chain, errors: np.ndarray[tuple[int], np.dtype[np.float64]]) -> tuple[float, float]:
-    """Return the largest deviation [%] of a ball's load from Mei's model at 5000 N.
+    """Return the largest difference [%] between a ball's loads by an axial model and by Mei's model, at 5000 N.
 
-    First over the load by Mei's model, then over the load by ``chain``. ``errors``: of the ball diameters [m].
+    First: over the load by Mei's model; second: over the load by the model ``chain``. ``errors``: errors of the ball
+    diameters (78,) [m].
     """
     load = solve_chain(chain, errors, calibration_load()).load
     mei = solve_chain(replace(chain, law="constant"), errors, calibration_load()).load
@@ -237,19 +254,28 @@ def section_4_1(e: Findings, study: Study) -> None:  # noqa: ARG001 - every tabl
 
 
 def load_ratio(error_um: float, load: float) -> float:
-    """Return the load ratio Q78/Q1 of last and first ball, with an error [um] of ball 33 under an axial load [N]."""
+    """Return the load ratio Q78/Q1 of last and first ball, where only ball 33 has an error, under an axial load [N].
+
+    ``error_um``: error of the diameter of ball 33 [um].
+    """
     q = single_error_state(error_um, load).load
     return float(q[-1] / q[0])
 
 
 def load_by_other_angle_laws(error_um: float, load: float) -> str:
-    """Return in words the load Q33 of ball 33 [N] by the other contact-angle laws, each calibrated to Q78/Q1."""
+    """Return in words the load [N] of ball 33 by the other contact-angle laws, each calibrated to the printed Q78/Q1.
+
+    ``error_um``: error of the diameter of ball 33 [um]; ``load``: axial load [N].
+    """
     found = {law: single_error_state(error_um, load, calibrated_model(law)).load[32] for law in ("exact", "constant")}
     return "; ".join(f"{law} contact angle {value:.2f} N" for law, value in found.items())
 
 
 def load_change_of_other_balls(error_um: float) -> list[float]:
-    """Return the smallest and largest change [N] of the other balls' loads caused by an error [um] of ball 33."""
+    """Return the smallest, then the largest change [N] of the other balls' loads by an error of ball 33.
+
+    The range is over these balls and the axial loads `LIGHT` and `HEAVY`. ``error_um``: error of its diameter [um].
+    """
     change = [np.delete(single_error_state(error_um, f).load - single_error_state(0.0, f).load, 32) for f in (LIGHT, HEAVY)]
     return [float(np.min(change)), float(np.max(change))]
 
@@ -260,7 +286,7 @@ def error_for_load(load: float) -> float:
 
 
 def first_carrying_loads() -> tuple[float, float]:
-    """Return the axial loads [N] above which ball 1 and ball 78 are loaded, with ball 33 too large by 2 um."""
+    """Return the axial load [N] above which ball 1 is loaded, then that of ball 78, with ball 33 too large by 2 um."""
     errors = errors_of_ball_33(2e-6)
     return (
         first_carrying_load(calibrated_model(), errors, 0, LIGHT),
@@ -314,7 +340,10 @@ SETS = "abc"
 
 
 def sample_of_printed(key: str) -> Array:
-    """Return the values of all drawn screws for the printed number ``key`` ("quantity_range_load"), in its printed unit."""
+    """Return the values of all drawn screws for one printed number, in its printed unit.
+
+    ``key``: of the printed number: quantity, half range of the ball errors [um] and axial load [N], such as "K_2_3000".
+    """
     name, which, load = key.removesuffix("_again").split("_")
     values = drawn_sample(2 if which in SETS else int(which), NAMES[name], float(load))
     if name == "unloaded":
@@ -323,7 +352,10 @@ def sample_of_printed(key: str) -> Array:
 
 
 def count_matching_screws(half_range: int, at_500: int, at_1000: int) -> str:
-    """Return in words how many drawn screws have the printed numbers of loaded balls at 500 N and 1000 N."""
+    """Return in words how many drawn screws have the printed numbers of loaded balls at 500 N and 1000 N.
+
+    ``half_range``: half range of the ball errors [um]; ``at_500``, ``at_1000``: printed numbers of loaded balls.
+    """
     first, then = (drawn_sample(half_range, "loaded", f) for f in (500.0, 1000.0))
     some = then[np.abs(first - at_500) <= 1]
     reached = int(np.count_nonzero(some <= at_1000))
@@ -331,7 +363,10 @@ def count_matching_screws(half_range: int, at_500: int, at_1000: int) -> str:
 
 
 def record_percentile(e: Findings, key: str, *remarks: str) -> None:
-    """Record the median of the drawn screws as the computed value of ``key``, with the percentile of the printed value."""
+    """Record the median of the drawn screws as the computed value of a printed number, into ``e``.
+
+    The remark states the percentile of the printed value. ``key``: of the printed number; ``remarks``: further remarks.
+    """
     row = next(f.printed for f in e.evidence() if f.printed.key == key)
     values = sample_of_printed(key)
     half = 0.0 if key.startswith(("loaded", "unloaded")) else row.tolerance
@@ -349,7 +384,10 @@ def likelihood(mask: np.ndarray[tuple[int, ...], np.dtype[np.bool_]]) -> tuple[b
 
 
 def falls_with_range(quantity: Quantity, load: float) -> np.ndarray[tuple[int, ...], np.dtype[np.bool_]]:
-    """Return for each drawn screw whether a quantity falls from error range 1 to 2 to 3 um, under an axial load [N]."""
+    """Return for each drawn screw (n,) whether a quantity falls as the range of the ball errors grows.
+
+    The half ranges are 1, 2 and 3 um; ``quantity``: name, such as "stiffness"; ``load``: axial load [N].
+    """
     a, b, c = (drawn_sample(h, quantity, load) for h in RANGES)
     return np.asarray((a > b) & (b > c))
 
@@ -396,15 +434,18 @@ def _check_displacement_claims(e: Findings) -> None:
 
 
 def stiffness_spreads(load: float) -> Array:
-    """Return largest minus smallest stiffness [1e8 N/m] of each three drawn screws with errors of +-2 um, at a load [N]."""
+    """Return the largest minus the smallest stiffness [1e8 N/m] of triples of drawn screws, (triples,).
+
+    The ball errors are within +-2 um; ``load``: axial load [N].
+    """
     values = 1e-8 * drawn_sample(2, "stiffness", load)
     return np.asarray(np.ptp(values[: values.size // 3 * 3].reshape(-1, 3), axis=1))
 
 
 def relative_stiffness_percentile(key: str, printed: float, reference: float) -> str:
-    """Return in words the percentile of a printed stiffness, divided by the printed stiffness without errors.
+    """Return in words the percentile of a printed stiffness that is divided by the printed stiffness without errors.
 
-    The ratio does not change if all stiffnesses differ from the publication's by the same factor.
+    ``key``: of the printed stiffness; ``printed``: its value; ``reference``: printed stiffness without errors. The ratio does not change if all stiffnesses differ from the publication's by the same factor.
     """
     h, load = int(key.split("_")[1]), float(key.split("_")[2])
     ratio = drawn_sample(h, "stiffness", load) / solve_chain(calibrated_model(), np.zeros(ball_count()), load).stiffness
@@ -412,7 +453,10 @@ def relative_stiffness_percentile(key: str, printed: float, reference: float) ->
 
 
 def secant_stiffness(load: float, step: float) -> float:
-    """Return the stiffness [1e8 N/m] without errors by equation (22), for a load and load step [N]; step 0: the tangent."""
+    """Return the stiffness [1e8 N/m] of the screw without errors by equation (22) of Liu et al. (2025).
+
+    ``load``: axial load [N]; ``step``: load step over which the stiffness is a secant [N]; 0: tangent stiffness.
+    """
     chain, zero = calibrated_model(), np.zeros(ball_count())
     if step == 0.0:
         return 1e-8 * solve_chain(chain, zero, load).stiffness
@@ -422,7 +466,11 @@ def secant_stiffness(load: float, step: float) -> float:
 
 @cache
 def drawn_secant_stiffness(half_range_um: int, load: float, share: float) -> Array:
-    """Return the secant stiffness [1e8 N/m] of all drawn screws over a load step of ``share`` times the load [N]."""
+    """Return the secant stiffness [1e8 N/m] of all drawn screws, (n,) for n screws.
+
+    ``half_range_um``: half range of the ball errors [um]; ``load``: axial load [N]; ``share``: load step of the secant
+    over the load; 0: tangent stiffness.
+    """
     if share == 0.0:
         return 1e-8 * drawn_sample(half_range_um, "stiffness", load)
     ends = [load, (1.0 + share) * load]
@@ -434,9 +482,7 @@ def drawn_secant_stiffness(half_range_um: int, load: float, share: float) -> Arr
 def stiffness_comes_out(row: Printed, share: float) -> bool:
     """Return whether a printed stiffness lies in the range of the drawn screws' secant stiffness.
 
-    ``share``: load step of the secant over the load; 0: tangent.
-
-    A stiffness without errors must agree with the computed one to 1 %, as the publication's other results do.
+    ``row``: printed number; ``share``: load step of the secant over the load; 0: tangent stiffness. A stiffness without errors must agree with the computed one to 1 %, as the publication's other results do.
     """
     _, which, load = row.key.split("_")
     assert row.value is not None
@@ -447,7 +493,10 @@ def stiffness_comes_out(row: Printed, share: float) -> bool:
 
 
 def agreement_by_load_step(rows: Sequence[Printed]) -> str:
-    """Return in words how many printed stiffnesses agree with the tangent stiffness, and how many with a secant."""
+    """Return in words how many printed stiffnesses agree with the tangent stiffness, and how many with a secant.
+
+    ``rows``: printed numbers; the load step of the secant is `STEP` times the load.
+    """
     counts = [sum(stiffness_comes_out(row, share) for row in rows) for share in (0.0, STEP)]
     return (
         f"the step of load of (22) is not printed: of {len(rows)} stiffnesses {counts[0]} come out with the tangent and "

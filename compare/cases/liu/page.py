@@ -42,9 +42,9 @@ ABOUT = (
 
 
 def loaded_counts_sentence(found: dict[str, float]) -> str:
-    """Return in words how many printed counts of loaded balls lie in the central 99 % of the drawn screws.
+    """Return in words how many printed numbers of loaded balls lie in the central 99 % of the drawn screws.
 
-    ``found``: printed values by key.
+    ``found``: printed values by key, such as "loaded_2_500".
     """
     total, out = 0, []
     for key, value in found.items():
@@ -63,9 +63,10 @@ def loaded_counts_sentence(found: dict[str, float]) -> str:
 
 
 def stiffness_sentence(found: dict[str, float]) -> str:
-    """Return in words the deviation of printed stiffness from the median of drawn screws, where most load all balls.
+    """Return in words the deviation of printed stiffnesses from the median of the drawn screws.
 
-    ``found``: printed values by key.
+    Only axial loads count under which most drawn screws have no unloaded ball. ``found``: printed values by key, such as
+    "K_2_3000".
     """
     off = []
     for key, value in found.items():

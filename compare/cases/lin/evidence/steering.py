@@ -253,7 +253,7 @@ def _compute_load_ratios(findings: Findings) -> None:
 
 
 def _range_in_words(band: tuple[float, float], printed: float) -> str:
-    """Return in words the range of a load ratio, its smallest and largest value, and whether it contains the printed one."""
+    """Return in words the range of a load ratio (smallest, largest) and whether it contains the printed value."""
     return f"{band[0]:.2f} to {band[1]:.2f} ({'holds' if range_contains(band, printed) else 'without'} it)"
 
 

@@ -88,7 +88,8 @@ class SlidingLoadCase(LoadCase):
     def solve_next_round(self, last: ContactRound, *, moving: bool) -> ContactRound:
         """Return the next iterate of contact loads and motion, with friction from the contact loads of the last one.
 
-        ``last``: last iterate; ``moving``: passed on to the iteration without friction.
+        ``last``: last iterate; ``moving``: whether normals and gaps follow the motion; else gaps are corrected for the
+        mesh grid only.
         """
         across = self.across(last).ravel()
         self.at_rest = self.still + self.C.coupling @ self.C.amplitude(across)
