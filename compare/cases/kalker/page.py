@@ -360,7 +360,7 @@ def _verification_row(p: Verification) -> Row:
 
 
 def _comparison_row(row: RollingRow) -> Row:
-    """Return the table row that compares a quantity of the low-order friction model with the 3D model and printed values."""
+    """Return the table row that compares a quantity of the low-order friction model with 3D and with printed values."""
     finite = np.isfinite(row.uncertainty)
     return {
         "scene": row.scene,

@@ -1,4 +1,4 @@
-"""Smith (1994), chapters 4 and 5: stiffness of a ball-screw axis with its support bearings, tests, reduced preload of 5.3.
+"""Smith (1994), chapters 4 and 5: stiffness of a ball-screw axis with its support bearings, tests, reduced preload.
 
 Several layouts of the axis are also solved as scenes over the nut's position, and compared with closed formulas and with
 Smith's sum of compliances in series.
@@ -49,8 +49,9 @@ FIRST, PLACES = 2.0 * bearings.INCH, (0.1, 0.5, 0.9)
 class Layout:
     """An arrangement of support bearings at both ends of the screw.
 
-    ``scene``: name of its scene; ``words``: description; ``kind``: "ball" or "taper"; ``left``, ``right``: directions in
-    which the bearing rows of an end carry thrust (empty: the end is free to slide).
+    ``scene``: name of its scene; ``words``: description; ``kind``: "ball" or "taper"; ``left``, ``right``: for each
+    bearing row of an end, the direction in which it carries thrust, +1 if the screw's tension loads it, else -1 (empty:
+    the end is free to slide).
     """
 
     scene: str
@@ -80,7 +81,11 @@ LAYOUTS = TRIPLEX, SUPPORTED, TANDEM, TAPERED
 
 @dataclass(frozen=True)
 class EndThrusts:
-    """Thrust [N] on the left and right supports, and axial stiffness [N/m] of screw and supports at the nut."""
+    """Thrust on the supports of an axis, and its stiffness.
+
+    ``left``, ``right``: thrust on the left and right supports, positive in tension of the screw [N]; ``stiffness``: axial
+    stiffness of screw and supports at the nut, without that of the nut [N/m].
+    """
 
     left: float
     right: float
@@ -91,8 +96,8 @@ class EndThrusts:
 def end_thrusts_by_formulas(layout: Layout, place: float, applied: float = bearings.APPLIED) -> EndThrusts:
     """Return thrusts and stiffness of an axis by closed formulas, with all bearing rows of an end at one position.
 
-    ``place``: nut's position over the length; ``applied``: axial load on the nut [N]. The screw is stretched as in Smith's
-    thesis, and the bearing rows are preloaded.
+    ``place``: position of the nut over the length between the supports; ``applied``: axial load on the nut, towards the
+    left end [N]. The screw is stretched as in Smith's thesis, and the bearing rows are preloaded.
     """
     a, first = bearings.screw_axis(), layout.bearings_at("left")
     bars = np.array([place, 1.0 - place]) * a.length / (a.young * a.area)
@@ -114,7 +119,10 @@ def end_thrusts_by_formulas(layout: Layout, place: float, applied: float = beari
 
 
 def end_thrusts_by_scene(study: Study, layout: Layout, place: float) -> EndThrusts:
-    """Return thrusts and stiffness of an axis solved as a scene: beam, contacts, bearing rows at their positions."""
+    """Return thrusts and stiffness of an axis solved as a scene, with beam, contacts, and bearing rows at their places.
+
+    ``place``: position of the nut over the length between the supports.
+    """
     return study.once(_solve_layout_scene, layout, place)
 
 
@@ -133,9 +141,10 @@ def _solve_layout_scene(study: Study, layout: Layout, place: float) -> EndThrust
 
 
 def stiffness_sum_in_series(layout: Layout) -> float:
-    """Return the axis stiffness [N/m] by Smith's sum in series (4.6): both supports and the whole screw, without the nut.
+    """Return the axis stiffness [N/m] by Smith's sum in series, his equation (4.6), without the nut.
 
-    nan for a screw fixed at one end only, for which Smith gives no sum.
+    The sum contains the compliances of both supports and of the whole screw. The result is nan for a screw fixed at one
+    end only, for which Smith gives no sum.
     """
     if not layout.right:
         return float("nan")
@@ -153,15 +162,20 @@ def layout_sentence(study: Study, layout: Layout) -> str:
 
 
 def compare_layouts(study: Study) -> Iterator[tuple[Layout, float, EndThrusts, EndThrusts]]:
-    """Yield each layout and nut position, with thrusts and stiffness by the scene and by closed formulas."""
+    """Yield each layout of the axis and each nut position, with thrusts and stiffness computed in two ways.
+
+    Each entry: layout; position of the nut over the length; thrusts and stiffness by the scene; the same by closed
+    formulas.
+    """
     for layout in LAYOUTS:
         for place in PLACES:
             yield layout, place, end_thrusts_by_scene(study, layout, place), end_thrusts_by_formulas(layout, place)
 
 
-#: Lead [m], rapid traverse [m/s] (5.1); encoder counts per turn, motor torque [in-lbf], reduced preload [N] (5.3).
+#: Lead [m] and rapid traverse [m/s] of the tested axis, section 5.1 of Smith's thesis.
 LEAD, TRAVERSE = parse_quantity("14 mm", "length"), 800.0 * bearings.INCH / 60.0
 
+#: Encoder counts per turn, motor torque [in-lbf], and the reduced preload of section 5.3 [N].
 COUNTS, MOTOR, REDUCED = 40000.0, 159.0, parse_quantity("750 lbf", "force")
 
 #: Density of steel [kg/m^3], for the screw's inertia, which Smith does not print.
@@ -177,9 +191,10 @@ def screw_tension() -> float:
 
 @cache
 def end_state(kind: str, end: str, state: str, preload: float = bearings.PRELOAD) -> BearingSetState:
-    """Return the equilibrium of the bearing rows of one end.
+    """Return the equilibrium of the bearing rows at one end of the axis.
 
-    ``state``: "preload" only, after the "stretch" of the screw, or with the load of 4.2 "applied" as well.
+    ``kind``: "ball" or "taper"; ``end``: "left" or "right"; ``state``: "preload" only, after the "stretch" of the screw, or
+    with the carriage's load of Smith's section 4.2 "applied" as well; ``preload``: of the bearing rows [N].
     """
     rows = bearings.bearing_set(kind, end, preload)
     if state == "preload":
@@ -189,13 +204,21 @@ def end_state(kind: str, end: str, state: str, preload: float = bearings.PRELOAD
 
 
 def _end_thrusts_under_load(tensile: float) -> dict[str, float]:
-    """Return the thrust [N] on both ends with Smith's load of 4.2 on the nut at mid-length, towards the left end."""
+    """Return the thrust [N] on both ends, by "left" and "right", under the carriage's load of Smith's section 4.2.
+
+    The load acts on the nut at mid-length towards the left end; ``tensile``: tension of the screw without it [N].
+    """
     left, right = support_loads(bearings.screw_axis(), 0.5 * bearings.screw_axis().length, -bearings.APPLIED, tensile)
     return {"left": left, "right": right}
 
 
 def row_loads_as_printed(kind: str, end: str, state: str, preload: tuple[float, ...]) -> list[float]:
-    """Return the bearing-row loads [lbf] by Smith's rule: each end gets half of stretch and load, in full on every row."""
+    """Return the loads [lbf] of the bearing rows at one end by Smith's rule.
+
+    Each end gets half of the screw's tension and half of the carriage's load, and adds it in full to every row.
+    ``kind``: "ball" or "taper"; ``end``: "left" or "right"; ``state``: "stretch" or "applied"; ``preload``: of each row
+    [lbf].
+    """
     loads = as_printed.shared_loads(
         preload, bearings.DIRECTIONS[kind][end], 0.5 * round(screw_tension() / bearings.POUND, -1)
     )
@@ -257,7 +280,10 @@ def section_4_2(e: Findings, study: Study) -> None:
 
 
 def _compute_end_rows(e: Findings, kind: str, end: str) -> None:
-    """Compute loads and stiffness of the bearing rows at one end of the axis, into ``e``."""
+    """Compute loads and stiffness of the bearing rows at one end of the axis, into ``e``.
+
+    ``kind``: "ball" or "taper"; ``end``: "left" or "right".
+    """
     count = len(bearings.DIRECTIONS[kind][end])
     preload = tuple(e.printed(f"{kind}_{end}_preload_{i + 1}") for i in range(count))
     for state in ("preload", "stretch", "applied"):
@@ -284,7 +310,10 @@ def axis_stiffness_at_middle(supports: float) -> float:
 
 
 def _compute_axis_stiffness(e: Findings, kind: str, as_scenes: str) -> None:
-    """Compute the stiffness of the axis: by Smith's sum in series, and with both halves of the screw in parallel."""
+    """Compute the axis stiffness by Smith's sum in series and with both screw halves in parallel, into ``e``.
+
+    ``kind``: "ball" or "taper"; ``as_scenes``: remark on end thrusts and stiffness by scene.
+    """
     package, screw, nut = (e.printed(k) for k in (f"package_{kind}", "screw", "nut"))
     printed = as_printed.series_stiffness((package, package), screw, nut)
     right = axis_stiffness_at_middle(package * bearings.POUND_PER_INCH) / bearings.POUND_PER_INCH
@@ -379,9 +408,9 @@ def _compare_temperature_rises(e: Findings) -> None:
 
 
 def unseating_load(preload: float) -> float:
-    """Return the load [N] on the carriage at mid-length that unloads the outer bearing row of one end of the axis.
+    """Return the load [N] on the carriage at mid-length that unloads the outer tapered-bearing row of one end of the axis.
 
-    The screw is stretched. Half of the carriage's load acts on the end, which is unloaded at its lift-off load less the
+    ``preload``: of the bearing rows [N]. The screw is stretched. Half of the carriage's load acts on the end, which is unloaded at its lift-off load less the
     screw's tension.
     """
     share = support_loads(bearings.screw_axis(), 0.5 * bearings.screw_axis().length, 1.0)[0]
