@@ -500,7 +500,8 @@ def scene_name(size: str) -> str:
 def rigidity_by_parts(scene: Scene, force: float) -> tuple[float, float]:
     """Return the axial rigidity [N/m] of a nut under an axial load [N], all balls loaded equally.
 
-    First: of the contacts only; second: of contacts and bodies, that is the tubes of nut and screw. Raises ValueError if nut or screw has no wall thickness.
+    First: of the contacts only; second: of contacts and bodies, that is the tubes of nut and screw. Raises ValueError if
+    nut or screw has no wall thickness.
     """
     alone, body = contacts_displacement(scene, force), body_compliance(scene)
     assert body is not None

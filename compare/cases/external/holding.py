@@ -137,8 +137,8 @@ def mesh_percent(scene: Scene, loads: Mapping[int, Array]) -> float:
 def fixation_rows(study: Study, size: str) -> list[dict[str, Cell]]:
     """Return the table rows of a catalogue screw: largest load, life and rigidity for each fixation and model.
 
-    ``size``: name of the catalogue size, one of `SIZES`. The default model comes first (without bolts, as it fixes the whole annulus of a flange), then every stored level
-    of the 3D reference.
+    ``size``: name of the catalogue size, one of `SIZES`. The default model comes first (without bolts, as it fixes the
+    whole annulus of a flange), then every stored level of the 3D reference.
     """
     printed = entry("external-thk", f"rigidity_{size}").value
     name = scene_name(size)

@@ -445,7 +445,8 @@ def stiffness_spreads(load: float) -> Array:
 def relative_stiffness_percentile(key: str, printed: float, reference: float) -> str:
     """Return in words the percentile of a printed stiffness that is divided by the printed stiffness without errors.
 
-    ``key``: of the printed stiffness; ``printed``: its value; ``reference``: printed stiffness without errors. The ratio does not change if all stiffnesses differ from the publication's by the same factor.
+    ``key``: of the printed stiffness; ``printed``: its value; ``reference``: printed stiffness without errors. The ratio
+    does not change if all stiffnesses differ from the publication's by the same factor.
     """
     h, load = int(key.split("_")[1]), float(key.split("_")[2])
     ratio = drawn_sample(h, "stiffness", load) / solve_chain(calibrated_model(), np.zeros(ball_count()), load).stiffness
@@ -482,7 +483,8 @@ def drawn_secant_stiffness(half_range_um: int, load: float, share: float) -> Arr
 def stiffness_comes_out(row: Printed, share: float) -> bool:
     """Return whether a printed stiffness lies in the range of the drawn screws' secant stiffness.
 
-    ``row``: printed number; ``share``: load step of the secant over the load; 0: tangent stiffness. A stiffness without errors must agree with the computed one to 1 %, as the publication's other results do.
+    ``row``: printed number; ``share``: load step of the secant over the load; 0: tangent stiffness. A stiffness without
+    errors must agree with the computed one to 1 %, as the publication's other results do.
     """
     _, which, load = row.key.split("_")
     assert row.value is not None

@@ -1,6 +1,7 @@
 """Bearings, screws and ball pairs of Lin's chapters 3 and 4, read from the shipped scenes.
 
-Arguments of the functions replace single values of the scenes. Dimensions and loads, and what is assumed or inferred, are in ``compare/cases/lin/scenes/friction``.
+Arguments of the functions replace single values of the scenes. Dimensions and loads, and what is assumed or inferred, are
+in ``compare/cases/lin/scenes/friction``.
 """
 
 from __future__ import annotations

@@ -33,7 +33,8 @@ PATTERNS = ("evenly distributed", "stacked on one end", "stacked on one side", "
 def ball_azimuths(scene: Scene, pattern: str) -> tuple[float, ...]:
     """Return the azimuths [rad] of the balls in a pattern of Lin's Figure 4.2, in which stacked balls touch one another.
 
-    ``pattern``: one of `PATTERNS`. For "stacked on one side", the gap of every turn lies opposite the x axis, at an azimuth of pi.
+    ``pattern``: one of `PATTERNS`. For "stacked on one side", the gap of every turn lies opposite the x axis, at an azimuth
+    of pi.
     """
     n, track = scene.ball_count, scene.track
     full = 2.0 * np.pi * TURNS

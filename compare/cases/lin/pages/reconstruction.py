@@ -64,7 +64,10 @@ def other_statements_table(study: Study) -> Table:
 
 
 def _statement_row(place: str, printed: str, computed: str, verdict: str) -> Row:
-    """Return the table row of one statement in Lin's thesis, with the computed value and a verdict."""
+    """Return the table row of one statement in Lin's thesis.
+
+    ``place``: of the statement; ``printed``: the statement; ``computed``: what is computed for it; ``verdict``: conclusion.
+    """
     return {"place": place, "printed": printed, "computed here": computed, "verdict": verdict}
 
 
@@ -103,7 +106,10 @@ def _lateral_displacement_row(study: Study) -> Row:
 
 
 def _case_3_row(study: Study, model: str) -> Row:
-    """Return the table row of case 3: supports of the right end for which the offset changes loads as printed."""
+    """Return the table row of Lin's case 3: supports of the right end for which the offset changes loads as printed.
+
+    ``model``: name of the model of the contact loads.
+    """
     largest, right = [], []
     for reading in END_SUPPORTS:
         change = study.solve(reading.offset, model).load - study.solve(reading.plain, model).load
@@ -120,13 +126,19 @@ def _case_3_row(study: Study, model: str) -> Row:
 
 
 def has_shape(change: Array) -> bool:
-    """Return whether the largest change of contact loads (n, 4) is a rise on flank SR or NL of one of the last balls."""
+    """Return whether the largest change of a contact load is a rise on flank SR or NL of one of the last balls.
+
+    ``change``: changes of the contact loads (n, 4) [N] of n balls on the flanks SL, SR, NL, NR.
+    """
     ball, side = np.unravel_index(int(np.abs(change).argmax()), change.shape)
     return bool(side in (1, 2) and ball >= len(change) - LAST and change[ball, side] > 0.0)
 
 
 def _ball_force_row(case: str) -> Row:
-    """Return the table row of a ball-to-ball force: printed difference, effects of elastic bodies and of cell size."""
+    """Return the table row of a ball-to-ball force: printed difference, effects of elastic bodies and of cell size.
+
+    ``case``: key of `FORCES`.
+    """
     table, low_key, ansys_key, name = FORCES[case]
     low, ansys = (value_of(table, key) for key in (low_key, ansys_key))
     scene = cast("KindScene", catalogue.shipped(name))
@@ -198,17 +210,23 @@ def combination_in_words(readings: Combination) -> str:
 
 
 def _errors_in_words(values: Sequence[float]) -> str:
-    """Return the four errors [%], largest and RMS of cases 1 and 2, in words."""
+    """Return in words four errors [%]: largest and RMS error of case 1, then of case 2."""
     return f"{values[0]:.2f} / {values[1]:.2f} % (case 1) and {values[2]:.2f} / {values[3]:.2f} % (case 2)"
 
 
 def fall_and_rise(errors: Sequence[float]) -> tuple[float, float]:
-    """Return the fall of the largest error and the rise of the RMS error from case 1 to 2 [percentage points]."""
+    """Return the fall of the largest error, then the rise of the RMS error, from case 1 to case 2 [percentage points].
+
+    ``errors``: largest and RMS error of case 1, then of case 2 [%].
+    """
     return errors[0] - errors[2], errors[3] - errors[1]
 
 
 def conclusion(found: list[combined.CombinationResult]) -> str:
-    """Return the conclusion: the printed error's origin is not identified; range over all combinations."""
+    """Return the conclusion: the origin of the printed error is not identified; its range over all combinations.
+
+    ``found``: results of all combinations of interpretations, the defaults first.
+    """
     errors = [c.errors["own"][0] for c in found if not c.against_text]
     missed = float(np.sqrt(np.mean(combined.nearest_combination(found).misses ** 2)))
     return (
@@ -264,7 +282,7 @@ def _fall_over_printed(c: combined.CombinationResult) -> float:
 
 
 def _range_in_words(values: Sequence[float], digits: int = 2) -> str:
-    """Return in words the range from the first to the last of monotonic values."""
+    """Return in words the range of values that rise or fall from first to last; ``digits``: decimals of the numbers."""
     return f"{values[0]:.{digits}f} to {values[-1]:.{digits}f}"
 
 
@@ -371,7 +389,11 @@ def deviations_table(found: list[combined.CombinationResult]) -> Table:
 
 
 def _ratio_and_error_cells(values: Sequence[float], ratio: str, error: str, unit: str = "") -> Row:
-    """Return table cells of both load ratios and the four errors."""
+    """Return the table cells of both load ratios and the four errors of loads.
+
+    ``values``: load ratio of the low-order and of the 3D model, then the errors `ERRORS`; ``ratio``, ``error``: formats of
+    ratios and errors; ``unit``: unit of the ratios, empty for the ratios themselves, "%" for differences.
+    """
     row: Row = {
         Quantity("low_ratio", "ratio, low order", unit, ratio): float(values[0]),
         Quantity("solid_ratio", "ratio, 3D", unit, ratio): float(values[1]),
@@ -448,7 +470,10 @@ def combinations_figure(found: list[combined.CombinationResult]) -> Figure:
     def scatter_series(
         pick: Callable[[combined.CombinationResult], tuple[float, float]], printed: tuple[float, float]
     ) -> tuple[Series, ...]:
-        """Return a marker for each combination and one for the printed values; ``pick``: abscissa and ordinate."""
+        """Return a marker for each combination, and one for the printed values.
+
+        ``pick``: function that returns abscissa and ordinate of a combination; ``printed``: those of the printed values.
+        """
         out = []
         for label, of, light in (("other combinations", others, True), ("explanations", shown, False)):
             points = [pick(c) for c in of]
@@ -456,7 +481,7 @@ def combinations_figure(found: list[combined.CombinationResult]) -> Figure:
         return (*out, Series("printed", [printed[0]], [printed[1]], style="markers", emphasis=True))
 
     def case_errors(k: int) -> Callable[[combined.CombinationResult], tuple[float, float]]:
-        """Return the function that picks the RMS and the largest error of a case, 0 or 1, of a combination."""
+        """Return a function that returns RMS, then largest error [%] of a combination in Lin's case ``k`` + 1."""
         return lambda c: (c.errors["own"][2 * k + 1], c.errors["own"][2 * k])
 
     panels = (

@@ -335,8 +335,8 @@ def load_change_per_approach(solid: tuple[Array, ...]) -> float:
 def drawn_errors(low: tuple[Array, ...], solid: tuple[Array, ...], percent: float, *, of_load: bool = True) -> Array:
     """Return the errors [%] that the low-order model would have against 3D on `DRAWN` random meshes, (DRAWN, 4).
 
-    Columns: largest and RMS error of case 1, largest and RMS error of case 2. Only flank SL counts, since both contacts of a ball carry the same load. Each case has its own mesh, and so its
-    own scatter.
+    Columns: largest and RMS error of case 1, largest and RMS error of case 2. Only flank SL counts, since both contacts of
+    a ball carry the same load. Each case has its own mesh, and so its own scatter.
 
     Parameters
     ----------

@@ -410,8 +410,8 @@ def _compare_temperature_rises(e: Findings) -> None:
 def unseating_load(preload: float) -> float:
     """Return the load [N] on the carriage at mid-length that unloads the outer tapered-bearing row of one end of the axis.
 
-    ``preload``: of the bearing rows [N]. The screw is stretched. Half of the carriage's load acts on the end, which is unloaded at its lift-off load less the
-    screw's tension.
+    ``preload``: of the bearing rows [N]. The screw is stretched. Half of the carriage's load acts on the end, which is
+    unloaded at its lift-off load less the screw's tension.
     """
     share = support_loads(bearings.screw_axis(), 0.5 * bearings.screw_axis().length, 1.0)[0]
     return (lift_off_force(bearings.bearing_set("taper", "left", preload)) - screw_tension()) / share

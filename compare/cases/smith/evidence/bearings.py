@@ -115,8 +115,8 @@ def taper_bearing() -> TaperedBearing:
 def bearing_set(kind: str, end: str, preload: float = PRELOAD) -> BearingSet:
     """Return the preloaded bearing rows at one end of the screw.
 
-    ``kind``: "ball" or "taper"; ``end``: "left" or "right"; ``preload``: load of a single bearing at the preload's
-    deflection [N].
+    ``kind``: "ball" or "taper"; ``end``: "left" or "right"; ``preload``: preload of the tapered rows [N]; for ball
+    bearings, the thrust on a single bearing whose deflection is the gap of every row.
     """
     directions = DIRECTIONS[kind][end]
     if kind == "ball":
@@ -165,7 +165,10 @@ def ball_spreadsheet(pounds: float, difference: float | None = SHEET_DIFFERENCE)
 
 
 def ball_spreadsheet_stiffness(pounds: float) -> float:
-    """Return the ball bearing's axial stiffness [lbf/in] by Smith's spreadsheet, from two thrusts around ``pounds`` [lbf]."""
+    """Return the ball bearing's axial stiffness [lbf/in] by Smith's spreadsheet at the thrust ``pounds`` [lbf].
+
+    It is the difference quotient between two thrusts nearby.
+    """
     step = 1e-3 * pounds
     return 2.0 * step * 25.4 / (ball_spreadsheet(pounds + step).deflection - ball_spreadsheet(pounds - step).deflection)
 
