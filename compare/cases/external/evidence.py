@@ -203,7 +203,7 @@ def gmn_rigidity(name: str, which: str, conformity: float) -> float:
     return 2e-6 * one.stiffness(one.deflection(float(row[3 + CLASSES.index(which)])))
 
 
-def gmn_growth(conformity: float) -> np.ndarray[tuple[int, ...], np.dtype[np.float64]]:
+def gmn_rigidity_growth_ratios(conformity: float) -> np.ndarray[tuple[int, ...], np.dtype[np.float64]]:
     """Return for each bearing pair the growth of rigidity from light to strong preload, computed over printed by GMN.
 
     ``conformity``: groove radius over ball diameter.
@@ -222,7 +222,7 @@ def gmn_rigidities(findings: Findings, study: Study) -> None:  # noqa: ARG001 - 
     for name in read_inputs()["gmn"]["rows"]:
         for which in CLASSES:
             findings.number(f"{name}_{which}", gmn_rigidity(name, which, inferred))
-    middle = {c: float(np.median(gmn_growth(c))) for c in (*ANY, inferred)}
+    middle = {c: float(np.median(gmn_rigidity_growth_ratios(c))) for c in (*ANY, inferred)}
     words = ", ".join(f"{m:.3f} at conformity {c:g}" for c, m in middle.items())
     findings.claim("growth", all(abs(float(error_percent(m, 1.0))) <= 2.0 for m in middle.values()), f"median {words}")
 
@@ -279,7 +279,7 @@ ROUNDED, WITHIN = 3.0, 5.0
 SCENE, PRELOAD, FORCE = "external-thk-bnf-4010-5", 5000.0, 3000.0
 
 
-def mean_speed_of_phases(case: str) -> float:
+def mean_speed_of_duty_cycle(case: str) -> float:
     """Return the mean speed [rpm] of a duty cycle with the phases (speeds, times) of a maker's example.
 
     ``case``: name of the example among the external cases.
@@ -293,7 +293,7 @@ def mean_speed_of_phases(case: str) -> float:
     return cycle.speed * 30.0 / pi
 
 
-def mean_force_of_phases(case: str) -> float:
+def equivalent_force_of_duty_cycle(case: str) -> float:
     """Return the equivalent mean force of a duty cycle with the phases of a maker's example, in the unit of its forces.
 
     ``case``: name of the example among the external cases.
@@ -306,8 +306,8 @@ def mean_force_of_phases(case: str) -> float:
 def equivalent_loads(findings: Findings, study: Study) -> None:
     """Compute makers' examples of equivalent loads: mean forces, halves of a preloaded nut, factors e, X, Y of bearings."""
     for key, case in EXAMPLES.items():
-        findings.number(key, mean_force_of_phases(case))
-    findings.number("speed_rexroth", mean_speed_of_phases("rexroth"))
+        findings.number(key, equivalent_force_of_duty_cycle(case))
+    findings.number("speed_rexroth", mean_speed_of_duty_cycle("rexroth"))
     findings.number("parting", PARTING)
     force = np.linspace(0.0, PARTING, 50)
     loaded, other = forces_on_halves(force, 1.0)
@@ -530,11 +530,11 @@ def nut_rigidities(findings: Findings, study: Study) -> None:
     for turns, size in (("5", "bnf-3205-5"), ("7p5", "bnf-3205-7p5")):
         findings.number(f"turns_{turns}", alone[size] / alone["bnf-3205-2p5"], "contacts alone")
     words = f"contacts alone {2.0**1.5 / 3.0 ** (1.0 / 3.0):.3f}"
-    findings.number("double", double_over_single(study), f"with the bodies; {words}")
+    findings.number("double", double_nut_rigidity_ratio(study), f"with the bodies; {words}")
     _compute_drag_torque(study, findings)
 
 
-def double_over_single(study: Study) -> float:
+def double_nut_rigidity_ratio(study: Study) -> float:
     """Return the axial rigidity of a preloaded double nut over that of a single nut, contacts and bodies included.
 
     The preload is a third of the single nut's load. The double nut's rigidity is taken at the load that just unloads

@@ -55,7 +55,7 @@ COLUMNS = (
 )
 
 
-def fixations(scene: Scene) -> dict[str, Scene]:
+def scenes_by_fixation(scene: Scene) -> dict[str, Scene]:
     """Return copies of a scene whose nut is fixed at different surfaces, by name of the surface; "left face" is first."""
     outer = scene.nut.outer_diameter
     thick = min(THICK * outer, 0.4 * scene.nut.length)
@@ -84,7 +84,7 @@ def stored_results(store: Path) -> list[dict[str, Any]]:
     return list(json.loads((store / FILE).read_text(encoding="utf-8")))
 
 
-def contact_loads(row: dict[str, Any]) -> Array:
+def stored_contact_loads(row: dict[str, Any]) -> Array:
     """Return the contact loads (n, 4) [N] of n balls from a stored 3D result.
 
     Loads on flanks that the result does not contain are zero; ``row``: the result, by key of the JSON file.
@@ -142,10 +142,10 @@ def fixation_rows(study: Study, size: str) -> list[dict[str, Cell]]:
     """
     printed = entry("external-thk", f"rigidity_{size}").value
     name = scene_name(size)
-    held = fixations(study.scene(name))
+    held = scenes_by_fixation(study.scene(name))
     found = {way: study.solve(scene, DEFAULT) for way, scene in held.items() if way != BOLTED}
     in_3D = {way: runs_by_level(name, way) for way in held}
-    loads = {way: {k: contact_loads(x) for k, x in levels.items()} for way, levels in in_3D.items()}
+    loads = {way: {k: stored_contact_loads(x) for k, x in levels.items()} for way, levels in in_3D.items()}
     solved = [
         FixationResult(DEFAULT, way, result.load, axial_force(result) / axial_displacement(held[way], result))
         for way, result in found.items()
@@ -192,8 +192,11 @@ def bolts_sentence() -> str:
         levels = bolted.keys() & whole.keys()
         if levels:
             bolts, ring = bolted[max(levels)], whole[max(levels)]
-            off, mean = load_error(contact_loads(bolts), contact_loads(ring)), mean_load(contact_loads(ring))
-            largest = float(error_percent(contact_loads(bolts).max(), contact_loads(ring).max(), mean))
+            off, mean = (
+                load_error(stored_contact_loads(bolts), stored_contact_loads(ring)),
+                mean_load(stored_contact_loads(ring)),
+            )
+            largest = float(error_percent(stored_contact_loads(bolts).max(), stored_contact_loads(ring).max(), mean))
             stiff = float(error_percent(bolts["rigidity"], ring["rigidity"]))
             words.append(
                 f"{scene} (level {max(levels)}): the largest load by {largest:+.2f} % of the mean load, any load by at "

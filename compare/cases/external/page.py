@@ -128,7 +128,7 @@ def displacement_in_3d(scene: Scene, found: Reference) -> float:
     return float(np.interp(scene.nut.position, line[:, 0], line[:, 3]))
 
 
-def reference_row(study: Study, name: str) -> dict[str, Cell] | None:
+def nut_rigidity_row(study: Study, name: str) -> dict[str, Cell] | None:
     """Return the table row of a nut's rigidities [N/um]: by the effects included in the model, and by the 3D reference.
 
     None without a stored reference, without axial load, or if the screw is displaced at zero load, which the
@@ -173,7 +173,7 @@ def rigidities_table(
             if value and printed:
                 row[f"share_{key}"] = 1.0 + float(error_percent(printed, value)) / 100.0
         rows.append(row)
-    rows += [row for row in (reference_row(study, name) for name in names) if row is not None]
+    rows += [row for row in (nut_rigidity_row(study, name) for name in names) if row is not None]
     columns = (
         Quantity("scene", "scene", "", "s"),
         Quantity("load", "axial load", "kN", "g3"),

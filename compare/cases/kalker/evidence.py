@@ -260,42 +260,48 @@ def _verify_cattaneo_mindlin() -> Iterator[Verification]:
 def _verify_full_slip() -> Iterator[Verification]:
     """Verify friction force and moment in full slip: by quadrature, on a grid, and by differences as in stored runs."""
     for where, creep in SLIPS.items():
-        exact = _force_and_moment(*verification.full_slip_by_quadrature(*GROOVE, creep, MU, 1200))
+        exact = _longitudinal_force_and_moment(*verification.full_slip_by_quadrature(*GROOVE, creep, MU, 1200))
         patches = [hertz_patch(*GROOVE, (n, n)) for n in (16, 24, 32)]
         ways = {
             "by quadrature": [
-                _force_and_moment(*verification.full_slip_by_quadrature(*GROOVE, creep, MU, n)) for n in (150, 225, 300)
+                _longitudinal_force_and_moment(*verification.full_slip_by_quadrature(*GROOVE, creep, MU, n))
+                for n in (150, 225, 300)
             ],
-            BY_GRID: [_scaled_compliance_wrench(p, creep, STIFF) for p in patches],
+            BY_GRID: [_rolling_force_and_moment(p, creep, STIFF) for p in patches],
         }
         if "inside" in where:
-            ways[RESOLVED] = [_force_and_moment(*verification.full_slip_within_cells(p, creep, MU)) for p in patches]
+            ways[RESOLVED] = [
+                _longitudinal_force_and_moment(*verification.full_slip_within_cells(p, creep, MU)) for p in patches
+            ]
         for way, found in ways.items():
             reach = ALONE if way == BY_GRID and "inside" in where else REACH[2]
             for name, values, known in zip(WRENCH, zip(*found, strict=True), exact, strict=True):
                 yield Verification(f"full slip {way}, {where}", name, values, known, reach, values[-1])
-        limits = [_force_and_moment(*verification.full_slip_by_quadrature(*GROOVE, creep, MU, n)) for n in QUADRATURES]
-        found = [_wrench_by_differences(hertz_patch(*GROOVE, shape), creep, limits) for shape in LEVELS.values()]
+        limits = [
+            _longitudinal_force_and_moment(*verification.full_slip_by_quadrature(*GROOVE, creep, MU, n))
+            for n in QUADRATURES
+        ]
+        found = [_force_and_moment_by_differences(hertz_patch(*GROOVE, shape), creep, limits) for shape in LEVELS.values()]
         for name, values, known in zip(WRENCH, zip(*found, strict=True), exact, strict=True):
             worst = values[int(np.argmax(np.abs(np.array(values) - known)))]
             yield Verification(f"full slip {AS_RUNS}, {where}", name, values, known, REACH[2], worst, None)
 
 
-def _force_and_moment(force: Array, moment: float) -> tuple[float, float]:
+def _longitudinal_force_and_moment(force: Array, moment: float) -> tuple[float, float]:
     """Return the force along the rolling direction [N] and the moment [N mm] from a force vector [N] and a moment [N m]."""
     return float(force[0]), 1e3 * moment
 
 
-def _scaled_compliance_wrench(patch: Patch, creep: verification.Creep, share: float) -> tuple[float, float]:
+def _rolling_force_and_moment(patch: Patch, creep: verification.Creep, share: float) -> tuple[float, float]:
     """Return friction force [N] and moment [N mm] in steady rolling of bodies with scaled tangential compliance.
 
     ``share``: factor on the tangential compliance; the normal contact stays unchanged.
     """
     found = verification.solve_steady_rolling(patch, creep, MU, elastic=share)
-    return _force_and_moment(found.force, found.moment)
+    return _longitudinal_force_and_moment(found.force, found.moment)
 
 
-def _wrench_by_differences(
+def _force_and_moment_by_differences(
     patch: Patch, creep: verification.Creep, limits: list[tuple[float, float]]
 ) -> tuple[float, float]:
     """Return friction force [N] and moment [N mm] by differences, as stored runs are evaluated.
@@ -305,8 +311,8 @@ def _wrench_by_differences(
     """
     limit, elastic, near = (
         np.mean(limits, axis=0),
-        _scaled_compliance_wrench(patch, creep, STIFF),
-        _scaled_compliance_wrench(patch, creep, STIFF * NEARLY_RIGID),
+        _rolling_force_and_moment(patch, creep, STIFF),
+        _rolling_force_and_moment(patch, creep, STIFF * NEARLY_RIGID),
     )
     force, moment = limit + np.subtract(elastic, near)
     return float(force), float(moment)

@@ -17,7 +17,12 @@ from math import radians
 import numpy as np
 
 from rollbench.compare.cases.lin.evidence.rotary_linear import AXIAL, CASES, LINEAR, ROTARY, VERTICAL, solve_rotary
-from rollbench.compare.cases.lin.evidence.source_cases import case_as_printed, four_point, inferred, table_3_6
+from rollbench.compare.cases.lin.evidence.source_cases import (
+    four_point_bearing,
+    groove_of_table_3_6,
+    pair_as_printed,
+    pair_with_inferred_oversize,
+)
 from rollbench.lowfi.friction.as_source.chain import SHARPNESS, SourceMotion
 from rollbench.lowfi.friction.as_source.screw import (
     linear_solutions_from_starts,
@@ -93,7 +98,7 @@ class GroupResult:
 
 
 @dataclass
-class Tally:
+class SolutionTally:
     """Counts of solved cases and largest errors of one group of extreme cases, updated with each solution."""
 
     cases: int = 0
@@ -165,7 +170,7 @@ class Tally:
 
 
 @dataclass(frozen=True)
-class OneBall:
+class BallProblem:
     """The motion problem of one ball under given contact loads, for both methods of solution.
 
     ``problem``: contacts of the ball and velocities of the driven surfaces; ``law``: Lin's sigmoid friction law;
@@ -178,17 +183,17 @@ class OneBall:
     power: Callable[[Array], float]
 
 
-def rotary_ball(bearing: Bearing, axial: float, u_y: float, sharpness: float = SHARPNESS) -> OneBall:
+def rotary_ball_problem(bearing: Bearing, axial: float, u_y: float, sharpness: float = SHARPNESS) -> BallProblem:
     """Return the motion problem of one ball of the rotary bearing of Lin's section 3.2.
 
     ``axial``: axial load on the inner ring [N]; ``u_y``: radial displacement of the inner ring [m]; ``sharpness``: k_S of
     Lin's sigmoid friction law, the larger the closer to Coulomb's law.
     """
     s = solve_ball(bearing, axial, u_y, fast=True)
-    return OneBall(s.problem, screw_sigmoid(bearing, sharpness), lambda f: _drive_power(s.problem, f))
+    return BallProblem(s.problem, screw_sigmoid(bearing, sharpness), lambda f: _drive_power(s.problem, f))
 
 
-def screw_ball(pair: Pair, force: Array | None = None, sharpness: float = SHARPNESS) -> OneBall:
+def screw_ball_problem(pair: Pair, force: Array | None = None, sharpness: float = SHARPNESS) -> BallProblem:
     """Return the motion problem of the second of two balls of a screw that do not touch each other.
 
     ``force``: loads (4,) [N] of the ball's contacts SL, SR, NL, NR at the nominal contact angle; None: loads and contact
@@ -201,7 +206,7 @@ def screw_ball(pair: Pair, force: Array | None = None, sharpness: float = SHARPN
         force, angle = load.force[1], load.angle[1]
     maps, drives = g.maps(g.normals(angle))
     problem = Problem(screw_contacts(g, force), maps, drives, np.zeros(4))
-    return OneBall(problem, screw_sigmoid(g, sharpness), lambda f: _drive_power(problem, f))
+    return BallProblem(problem, screw_sigmoid(g, sharpness), lambda f: _drive_power(problem, f))
 
 
 def _drive_power(problem: Problem, wrench: Array) -> float:
@@ -212,7 +217,7 @@ def _drive_power(problem: Problem, wrench: Array) -> float:
     return -float(np.sum(wrench * problem.drives))
 
 
-def solve_ball_by_both_methods(tally: Tally, ball: OneBall, rng: np.random.Generator, off: float) -> None:
+def solve_ball_by_both_methods(tally: SolutionTally, ball: BallProblem, rng: np.random.Generator, off: float) -> None:
     """Solve a ball's motion by least dissipation and by Lin's root finding from random starts, and count the solutions.
 
     ``tally``: counts of the group, which are updated; ``rng``: generator of the random starts; ``off``: largest relative
@@ -235,80 +240,95 @@ def solve_ball_by_both_methods(tally: Tally, ball: OneBall, rng: np.random.Gener
 
 
 def solve_ball_group(
-    group: str, model: str, balls: Sequence[OneBall], note: str = "", off: float = FAR_START
+    group: str, model: str, balls: Sequence[BallProblem], note: str = "", off: float = FAR_START
 ) -> GroupResult:
     """Solve a group of single balls by least dissipation and by Lin's root finding, and return the group's results.
 
     ``group``, ``model``, ``note``: names of what is varied and of the model, and remark, for the table; ``off``: largest
     relative distance of the random starts from the solution.
     """
-    rng, tally = np.random.default_rng(1), Tally()
+    rng, tally = np.random.default_rng(1), SolutionTally()
     for ball in balls:
         solve_ball_by_both_methods(tally, ball, rng, off)
     return tally.to_group_result(group, model, note)
 
 
-def screw_ball_with_diagonal(share: float) -> OneBall:
+def screw_ball_problem_with_diagonal(share: float) -> BallProblem:
     """Return the motion problem of a screw's ball whose two contact diagonals carry different loads.
 
     ``share``: load of the second diagonal over that of the first, which is 100 N.
     """
-    return screw_ball(inferred(0.0), 100.0 * np.array([1.0, share, share, 1.0]))
+    return screw_ball_problem(pair_with_inferred_oversize(0.0), 100.0 * np.array([1.0, share, share, 1.0]))
 
 
 def single_ball_results() -> list[GroupResult]:
     """Solve all groups of single balls under given loads and return their results."""
-    two, rest = radians(2.0), table_3_6(nut_speed=0.0)
+    two, rest = radians(2.0), groove_of_table_3_6(nut_speed=0.0)
     around = 1e-6 * np.linspace(4.2, 4.5, 13)
     loose = [replace(ROTARY, clearance=c) for c in CLEARANCE]
     rows = []
     for off, k in product((NEAR_START, FAR_START), SHARPNESSES):
         note = f"starts within {off:.0%}"
-        printed = [rotary_ball(replace(ROTARY, hertz="as printed"), AXIAL, u, k) for u in CASES.values()]
+        printed = [rotary_ball_problem(replace(ROTARY, hertz="as printed"), AXIAL, u, k) for u in CASES.values()]
         rows.append(solve_ball_group(f"k_S {k:g}", "rotary, cases I to III as printed", printed, note, off))
-        pairs = [screw_ball(p(two), None, k) for p in (case_as_printed, inferred)]
+        pairs = [screw_ball_problem(p(two), None, k) for p in (pair_as_printed, pair_with_inferred_oversize)]
         rows.append(solve_ball_group(f"k_S {k:g}", "screw, pair of Table 3.7", pairs, note, off))
     rows += [
-        solve_ball_group("theta to ±5°", "screw", [screw_ball(inferred(radians(t))) for t in ANGLES]),
         solve_ball_group(
-            "mu 0.001 to 0.5", "screw", [screw_ball(replace(inferred(two), groove=table_3_6(mu=m))) for m in MU]
+            "theta to ±5°", "screw", [screw_ball_problem(pair_with_inferred_oversize(radians(t))) for t in ANGLES]
+        ),
+        solve_ball_group(
+            "mu 0.001 to 0.5",
+            "screw",
+            [screw_ball_problem(replace(pair_with_inferred_oversize(two), groove=groove_of_table_3_6(mu=m))) for m in MU],
         ),
         solve_ball_group(
             "mu 0.001 to 0.5",
             "rotary",
-            [rotary_ball(replace(ROTARY, mu=m), AXIAL, u) for m, u in product(MU, CASES.values())],
+            [rotary_ball_problem(replace(ROTARY, mu=m), AXIAL, u) for m, u in product(MU, CASES.values())],
         ),
         solve_ball_group(
             "two-point transition",
             "rotary",
-            [rotary_ball(ROTARY, AXIAL, float(u)) for u in around],
+            [rotary_ball_problem(ROTARY, AXIAL, float(u)) for u in around],
             "radial displacement 4.2 to 4.5 µm",
         ),
         solve_ball_group(
             "two-point transition",
             "screw",
-            [screw_ball_with_diagonal(10.0**-k) for k in range(13)],
+            [screw_ball_problem_with_diagonal(10.0**-k) for k in range(13)],
             "load of the second diagonal down to 1e-12 of the first",
         ),
         solve_ball_group(
-            "loads 1e-3 to 1e5 N", "rotary", [rotary_ball(ROTARY, f, u) for f, u in product(LOADS, CASES.values())]
+            "loads 1e-3 to 1e5 N", "rotary", [rotary_ball_problem(ROTARY, f, u) for f, u in product(LOADS, CASES.values())]
         ),
-        solve_ball_group("loads 1e-3 to 1e5 N", "screw", [screw_ball(replace(inferred(two), force=(f,))) for f in LOADS]),
         solve_ball_group(
-            "clearance to 10 µm", "rotary", [rotary_ball(b, AXIAL, u) for b, u in product(loose, (0.0, 5.2e-6, 20e-6))]
+            "loads 1e-3 to 1e5 N",
+            "screw",
+            [screw_ball_problem(replace(pair_with_inferred_oversize(two), force=(f,))) for f in LOADS],
+        ),
+        solve_ball_group(
+            "clearance to 10 µm",
+            "rotary",
+            [rotary_ball_problem(b, AXIAL, u) for b, u in product(loose, (0.0, 5.2e-6, 20e-6))],
         ),
         solve_ball_group(
             "clearance to 10 µm",
             "screw",
-            [screw_ball(replace(case_as_printed(two), oversize=-c, coupling="none")) for c in CLEARANCE],
+            [screw_ball_problem(replace(pair_as_printed(two), oversize=-c, coupling="none")) for c in CLEARANCE],
         ),
         solve_ball_group(
             "zero speed",
             "rotary",
-            [rotary_ball(replace(ROTARY, screw_speed=0.0), AXIAL, u) for u in CASES.values()],
+            [rotary_ball_problem(replace(ROTARY, screw_speed=0.0), AXIAL, u) for u in CASES.values()],
             "nothing turns",
         ),
-        solve_ball_group("zero speed", "screw", [screw_ball(replace(inferred(two), groove=rest))], "nothing turns"),
+        solve_ball_group(
+            "zero speed",
+            "screw",
+            [screw_ball_problem(replace(pair_with_inferred_oversize(two), groove=rest))],
+            "nothing turns",
+        ),
     ]
     return rows
 
@@ -345,7 +365,7 @@ def solve_chain_group(
     ``group``, ``model``, ``note``: names of what is varied and of the model, and remark, for the table; ``starts``: number
     of random starts in addition to the solver's own; ``most``: largest number of balls that Lin's method also solves.
     """
-    rng, tally = np.random.default_rng(2), Tally()
+    rng, tally = np.random.default_rng(2), SolutionTally()
     for case in cases:
         tally.cases += 1
         c = case.chain()
@@ -412,7 +432,7 @@ def solve_screw_pairs(group: str, pairs: Sequence[Pair], note: str = "") -> Grou
 
     Both also start from random motions and ball-to-ball forces. ``group``, ``note``: what is varied, and a remark.
     """
-    rng, tally = np.random.default_rng(3), Tally()
+    rng, tally = np.random.default_rng(3), SolutionTally()
     for p in pairs:
         tally.cases += 1
         r = solve_pair(p)
@@ -428,7 +448,7 @@ def solve_screw_pairs(group: str, pairs: Sequence[Pair], note: str = "") -> Grou
 
 
 def solve_from_random_starts(
-    tally: Tally, chain: ScrewChain, first: ChainMotion, rng: np.random.Generator, off: float
+    tally: SolutionTally, chain: ScrewChain, first: ChainMotion, rng: np.random.Generator, off: float
 ) -> None:
     """Solve neighbouring balls of a screw from random starts, and count the solutions in ``tally``.
 
@@ -452,7 +472,7 @@ def random_screw_chain_state(count: int) -> tuple[Array, Array, Array]:
     ``count``: the number N of neighbouring balls, also the seed of the random numbers. Slack: largest rate [rad/s] at
     which a ball may gain on the next one; infinite for the last ball, which touches no next one.
     """
-    g, rng = table_3_6(), np.random.default_rng(count)
+    g, rng = groove_of_table_3_6(), np.random.default_rng(count)
     force = rng.uniform(20.0, 60.0, (count, 4))
     angle = g.contact_angle + np.radians(rng.uniform(-3.0, 3.0, (count, 4)))
     slack = np.where(rng.uniform(size=count) < 0.7, 0.0, rng.uniform(0.0, 0.05, count))
@@ -464,7 +484,7 @@ def screw_chain(count: int) -> ScrewChain:
 
     The slack of a ball is the largest rate [rad/s] at which it may gain on the next one.
     """
-    g, (force, angle, slack) = table_3_6(), random_screw_chain_state(count)
+    g, (force, angle, slack) = groove_of_table_3_6(), random_screw_chain_state(count)
     return ScrewChain(g, force, g.normals(angle), slack)
 
 
@@ -473,7 +493,7 @@ def solve_screw_chains() -> GroupResult:
 
     The chains have the numbers of balls in `BALLS`.
     """
-    rng, tally = np.random.default_rng(4), Tally()
+    rng, tally = np.random.default_rng(4), SolutionTally()
     for count in BALLS:
         tally.cases += 1
         chain = screw_chain(count)
@@ -493,10 +513,10 @@ def solve_bearing_with_clearance() -> GroupResult:
 
     The load acts at 12 deg to the axis; the inner ring is free to tilt or not.
     """
-    tally = Tally()
+    tally = SolutionTally()
     for c, tilt in product(CLEARANCE, (False, True)):
         tally.cases += 1
-        s = solve_bearing(four_point(clearance=c, tilt=tilt), radians(12.0))
+        s = solve_bearing(four_point_bearing(clearance=c, tilt=tilt), radians(12.0))
         tally.count_solution(s.converged, s.input_power, float(s.loss.sum()), 0.0)
     return tally.to_group_result("clearance to 10 µm", "four-point bearing, 9 balls", "one start each")
 
@@ -504,7 +524,7 @@ def solve_bearing_with_clearance() -> GroupResult:
 def chain_results() -> list[GroupResult]:
     """Solve all groups of two and more neighbouring balls and return their results."""
     two = radians(2.0)
-    base, few = inferred(two), f"one random start; source up to {SOURCE_BALLS} balls"
+    base, few = pair_with_inferred_oversize(two), f"one random start; source up to {SOURCE_BALLS} balls"
     return [
         solve_chain_group("rho to ±0.999, theta to ±5°", [linear_pair(t, r) for t, r in product(ANGLES, RHO)]),
         solve_chain_group("mu 0.001 to 0.5", [linear_pair(2.0, r, VERTICAL, m) for r, m in product((-0.6, -0.999), MU)]),
@@ -528,8 +548,8 @@ def chain_results() -> list[GroupResult]:
             SOURCE_BALLS,
             few,
         ),
-        solve_screw_pairs("theta to ±5°", [inferred(radians(t)) for t in ANGLES]),
-        solve_screw_pairs("mu 0.001 to 0.5", [replace(base, groove=table_3_6(mu=m)) for m in MU]),
+        solve_screw_pairs("theta to ±5°", [pair_with_inferred_oversize(radians(t)) for t in ANGLES]),
+        solve_screw_pairs("mu 0.001 to 0.5", [replace(base, groove=groove_of_table_3_6(mu=m)) for m in MU]),
         solve_screw_pairs("loads 1e-3 to 1e5 N", [replace(base, force=(f,)) for f in LOADS]),
         solve_screw_pairs(
             "two-point transition",
@@ -538,20 +558,20 @@ def chain_results() -> list[GroupResult]:
         ),
         solve_screw_pairs(
             "clearance to 10 µm",
-            [replace(case_as_printed(two), oversize=-c, coupling="none") for c in CLEARANCE],
+            [replace(pair_as_printed(two), oversize=-c, coupling="none") for c in CLEARANCE],
             "loads not coupled",
         ),
         solve_screw_pairs(
             "clearance to 10 µm",
-            [replace(case_as_printed(two), oversize=-c) for c in CLEARANCE],
+            [replace(pair_as_printed(two), oversize=-c) for c in CLEARANCE],
             "friction moves the balls",
         ),
         solve_screw_pairs(
             "small loads and clearance",
-            [replace(case_as_printed(two), oversize=-c, force=(f,)) for c, f in product(CLEARANCE[1:], SMALL)],
+            [replace(pair_as_printed(two), oversize=-c, force=(f,)) for c, f in product(CLEARANCE[1:], SMALL)],
             "friction moves the balls; 1e-3 to 0.3 N, 1 to 10 µm",
         ),
-        solve_screw_pairs("zero speed", [replace(base, groove=table_3_6(nut_speed=0.0))]),
+        solve_screw_pairs("zero speed", [replace(base, groove=groove_of_table_3_6(nut_speed=0.0))]),
         solve_screw_chains(),
         solve_bearing_with_clearance(),
     ]
@@ -578,7 +598,10 @@ def extreme_linear_pairs() -> list[tuple[str, list[Chain]]]:
     return [
         (
             "rho to ±0.999, theta to ±5 deg",
-            [make_pair(t, r, 100.0, 0.1) for t, r in product((-5.0, -0.1, 2.0, 5.0), (-0.999, -0.9, -0.3, 0.3, 0.9, 0.999))],
+            [
+                make_pair(t, r, 100.0, 0.1)
+                for t, r in product((-5.0, -0.1, 2.0, 5.0), (-0.999, -0.9, -0.3, 0.3, 0.9, 0.999))
+            ],
         ),
         (
             "friction coefficient 0.001 to 0.5",

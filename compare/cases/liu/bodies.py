@@ -52,7 +52,7 @@ class ModelLoads:
         return float(np.sqrt(np.mean(change**2))), float(change[ball]), ball + 1
 
 
-def with_errors(scene: Scene, errors: Array, load: float) -> Scene:
+def change_errors_and_load(scene: Scene, errors: Array, load: float) -> Scene:
     """Return a copy of the scene with other ball errors and another axial load.
 
     ``errors``: errors of the ball diameters (78,) [m]; ``load``: axial load [N].
@@ -92,7 +92,7 @@ def _compute_loads(study: Study, scene: Scene, chain: Chain, name: str, errors: 
     ``chain``: axial model of the scene; ``name``: ball errors in words; ``errors``: errors of the ball diameters (78,)
     [m]; ``load``: axial load [N].
     """
-    changed = with_errors(scene, errors, load)
+    changed = change_errors_and_load(scene, errors, load)
     beam, refined = (study.solve(changed, model).load[:, 0] for model in ("lin", "refined"))
     return ModelLoads(name, load, solve_chain(chain, errors, load).load, beam, refined)
 

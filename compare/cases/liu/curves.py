@@ -38,7 +38,7 @@ SPREAD = f"Band and median: {CURVES} drawn screws."
 NO_VALUES = "The text prints no value of this figure: ours alone."
 
 
-def _drawn_errors(half_range: int, number: int = 0) -> Array:
+def _random_ball_errors(half_range: int, number: int = 0) -> Array:
     """Return the errors of the ball diameters (78,) [m] of one randomly drawn screw.
 
     ``half_range``: the errors are uniform within plus and minus this range [um]; ``number``: of the drawn screw, from 0.
@@ -65,7 +65,7 @@ def _printed_markers(x: Sequence[float], y: Sequence[float], label: str = "print
 
 
 @cache
-def _drawn_screws(half_range: int) -> Ensemble:
+def _ensemble_of_screws(half_range: int) -> Ensemble:
     """Draw and solve `CURVES` screws with random ball errors, under all axial loads `TEST_LOADS`.
 
     ``half_range``: the errors of the ball diameters are uniform within plus and minus this range [um].
@@ -79,7 +79,7 @@ def _percentile_curves(half_range: int, quantity: Spread, unit: float, loads: Se
     ``half_range``: of the ball errors [um]; ``quantity``: name, such as "stiffness"; ``unit``: unit of the curve in SI, by
     which values are divided; ``loads``: axial loads [N].
     """
-    of = [_drawn_screws(half_range).values_at(quantity, f) / unit for f in loads]
+    of = [_ensemble_of_screws(half_range).values_at(quantity, f) / unit for f in loads]
     low, middle, high = ([float(np.quantile(x, q)) for x in of] for q in (liu.UNLIKELY, 0.5, 1.0 - liu.UNLIKELY))
     return [
         Series("ours, 99 % of draws", list(loads), low, "band", high),
@@ -103,7 +103,7 @@ def _solve_without_errors(force: float) -> tuple[float, float]:
 
 def ball_deformation_figure() -> Figure:
     """Draw Liu's Figure 11: normal deformation of each ball with errors of +-2 um, under three axial loads."""
-    errors, panels = _drawn_errors(2), []
+    errors, panels = _random_ball_errors(2), []
     for force in (2000.0, 1000.0, 500.0):
         load = _ball_loads(errors, force)
         approach = 1e6 * (load / liu.calibrated_model().stiffness) ** (2.0 / 3.0)
@@ -161,7 +161,7 @@ def test_table() -> Table:
     """Return the table of the predicted displacements of the test in Liu's Figure 13."""
     rows: list[Row] = []
     for force in (500.0, 1000.0, 3000.0, 5000.0, 7000.0, 9000.0, 10845.0):
-        moved = 1e6 * _drawn_screws(3).values_at("displacement_first_loaded", force)
+        moved = 1e6 * _ensemble_of_screws(3).values_at("displacement_first_loaded", force)
         low, middle, high = (float(np.quantile(moved, q)) for q in (liu.UNLIKELY, 0.5, 1.0 - liu.UNLIKELY))
         rows.append(
             {
@@ -173,7 +173,7 @@ def test_table() -> Table:
                 Quantity("none", "no errors", "µm", ".2f"): _solve_without_errors(force)[0],
                 Quantity("stretch", "screw outside the nut", "µm", ".2f"): free_screw_elongation(force),
                 Quantity("loaded", "loaded balls, median", "", ".0f"): float(
-                    np.median(_drawn_screws(3).values_at("loaded", force))
+                    np.median(_ensemble_of_screws(3).values_at("loaded", force))
                 ),
             }
         )
@@ -192,7 +192,7 @@ def test_table() -> Table:
 def mei_figure() -> Figure:
     """Draw Liu's Figure 14: ball loads by Liu's and by Mei's model under 5000 N, without errors and with +-2 um."""
     force, panels = liu.calibration_load(), []
-    for title, errors in (("no errors", np.zeros(liu.ball_count())), ("±2 µm, one draw", _drawn_errors(2))):
+    for title, errors in (("no errors", np.zeros(liu.ball_count())), ("±2 µm, one draw", _random_ball_errors(2))):
         ours, mei = (_ball_loads(errors, force, chain) for chain in (liu.calibrated_model(), liu.mei_model()))
         series = [_curve_over_balls(ours, "implicit contact angle", emphasis=True), _curve_over_balls(mei, "Mei, 45°")]
         if not errors.any():
@@ -235,7 +235,7 @@ def _load_curves_and_ranges(half_range: int, loads: Iterable[float]) -> list[Ser
     """
     series = []
     for force in loads:
-        series.append(_curve_over_balls(_ball_loads(_drawn_errors(half_range), force), f"ours, {force:g} N"))
+        series.append(_curve_over_balls(_ball_loads(_random_ball_errors(half_range), force), f"ours, {force:g} N"))
         if half_range:
             ends = [value_of("liu-4.3", f"{end}_{half_range}_{force:.0f}") for end in ("min", "max")]
             series.append(_printed_markers([0.0, 0.0], ends, f"printed range, {force:g} N"))
@@ -330,7 +330,7 @@ def three_draws_figure(found: dict[str, float]) -> Figure:
     """Draw Liu's Figure 21: stiffness of three screws drawn with errors of +-2 um, and the range of the three values."""
     curves = []
     for i, name in enumerate(liu.SETS):
-        values = [1e-8 * solve_chain(liu.calibrated_model(), _drawn_errors(2, i), f).stiffness for f in LOADS]
+        values = [1e-8 * solve_chain(liu.calibrated_model(), _random_ball_errors(2, i), f).stiffness for f in LOADS]
         curves.append(Series(f"ours, draw {i + 1}", list(LOADS), values, "line"))
         curves.append(_printed_stiffness_markers(found, name, f"printed, set {name}"))
     loads, spread = (100.0, 1100.0, 2100.0), [liu.stiffness_spreads(f) for f in (100.0, 1100.0, 2100.0)]

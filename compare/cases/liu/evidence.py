@@ -76,7 +76,7 @@ def ball_count() -> int:
 
 
 @cache
-def printed_ratio() -> float:
+def printed_load_ratio() -> float:
     """Return the printed load ratio Q78/Q1 of last and first ball without errors (section 4.1), used for calibration."""
     return value_of("liu-4.1", "ratio")
 
@@ -89,7 +89,7 @@ def calibration_load() -> float:
 @cache
 def calibrated_model(law: Law = "implicit") -> Chain:
     """Return Liu's axial model, calibrated to the printed Q78/Q1; ``law``: contact-angle law (Liu's: "implicit")."""
-    return calibrate_compliance(row_of(liu_screw(), law=law).chain, printed_ratio(), calibration_load())
+    return calibrate_compliance(row_of(liu_screw(), law=law).chain, printed_load_ratio(), calibration_load())
 
 
 def implied_area(balls_a_turn: float) -> float:
@@ -129,7 +129,7 @@ def drawn_ensemble(half_range_um: int) -> Ensemble:
     )
 
 
-def drawn_sample(half_range_um: int, quantity: Quantity, load: float) -> Array:
+def sample_of_drawn_screws(half_range_um: int, quantity: Quantity, load: float) -> Array:
     """Return one quantity of all randomly drawn screws under an axial load, (n,) in SI units for n screws.
 
     ``half_range_um``: half range of the ball errors [um]; ``quantity``: name, such as "stiffness"; ``load``: axial load
@@ -201,7 +201,7 @@ def section_3(e: Findings, study: Study) -> None:  # noqa: ARG001 - every table 
         f"on the convex energy at most {steps} steps for {FEW} screws at 500 N; the elimination's loaded balls are "
         f"the same in {same} of {FEW}, in up to {rounds} rounds, loads to {worst:.0e}",
     )
-    loaded = {f: drawn_sample(2, "loaded", f) for f in (500.0, 1000.0, 1500.0, 2000.0)}
+    loaded = {f: sample_of_drawn_screws(2, "loaded", f) for f in (500.0, 1000.0, 1500.0, 2000.0)}
     share = float(np.mean(loaded[2000.0] == ball_count()))
     e.claim("all_2000", share >= UNLIKELY, f"probability {share:.3f}")
     for key, load in (("unloaded_1500", 1500.0), ("unloaded_500", 500.0)):
@@ -210,10 +210,10 @@ def section_3(e: Findings, study: Study) -> None:  # noqa: ARG001 - every table 
     exactly = {f: float(np.mean(loaded[f] == ball_count() - 1)) for f in (1000.0, 1500.0)}
     e.remark("caption_1000", "probability of exactly one: {:.3f} at 1000 N, {:.3f} at 1500 N".format(*exactly.values()))
     e.numbers({"load": e.printed("load"), "free_length": e.printed("free_length")})
-    ratio = drawn_sample(3, "smallest", 3000.0) / drawn_sample(3, "largest", 3000.0)
+    ratio = sample_of_drawn_screws(3, "smallest", 3000.0) / sample_of_drawn_screws(3, "largest", 3000.0)
     low, high = np.quantile(ratio, [UNLIKELY, 1.0 - UNLIKELY])
     e.claim("uniform_3000", low > 0.5, f"smallest over largest load {low:.2f} to {high:.2f} (central 99 %) at 3000 N")
-    medians = [float(np.median(drawn_sample(3, "stiffness", f))) / 1e8 for f in LOADS[3]]
+    medians = [float(np.median(sample_of_drawn_screws(3, "stiffness", f))) / 1e8 for f in LOADS[3]]
     words = ", ".join(f"{v:.2f}" for v in medians)
     e.claim("falls", bool(np.all(np.diff(medians) < 0.0)), f"{words} 1e8 N/m from 100 to 5000 N (medians, ±3 um)")
 
@@ -339,13 +339,13 @@ STEP = 0.12
 SETS = "abc"
 
 
-def sample_of_printed(key: str) -> Array:
+def sample_for_printed_number(key: str) -> Array:
     """Return the values of all drawn screws for one printed number, in its printed unit.
 
     ``key``: of the printed number: quantity, half range of the ball errors [um] and axial load [N], such as "K_2_3000".
     """
     name, which, load = key.removesuffix("_again").split("_")
-    values = drawn_sample(2 if which in SETS else int(which), NAMES[name], float(load))
+    values = sample_of_drawn_screws(2 if which in SETS else int(which), NAMES[name], float(load))
     if name == "unloaded":
         return ball_count() - values
     return 1e-8 * values if name == "K" else values
@@ -356,7 +356,7 @@ def count_matching_screws(half_range: int, at_500: int, at_1000: int) -> str:
 
     ``half_range``: half range of the ball errors [um]; ``at_500``, ``at_1000``: printed numbers of loaded balls.
     """
-    first, then = (drawn_sample(half_range, "loaded", f) for f in (500.0, 1000.0))
+    first, then = (sample_of_drawn_screws(half_range, "loaded", f) for f in (500.0, 1000.0))
     some = then[np.abs(first - at_500) <= 1]
     reached = int(np.count_nonzero(some <= at_1000))
     return f"of {some.size} screws with {at_500} ± 1 loaded at 500 N, {reached} have at most {at_1000} at 1000 N"
@@ -368,13 +368,13 @@ def record_percentile(e: Findings, key: str, *remarks: str) -> None:
     The remark states the percentile of the printed value. ``key``: of the printed number; ``remarks``: further remarks.
     """
     row = next(f.printed for f in e.evidence() if f.printed.key == key)
-    values = sample_of_printed(key)
+    values = sample_for_printed_number(key)
     half = 0.0 if key.startswith(("loaded", "unloaded")) else row.tolerance
     words = percentile_sentence(values, e.printed(key), half)[1]
     e.number(key, float(np.median(values)), ". ".join((words, *remarks)))
 
 
-def likelihood(mask: np.ndarray[tuple[int, ...], np.dtype[np.bool_]]) -> tuple[bool, str]:
+def judge_fraction_of_screws(mask: np.ndarray[tuple[int, ...], np.dtype[np.bool_]]) -> tuple[bool, str]:
     """Return whether the fraction of drawn screws with a property reaches `UNLIKELY`, and this fraction in words.
 
     ``mask``: whether each drawn screw has the property.
@@ -388,7 +388,7 @@ def falls_with_range(quantity: Quantity, load: float) -> np.ndarray[tuple[int, .
 
     The half ranges are 1, 2 and 3 um; ``quantity``: name, such as "stiffness"; ``load``: axial load [N].
     """
-    a, b, c = (drawn_sample(h, quantity, load) for h in RANGES)
+    a, b, c = (sample_of_drawn_screws(h, quantity, load) for h in RANGES)
     return np.asarray((a > b) & (b > c))
 
 
@@ -403,27 +403,29 @@ def section_4_3(e: Findings, study: Study) -> None:  # noqa: ARG001 - every tabl
         ("unloaded_3_1000", 42, 43),
     ):
         record_percentile(e, key, count_matching_screws(int(key.split("_")[1]), at_500, at_1000))
-    every = [drawn_sample(h, "loaded", 2137.0) == ball_count() for h in RANGES]
-    holds, words = likelihood(np.logical_and.reduce(every))
+    every = [sample_of_drawn_screws(h, "loaded", 2137.0) == ball_count() for h in RANGES]
+    holds, words = judge_fraction_of_screws(np.logical_and.reduce(every))
     alone = ", ".join(f"{np.mean(m):.3f}" for m in every)
     e.claim("all_2137", holds, f"{words} (singly {alone})")
-    e.claim("all_5000", *likelihood(drawn_sample(2, "loaded", 5000.0) == ball_count()))
-    e.claim("fewer", *likelihood(falls_with_range("loaded", 100.0) & falls_with_range("loaded", 500.0)))
+    e.claim("all_5000", *judge_fraction_of_screws(sample_of_drawn_screws(2, "loaded", 5000.0) == ball_count()))
+    e.claim("fewer", *judge_fraction_of_screws(falls_with_range("loaded", 100.0) & falls_with_range("loaded", 500.0)))
     width = {
-        (h, f): drawn_sample(h, "largest", f) - drawn_sample(h, "smallest", f) for h in RANGES for f in (1000.0, 5000.0)
+        (h, f): sample_of_drawn_screws(h, "largest", f) - sample_of_drawn_screws(h, "smallest", f)
+        for h in RANGES
+        for f in (1000.0, 5000.0)
     }
     grows = [width[h, 5000.0] > width[h, 1000.0] for h in RANGES]
     grows += [width[h + 1, f] > width[h, f] for h in (1, 2) for f in (1000.0, 5000.0)]
-    e.claim("wider", *likelihood(np.logical_and.reduce(grows)))
-    a, b, c = (drawn_sample(h, "displacement_first_loaded", 1000.0) for h in RANGES)
-    e.claim("further", *likelihood((a < b) & (b < c)))
+    e.claim("wider", *judge_fraction_of_screws(np.logical_and.reduce(grows)))
+    a, b, c = (sample_of_drawn_screws(h, "displacement_first_loaded", 1000.0) for h in RANGES)
+    e.claim("further", *judge_fraction_of_screws((a < b) & (b < c)))
     _check_displacement_claims(e)
 
 
 def _check_displacement_claims(e: Findings) -> None:
     """Check the publication's claims on the curves of displacement over load, by the medians of drawn screws."""
     loads = np.array(LOADS[1])
-    curve = np.array([[np.median(drawn_sample(h, "displacement", f)) for f in loads] for h in RANGES])
+    curve = np.array([[np.median(sample_of_drawn_screws(h, "displacement", f)) for f in loads] for h in RANGES])
     power = np.diff(np.log(curve[1])) / np.diff(np.log(loads))
     words = f"a power between {power.min():.2f} and {power.max():.2f} of the load: it grows ever more slowly"
     e.claim("exponential", bool(power.min() > 1.0), words)
@@ -438,7 +440,7 @@ def stiffness_spreads(load: float) -> Array:
 
     The ball errors are within +-2 um; ``load``: axial load [N].
     """
-    values = 1e-8 * drawn_sample(2, "stiffness", load)
+    values = 1e-8 * sample_of_drawn_screws(2, "stiffness", load)
     return np.asarray(np.ptp(values[: values.size // 3 * 3].reshape(-1, 3), axis=1))
 
 
@@ -449,7 +451,10 @@ def relative_stiffness_percentile(key: str, printed: float, reference: float) ->
     does not change if all stiffnesses differ from the publication's by the same factor.
     """
     h, load = int(key.split("_")[1]), float(key.split("_")[2])
-    ratio = drawn_sample(h, "stiffness", load) / solve_chain(calibrated_model(), np.zeros(ball_count()), load).stiffness
+    ratio = (
+        sample_of_drawn_screws(h, "stiffness", load)
+        / solve_chain(calibrated_model(), np.zeros(ball_count()), load).stiffness
+    )
     return "over the value without errors: " + percentile_sentence(ratio, printed / reference, 0.0)[1]
 
 
@@ -473,14 +478,14 @@ def drawn_secant_stiffness(half_range_um: int, load: float, share: float) -> Arr
     over the load; 0: tangent stiffness.
     """
     if share == 0.0:
-        return 1e-8 * drawn_sample(half_range_um, "stiffness", load)
+        return 1e-8 * sample_of_drawn_screws(half_range_um, "stiffness", load)
     ends = [load, (1.0 + share) * load]
     found = solve_ensemble(calibrated_model(), 1e-6 * half_range_um, ends, MEMBERS, seed=SEED + half_range_um)
     first, last = (found.values_at("displacement", f) for f in ends)
     return np.asarray(1e-8 * share * load / (last - first))
 
 
-def stiffness_comes_out(row: Printed, share: float) -> bool:
+def stiffness_agrees(row: Printed, share: float) -> bool:
     """Return whether a printed stiffness lies in the range of the drawn screws' secant stiffness.
 
     ``row``: printed number; ``share``: load step of the secant over the load; 0: tangent stiffness. A stiffness without
@@ -499,7 +504,7 @@ def agreement_by_load_step(rows: Sequence[Printed]) -> str:
 
     ``rows``: printed numbers; the load step of the secant is `STEP` times the load.
     """
-    counts = [sum(stiffness_comes_out(row, share) for row in rows) for share in (0.0, STEP)]
+    counts = [sum(stiffness_agrees(row, share) for row in rows) for share in (0.0, STEP)]
     return (
         f"the step of load of (22) is not printed: of {len(rows)} stiffnesses {counts[0]} come out with the tangent and "
         f"{counts[1]} by a step of {100.0 * STEP:g} % of the load"
@@ -535,19 +540,19 @@ def section_4_4(e: Findings, study: Study) -> None:  # noqa: ARG001 - every tabl
 def _check_stiffness_claims(e: Findings) -> None:
     """Check the claims of section 4.4 of Liu et al. (2025) on the stiffness of screws with random errors."""
     s = {load: stiffness_spreads(load) for load in (100.0, 1100.0, 2100.0)}
-    e.claim("largest_1100", *likelihood((s[1100.0] > s[100.0]) & (s[1100.0] > s[2100.0])))
-    percent = 100.0 * s[100.0] / (1e-8 * np.median(drawn_sample(2, "stiffness", 100.0)))
+    e.claim("largest_1100", *judge_fraction_of_screws((s[1100.0] > s[100.0]) & (s[1100.0] > s[2100.0])))
+    percent = 100.0 * s[100.0] / (1e-8 * np.median(sample_of_drawn_screws(2, "stiffness", 100.0)))
     median, printed = np.median(percent), 100.0 * e.printed("spread_100") / e.printed("K_a_100")
     e.claim(
         "minimal",
         bool(median <= 4.31),
         f"three draws differ by {median:.0f} % at 100 N in the median; its own by {printed:.1f} %",
     )
-    rises = [np.diff(np.stack([drawn_sample(h, "stiffness", f) for f in LOADS[h]]), axis=0) > 0.0 for h in RANGES]
+    rises = [np.diff(np.stack([sample_of_drawn_screws(h, "stiffness", f) for f in LOADS[h]]), axis=0) > 0.0 for h in RANGES]
     e.claim(
         "rises", all(bool(r.all()) for r in rises), f"in all of {3 * MEMBERS} drawn screws, {LOADS[1][0]:.0f} to 5000 N"
     )
-    e.claim("softer", *likelihood(falls_with_range("stiffness", 500.0)))
+    e.claim("softer", *judge_fraction_of_screws(falls_with_range("stiffness", 500.0)))
     free = solve_chain(calibrated_model(), np.zeros(ball_count()), 3000.0).stiffness
-    off = [100.0 * (np.median(drawn_sample(h, "stiffness", 3000.0)) / free - 1.0) for h in RANGES]
+    off = [100.0 * (np.median(sample_of_drawn_screws(h, "stiffness", 3000.0)) / free - 1.0) for h in RANGES]
     e.remark("meet", ", ".join(f"{x:.1f}" for x in off) + " % in the median of drawn screws")

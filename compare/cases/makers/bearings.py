@@ -34,7 +34,7 @@ TORQUE = 4.0 / 3.0
 
 
 @cache
-def set_over_pair(name: str) -> tuple[float, float, float]:
+def ratios_of_set_to_pair(name: str) -> tuple[float, float, float]:
     """Return preload, tangent rigidity and starting torque of a bearing set, in this order, over those of a DB pair.
 
     ``name``: of the arrangement of the rows, such as "DBD". All rows have equal gaps and a constant contact angle.
@@ -61,7 +61,7 @@ SET_QUANTITIES = (
 
 
 def compare_bearing_sets() -> Iterator[Outside]:
-    """Yield printed preload, rigidity and starting torque of NSK's bearing sets, with values computed from the DB pair's."""
+    """Yield printed preload, rigidity and starting torque of NSK's bearing sets, and values computed from DB pairs."""
     for source in read_tables("nsk-tac"):
         named = dict(entry.split("=") for entry in source.head["sets"].split("; "))
         pairs = {(r["bearing"], r["preload_class"]): r for r in source.rows if named[r["arrangement"]] == "DB"}
@@ -72,7 +72,9 @@ def compare_bearing_sets() -> Iterator[Outside]:
                 continue
             pair = pairs[row["bearing"], cls if kind != "class" else "C10"]
             growth = source.number(row["preload_N"]) / source.number(pair["preload_N"])
-            ratios = set_over_pair(name) if kind != "class" else tuple(growth**power for *_, power in SET_QUANTITIES)
+            ratios = (
+                ratios_of_set_to_pair(name) if kind != "class" else tuple(growth**power for *_, power in SET_QUANTITIES)
+            )
             for (quantity, column, unit, power), ratio in zip(SET_QUANTITIES, ratios, strict=True):
                 if kind == "class" and quantity == "preload":
                     continue
@@ -101,7 +103,7 @@ def _bearing_with_iso_material() -> Scene:
 
 
 def bearing_scene(balls: int, ball: float, pitch: float, angle: float, conformity: float = CONFORMITY) -> Scene:
-    """Return the scene of a bearing row without clearance.
+    """Return the scene of a single bearing row.
 
     ``balls``: number of balls; ``ball``, ``pitch``: diameters of ball and pitch circle [m]; ``angle``: contact angle [rad];
     ``conformity``: groove radius over ball diameter, the same on both rings.

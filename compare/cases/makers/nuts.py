@@ -76,7 +76,7 @@ class Nut:
         return SHORT if self.short else LONG
 
 
-def one_turn(nut: Nut, conformity: float) -> Scene:
+def scene_of_one_turn(nut: Nut, conformity: float) -> Scene:
     """Return the scene of a screw and nut with one loaded turn, filled with balls that touch each other.
 
     ``conformity``: groove radius over ball diameter.
@@ -98,7 +98,7 @@ def nut_load_ratings(nut: Nut, conformity: float, filling: float) -> tuple[float
 
     ``conformity``: groove radius over ball diameter; ``filling``: fraction of the turns that is filled with balls.
     """
-    one = one_turn(nut, conformity)
+    one = scene_of_one_turn(nut, conformity)
     share = filling * nut.touching / one.ball_count
     return dynamic_rating(one) * share ** (2.0 / 3.0) * nut.turns**0.86, static_rating(one) * share * nut.turns
 
@@ -109,7 +109,7 @@ def nut_displacement(nut: Nut, conformity: float, filling: float, load: float, *
     ``conformity``: groove radius over ball diameter; ``filling``: fraction of the turns that is filled with balls;
     ``bodies``: whether the radial deformation of nut and screw, as thick tubes, is added to that of the Hertz contacts.
     """
-    one = one_turn(nut, conformity)
+    one = scene_of_one_turn(nut, conformity)
     constants, slope = error_free_hertz(one).C, approach_per_displacement(one)
     each = load / (filling * nut.touching * nut.turns * slope)
     tubes = (body_compliance(one) or 0.0) / nut.turns if bodies else 0.0
@@ -272,7 +272,7 @@ FEW = 8
 
 def _screw_with_few_balls(nut: Nut) -> Scene:
     """Return the scene of one turn of a nut with `FEW` balls, on a screw that is supported at both ends."""
-    one = one_turn(nut, CONFORMITY)
+    one = scene_of_one_turn(nut, CONFORMITY)
     ends = (("ux", "uy", "rx", "ry", "rz"), ("ux", "uy"))
     at = (0.0, one.screw.length)
     return replace(

@@ -134,7 +134,7 @@ def axis_panel(found: Sequence[Evidence]) -> Panel:
     unit = 1e6 * bearings.POUND_PER_INCH
     series = []
     for kind in axis.KINDS:
-        k = axis.end_state(kind, "left", "stretch").stiffness
+        k = axis.bearing_state_at_end(kind, "left", "stretch").stiffness
         for words, right in (("fixed-fixed", k), ("fixed-supported", 0.0)):
             a = bearings.screw_axis(k, right)
             values = axis_stiffness(a, a.length * places, bearings.NUT) / unit

@@ -109,7 +109,9 @@ def torque_over_load_angle(name: str, tilt: bool) -> TorqueCurve:
 
     ``name``: "4P" for the four-point, "DR" for the double-row bearing; ``tilt``: whether the inner ring is free to tilt.
     """
-    return torque_curve(source_cases.four_point(tilt=tilt) if name == "4P" else source_cases.double_row(tilt=tilt), ANGLES)
+    return torque_curve(
+        source_cases.four_point_bearing(tilt=tilt) if name == "4P" else source_cases.double_row_bearing(tilt=tilt), ANGLES
+    )
 
 
 def torque_ratio_up_to(found: TorqueCurve, end: float) -> float:
@@ -140,7 +142,7 @@ def onset_of_ball_contact(study: Study, errors: str, idle: float) -> Onset:
 
 def given_3_6(findings: Findings, study: Study) -> None:  # noqa: ARG001 - every table takes the study
     """Record the inputs of the ball screw, Table 3.6 of Lin's thesis, into ``findings``."""
-    g = source_cases.table_3_6()
+    g = source_cases.groove_of_table_3_6()
     values = {
         "R_B": 1e3 * g.ball_radius,
         "conformity": 0.5 * g.groove_radius / g.ball_radius,
@@ -150,8 +152,8 @@ def given_3_6(findings: Findings, study: Study) -> None:  # noqa: ARG001 - every
         "omega_N": g.speed / np.pi,
         "mu": g.mu,
         "nu": g.poisson,
-        "force": source_cases.case_as_printed(0.0).force[0],
-        "theta_1": degrees(source_cases.case_as_printed().theta[0]),
+        "force": source_cases.pair_as_printed(0.0).force[0],
+        "theta_1": degrees(source_cases.pair_as_printed().theta[0]),
         "theta_2_a": THETA["a"],
         "theta_2_b": THETA["b"],
     }
@@ -185,7 +187,7 @@ def _compute_force_and_increase(findings: Findings, case: str, solid: Mapping[st
     """
     force, percent = (value_of("lin-3.7", f"{what}_{case}") for what in ("force", "increase"))
     as_text, oversized = solve_screw_pair(case, "plain"), solve_screw_pair(case, "inferred")
-    implied = implied_load(source_cases.inferred(radians(THETA[case])), force, 1e-2 * percent)
+    implied = implied_load(source_cases.pair_with_inferred_oversize(radians(THETA[case])), force, 1e-2 * percent)
     off = [float(error_percent(r.force, force)) for r in (as_text, oversized)]
     findings.number(
         f"force_{case}",
@@ -257,7 +259,7 @@ def steps_sentence(amplitude: float) -> str:
 
 def section_3_4_4(findings: Findings, study: Study) -> None:  # noqa: ARG001 - every table takes the study
     """Compute the simulation of the whole screw: inputs, numbers and claims of section 3.4.4 of Lin's thesis."""
-    base = source_cases.lin_3_4_4()
+    base = source_cases.run_of_section_3_4_4()
     inputs = {
         "balls": base.count,
         "turns": base.turns,
@@ -303,7 +305,7 @@ def _check_simulation_claims(findings: Findings) -> None:
 
 def table_4_2(findings: Findings, study: Study) -> None:  # noqa: ARG001 - every table takes the study
     """Record the inputs of the four-point and the double-row bearing, Table 4.2 of Lin's thesis, into ``findings``."""
-    four, double = source_cases.four_point(tilt=False), source_cases.double_row(tilt=False)
+    four, double = source_cases.four_point_bearing(tilt=False), source_cases.double_row_bearing(tilt=False)
     g = four.groove
     values = {
         "pitch_diameter": 2e3 * g.pitch_radius,
@@ -361,7 +363,8 @@ def _compute_bearing_torques(findings: Findings) -> None:
     findings.claim(
         "transition",
         bool(four.four[0] == 0 and at_18 > 0),
-        f"{int(four.four[0])} balls beyond two contacts at 0 deg, {at_18} of {source_cases.four_point().count} at 18 deg",
+        f"{int(four.four[0])} balls beyond two contacts at 0 deg, "
+        f"{at_18} of {source_cases.four_point_bearing().count} at 18 deg",
     )
 
 
@@ -399,33 +402,61 @@ def pair_interpretations() -> list[tuple[str, str, Callable[[float], Pair]]]:
         """Return a function that makes the ball pair for a theta [rad] and replaces the fields ``changes``."""
         return lambda theta: replace(make(theta), **changes)  # type: ignore[arg-type]
 
-    radial = with_changes(source_cases.case_as_printed, free="r", force=(100.0,), coupling="none")
+    radial = with_changes(source_cases.pair_as_printed, free="r", force=(100.0,), coupling="none")
     smaller, larger = 0.5 * source_cases.inferred_oversize(), 1.5 * source_cases.inferred_oversize()
     size = oversize_in_words()
-    one, faulty = (1.0, 0.0, 0.0, 0.0), source_cases.table_3_6(hertz="as printed")
+    one, faulty = (1.0, 0.0, 0.0, 0.0), source_cases.groove_of_table_3_6(hertz="as printed")
     return [
-        ("plain", AS_TEXT, source_cases.case_as_printed),
-        ("plain, varied", UNCOUPLED, with_changes(source_cases.case_as_printed, coupling="none")),
-        ("plain, varied", "friction moves balls and screw", with_changes(source_cases.case_as_printed, coupling="ball and screw")),
+        ("plain", AS_TEXT, source_cases.pair_as_printed),
+        ("plain, varied", UNCOUPLED, with_changes(source_cases.pair_as_printed, coupling="none")),
+        (
+            "plain, varied",
+            "friction moves balls and screw",
+            with_changes(source_cases.pair_as_printed, coupling="ball and screw"),
+        ),
         ("plain, varied", "50 N radially on each ball, not coupled", radial),
-        ("inferred", oversize_label(), source_cases.inferred),
-        ("inferred, varied", f"{size}, friction moves the balls", with_changes(source_cases.inferred, coupling="ball")),
+        ("inferred", oversize_label(), source_cases.pair_with_inferred_oversize),
+        (
+            "inferred, varied",
+            f"{size}, friction moves the balls",
+            with_changes(source_cases.pair_with_inferred_oversize, coupling="ball"),
+        ),
         (
             "inferred, varied",
             f"{size}, friction moves balls and screw",
-            with_changes(source_cases.inferred, coupling="ball and screw"),
+            with_changes(source_cases.pair_with_inferred_oversize, coupling="ball and screw"),
         ),
-        ("inferred, varied", "half the oversize", with_changes(source_cases.inferred, oversize=smaller)),
-        ("inferred, varied", "one and a half times the oversize", with_changes(source_cases.inferred, oversize=larger)),
-        ("inferred, varied", f"{size}, 25 N instead of 50 N", with_changes(source_cases.inferred, force=(25.0,))),
-        ("inferred, varied", f"{size}, 100 N instead of 50 N", with_changes(source_cases.inferred, force=(100.0,))),
-        ("inferred, varied", f"{size}, theta on one contact of the screw", with_changes(source_cases.inferred, pattern=(one, one))),
+        ("inferred, varied", "half the oversize", with_changes(source_cases.pair_with_inferred_oversize, oversize=smaller)),
+        (
+            "inferred, varied",
+            "one and a half times the oversize",
+            with_changes(source_cases.pair_with_inferred_oversize, oversize=larger),
+        ),
+        (
+            "inferred, varied",
+            f"{size}, 25 N instead of 50 N",
+            with_changes(source_cases.pair_with_inferred_oversize, force=(25.0,)),
+        ),
+        (
+            "inferred, varied",
+            f"{size}, 100 N instead of 50 N",
+            with_changes(source_cases.pair_with_inferred_oversize, force=(100.0,)),
+        ),
+        (
+            "inferred, varied",
+            f"{size}, theta on one contact of the screw",
+            with_changes(source_cases.pair_with_inferred_oversize, pattern=(one, one)),
+        ),
         (
             "inferred, varied",
             f"{size}, screw's groove shifted sideways",
-            with_changes(source_cases.inferred, pattern=(SHIFTED, SHIFTED)),
+            with_changes(source_cases.pair_with_inferred_oversize, pattern=(SHIFTED, SHIFTED)),
         ),
-        ("inferred, varied", f"{size}, Hertz constants of Table B.1", with_changes(source_cases.inferred, groove=faulty)),
+        (
+            "inferred, varied",
+            f"{size}, Hertz constants of Table B.1",
+            with_changes(source_cases.pair_with_inferred_oversize, groove=faulty),
+        ),
     ]
 
 
@@ -455,7 +486,7 @@ def pair_interpretation_rows() -> list[Row]:
 def implied_contact_load() -> float:
     """Return the contact load [N] of a ball that follows from the printed force and loss increase of case a, Table 3.7."""
     force, increase = (value_of("lin-3.7", f"{what}_a") for what in ("force", "increase"))
-    return implied_load(source_cases.inferred(radians(THETA["a"])), force, 1e-2 * increase)
+    return implied_load(source_cases.pair_with_inferred_oversize(radians(THETA["a"])), force, 1e-2 * increase)
 
 
 @cache
@@ -465,7 +496,9 @@ def oversize_and_load_map(case: str, coupling: Coupling) -> PairMap:
     ``case``: "a" or "b"; ``coupling``: what friction may move and so load: "none", "ball" or "ball and screw".
     """
     return oversize_map(
-        replace(source_cases.inferred(radians(THETA[case])), coupling=coupling), np.array(OVERSIZE), np.array(AXIAL)
+        replace(source_cases.pair_with_inferred_oversize(radians(THETA[case])), coupling=coupling),
+        np.array(OVERSIZE),
+        np.array(AXIAL),
     )
 
 
@@ -485,7 +518,7 @@ def simulation_variations() -> list[tuple[str, str, dict[str, object]]]:
         ("phase of theta", "180°", {"phase": np.pi}),
         ("pattern", "groove shifted sideways", {"pattern": SHIFTED}),
         ("first ball", "an eighth of a distance back", {"first": 0.375}),
-        ("return tube", "one ball long", {"tube": source_cases.table_3_6().pair.spacing}),
+        ("return tube", "one ball long", {"tube": source_cases.groove_of_table_3_6().pair.spacing}),
         ("time step", "3.6° of the nut", {"steps": 100}),
     ]
     return changes
@@ -519,8 +552,10 @@ def simulation_inputs(follows: str, amplitude: float, oversize: float, pattern: 
     [deg]; ``oversize``: of the ball radius [um]; ``pattern``: whether theta is on "one" or "both" of a ball's contacts
     with the screw.
     """
-    flanks = (1.0, 0.0, 0.0, 0.0) if pattern == "one" else source_cases.lin_3_4_4().pattern
-    return source_cases.lin_3_4_4(follows=follows, amplitude=radians(amplitude), oversize=1e-6 * oversize, pattern=flanks)
+    flanks = (1.0, 0.0, 0.0, 0.0) if pattern == "one" else source_cases.run_of_section_3_4_4().pattern
+    return source_cases.run_of_section_3_4_4(
+        follows=follows, amplitude=radians(amplitude), oversize=1e-6 * oversize, pattern=flanks
+    )
 
 
 @cache
@@ -620,9 +655,9 @@ def simulation_rows() -> list[Row]:
         simulation_row(AS_CASE, f"{n}, {oversize_in_words()}, {simulate_screw(a).steps} steps", simulate_screw(a))
         for n, a in zip(names, AMPLITUDES, strict=True)
     ]
-    rows.append(lin_method_row(source_cases.lin_3_4_4()))
+    rows.append(lin_method_row(source_cases.run_of_section_3_4_4()))
     rows += [
-        simulation_row(name, value, equal_steps(source_cases.lin_3_4_4(**(SHORT | new))))
+        simulation_row(name, value, equal_steps(source_cases.run_of_section_3_4_4(**(SHORT | new))))
         for name, value, new in simulation_variations()
     ]
     return rows
@@ -634,11 +669,11 @@ def bearing_variations() -> list[tuple[str, str, BearingCase]]:
     Each entry: kind of bearing, assumption in words, inputs.
     """
     face = (BallRow(-6e-3, DIAGONAL), BallRow(6e-3, OTHER))
-    four = source_cases.four_point(tilt=True)
+    four = source_cases.four_point_bearing(tilt=True)
     faulty: Mode = "as printed"
     out = [
         ("four-point", "tilt free, no clearance", four),
-        ("four-point", "tilt held", source_cases.four_point(tilt=False)),
+        ("four-point", "tilt held", source_cases.four_point_bearing(tilt=False)),
     ]
     out += [
         ("four-point", f"ball {100 * p:.0f} % of a distance off the load's plane", replace(four, phase=p))
@@ -648,9 +683,9 @@ def bearing_variations() -> list[tuple[str, str, BearingCase]]:
     out += [
         ("four-point", "Hertz constants as Table B.1", replace(four, groove=replace(four.groove, hertz=faulty))),
         ("four-point", "force 2 mm off the middle", replace(four, arm=2e-3)),
-        ("double row", "tilt free, back to back", source_cases.double_row(tilt=True)),
-        ("double row", "tilt held", source_cases.double_row(tilt=False)),
-        ("double row", "tilt free, face to face", source_cases.double_row(tilt=True, rows=face)),
+        ("double row", "tilt free, back to back", source_cases.double_row_bearing(tilt=True)),
+        ("double row", "tilt held", source_cases.double_row_bearing(tilt=False)),
+        ("double row", "tilt free, face to face", source_cases.double_row_bearing(tilt=True, rows=face)),
     ]
     return out
 

@@ -61,7 +61,7 @@ def results_in_3d(study: Study, name: str) -> Mapping[str, float]:
     return {} if run is None else run.values
 
 
-def case_as_printed(theta: float | None = None) -> Pair:
+def pair_as_printed(theta: float | None = None) -> Pair:
     """Return the ball pair of section 3.4.3 exactly as Lin states it: no clearance, friction coupled to the loads.
 
     ``theta``: deviation of the second ball's contact angle [rad], if it differs from the scene's.
@@ -69,7 +69,7 @@ def case_as_printed(theta: float | None = None) -> Pair:
     return _replace_theta(case(PAIR_SCENES["a"], ScrewPairScene).pair, theta)
 
 
-def inferred(theta: float | None = None) -> Pair:
+def pair_with_inferred_oversize(theta: float | None = None) -> Pair:
     """Return the ball pair of section 3.4.3 with the inferred (not printed) oversize, so that all four contacts are loaded.
 
     ``theta``: deviation of the second ball's contact angle [rad], if it differs from the scene's.
@@ -89,18 +89,18 @@ def pair_angle_deviation(name: str) -> float:
 
 def inferred_oversize() -> float:
     """Return the oversize of the ball radius [m] that was inferred from the forces of Lin's Table 3.7."""
-    return inferred().oversize
+    return pair_with_inferred_oversize().oversize
 
 
-def table_3_6(**changes: object) -> ScrewGroove:
+def groove_of_table_3_6(**changes: object) -> ScrewGroove:
     """Return grooves, speed and material of the ball screw of Lin's Table 3.6.
 
     ``changes``: new values of fields of `ScrewGroove`, by name.
     """
-    return replace(case_as_printed().groove, **changes)  # type: ignore[arg-type]
+    return replace(pair_as_printed().groove, **changes)  # type: ignore[arg-type]
 
 
-def lin_3_4_4(**changes: object) -> Run:
+def run_of_section_3_4_4(**changes: object) -> Run:
     """Return the inputs of the whole-screw simulation of section 3.4.4, with an amplitude of theta of 3 deg.
 
     ``changes``: new values of fields of `Run`, by name.
@@ -118,7 +118,7 @@ def bearing_pair_scene() -> BearingPairScene:
     return case(BEARINGS, BearingPairScene)
 
 
-def four_point(*, tilt: bool = True, **changes: object) -> BearingCase:
+def four_point_bearing(*, tilt: bool = True, **changes: object) -> BearingCase:
     """Return the four-point bearing of Lin's Table 4.2.
 
     ``tilt``: whether the inner ring is free to tilt; ``changes``: new values of fields of `BearingCase`, by name.
@@ -126,7 +126,7 @@ def four_point(*, tilt: bool = True, **changes: object) -> BearingCase:
     return replace(bearing_pair_scene().four_point, tilt=tilt, **changes)  # type: ignore[arg-type]
 
 
-def double_row(*, tilt: bool = True, **changes: object) -> BearingCase:
+def double_row_bearing(*, tilt: bool = True, **changes: object) -> BearingCase:
     """Return the double-row bearing of Lin's Table 4.2.
 
     ``tilt``: whether the inner ring is free to tilt; ``changes``: new values of fields of `BearingCase`, by name.

@@ -30,10 +30,10 @@ from rollbench.compare.cases.lin.evidence.source_cases import (
     LINEAR_PAIR,
     LINEAR_WORST,
     ROTARY_SCENES,
-    case_as_printed,
-    four_point,
-    inferred,
-    lin_3_4_4,
+    four_point_bearing,
+    pair_as_printed,
+    pair_with_inferred_oversize,
+    run_of_section_3_4_4,
 )
 from rollbench.compare.cases.lin.extremes import extreme_pair_rows, root_finding_rows
 from rollbench.compare.measure import error_percent
@@ -417,7 +417,7 @@ def oversize_map_figure() -> Figure:
         f"The curves of {LOAD:g} N meet the printed forces at {oversizes_at_printed('force')}, and the printed "
         f"increases at "
         f"{oversizes_at_printed('increase')}; oversize and load of the other figures are inferred from both together: "
-        f"{1000000.0 * inferred().oversize:g} µm, {inferred().force[0]:g} N."
+        f"{1000000.0 * pair_with_inferred_oversize().oversize:g} µm, {pair_with_inferred_oversize().force[0]:g} N."
     )
     return Figure(
         "friction-pair-maps",
@@ -514,9 +514,8 @@ def simulation_sensitivity_table() -> Table:
         f"Printed: {largest} % at {at}°, no contact at {none_at}°, four groups. The third row is the same run by root "
         "finding as in Lin's thesis, where neighbours touch if they are near and approach when alone (3.77): overlapping "
         "balls that separate count as free, and fewer forces are found. The rows below change one assumption at a time "
-        f"from theta = 3°, {lin_3_4_4().force[0]:g} N, {screw.oversize_in_words()} oversize, loads not coupled, over "
-        f"one turn "
-        "of the nut in steps of 7.2°. A run that loses no contact within that turn has no entry there."
+        f"from theta = 3°, {run_of_section_3_4_4().force[0]:g} N, {screw.oversize_in_words()} oversize, "
+        "loads not coupled, over one turn of the nut in steps of 7.2°. A run that loses no contact within that turn has no entry there."
     )
     return Table.of(
         "friction-run-sensitivity",
@@ -547,7 +546,7 @@ def bearing_torque_table() -> Table:
     """Return the table of torque ratios of the bearings of Lin's Table 4.2, under varied assumptions."""
     note = (
         f"Printed for the four-point bearing: {entry('lin-4.3', 'ratio_4p').printed}. Friction coefficient "
-        f"{four_point().groove.mu:g} and the freedom to tilt are assumed; the "
+        f"{four_point_bearing().groove.mu:g} and the freedom to tilt are assumed; the "
         "ratio does not depend on the friction coefficient. Range of load angles read off Lin's figure."
     )
     return Table.of(
@@ -583,7 +582,7 @@ def _pair_paragraph(pairs: Table) -> str:
     )
     return (
         f"Lin does not print the load state of the two balls in 3.4.3. Read literally (no oversize, "
-        f"{case_as_printed().force[0]:g} "
+        f"{pair_as_printed().force[0]:g} "
         f"N along the axis), one diagonal carries nearly all: {uncoupled} of the printed forces (cases a and b), {moved} "
         "where friction moves the balls and loads a third contact. Printed force and increase together imply a contact "
         f"load of {screw.implied_contact_load():.0f} N per ball, against {float(coupled['load_a'] or 0.0):.0f} N here; "

@@ -17,7 +17,7 @@ from rollbench.compare.cases.lin.reconstruction.readings import (
     PENALTY_LEVEL,
     SOLID,
     Combination,
-    key_of,
+    combination_key,
     largest_change_by_friction,
     tilt_at_onset_of_sliding,
 )
@@ -114,7 +114,7 @@ def _case_3_row(study: Study, model: str) -> Row:
     for reading in END_SUPPORTS:
         change = study.solve(reading.offset, model).load - study.solve(reading.plain, model).load
         ball, side = (int(k) for k in np.unravel_index(int(np.abs(change).argmax()), change.shape))
-        shaped = has_shape(change)
+        shaped = rises_most_at_last_balls(change)
         right += [reading.label] if shaped else []
         largest.append(f"{reading.label}: most at {ball + 1} {SIDES[side]} ({change[ball, side]:+.0f} N)")
     return _statement_row(
@@ -125,7 +125,7 @@ def _case_3_row(study: Study, model: str) -> Row:
     )
 
 
-def has_shape(change: Array) -> bool:
+def rises_most_at_last_balls(change: Array) -> bool:
     """Return whether the largest change of a contact load is a rise on flank SR or NL of one of the last balls.
 
     ``change``: changes of the contact loads (n, 4) [N] of n balls on the flanks SL, SR, NL, NR.
@@ -214,7 +214,7 @@ def _errors_in_words(values: Sequence[float]) -> str:
     return f"{values[0]:.2f} / {values[1]:.2f} % (case 1) and {values[2]:.2f} / {values[3]:.2f} % (case 2)"
 
 
-def fall_and_rise(errors: Sequence[float]) -> tuple[float, float]:
+def error_fall_and_rise(errors: Sequence[float]) -> tuple[float, float]:
     """Return the fall of the largest error, then the rise of the RMS error, from case 1 to case 2 [percentage points].
 
     ``errors``: largest and RMS error of case 1, then of case 2 [%].
@@ -255,8 +255,8 @@ def first_paragraph(found: list[combined.CombinationResult]) -> str:
     return (
         f"Where does 5.38 % come from? It is not identified. Printed are errors of {_errors_in_words(printed)}, "
         f"largest / RMS, and a "
-        f"ratio of about {combined.printed_ratio():g} in both models. Two explanations come near, and each misses some of "
-        f"it. The interpretations nearest to the ratio ({combination_in_words(near.low)}; "
+        f"ratio of about {combined.printed_load_ratio():g} in both models. Two explanations come near, and each misses some "
+        f"of it. The interpretations nearest to the ratio ({combination_in_words(near.low)}; "
         f"{combination_in_words(near.solid)}) have {_ratios_and_errors(near)}. "
         "Contacts of the 3D model that a penalty makes softer, all else by default, have a ratio of "
         f"{_range_in_words([c.solid_ratio for c in soft], 3)} with {soft[0].low_ratio:.3f} in the low-order model, "
@@ -278,7 +278,7 @@ def _ratios_and_errors(c: combined.CombinationResult) -> str:
 
 def _fall_over_printed(c: combined.CombinationResult) -> float:
     """Return the fall of the largest error from case 1 to case 2, in per cent of the printed fall."""
-    return 100.0 * fall_and_rise(c.errors["own"])[0] / fall_and_rise(combined.printed_errors())[0]
+    return 100.0 * error_fall_and_rise(c.errors["own"])[0] / error_fall_and_rise(combined.printed_errors())[0]
 
 
 def _range_in_words(values: Sequence[float], digits: int = 2) -> str:
@@ -310,11 +310,11 @@ def penalty_paragraph(study: Study) -> str:
 
 def scatter_paragraph(study: Study, found: list[combined.CombinationResult]) -> str:
     """Return the paragraph on the mesh scatter with which the combination nearest to the ratio would give the errors."""
-    falls, rises = fall_and_rise(combined.printed_errors())
-    best = combined.nearest_combination(combined.without_penalty(found), 2)
+    falls, rises = error_fall_and_rise(combined.printed_errors())
+    best = combined.nearest_combination(combined.combinations_without_penalty(found), 2)
     loads = combined.low_order_loads(study, best.low), combined.loads_in_3d(study, best.solid)
     odds = {
-        s: combined.fraction_with_fall_and_rise(combined.drawn_errors(*loads, s), 0.5 * falls, 0.5 * rises)
+        s: combined.fraction_with_fall_and_rise(combined.errors_on_random_meshes(*loads, s), 0.5 * falls, 0.5 * rises)
         for s in (combined.SCATTER, *TRIED)
     }
     chances = ", ".join(f"{s:g} %: {100.0 * p:.1f} %" for s, p in odds.items())
@@ -359,7 +359,7 @@ def friction_paragraph(study: Study) -> str:
 
 def explanation_table(found: list[combined.CombinationResult]) -> Table:
     """Return the table of printed ratios and errors, and those by each explanation."""
-    printed = combined.printed_ratio(), combined.printed_ratio(), *combined.printed_errors()
+    printed = combined.printed_load_ratio(), combined.printed_load_ratio(), *combined.printed_errors()
     given = {name: (c.low_ratio, c.solid_ratio, *c.errors["own"]) for name, c in combined.shown_combinations(found).items()}
     rows: list[Row] = [
         {"explanation": name, **_ratio_and_error_cells(values, ".3f", ".2f")}
@@ -370,10 +370,10 @@ def explanation_table(found: list[combined.CombinationResult]) -> Table:
 
 def deviations_table(found: list[combined.CombinationResult]) -> Table:
     """Return the table of differences between computed and printed ratios and errors, by explanation."""
-    printed = fall_and_rise(combined.printed_errors())
+    printed = error_fall_and_rise(combined.printed_errors())
     rows: list[Row] = []
     for name, c in combined.shown_combinations(found).items():
-        fall, rise = (float(a - b) for a, b in zip(fall_and_rise(c.errors["own"]), printed, strict=True))
+        fall, rise = (float(a - b) for a, b in zip(error_fall_and_rise(c.errors["own"]), printed, strict=True))
         row: Row = {"explanation": name, "low order": combination_in_words(c.low), "3D": combination_in_words(c.solid)}
         row |= _ratio_and_error_cells(tuple(c.misses), "+.1f", "+.2f", "%")
         row[Quantity("fall_off", "fall of the largest, case 1 to 2", "points", "+.2f")] = fall
@@ -457,13 +457,13 @@ def combination_table(found: list[combined.CombinationResult]) -> Table:
 
 def _combination_row(c: combined.CombinationResult) -> Row:
     """Return the table row of a combination: keys of its interpretations, load ratios, errors."""
-    row: Row = {"low order": key_of(c.low), "3D": key_of(c.solid)}
+    row: Row = {"low order": combination_key(c.low), "3D": combination_key(c.solid)}
     return row | _error_cells(c)
 
 
 def combinations_figure(found: list[combined.CombinationResult]) -> Figure:
     """Draw load ratios and errors of all combinations, with the printed ones."""
-    shown, aim = [*combined.shown_combinations(found).values()], combined.printed_ratio()
+    shown, aim = [*combined.shown_combinations(found).values()], combined.printed_load_ratio()
     others = [c for c in found if c not in shown]
     printed_errors = combined.printed_errors()
 

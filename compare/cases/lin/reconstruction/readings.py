@@ -206,12 +206,12 @@ FINER = tuple(r for r in SOLID if r.key == "penalty/4")
 Combination = tuple[Interpretation, ...]
 
 
-def key_of(readings: Combination) -> str:
+def combination_key(readings: Combination) -> str:
     """Return the key of a combination of interpretations, such as "plain+tetrahedra", for names and tables."""
     return "+".join(r.key for r in readings) or "base"
 
 
-def combinations_of(readings: tuple[Interpretation, ...], most: int) -> list[Combination]:
+def combinations_of_choices(readings: tuple[Interpretation, ...], most: int) -> list[Combination]:
     """Return all combinations of the interpretations ``readings``, at most one for each modelling choice.
 
     ``most``: largest number of interpretations in a combination. The empty combination (all defaults) is the first.
@@ -255,12 +255,12 @@ MOVERS = ("plain", "runout", "outer-half", "tetrahedra")
 def combinations_in_3d() -> list[Combination]:
     """Return the combinations with 3D runs: default, single interpretations, pairs and triples of `MOVERS`."""
     movers = tuple(r for r in SOLID if r.key in MOVERS)
-    return [*combinations_of(SOLID, 1), *(c for c in combinations_of(movers, 3) if len(c) > 1)]
+    return [*combinations_of_choices(SOLID, 1), *(c for c in combinations_of_choices(movers, 3) if len(c) > 1)]
 
 
 def scenes_in_3d(readings: Combination) -> tuple[Scene, ...]:
     """Return the scenes of Lin's cases 1 and 2 for the 3D model under a combination of interpretations."""
-    name = key_of(readings).replace("/", "-")
+    name = combination_key(readings).replace("/", "-")
     return tuple(replace(scene_for_3d(catalogue.scene(c), readings), name=f"{c}-{name}") for c in CASES)
 
 
@@ -293,7 +293,7 @@ def compute_missing(step: Callable[[str], None], cache: Path | None = None) -> N
     for readings, level in [*((r, mesh_level_of(r)) for r in combinations_in_3d()), (FINER, PENALTY_LEVEL + 1)]:
         if stored_loads(readings, level) is not None:
             continue
-        step(f"3D: {key_of(readings)}, level {level}")
+        step(f"3D: {combination_key(readings)}, level {level}")
         pair = scenes_in_3d(readings)
         sliding, penalty = sum(r.sliding for r in readings), sum(r.penalty for r in readings)
         if penalty:
@@ -332,7 +332,9 @@ def load_change_per_approach(solid: tuple[Array, ...]) -> float:
     return float((after / before - 1.0) * 0.5 * APPROACH / OVERSIZE)
 
 
-def drawn_errors(low: tuple[Array, ...], solid: tuple[Array, ...], percent: float, *, of_load: bool = True) -> Array:
+def errors_on_random_meshes(
+    low: tuple[Array, ...], solid: tuple[Array, ...], percent: float, *, of_load: bool = True
+) -> Array:
     """Return the errors [%] that the low-order model would have against 3D on `DRAWN` random meshes, (DRAWN, 4).
 
     Columns: largest and RMS error of case 1, largest and RMS error of case 2. Only flank SL counts, since both contacts of
@@ -362,8 +364,8 @@ def drawn_errors(low: tuple[Array, ...], solid: tuple[Array, ...], percent: floa
 def fraction_with_fall_and_rise(errors: Array, falls: float, rises: float) -> float:
     """Return the fraction of random meshes on which the errors change from case 1 to case 2 by at least given amounts.
 
-    ``errors``: result of `drawn_errors`; ``falls``: least fall of the largest error; ``rises``: least rise of the RMS
-    error [both in percentage points].
+    ``errors``: result of `errors_on_random_meshes`; ``falls``: least fall of the largest error; ``rises``: least rise of
+    the RMS error [both in percentage points].
     """
     return float(((errors[:, 0] - errors[:, 2] >= falls) & (errors[:, 3] - errors[:, 1] >= rises)).mean())
 
@@ -404,7 +406,7 @@ class CombinationResult:
 
         The load ratios are those of the low-order and of the 3D model, the errors those of `ERRORS`.
         """
-        ratios = error_percent(np.array([self.low_ratio, self.solid_ratio]), printed_ratio())
+        ratios = error_percent(np.array([self.low_ratio, self.solid_ratio]), printed_load_ratio())
         return np.concatenate([ratios, np.array(self.errors["own"]) - np.array(printed_errors())])
 
     @property
@@ -413,7 +415,7 @@ class CombinationResult:
         return any(r.by_text for r in (*self.low, *self.solid))
 
 
-def printed_ratio() -> float:
+def printed_load_ratio() -> float:
     """Return the ratio of largest to smallest load that Lin prints for both models: about 1.34."""
     return value_of("lin-2.4.1", "case1_ratio")
 
@@ -436,7 +438,7 @@ def model_errors(low: tuple[Array, ...], solid: tuple[Array, ...]) -> dict[Defin
 def low_order_combinations() -> list[Combination]:
     """Return the combinations for the low-order model: default, single ones, pairs and triples of `LOW_MOVERS`."""
     movers = tuple(r for r in LOW if r.key in LOW_MOVERS)
-    return [*combinations_of(LOW, 1), *(c for c in combinations_of(movers, 3) if len(c) > 1)]
+    return [*combinations_of_choices(LOW, 1), *(c for c in combinations_of_choices(movers, 3) if len(c) > 1)]
 
 
 def low_order_loads(study: Study, readings: Combination) -> tuple[Array, ...]:
@@ -456,7 +458,7 @@ def _require_runs(study: Study, readings: Combination, level: int | None = None)
     """Return the stored 3D runs of cases 1 and 2 under a combination; raises LookupError if one is missing."""
     found = stored_runs(readings, level)
     if found is None:
-        raise LookupError(f"no stored 3D run of {key_of(readings)}; compute it by: python -m {__package__}")
+        raise LookupError(f"no stored 3D run of {combination_key(readings)}; compute it by: python -m {__package__}")
     return found
 
 
@@ -487,7 +489,7 @@ def nearest_combination(found: list[CombinationResult], first: int = 6) -> Combi
     return min(allowed, key=lambda c: float(np.linalg.norm(c.misses[:first])))
 
 
-def without_penalty(found: list[CombinationResult]) -> list[CombinationResult]:
+def combinations_without_penalty(found: list[CombinationResult]) -> list[CombinationResult]:
     """Return the combinations without penalty contacts in 3D."""
     return [c for c in found if not any(r.penalty for r in c.solid)]
 
@@ -503,7 +505,7 @@ def shown_combinations(found: list[CombinationResult]) -> dict[str, CombinationR
     }
     return {
         "all by default": found[0],
-        "nearest in the ratio, no penalty": nearest_combination(without_penalty(found), 2),
+        "nearest in the ratio, no penalty": nearest_combination(combinations_without_penalty(found), 2),
         **softer,
         "nearest in all six": nearest_combination(found),
     }

@@ -190,7 +190,7 @@ def screw_tension() -> float:
 
 
 @cache
-def end_state(kind: str, end: str, state: str, preload: float = bearings.PRELOAD) -> BearingSetState:
+def bearing_state_at_end(kind: str, end: str, state: str, preload: float = bearings.PRELOAD) -> BearingSetState:
     """Return the equilibrium of the bearing rows at one end of the axis.
 
     ``kind``: "ball" or "taper"; ``end``: "left" or "right"; ``state``: "preload" only, after the "stretch" of the screw, or
@@ -245,7 +245,7 @@ def section_4_1(e: Findings, study: Study) -> None:  # noqa: ARG001 - every tabl
             "dT": unloading_warming(a, bearings.STRETCH, bearings.EXPANSION) / bearings.DEG_F,
         }
     )
-    stiff = {kind: end_state(kind, "left", "stretch").stiffness for kind in KINDS}
+    stiff = {kind: bearing_state_at_end(kind, "left", "stretch").stiffness for kind in KINDS}
     elastic = [shaft_tension(bearings.screw_axis(k, k), bearings.STRETCH) / bearings.POUND for k in stiff.values()]
     words = f"{elastic[0]:.0f} and {elastic[1]:.0f} lbf if the stretch is of the ends and the bearings give way"
     e.number("F", screw_tension() / bearings.POUND, words)
@@ -261,7 +261,7 @@ def section_4_2(e: Findings, study: Study) -> None:
     least = float(shaft_stiffness(a, 0.5 * a.length))
     e.numbers({"screw": least / bearings.POUND_PER_INCH, "nut": bearings.NUT / bearings.POUND_PER_INCH})
     e.number("applied", bearings.APPLIED / bearings.POUND)
-    e.number("package_ball", end_state("ball", "left", "stretch").stiffness / bearings.POUND_PER_INCH)
+    e.number("package_ball", bearing_state_at_end("ball", "left", "stretch").stiffness / bearings.POUND_PER_INCH)
     e.number("package_taper", 2.0 * e.printed("taper_left_stiffness_1"))
     for kind in KINDS:
         e.number(f"rows_{kind}", 2.0 * sum(len(rows) for rows in bearings.DIRECTIONS[kind].values()))
@@ -287,12 +287,12 @@ def _compute_end_rows(e: Findings, kind: str, end: str) -> None:
     count = len(bearings.DIRECTIONS[kind][end])
     preload = tuple(e.printed(f"{kind}_{end}_preload_{i + 1}") for i in range(count))
     for state in ("preload", "stretch", "applied"):
-        ours = end_state(kind, end, state)
+        ours = bearing_state_at_end(kind, end, state)
         printed = None if state == "preload" else row_loads_as_printed(kind, end, state, preload)
         for i in range(count):
             key = f"{kind}_{end}_{state}_{i + 1}"
             e.number(key, float(ours.loads[i]) / bearings.POUND, as_printed=None if printed is None else printed[i])
-    ours = end_state(kind, end, "applied")
+    ours = bearing_state_at_end(kind, end, "applied")
     for i in range(count):
         e.number(f"{kind}_{end}_stiffness_{i + 1}", float(ours.row_stiffness[i]) / bearings.POUND_PER_INCH)
     total = sum(e.printed(f"{kind}_{end}_stiffness_{i + 1}") for i in range(count))
@@ -317,7 +317,7 @@ def _compute_axis_stiffness(e: Findings, kind: str, as_scenes: str) -> None:
     package, screw, nut = (e.printed(k) for k in (f"package_{kind}", "screw", "nut"))
     printed = as_printed.series_stiffness((package, package), screw, nut)
     right = axis_stiffness_at_middle(package * bearings.POUND_PER_INCH) / bearings.POUND_PER_INCH
-    ours = axis_stiffness_at_middle(end_state(kind, "left", "stretch").stiffness) / bearings.POUND_PER_INCH
+    ours = axis_stiffness_at_middle(bearing_state_at_end(kind, "left", "stretch").stiffness) / bearings.POUND_PER_INCH
     off = float(error_percent(printed, right))
     words = f"right topology, printed parts {1e-6 * right:.3f}e6, our bearings {1e-6 * ours:.3f}e6; "
     words += f"the sum in series {off:+.0f} %"
@@ -384,7 +384,7 @@ def _compare_stiffness_tests(e: Findings) -> None:
     """Compare the computed stiffness of the axis with the tests: section 5.2.2 of Smith (1994), into ``e``."""
     off = []
     for kind in KINDS:
-        right = axis_stiffness_at_middle(end_state(kind, "left", "stretch").stiffness) / bearings.POUND_PER_INCH
+        right = axis_stiffness_at_middle(bearing_state_at_end(kind, "left", "stretch").stiffness) / bearings.POUND_PER_INCH
         measured, predicted = e.printed(f"S_{kind}"), value_of("smith-4.2", f"total_{kind}")
         off.append(float(error_percent(predicted, measured)))
         words = f"printed prediction {off[-1]:+.2f} %, right topology {float(error_percent(right, measured)):+.0f} %"
@@ -421,7 +421,7 @@ def _compute_reduced_preload(e: Findings) -> None:
     """Compute the bearing loads with the reduced preload of 750 lbf: section 5.3 of Smith (1994), into ``e``."""
     for end in ("left", "right"):
         printed = row_loads_as_printed("taper", end, "stretch", (REDUCED / bearings.POUND,) * 2)
-        ours = end_state("taper", end, "stretch", REDUCED)
+        ours = bearing_state_at_end("taper", end, "stretch", REDUCED)
         for i in range(2):
             e.number(f"{end}_stretch_{i + 1}", float(ours.loads[i]) / bearings.POUND, as_printed=printed[i])
         for load in ("750", "1500"):
