@@ -515,7 +515,8 @@ def simulation_sensitivity_table() -> Table:
         "finding as in Lin's thesis, where neighbours touch if they are near and approach when alone (3.77): overlapping "
         "balls that separate count as free, and fewer forces are found. The rows below change one assumption at a time "
         f"from theta = 3°, {run_of_section_3_4_4().force[0]:g} N, {screw.oversize_in_words()} oversize, "
-        "loads not coupled, over one turn of the nut in steps of 7.2°. A run that loses no contact within that turn has no entry there."
+        "loads not coupled, over one turn "
+        "of the nut in steps of 7.2°. A run that loses no contact within that turn has no entry there."
     )
     return Table.of(
         "friction-run-sensitivity",

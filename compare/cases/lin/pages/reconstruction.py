@@ -255,8 +255,8 @@ def first_paragraph(found: list[combined.CombinationResult]) -> str:
     return (
         f"Where does 5.38 % come from? It is not identified. Printed are errors of {_errors_in_words(printed)}, "
         f"largest / RMS, and a "
-        f"ratio of about {combined.printed_load_ratio():g} in both models. Two explanations come near, and each misses some "
-        f"of it. The interpretations nearest to the ratio ({combination_in_words(near.low)}; "
+        f"ratio of about {combined.printed_load_ratio():g} in both models. Two explanations come near, and each misses "
+        f"some of it. The interpretations nearest to the ratio ({combination_in_words(near.low)}; "
         f"{combination_in_words(near.solid)}) have {_ratios_and_errors(near)}. "
         "Contacts of the 3D model that a penalty makes softer, all else by default, have a ratio of "
         f"{_range_in_words([c.solid_ratio for c in soft], 3)} with {soft[0].low_ratio:.3f} in the low-order model, "
