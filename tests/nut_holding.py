@@ -12,7 +12,7 @@ from tempfile import TemporaryDirectory
 import numpy as np
 
 from rollbench.compare.cases.external.evidence import scene_name
-from rollbench.compare.cases.external.holding import FILE, fixations
+from rollbench.compare.cases.external.holding import FILE, scenes_by_fixation
 from rollbench.compare.models.model_form import axial_contact_force
 from rollbench.compare.reference.store import shipped_store
 from rollbench.compare.reference.tasks import needed_sides, settings_of
@@ -53,7 +53,7 @@ def main() -> None:
     with TemporaryDirectory() as cache:
         for size, level, cells in CASES:
             shipped = catalogue.scene(scene_name(size))
-            scenes = fixations(shipped)
+            scenes = scenes_by_fixation(shipped)
             known = {row["held"] for row in rows if (row["scene"], row["level"]) == (shipped.name, level)}
             for held in [x for x in scenes if x not in known]:
                 print(shipped.name, held, flush=True)

@@ -8,7 +8,7 @@ from itertools import count
 
 import pytest
 
-from rollbench.compare.cases.lin.evidence.source_cases import inferred
+from rollbench.compare.cases.lin.evidence.source_cases import pair_with_inferred_oversize
 from rollbench.compare.cases.liu import evidence as liu
 from rollbench.compare.models.registry import Options, run_model
 from rollbench.compare.models.study import with_balls
@@ -130,7 +130,7 @@ def test_friction_of_a_whole_screw(benchmark):
 
 
 def test_pair_of_balls_of_a_screw(benchmark):
-    pair = inferred()
+    pair = pair_with_inferred_oversize()
     benchmark(lambda: solve_pair(pair))
 
 

@@ -10,7 +10,7 @@ from itertools import product
 import numpy as np
 import pytest
 
-from rollbench.compare.cases.lin.evidence.source_cases import case_as_printed, table_3_6
+from rollbench.compare.cases.lin.evidence.source_cases import groove_of_table_3_6, pair_as_printed
 from rollbench.lowfi.friction.screw.chain import Guess
 from rollbench.lowfi.friction.screw.run import Pair, PairResult, solve_pair
 
@@ -38,7 +38,9 @@ def test_random_starts_give_the_same_coupled_state(mu: float, coupling: str) -> 
     """All contact forces and the ball-to-ball force within 1e-6 of the friction bound of a ball."""
     rng = np.random.default_rng(int(1000 * mu))
     for force, oversize in STATES:
-        pair = replace(case_as_printed(np.radians(2.0)), groove=table_3_6(mu=mu), oversize=oversize, force=(force,))
+        pair = replace(
+            pair_as_printed(np.radians(2.0)), groove=groove_of_table_3_6(mu=mu), oversize=oversize, force=(force,)
+        )
         pair = replace(pair, coupling=coupling)  # type: ignore[arg-type]
         found = solve_pair(pair)
         assert found.converged

@@ -110,7 +110,8 @@ def _solve_assembly(study: Study, name: str) -> AxisResult:  # noqa: ARG001 - ke
 
 CLASSES = ("light", "medium", "strong")
 
-#: Usual range of conformity, at whose ends the growth of rigidity with preload is compared without inferring a value.
+#: Usual range of conformity (groove radius over ball diameter). At its ends the growth of rigidity with preload is
+#: compared with GMN's, so that no conformity has to be inferred.
 ANY = (0.53, 0.56)
 
 
@@ -175,7 +176,11 @@ def half_load_zone(findings: Findings, study: Study) -> None:
 
 
 def _catalogue_bearing(case: str, row: Sequence[float], conformity: float) -> BallBearing:
-    """Return a spindle bearing from its row in a catalogue: pitch and ball diameter [mm], number of balls."""
+    """Return a spindle bearing from its row in a catalogue.
+
+    ``case``: name of the external case with contact angle and material; ``row``: pitch diameter [mm], ball diameter [mm]
+    and number of balls; ``conformity``: groove radius over ball diameter.
+    """
     d_m, d_w, balls = row[:3]
     angle, young = read_input(case, "contact_angle", "angle"), read_input(case, "youngs_modulus", "pressure")
     poisson = float(read_inputs()[case]["poissons_ratio"])
@@ -198,8 +203,11 @@ def gmn_rigidity(name: str, which: str, conformity: float) -> float:
     return 2e-6 * one.stiffness(one.deflection(float(row[3 + CLASSES.index(which)])))
 
 
-def gmn_growth(conformity: float) -> np.ndarray[tuple[int, ...], np.dtype[np.float64]]:
-    """Return the growth of each bearing pair's rigidity from light to strong preload: computed over printed by GMN."""
+def gmn_rigidity_growth_ratios(conformity: float) -> np.ndarray[tuple[int, ...], np.dtype[np.float64]]:
+    """Return for each bearing pair the growth of rigidity from light to strong preload, computed over printed by GMN.
+
+    ``conformity``: groove radius over ball diameter.
+    """
     out = []
     for name in read_inputs()["gmn"]["rows"]:
         printed = [entry("external-gmn", f"{name}_{which}").value or np.nan for which in ("light", "strong")]
@@ -214,7 +222,7 @@ def gmn_rigidities(findings: Findings, study: Study) -> None:  # noqa: ARG001 - 
     for name in read_inputs()["gmn"]["rows"]:
         for which in CLASSES:
             findings.number(f"{name}_{which}", gmn_rigidity(name, which, inferred))
-    middle = {c: float(np.median(gmn_growth(c))) for c in (*ANY, inferred)}
+    middle = {c: float(np.median(gmn_rigidity_growth_ratios(c))) for c in (*ANY, inferred)}
     words = ", ".join(f"{m:.3f} at conformity {c:g}" for c, m in middle.items())
     findings.claim("growth", all(abs(float(error_percent(m, 1.0))) <= 2.0 for m in middle.values()), f"median {words}")
 
@@ -271,8 +279,11 @@ ROUNDED, WITHIN = 3.0, 5.0
 SCENE, PRELOAD, FORCE = "external-thk-bnf-4010-5", 5000.0, 3000.0
 
 
-def mean_speed_of_phases(case: str) -> float:
-    """Return the mean speed [rpm] of a duty cycle with the phases (speeds, times) of a maker's example."""
+def mean_speed_of_duty_cycle(case: str) -> float:
+    """Return the mean speed [rpm] of a duty cycle with the phases (speeds, times) of a maker's example.
+
+    ``case``: name of the example among the external cases.
+    """
     given = read_inputs()[case]
     phases = zip(given["speeds"], given["time"], strict=True)
     cases = [f'[[cases]]\nname = "p{k}"\nspeed = "{n} rpm"\ntime = "{t} s"\n' for k, (n, t) in enumerate(phases)]
@@ -282,8 +293,11 @@ def mean_speed_of_phases(case: str) -> float:
     return cycle.speed * 30.0 / pi
 
 
-def mean_force_of_phases(case: str) -> float:
-    """Return the equivalent mean force of a duty cycle with the phases of a maker's example, in the unit of its forces."""
+def equivalent_force_of_duty_cycle(case: str) -> float:
+    """Return the equivalent mean force of a duty cycle with the phases of a maker's example, in the unit of its forces.
+
+    ``case``: name of the example among the external cases.
+    """
     given = read_inputs()[case]
     turned = np.array(given["speeds"], dtype=float) * np.array(given["time"], dtype=float)
     return float(given.get("factor", 1.0)) * mean_force(turned / turned.sum(), np.array(given["forces"], dtype=float))
@@ -292,8 +306,8 @@ def mean_force_of_phases(case: str) -> float:
 def equivalent_loads(findings: Findings, study: Study) -> None:
     """Compute makers' examples of equivalent loads: mean forces, halves of a preloaded nut, factors e, X, Y of bearings."""
     for key, case in EXAMPLES.items():
-        findings.number(key, mean_force_of_phases(case))
-    findings.number("speed_rexroth", mean_speed_of_phases("rexroth"))
+        findings.number(key, equivalent_force_of_duty_cycle(case))
+    findings.number("speed_rexroth", mean_speed_of_duty_cycle("rexroth"))
     findings.number("parting", PARTING)
     force = np.linspace(0.0, PARTING, 50)
     loaded, other = forces_on_halves(force, 1.0)
@@ -353,7 +367,10 @@ def sphere_on_plane(findings: Findings, study: Study) -> None:  # noqa: ARG001 -
 
 
 def _example_contact(case: str) -> tuple[float, tuple[float, float], float, float]:
-    """Return load [N], relative radii [m], Young's modulus [Pa] and Poisson's ratio of an example of CONTACT."""
+    """Return load [N], relative radii [m], Young's modulus [Pa] and Poisson's ratio of an example of the program CONTACT.
+
+    The relative radii are those along and across the rolling direction; ``case``: name of the example.
+    """
     poisson, shear = read_inputs()[case]["poissons_ratio"], read_input(case, "shear_modulus", "pressure")
     radii = (read_input(case, "along", "length"), read_input(case, "across", "length"))
     return read_input(case, "force", "force"), radii, 2.0 * shear * (1.0 + poisson), poisson
@@ -384,7 +401,11 @@ class ExampleResult:
 
 @lru_cache(maxsize=8)
 def solve_example(cells: int, *, by_cells: bool = False) -> ExampleResult:
-    """Solve the rolling example of the program CONTACT on ``cells`` x ``cells``; ``by_cells``: with its scheme."""
+    """Solve the rolling example of the program CONTACT with lateral creepage and spin.
+
+    ``cells``: number of cells along each axis of the grid; ``by_cells``: whether with CONTACT's differences over one cell,
+    on CONTACT's grid.
+    """
     case, touch = read_inputs()["contact"], _example_contact("contact")
     creep, mu = Creep(0.0, case["creep_across"], case["spin"]), case["friction"]
     if by_cells:
@@ -432,7 +453,11 @@ def _compute_wheel(findings: Findings) -> None:
 
 @lru_cache(maxsize=4)
 def push_and_roll_example(case: str, steps: int) -> list[OnsetStep]:
-    """Solve an example of the program CONTACT: a ball is pushed sideways, then rolls over ``steps`` cells."""
+    """Solve an example of the program CONTACT: a ball is pushed sideways at rest, then rolls.
+
+    ``case``: name of the example; ``steps``: number of steps of one cell that the ball rolls. The first result is that at
+    rest.
+    """
     numbers, (load, circle) = read_inputs()[case], _hertz_of_example(case)
     margin = 0.5 * read_input(case, "grid", "length") / (float(circle.C_a) * float(np.cbrt(load)))
     patch = hertz_patch(*_example_contact(case), (numbers["cells"], numbers["cells"]), margin=margin)
@@ -459,7 +484,8 @@ HIWIN = ("hiwin-63-10k5",)
 #: Size of the single nut of which a double nut is made.
 DOUBLE = "bnf-4010-5"
 
-#: Catalogue rigidity over that of the Hertz contacts only, as an independent code found it: lowest and highest, by maker.
+#: Rigidity in the catalogue over that of the Hertz contacts alone, as an independent program found it: lowest and highest
+#: ratio, by sizes of a maker.
 SHARES = {THK: (0.567, 0.586), HIWIN: (0.75, 0.75)}
 
 #: Relative error that number of balls and pitch diameter, which are not printed, may cause.
@@ -472,9 +498,10 @@ def scene_name(size: str) -> str:
 
 
 def rigidity_by_parts(scene: Scene, force: float) -> tuple[float, float]:
-    """Return the axial rigidity [N/m] of a nut at an axial load [N]: of contacts only, then of contacts and bodies.
+    """Return the axial rigidity [N/m] of a nut under an axial load [N], all balls loaded equally.
 
-    Raises ValueError if nut or screw has no wall thickness.
+    First: of the contacts only; second: of contacts and bodies, that is the tubes of nut and screw. Raises ValueError if
+    nut or screw has no wall thickness.
     """
     alone, body = contacts_displacement(scene, force), body_compliance(scene)
     assert body is not None
@@ -503,12 +530,12 @@ def nut_rigidities(findings: Findings, study: Study) -> None:
     for turns, size in (("5", "bnf-3205-5"), ("7p5", "bnf-3205-7p5")):
         findings.number(f"turns_{turns}", alone[size] / alone["bnf-3205-2p5"], "contacts alone")
     words = f"contacts alone {2.0**1.5 / 3.0 ** (1.0 / 3.0):.3f}"
-    findings.number("double", double_over_single(study), f"with the bodies; {words}")
+    findings.number("double", double_nut_rigidity_ratio(study), f"with the bodies; {words}")
     _compute_drag_torque(study, findings)
 
 
-def double_over_single(study: Study) -> float:
-    """Return the rigidity of a preloaded double nut over that of a single nut, contacts and bodies included.
+def double_nut_rigidity_ratio(study: Study) -> float:
+    """Return the axial rigidity of a preloaded double nut over that of a single nut, contacts and bodies included.
 
     The preload is a third of the single nut's load. The double nut's rigidity is taken at the load that just unloads
     one of its nuts: its displacement is then the deflection of one nut under the preload.
@@ -547,7 +574,10 @@ def _compute_drag_torque(study: Study, findings: Findings) -> None:
 
 
 def drag_torque(study: Study, preload: float, mu: float) -> float:
-    """Return the friction torque [N m] of a double nut under a preload [N]; ``mu``: coefficient of friction."""
+    """Return the friction torque [N m] of a preloaded double nut of the size `DOUBLE` by the sliding of its balls.
+
+    ``preload``: axial force between both nuts [N]; ``mu``: coefficient of friction.
+    """
     scene = study.scene(scene_name(DOUBLE))
     nut = replace(scene, loads=tuple(replace(x, force=(0.0, 0.0, preload)) for x in scene.loads))
     found = run_model(nut, "lin", Options(discretisation=False))

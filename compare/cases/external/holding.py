@@ -55,15 +55,15 @@ COLUMNS = (
 )
 
 
-def fixations(scene: Scene) -> dict[str, Scene]:
-    """Return copies of the scene with the nut fixed at different surfaces, by name; "left face" is the first."""
+def scenes_by_fixation(scene: Scene) -> dict[str, Scene]:
+    """Return copies of a scene whose nut is fixed at different surfaces, by name of the surface; "left face" is first."""
     outer = scene.nut.outer_diameter
     thick = min(THICK * outer, 0.4 * scene.nut.length)
     seat = 0.5 * outer, 0.5 * RIM * outer
     flange = Flange(RIM * outer, thick, seat, centring=FIT * (scene.nut.length - thick))
 
     def fix_nut(at: NutHeld, fitted: Flange | None = None) -> Scene:
-        """Return a copy of the scene with the nut fixed at a surface, with or without a flange."""
+        """Return a copy of the scene with the nut fixed at the surface ``at``; ``fitted``: flange of the nut, or None."""
         return replace(scene, nut=replace(scene.nut, flange=fitted), solid=replace(scene.solid, nut_held=at))
 
     return {
@@ -84,8 +84,11 @@ def stored_results(store: Path) -> list[dict[str, Any]]:
     return list(json.loads((store / FILE).read_text(encoding="utf-8")))
 
 
-def contact_loads(row: dict[str, Any]) -> Array:
-    """Return the contact loads ``(n, 4)`` [N] of a stored 3D result; zero on flanks that it does not contain."""
+def stored_contact_loads(row: dict[str, Any]) -> Array:
+    """Return the contact loads (n, 4) [N] of n balls from a stored 3D result.
+
+    Loads on flanks that the result does not contain are zero; ``row``: the result, by key of the JSON file.
+    """
     by_side = row["load"]
     return np.stack([by_side.get(side, np.zeros(len(next(iter(by_side.values()))))) for side in SIDES], axis=1)
 
@@ -116,15 +119,15 @@ def runs_by_level(scene: str, held: str) -> dict[int, dict[str, Any]]:
 def mesh_percent(scene: Scene, loads: Mapping[int, Array]) -> float:
     """Return the largest mesh uncertainty of any contact load [% of the mean load], on the finest given level.
 
-    Sum of the 95 % uncertainty of `grid_parts` (from experience if there is one level) and the error near a free
-    face.
+    It is the sum of the 95 % uncertainty by `grid_parts` (from experience if there is one level) and of the error near a
+    free face.
 
     Parameters
     ----------
     scene
         The scene.
     loads
-        Contact loads (n, 4) [N] by level.
+        Contact loads (n, 4) [N] of n balls in 3D, by mesh level.
     """
     level, mean = max(loads), mean_load(loads[max(loads)])
     bars = 0.01 * mean * grid_parts.parts(loads, grid_parts.read_experience(shipped_store())).bars(loads)
@@ -134,15 +137,15 @@ def mesh_percent(scene: Scene, loads: Mapping[int, Array]) -> float:
 def fixation_rows(study: Study, size: str) -> list[dict[str, Cell]]:
     """Return the table rows of a catalogue screw: largest load, life and rigidity for each fixation and model.
 
-    The default model comes first (without bolts, as it fixes the whole annulus of a flange), then every stored level
-    of the 3D reference.
+    ``size``: name of the catalogue size, one of `SIZES`. The default model comes first (without bolts, as it fixes the
+    whole annulus of a flange), then every stored level of the 3D reference.
     """
     printed = entry("external-thk", f"rigidity_{size}").value
     name = scene_name(size)
-    held = fixations(study.scene(name))
+    held = scenes_by_fixation(study.scene(name))
     found = {way: study.solve(scene, DEFAULT) for way, scene in held.items() if way != BOLTED}
     in_3D = {way: runs_by_level(name, way) for way in held}
-    loads = {way: {k: contact_loads(x) for k, x in levels.items()} for way, levels in in_3D.items()}
+    loads = {way: {k: stored_contact_loads(x) for k, x in levels.items()} for way, levels in in_3D.items()}
     solved = [
         FixationResult(DEFAULT, way, result.load, axial_force(result) / axial_displacement(held[way], result))
         for way, result in found.items()
@@ -189,8 +192,11 @@ def bolts_sentence() -> str:
         levels = bolted.keys() & whole.keys()
         if levels:
             bolts, ring = bolted[max(levels)], whole[max(levels)]
-            off, mean = load_error(contact_loads(bolts), contact_loads(ring)), mean_load(contact_loads(ring))
-            largest = float(error_percent(contact_loads(bolts).max(), contact_loads(ring).max(), mean))
+            off, mean = (
+                load_error(stored_contact_loads(bolts), stored_contact_loads(ring)),
+                mean_load(stored_contact_loads(ring)),
+            )
+            largest = float(error_percent(stored_contact_loads(bolts).max(), stored_contact_loads(ring).max(), mean))
             stiff = float(error_percent(bolts["rigidity"], ring["rigidity"]))
             words.append(
                 f"{scene} (level {max(levels)}): the largest load by {largest:+.2f} % of the mean load, any load by at "
@@ -201,7 +207,10 @@ def bolts_sentence() -> str:
 
 
 def mesh_uncertainty_sentence(rows: list[dict[str, Cell]]) -> str:
-    """Return the sentence on the mesh uncertainty of the 3D loads, and on the change by a finer mesh level."""
+    """Return the sentence on the mesh uncertainty of the 3D loads, and on the change by a finer mesh level.
+
+    ``rows``: rows of the table of all sizes, fixations and models.
+    """
     bars = [float(row["mesh"] or 0.0) for row in rows if row["mesh"] is not None]
     if not bars:
         return f"Nothing was solved in {THREE}."
@@ -227,7 +236,10 @@ def mesh_uncertainty_sentence(rows: list[dict[str, Cell]]) -> str:
 
 
 def range_text(rows: list[dict[str, Cell]], column: str, held: str = "", form: str = "+.1f") -> str:
-    """Return in words the range of a column over the default model's rows whose fixation begins with ``held``."""
+    """Return in words the range of a table column over the rows of the default model.
+
+    ``held``: how the names of the fixations begin that count; ``form``: format of the numbers.
+    """
     values = [float(row[column] or 0.0) for row in rows if row["by"] == DEFAULT and str(row["held"]).startswith(held)]
     return f"{min(values):{form}} to {max(values):{form}}"
 

@@ -50,12 +50,16 @@ SOURCES = {
     "external-equivalent": "makers, equivalent loads",
 }
 
-#: Largest displacement without loads, over that with loads, that is neglected: the 3D reference has no run without loads.
+#: Largest axial displacement without loads over that with loads that is neglected. Scenes with more are left out, because
+#: the 3D reference has no run without loads to subtract.
 STARTS = 0.01
 
 
 def agreement_sentence(found: Sequence[Evidence]) -> str:
-    """Return the sentence on how many published values and claims agree with the computed ones."""
+    """Return the sentence on how many published values and claims agree with the computed ones.
+
+    ``found``: published values and claims with what is computed for them.
+    """
     judged = [e for e in found if e.printed.cls != "open"]
     good = sum(e.agrees is True for e in judged)
     of = Counter(e.verdict for e in judged)
@@ -96,7 +100,11 @@ def agreement_figure(found: Sequence[Evidence]) -> Figure:
 
 
 def catalogue_rigidities(study: Study) -> list[tuple[str, float, dict[str, float | None]]]:
-    """Return name, axial load [N] and rigidities [N/um] of each catalogue nut, by included effects and printed."""
+    """Return the axial rigidities of each catalogue nut, computed with growing detail and printed.
+
+    Each entry: name of the scene; axial load [N]; rigidities [N/um] of the "contacts" alone, with the "bodies", with
+    "unequal" ball loads, and "printed" in the catalogue, None where unknown.
+    """
     out: list[tuple[str, float, dict[str, float | None]]] = []
     for size in (*external.THK, *external.HIWIN):
         name = external.scene_name(size)
@@ -115,12 +123,12 @@ def catalogue_rigidities(study: Study) -> list[tuple[str, float, dict[str, float
 
 
 def displacement_in_3d(scene: Scene, found: Reference) -> float:
-    """Return the screw's axial displacement [m] at the nut's centre by the finest run of the 3D reference."""
+    """Return the screw's axial displacement [m] at the nut's centre by the finest run ``found`` of the 3D reference."""
     line = found.best.centreline
     return float(np.interp(scene.nut.position, line[:, 0], line[:, 3]))
 
 
-def reference_row(study: Study, name: str) -> dict[str, Cell] | None:
+def nut_rigidity_row(study: Study, name: str) -> dict[str, Cell] | None:
     """Return the table row of a nut's rigidities [N/um]: by the effects included in the model, and by the 3D reference.
 
     None without a stored reference, without axial load, or if the screw is displaced at zero load, which the
@@ -153,7 +161,10 @@ def reference_row(study: Study, name: str) -> dict[str, Cell] | None:
 def rigidities_table(
     study: Study, catalogue: Sequence[tuple[str, float, dict[str, float | None]]], names: Sequence[str]
 ) -> Table:
-    """Return the table of nut rigidities by the effects included: catalogue sizes, then scenes with a 3D reference."""
+    """Return the table of nut rigidities by the effects included: catalogue sizes, then scenes with a 3D reference.
+
+    ``catalogue``: result of `catalogue_rigidities`; ``names``: scenes to compare with the 3D reference.
+    """
     rows: list[dict[str, Cell]] = []
     for name, force, stages in catalogue:
         row: dict[str, Cell] = {"scene": name, "load": 1e-3 * force, **stages, "reference": None}
@@ -162,7 +173,7 @@ def rigidities_table(
             if value and printed:
                 row[f"share_{key}"] = 1.0 + float(error_percent(printed, value)) / 100.0
         rows.append(row)
-    rows += [row for row in (reference_row(study, name) for name in names) if row is not None]
+    rows += [row for row in (nut_rigidity_row(study, name) for name in names) if row is not None]
     columns = (
         Quantity("scene", "scene", "", "s"),
         Quantity("load", "axial load", "kN", "g3"),

@@ -65,7 +65,10 @@ def _compute_coefficients() -> Iterator[Coefficient]:
 
 
 def table_e3(findings: Findings, study: Study) -> None:  # noqa: ARG001 - every table takes the study
-    """Add to ``findings`` Kalker's coefficients for semi-axis ratios of 0.2, 1, 5 and Poisson's ratios of 0, 0.25, 0.5."""
+    """Compute the creep coefficients of Kalker's Table E3, into ``findings``.
+
+    They are for ratios of the semi-axes of 0.2, 1 and 5 and Poisson's ratios of 0, 0.25 and 0.5.
+    """
     for one in coefficients():
         grids = ", ".join(f"{v:.4g}" for v in one.values)
         how = "extrapolated" if one.extrapolated else "the finest grid's"
@@ -80,7 +83,7 @@ SLIPS = {"pole outside": verification.Creep(0.02, 0.004, 30.0), "pole inside": v
 BY_GRID, RESOLVED, AS_RUNS = "on a grid alone", "on a grid, slip resolved within cells", "as runs have it, worst level"
 #: Resultants by which full slip is compared.
 WRENCH = ("force [N]", "moment [N mm]")
-#: Largest permitted errors [%]: Carter, Cattaneo-Mindlin, full slip, Kalker's table.
+#: Largest permitted errors [%] against Carter, Cattaneo and Mindlin, full slip by quadrature, and Kalker's table.
 REACH = (0.5, 0.5, 0.1, 2.0)
 #: Fraction of mu P at which Carter's stick zone is only 4 to 17 cells wide, so that its computed width depends on where
 #: cell boundaries lie (errors of -1.9, 0.3, 0.8 % on 40, 80, 160 cells, without an order of convergence), and its permitted
@@ -110,10 +113,12 @@ RUB_REACH = 0.01
 
 @dataclass(frozen=True)
 class Verification:
-    """A verification of the rolling model: a quantity on three grids, its exact or printed value, permitted error [%].
+    """A verification of the rolling model: one quantity on three grids, compared with its exact or printed value.
 
-    ``answer`` is the value of the finest grid unless stated otherwise. ``finer`` is the number of cells along an axis
-    of the finest grid over that of the coarsest (None: the grids' errors have no order).
+    ``case``: contact problem in words; ``quantity``: name with unit; ``values``: computed on the coarse, middle and fine
+    grid; ``exact``: exact or printed value; ``reach``: permitted error of the answer [%]; ``answer``: value that is
+    compared, that of the finest grid unless stated otherwise; ``finer``: number of cells along an axis of the finest grid
+    over that of the coarsest, None if no order of convergence is expected.
     """
 
     case: str
@@ -163,13 +168,20 @@ def verifications(*, meshing: bool = True) -> tuple[Verification, ...]:
 
 
 def static_reference_contact(cells: tuple[int, int] = STATIC_CELLS) -> tuple[float, ...]:
-    """Return the quantities `AT_REST` of a screw's most loaded contact by the static 3D reference on ``cells`` cells."""
+    """Return the quantities `AT_REST` of a screw's most loaded contact by the static 3D reference.
+
+    These are approach [um], semi-axes along and across the rolling direction [um], and peak pressure [MPa]. ``cells``:
+    number of cells of the contact zone along and across.
+    """
     at, load, material = _most_loaded_contact()
     return _contact_quantities(verification.solve_by_static_reference(at, load, *material, cells))
 
 
 def _most_loaded_contact() -> tuple[Place, float, tuple[float, float]]:
-    """Return place, load [N] and (E [Pa], nu) of the most loaded contact of a screw's two balls."""
+    """Return the most loaded contact of a screw's two balls: its place, its load [N], and material.
+
+    The last entry is a pair of Young's modulus [Pa] and Poisson's ratio.
+    """
     scene = rolling_case(case(SCREW, KindScene), Choices(LEVELS[1])).touching
     touch = max((t for b in scene.balls for t in b.touches), key=lambda t: t.load)
     return contact_place(scene, touch)[0], touch.load, (scene.young, scene.poisson)
@@ -248,53 +260,66 @@ def _verify_cattaneo_mindlin() -> Iterator[Verification]:
 def _verify_full_slip() -> Iterator[Verification]:
     """Verify friction force and moment in full slip: by quadrature, on a grid, and by differences as in stored runs."""
     for where, creep in SLIPS.items():
-        exact = _force_and_moment(*verification.full_slip_by_quadrature(*GROOVE, creep, MU, 1200))
+        exact = _longitudinal_force_and_moment(*verification.full_slip_by_quadrature(*GROOVE, creep, MU, 1200))
         patches = [hertz_patch(*GROOVE, (n, n)) for n in (16, 24, 32)]
         ways = {
             "by quadrature": [
-                _force_and_moment(*verification.full_slip_by_quadrature(*GROOVE, creep, MU, n)) for n in (150, 225, 300)
+                _longitudinal_force_and_moment(*verification.full_slip_by_quadrature(*GROOVE, creep, MU, n))
+                for n in (150, 225, 300)
             ],
-            BY_GRID: [_scaled_compliance_wrench(p, creep, STIFF) for p in patches],
+            BY_GRID: [_rolling_force_and_moment(p, creep, STIFF) for p in patches],
         }
         if "inside" in where:
-            ways[RESOLVED] = [_force_and_moment(*verification.full_slip_within_cells(p, creep, MU)) for p in patches]
+            ways[RESOLVED] = [
+                _longitudinal_force_and_moment(*verification.full_slip_within_cells(p, creep, MU)) for p in patches
+            ]
         for way, found in ways.items():
             reach = ALONE if way == BY_GRID and "inside" in where else REACH[2]
             for name, values, known in zip(WRENCH, zip(*found, strict=True), exact, strict=True):
                 yield Verification(f"full slip {way}, {where}", name, values, known, reach, values[-1])
-        limits = [_force_and_moment(*verification.full_slip_by_quadrature(*GROOVE, creep, MU, n)) for n in QUADRATURES]
-        found = [_wrench_by_differences(hertz_patch(*GROOVE, shape), creep, limits) for shape in LEVELS.values()]
+        limits = [
+            _longitudinal_force_and_moment(*verification.full_slip_by_quadrature(*GROOVE, creep, MU, n))
+            for n in QUADRATURES
+        ]
+        found = [_force_and_moment_by_differences(hertz_patch(*GROOVE, shape), creep, limits) for shape in LEVELS.values()]
         for name, values, known in zip(WRENCH, zip(*found, strict=True), exact, strict=True):
             worst = values[int(np.argmax(np.abs(np.array(values) - known)))]
             yield Verification(f"full slip {AS_RUNS}, {where}", name, values, known, REACH[2], worst, None)
 
 
-def _force_and_moment(force: Array, moment: float) -> tuple[float, float]:
+def _longitudinal_force_and_moment(force: Array, moment: float) -> tuple[float, float]:
     """Return the force along the rolling direction [N] and the moment [N mm] from a force vector [N] and a moment [N m]."""
     return float(force[0]), 1e3 * moment
 
 
-def _scaled_compliance_wrench(patch: Patch, creep: verification.Creep, share: float) -> tuple[float, float]:
-    """Return force [N] and moment [N mm] in steady rolling of bodies with tangential compliance times ``share``."""
+def _rolling_force_and_moment(patch: Patch, creep: verification.Creep, share: float) -> tuple[float, float]:
+    """Return friction force [N] and moment [N mm] in steady rolling of bodies with scaled tangential compliance.
+
+    ``share``: factor on the tangential compliance; the normal contact stays unchanged.
+    """
     found = verification.solve_steady_rolling(patch, creep, MU, elastic=share)
-    return _force_and_moment(found.force, found.moment)
+    return _longitudinal_force_and_moment(found.force, found.moment)
 
 
-def _wrench_by_differences(
+def _force_and_moment_by_differences(
     patch: Patch, creep: verification.Creep, limits: list[tuple[float, float]]
 ) -> tuple[float, float]:
-    """Return force [N] and moment [N mm] as in stored runs: rigid limit + (elastic - nearly rigid bodies on the grid)."""
+    """Return friction force [N] and moment [N mm] by differences, as stored runs are evaluated.
+
+    That is the rigid limit plus the difference between elastic and nearly rigid bodies on the grid. ``limits``: force [N]
+    and moment [N mm] of the rigid limit by several quadratures, of which the mean counts.
+    """
     limit, elastic, near = (
         np.mean(limits, axis=0),
-        _scaled_compliance_wrench(patch, creep, STIFF),
-        _scaled_compliance_wrench(patch, creep, STIFF * NEARLY_RIGID),
+        _rolling_force_and_moment(patch, creep, STIFF),
+        _rolling_force_and_moment(patch, creep, STIFF * NEARLY_RIGID),
     )
     force, moment = limit + np.subtract(elastic, near)
     return float(force), float(moment)
 
 
 def _verify_creep_coefficients() -> Iterator[Verification]:
-    """Compare computed creep coefficients with those that Kalker printed."""
+    """Yield the comparison of each computed creep coefficient with the value that Kalker printed."""
     for one in coefficients():
         name, ratio, poisson = one.key.split("_")
         value = value_of("kalker-E3", one.key)
@@ -310,7 +335,7 @@ def _verify_creep_coefficients() -> Iterator[Verification]:
 
 
 def _verify_contact_example() -> Iterator[Verification]:
-    """Compare lateral force and spin moment with the example printed for the program CONTACT.
+    """Yield the comparison of lateral force and spin moment with the example printed for the program CONTACT.
 
     With CONTACT's difference scheme the printed digits must come out. With the scheme used here, the permitted error is
     the first-order error of CONTACT's scheme, estimated by its change from the coarsest grid to the finest.

@@ -90,7 +90,10 @@ def patch_fields() -> tuple[PatchField, ...]:
 
 
 def _to_patch_field(title: str, scene: Rolling, one: ContactOut) -> PatchField:
-    """Convert a solved contact to a `PatchField`: direction across the groove first, slip over the rolling speed."""
+    """Convert a solved contact to a `PatchField`: first component across the groove, slip divided by the rolling speed.
+
+    ``title``: of the drawing; ``scene``: rolling balls with their contacts; ``one``: solved contact of a ball.
+    """
     touch = scene.balls[one.ball].touches[one.touch]
     speed = rolling_speed(touch, scene)
     along, across = hertz_semi_axes(scene, touch)
@@ -104,7 +107,8 @@ def _to_patch_field(title: str, scene: Rolling, one: ContactOut) -> PatchField:
 def make_section(study: Study, step: Callable[[str], None]) -> Section:
     """Return the report's section on the 3D model of rolling contact.
 
-    Results of the 3D runs are read from the stores; the section names the scenes without a stored run.
+    Results of the 3D runs are read from the stores; the section names the scenes without a stored run. ``step``: function
+    that is told in words what is computed next.
     """
     stores = study.stores or (shipped_store(),)
     step("rolling contacts with known answers")
@@ -171,7 +175,10 @@ def make_section(study: Study, step: Callable[[str], None]) -> Section:
 def _finite_body_items(
     stores: Sequence[Path], sizes: StoredVariants, proof: Sequence[Verification]
 ) -> list[Text | Table | Figure | PressureMap]:
-    """Return text and tables comparing finite bodies with half spaces, for several sizes and meshes of the bodies."""
+    """Return text and tables comparing finite bodies with half spaces, for several sizes and meshes of the bodies.
+
+    ``sizes``: results of two touching balls by size and mesh of the bodies; ``proof``: verifications of the rolling model.
+    """
     found = {name: stored_rows(name, stores, FINITE) for name in (*PAIRS, *RINGS)}
     missing = [name for name, rows in found.items() if not rows]
     shown = [row for rows in found.values() for row in rows if row.half_space is not None]
@@ -242,7 +249,11 @@ def _slip_and_traction_maps(patches: Sequence[PatchField]) -> list[Text | Table 
     """Return two maps of the contact patches: slip, and tangential traction with the sticking cells marked."""
 
     def draw_patch(p: PatchField, what: NDArray[np.float64], unit_of: float, note: str, *, marked: bool) -> PressurePanel:
-        """Draw one contact patch: size of a vector field over ``unit_of``, and its direction by arrows."""
+        """Draw the magnitude of a vector field over the cells of one contact, and its direction by arrows.
+
+        ``what``: vectors (n, 2) on n cells; ``unit_of``: value that magnitudes are divided by; ``note``: text below the
+        drawing; ``marked``: whether sticking cells are marked.
+        """
         size = np.linalg.norm(what, axis=1)
         unit = what / np.maximum(size, 1e-300)[:, None]
         x, y = (1e6 * p.at).T
@@ -280,7 +291,10 @@ def _slip_and_traction_maps(patches: Sequence[PatchField]) -> list[Text | Table 
 
 
 def _ball_force_conclusion(found: dict[str, list[RollingRow]]) -> str:
-    """Return the sentence on the low-order model's error of the ball-to-ball force; empty without a stored 3D run."""
+    """Return the sentence on the low-order model's error of the ball-to-ball force; empty without a stored 3D run.
+
+    ``found``: comparisons of the low-order models with 3D, by scene.
+    """
     row = next((r for r in found["lin-pair-a"] if r.quantity == "force 1-2"), None)
     if row is None or row.error_percent is None:
         return ""
@@ -288,7 +302,10 @@ def _ball_force_conclusion(found: dict[str, list[RollingRow]]) -> str:
 
 
 def _introduction(found: dict[str, list[RollingRow]], proof: Sequence[Verification]) -> list[str]:
-    """Return the introduction: the 3D model, verifications passed, and forces and torques beyond the limit."""
+    """Return the paragraphs of the introduction: the 3D model, verifications passed, forces and torques beyond the limit.
+
+    ``found``: comparisons of the low-order models with 3D, by scene; ``proof``: verifications of the rolling model.
+    """
     reached = sum(p.reached for p in proof)
     gated = [r for rows in found.values() for r in rows if r.quantity in ("force 1-2", "torque")]
     beyond = [r for r in gated if not is_within_limit(r)]
@@ -311,7 +328,7 @@ def _introduction(found: dict[str, list[RollingRow]], proof: Sequence[Verificati
 
 
 def _spin_pole_sentence(proof: Sequence[Verification]) -> str:
-    """Return the sentence on the grid error of full slip whose spin pole lies inside a cell; empty if not computed."""
+    """Return the sentence on the grid error of full slip about a pole inside a cell; empty if it was not computed."""
     worst = [
         max((abs(p.error) for p in proof if p.case == f"full slip {way}, pole inside"), default=np.nan)
         for way in (BY_GRID, RESOLVED, AS_RUNS)
@@ -343,7 +360,7 @@ def _verification_row(p: Verification) -> Row:
 
 
 def _comparison_row(row: RollingRow) -> Row:
-    """Return the table row that compares one quantity of the low-order friction model with the 3D model and print."""
+    """Return the table row that compares a quantity of the low-order friction model with 3D and with printed values."""
     finite = np.isfinite(row.uncertainty)
     return {
         "scene": row.scene,
@@ -364,7 +381,7 @@ def _comparison_row(row: RollingRow) -> Row:
 
 
 def _stored_runs(name: str, stores: Sequence[Path]) -> list[RollingRun]:
-    """Return a scene's stored runs of the 3D rolling model, first that with the publication's cell size."""
+    """Return a scene's stored runs of the 3D rolling model; first that with the publication's cell size, if stored."""
     scene = shipped_case(name, KindScene)
     found = (load_run(scene, level, stores) for level in (SOURCE_LEVEL, *LEVELS))
     return [run for run in found if run is not None]

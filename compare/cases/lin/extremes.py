@@ -17,7 +17,12 @@ from math import radians
 import numpy as np
 
 from rollbench.compare.cases.lin.evidence.rotary_linear import AXIAL, CASES, LINEAR, ROTARY, VERTICAL, solve_rotary
-from rollbench.compare.cases.lin.evidence.source_cases import case_as_printed, four_point, inferred, table_3_6
+from rollbench.compare.cases.lin.evidence.source_cases import (
+    four_point_bearing,
+    groove_of_table_3_6,
+    pair_as_printed,
+    pair_with_inferred_oversize,
+)
 from rollbench.lowfi.friction.as_source.chain import SHARPNESS, SourceMotion
 from rollbench.lowfi.friction.as_source.screw import (
     linear_solutions_from_starts,
@@ -68,7 +73,7 @@ OTHER = 1e-3
 
 @dataclass(frozen=True)
 class GroupResult:
-    """Results of one group of extreme cases: solutions that converged, energy balance, spread over starts."""
+    """Results of one group of extreme cases: solutions that converged, power balance, spread over the starts."""
 
     #: Name of the group.
     group: str
@@ -93,7 +98,7 @@ class GroupResult:
 
 
 @dataclass
-class Tally:
+class SolutionTally:
     """Counts of solved cases and largest errors of one group of extreme cases, updated with each solution."""
 
     cases: int = 0
@@ -108,11 +113,13 @@ class Tally:
     overlapping: int = 0
     other: int = 0
 
-    def theirs(self, found: SourceMotion | None, force: Array, bound: float) -> None:
-        """Count one solution by Lin's method, and compare its ball-to-ball forces with ``force`` [N].
+    def count_source_solution(self, found: SourceMotion | None, force: Array, bound: float) -> None:
+        """Count one attempt by Lin's root finding, and compare its ball-to-ball forces with those of least dissipation.
 
-        ``found``: None if the method found no loads; ``bound``: friction bound [N], the scale of differences. A root
-        counts as solved if no balls overlap or pull; ``other`` counts such roots with forces that differ from ``force``.
+        ``found``: the root that Lin's method found, or None if it found no loads; ``force``: ball-to-ball forces (n,) [N]
+        by this package's solver, n: number of pairs of neighbouring balls; ``bound``: largest possible friction force
+        between two balls [N], over which differences of forces are taken. A root counts as solved if no two balls
+        overlap or pull at each other; the field ``other`` counts solved roots whose forces differ from ``force``.
         """
         self.source_tries += 1
         if found is None or found.status == "failed":
@@ -122,19 +129,24 @@ class Tally:
             self.source += 1
             self.other += float(np.max(np.abs(found.ball_force - force), initial=0.0)) > OTHER * (bound or 1.0)
 
-    def add(self, good: bool, power: float, loss: float, apart: float) -> None:
+    def count_solution(self, good: bool, power: float, loss: float, apart: float) -> None:
         """Count one solution of this package's solver.
 
-        ``good``: whether it converged; ``power``, ``loss``: power input and dissipation [W]; ``apart``: relative difference
-        from the first solution.
+        ``good``: whether the solver converged; ``power``: power [W] put in by the driven surfaces; ``loss``: power [W]
+        dissipated by friction; ``apart``: relative difference of this solution's loss or ball-to-ball forces from those of
+        the first solution of the same case.
         """
         self.tries += 1
         self.ours += good
         self.energy = max(self.energy, abs(power - loss) / max(loss, NO_POWER))
         self.spread = max(self.spread, apart)
 
-    def record(self, group: str, model: str, note: str = "") -> GroupResult:
-        """Return the results of the group from the counts."""
+    def to_group_result(self, group: str, model: str, note: str = "") -> GroupResult:
+        """Return the results of the group of cases from the counts so far.
+
+        ``group``: name of the group, such as the inputs that are varied; ``model``: name of the model in the table;
+        ``note``: remark for the table, to which remarks on random starts and on other roots are added.
+        """
         tried = self.source_tries or None
         if self.restarts:
             led = f"{self.direct} of {self.restarts} random starts led there by themselves"
@@ -158,11 +170,12 @@ class Tally:
 
 
 @dataclass(frozen=True)
-class OneBall:
-    """The motion of one ball under given contact loads.
+class BallProblem:
+    """The motion problem of one ball under given contact loads, for both methods of solution.
 
-    ``problem``: contacts and driven surfaces; ``law``: Lin's sigmoid friction law; ``power``: power input [W] for given
-    friction forces.
+    ``problem``: contacts of the ball and velocities of the driven surfaces; ``law``: Lin's sigmoid friction law;
+    ``power``: function that returns the power input [W] of the driven surfaces for the friction forces [N] and moments
+    [N m] on the ball, (m, 3) with two force components and the spin moment at each of m contacts.
     """
 
     problem: Problem
@@ -170,14 +183,22 @@ class OneBall:
     power: Callable[[Array], float]
 
 
-def rotary_ball(bearing: Bearing, axial: float, u_y: float, sharpness: float = SHARPNESS) -> OneBall:
-    """Return a ball of the rotary bearing under an axial load [N] and a radial displacement ``u_y`` [m]."""
+def rotary_ball_problem(bearing: Bearing, axial: float, u_y: float, sharpness: float = SHARPNESS) -> BallProblem:
+    """Return the motion problem of one ball of the rotary bearing of Lin's section 3.2.
+
+    ``axial``: axial load on the inner ring [N]; ``u_y``: radial displacement of the inner ring [m]; ``sharpness``: k_S of
+    Lin's sigmoid friction law, the larger the closer to Coulomb's law.
+    """
     s = solve_ball(bearing, axial, u_y, fast=True)
-    return OneBall(s.problem, screw_sigmoid(bearing, sharpness), lambda f: _drive_power(s.problem, f))
+    return BallProblem(s.problem, screw_sigmoid(bearing, sharpness), lambda f: _drive_power(s.problem, f))
 
 
-def screw_ball(pair: Pair, force: Array | None = None, sharpness: float = SHARPNESS) -> OneBall:
-    """Return the second of two balls of a screw that do not touch, under its loads or given contact loads (4,) [N]."""
+def screw_ball_problem(pair: Pair, force: Array | None = None, sharpness: float = SHARPNESS) -> BallProblem:
+    """Return the motion problem of the second of two balls of a screw that do not touch each other.
+
+    ``force``: loads (4,) [N] of the ball's contacts SL, SR, NL, NR at the nominal contact angle; None: loads and contact
+    angles that the solved pair has. ``sharpness``: k_S of Lin's sigmoid friction law.
+    """
     g = pair.groove
     angle = np.full(4, g.contact_angle)
     if force is None:
@@ -185,18 +206,22 @@ def screw_ball(pair: Pair, force: Array | None = None, sharpness: float = SHARPN
         force, angle = load.force[1], load.angle[1]
     maps, drives = g.maps(g.normals(angle))
     problem = Problem(screw_contacts(g, force), maps, drives, np.zeros(4))
-    return OneBall(problem, screw_sigmoid(g, sharpness), lambda f: _drive_power(problem, f))
+    return BallProblem(problem, screw_sigmoid(g, sharpness), lambda f: _drive_power(problem, f))
 
 
 def _drive_power(problem: Problem, wrench: Array) -> float:
-    """Return the power input [W] of the driven surfaces against friction forces and moments (m, 3) on the ball."""
+    """Return the power [W] that the driven surfaces put in against the friction on the ball.
+
+    ``wrench``: two friction force components [N] and the friction moment [N m] on the ball at each of m contacts, (m, 3).
+    """
     return -float(np.sum(wrench * problem.drives))
 
 
-def solve_ball_by_both_methods(tally: Tally, ball: OneBall, rng: np.random.Generator, off: float) -> None:
+def solve_ball_by_both_methods(tally: SolutionTally, ball: BallProblem, rng: np.random.Generator, off: float) -> None:
     """Solve a ball's motion by least dissipation and by Lin's root finding from random starts, and count the solutions.
 
-    ``off``: largest relative distance of the starts from the solution.
+    ``tally``: counts of the group, which are updated; ``rng``: generator of the random starts; ``off``: largest relative
+    distance of the starts from the solution of least dissipation.
     """
     tally.cases += 1
     first = least_dissipation(ball.problem, fast=True)
@@ -208,83 +233,102 @@ def solve_ball_by_both_methods(tally: Tally, ball: OneBall, rng: np.random.Gener
     for m in (first, *(least_dissipation(ball.problem, q, fast=True) for q in starts)):
         wrench = np.column_stack([m.friction.force, m.friction.moment])
         apart = abs(m.loss - first.loss) / first.loss if first.loss > 0.0 else abs(m.loss)
-        tally.add(m.status != "failed", ball.power(wrench), m.loss, apart)
+        tally.count_solution(m.status != "failed", ball.power(wrench), m.loss, apart)
     for q in starts:
         tally.source += balance_by_root(ball.problem, ball.law, q, fast=True).status == "exact"
         tally.source_tries += 1
 
 
 def solve_ball_group(
-    group: str, model: str, balls: Sequence[OneBall], note: str = "", off: float = FAR_START
+    group: str, model: str, balls: Sequence[BallProblem], note: str = "", off: float = FAR_START
 ) -> GroupResult:
-    """Solve a group of single balls by both methods and return its results.
+    """Solve a group of single balls by least dissipation and by Lin's root finding, and return the group's results.
 
-    ``off``: largest relative distance of random starts from the solution.
+    ``group``, ``model``, ``note``: names of what is varied and of the model, and remark, for the table; ``off``: largest
+    relative distance of the random starts from the solution.
     """
-    rng, tally = np.random.default_rng(1), Tally()
+    rng, tally = np.random.default_rng(1), SolutionTally()
     for ball in balls:
         solve_ball_by_both_methods(tally, ball, rng, off)
-    return tally.record(group, model, note)
+    return tally.to_group_result(group, model, note)
 
 
-def screw_ball_with_diagonal(share: float) -> OneBall:
-    """Return a ball of the screw whose second contact diagonal carries ``share`` times the load of the first."""
-    return screw_ball(inferred(0.0), 100.0 * np.array([1.0, share, share, 1.0]))
+def screw_ball_problem_with_diagonal(share: float) -> BallProblem:
+    """Return the motion problem of a screw's ball whose two contact diagonals carry different loads.
+
+    ``share``: load of the second diagonal over that of the first, which is 100 N.
+    """
+    return screw_ball_problem(pair_with_inferred_oversize(0.0), 100.0 * np.array([1.0, share, share, 1.0]))
 
 
 def single_ball_results() -> list[GroupResult]:
     """Solve all groups of single balls under given loads and return their results."""
-    two, rest = radians(2.0), table_3_6(nut_speed=0.0)
+    two, rest = radians(2.0), groove_of_table_3_6(nut_speed=0.0)
     around = 1e-6 * np.linspace(4.2, 4.5, 13)
     loose = [replace(ROTARY, clearance=c) for c in CLEARANCE]
     rows = []
     for off, k in product((NEAR_START, FAR_START), SHARPNESSES):
         note = f"starts within {off:.0%}"
-        printed = [rotary_ball(replace(ROTARY, hertz="as printed"), AXIAL, u, k) for u in CASES.values()]
+        printed = [rotary_ball_problem(replace(ROTARY, hertz="as printed"), AXIAL, u, k) for u in CASES.values()]
         rows.append(solve_ball_group(f"k_S {k:g}", "rotary, cases I to III as printed", printed, note, off))
-        pairs = [screw_ball(p(two), None, k) for p in (case_as_printed, inferred)]
+        pairs = [screw_ball_problem(p(two), None, k) for p in (pair_as_printed, pair_with_inferred_oversize)]
         rows.append(solve_ball_group(f"k_S {k:g}", "screw, pair of Table 3.7", pairs, note, off))
     rows += [
-        solve_ball_group("theta to ±5°", "screw", [screw_ball(inferred(radians(t))) for t in ANGLES]),
         solve_ball_group(
-            "mu 0.001 to 0.5", "screw", [screw_ball(replace(inferred(two), groove=table_3_6(mu=m))) for m in MU]
+            "theta to ±5°", "screw", [screw_ball_problem(pair_with_inferred_oversize(radians(t))) for t in ANGLES]
+        ),
+        solve_ball_group(
+            "mu 0.001 to 0.5",
+            "screw",
+            [screw_ball_problem(replace(pair_with_inferred_oversize(two), groove=groove_of_table_3_6(mu=m))) for m in MU],
         ),
         solve_ball_group(
             "mu 0.001 to 0.5",
             "rotary",
-            [rotary_ball(replace(ROTARY, mu=m), AXIAL, u) for m, u in product(MU, CASES.values())],
+            [rotary_ball_problem(replace(ROTARY, mu=m), AXIAL, u) for m, u in product(MU, CASES.values())],
         ),
         solve_ball_group(
             "two-point transition",
             "rotary",
-            [rotary_ball(ROTARY, AXIAL, float(u)) for u in around],
+            [rotary_ball_problem(ROTARY, AXIAL, float(u)) for u in around],
             "radial displacement 4.2 to 4.5 µm",
         ),
         solve_ball_group(
             "two-point transition",
             "screw",
-            [screw_ball_with_diagonal(10.0**-k) for k in range(13)],
+            [screw_ball_problem_with_diagonal(10.0**-k) for k in range(13)],
             "load of the second diagonal down to 1e-12 of the first",
         ),
         solve_ball_group(
-            "loads 1e-3 to 1e5 N", "rotary", [rotary_ball(ROTARY, f, u) for f, u in product(LOADS, CASES.values())]
+            "loads 1e-3 to 1e5 N", "rotary", [rotary_ball_problem(ROTARY, f, u) for f, u in product(LOADS, CASES.values())]
         ),
-        solve_ball_group("loads 1e-3 to 1e5 N", "screw", [screw_ball(replace(inferred(two), force=(f,))) for f in LOADS]),
         solve_ball_group(
-            "clearance to 10 µm", "rotary", [rotary_ball(b, AXIAL, u) for b, u in product(loose, (0.0, 5.2e-6, 20e-6))]
+            "loads 1e-3 to 1e5 N",
+            "screw",
+            [screw_ball_problem(replace(pair_with_inferred_oversize(two), force=(f,))) for f in LOADS],
+        ),
+        solve_ball_group(
+            "clearance to 10 µm",
+            "rotary",
+            [rotary_ball_problem(b, AXIAL, u) for b, u in product(loose, (0.0, 5.2e-6, 20e-6))],
         ),
         solve_ball_group(
             "clearance to 10 µm",
             "screw",
-            [screw_ball(replace(case_as_printed(two), oversize=-c, coupling="none")) for c in CLEARANCE],
+            [screw_ball_problem(replace(pair_as_printed(two), oversize=-c, coupling="none")) for c in CLEARANCE],
         ),
         solve_ball_group(
             "zero speed",
             "rotary",
-            [rotary_ball(replace(ROTARY, screw_speed=0.0), AXIAL, u) for u in CASES.values()],
+            [rotary_ball_problem(replace(ROTARY, screw_speed=0.0), AXIAL, u) for u in CASES.values()],
             "nothing turns",
         ),
-        solve_ball_group("zero speed", "screw", [screw_ball(replace(inferred(two), groove=rest))], "nothing turns"),
+        solve_ball_group(
+            "zero speed",
+            "screw",
+            [screw_ball_problem(replace(pair_with_inferred_oversize(two), groove=rest))],
+            "nothing turns",
+        ),
     ]
     return rows
 
@@ -316,11 +360,12 @@ def solve_chain_group(
     most: int = 200,
     note: str = "",
 ) -> GroupResult:
-    """Solve neighbouring balls of a linear bearing by both methods and return the results of the group.
+    """Solve neighbouring balls of a linear bearing by least dissipation and by Lin's method; return the group's results.
 
-    ``starts``: number of random starts besides the default; ``most``: largest number of balls for Lin's method.
+    ``group``, ``model``, ``note``: names of what is varied and of the model, and remark, for the table; ``starts``: number
+    of random starts in addition to the solver's own; ``most``: largest number of balls that Lin's method also solves.
     """
-    rng, tally = np.random.default_rng(2), Tally()
+    rng, tally = np.random.default_rng(2), SolutionTally()
     for case in cases:
         tally.cases += 1
         c = case.chain()
@@ -328,21 +373,22 @@ def solve_chain_group(
         for k in range(starts + 1):
             r = solve_linear_chain(c, None if k == 0 else c.problem.nominal * rng.uniform(-3.0, 3.0, (c.count, 3)))
             apart = float(np.max(np.abs(r.ball_force - first))) / (c.scale or 1.0)
-            tally.add(r.status == "converged", r.power, r.loss, apart)
+            tally.count_solution(r.status == "converged", r.power, r.loss, apart)
         if c.count > most:
             continue
         for found in linear_solutions_from_starts(case.bearing, case.angles, case.loads, rng, starts, FAR_START):
-            tally.theirs(found, first, c.scale)
-    return tally.record(group, model, note)
+            tally.count_source_solution(found, first, c.scale)
+    return tally.to_group_result(group, model, note)
 
 
 def linear_pair(
     theta: float, rho: float, vertical: float = VERTICAL, mu: float = LINEAR.mu, speed: float = LINEAR.speed
 ) -> LinearCase:
-    """Return two neighbouring balls of the linear bearing.
+    """Return two neighbouring balls of the linear bearing of Lin's section 3.3.
 
-    ``theta``: deviation of the contact angle [deg]; ``rho``: side force ratio; ``vertical``: load [N]; ``mu``: friction
-    coefficient; ``speed`` [m/s].
+    ``theta``: deviation of the contact angle from nominal [deg]; ``rho``: side force over vertical load; ``vertical``:
+    vertical load on each ball [N]; ``mu``: friction coefficient of grooves and of touching balls; ``speed``: speed of the
+    carriage [m/s].
     """
     bearing = replace(LINEAR, mu=mu, mu_balls=mu, speed=speed)
     return LinearCase(bearing, *pair_angles_and_loads(bearing, radians(theta), rho, vertical, loads="elastic"))
@@ -356,45 +402,58 @@ def random_chain_state(count: int) -> tuple[Array, Array]:
 
 
 def linear_chain(count: int, mu: float = LINEAR.mu) -> LinearCase:
-    """Return ``count`` neighbouring balls of the linear bearing, random angles and loads; ``mu``: of friction."""
+    """Return ``count`` neighbouring balls of the linear bearing with random contact angles and loads.
+
+    ``mu``: friction coefficient of grooves and of touching balls.
+    """
     return LinearCase(replace(LINEAR, mu=mu, mu_balls=mu), *random_chain_state(count))
 
 
 def chain_with_unloaded_contacts(count: int, mu: float) -> LinearCase:
-    """Return neighbouring balls of the linear bearing with random loads, a quarter of them zero, not in equilibrium."""
+    """Return ``count`` neighbouring balls of the linear bearing with random contact loads, about a quarter of them zero.
+
+    The contact loads of a ball are not in equilibrium. ``mu``: friction coefficient of grooves and of touching balls.
+    """
     case, rng = linear_chain(count, mu), np.random.default_rng(1000 + count)
     loads = case.loads * rng.uniform(0.2, 1.8, case.loads.shape)
     return replace(case, loads=np.where(rng.uniform(size=loads.shape) < UNLOADED, 0.0, loads))
 
 
 def pair_with_relieved_diagonal(share: float) -> LinearCase:
-    """Return two balls of the linear bearing with one contact diagonal nearly unloaded: side force ratio -1 + ``share``."""
+    """Return two balls of the linear bearing with one contact diagonal nearly unloaded.
+
+    ``share``: excess of the side force ratio over -1, at which the diagonal carries no load.
+    """
     return linear_pair(2.0, -1.0 + share)
 
 
 def solve_screw_pairs(group: str, pairs: Sequence[Pair], note: str = "") -> GroupResult:
-    """Solve loads and motions of two balls of a screw, from random starts as well, and return the results of the group."""
-    rng, tally = np.random.default_rng(3), Tally()
+    """Solve loads and motions of two balls of a screw, by this package and by Lin's method; return the group's results.
+
+    Both also start from random motions and ball-to-ball forces. ``group``, ``note``: what is varied, and a remark.
+    """
+    rng, tally = np.random.default_rng(3), SolutionTally()
     for p in pairs:
         tally.cases += 1
         r = solve_pair(p)
         m = r.touching.motion
-        tally.add(r.converged, m.input_power, m.loss, 0.0)
+        tally.count_solution(r.converged, m.input_power, m.loss, 0.0)
         load = r.touching.load
         chain = ScrewChain(p.groove, load.force, p.groove.normals(load.angle), np.array([0.0, np.inf]))
         solve_from_random_starts(tally, chain, m, rng, FAR_START)
         bound = p.groove.mu * float(r.ball_loads.max())
         for found in pair_solutions_from_starts(p, r, rng, CHAIN_STARTS, FAR_START):
-            tally.theirs(found, m.ball_force[:1], bound)
-    return tally.record(group, "screw pair", note)
+            tally.count_source_solution(found, m.ball_force[:1], bound)
+    return tally.to_group_result(group, "screw pair", note)
 
 
 def solve_from_random_starts(
-    tally: Tally, chain: ScrewChain, first: ChainMotion, rng: np.random.Generator, off: float
+    tally: SolutionTally, chain: ScrewChain, first: ChainMotion, rng: np.random.Generator, off: float
 ) -> None:
-    """Solve neighbouring balls of a screw from random starts, and count differences from a known solution.
+    """Solve neighbouring balls of a screw from random starts, and count the solutions in ``tally``.
 
-    ``off``: largest relative distance of the starting motion from the solution.
+    ``first``: known solution, with whose ball-to-ball forces the others are compared; ``rng``: generator of the random
+    starts; ``off``: largest relative distance of the starting motion from the known solution.
     """
     bound = chain.groove.mu * float(chain.force.sum(axis=1).max())
     size = np.maximum(first.ball_force, NO_FORCE * bound)
@@ -402,17 +461,18 @@ def solve_from_random_starts(
         q = first.q * rng.uniform(1.0 - off, 1.0 + off, first.q.shape)
         m = solve_chain(chain, (q, size * rng.uniform(0.0, 2.0, size.size)))
         apart = float(np.max(np.abs(m.ball_force - first.ball_force))) / bound
-        tally.add(m.converged, m.input_power, m.loss, apart)
+        tally.count_solution(m.converged, m.input_power, m.loss, apart)
         tally.restarts += 1
         tally.direct += m.from_start
 
 
 def random_screw_chain_state(count: int) -> tuple[Array, Array, Array]:
-    """Return random contact loads [N] and angles [rad], (N, 4), and slacks (N,) of neighbouring balls of a screw.
+    """Return random contact loads (N, 4) [N], contact angles (N, 4) [rad] and slacks (N,) of N balls of a screw.
 
-    Slack: largest rate [rad/s] at which a ball may gain on the next one; infinite where they cannot touch.
+    ``count``: the number N of neighbouring balls, also the seed of the random numbers. Slack: largest rate [rad/s] at
+    which a ball may gain on the next one; infinite for the last ball, which touches no next one.
     """
-    g, rng = table_3_6(), np.random.default_rng(count)
+    g, rng = groove_of_table_3_6(), np.random.default_rng(count)
     force = rng.uniform(20.0, 60.0, (count, 4))
     angle = g.contact_angle + np.radians(rng.uniform(-3.0, 3.0, (count, 4)))
     slack = np.where(rng.uniform(size=count) < 0.7, 0.0, rng.uniform(0.0, 0.05, count))
@@ -420,42 +480,51 @@ def random_screw_chain_state(count: int) -> tuple[Array, Array, Array]:
 
 
 def screw_chain(count: int) -> ScrewChain:
-    """Return ``count`` neighbouring balls of a screw with random loads, contact angles and slacks."""
-    g, (force, angle, slack) = table_3_6(), random_screw_chain_state(count)
+    """Return ``count`` neighbouring balls of a screw with random contact loads, contact angles and slacks.
+
+    The slack of a ball is the largest rate [rad/s] at which it may gain on the next one.
+    """
+    g, (force, angle, slack) = groove_of_table_3_6(), random_screw_chain_state(count)
     return ScrewChain(g, force, g.normals(angle), slack)
 
 
 def solve_screw_chains() -> GroupResult:
-    """Solve neighbouring balls of a screw, of several numbers, and return the results of the group."""
-    rng, tally = np.random.default_rng(4), Tally()
+    """Solve chains of neighbouring balls of a screw by this package and by Lin's method; return the group's results.
+
+    The chains have the numbers of balls in `BALLS`.
+    """
+    rng, tally = np.random.default_rng(4), SolutionTally()
     for count in BALLS:
         tally.cases += 1
         chain = screw_chain(count)
         m = solve_chain(chain)
-        tally.add(m.converged, m.input_power, m.loss, 0.0)
+        tally.count_solution(m.converged, m.input_power, m.loss, 0.0)
         solve_from_random_starts(tally, chain, m, rng, NEAR_START)
         bound = chain.groove.mu * float(chain.force.sum(axis=1).max())
         for found in screw_solutions_from_starts(
             chain, random_screw_chain_state(count)[1], m, rng, CHAIN_STARTS, NEAR_START
         ):
-            tally.theirs(found, m.ball_force[:-1], bound)
-    return tally.record("chains", f"screw, {', '.join(map(str, BALLS))} balls")
+            tally.count_source_solution(found, m.ball_force[:-1], bound)
+    return tally.to_group_result("chains", f"screw, {', '.join(map(str, BALLS))} balls")
 
 
 def solve_bearing_with_clearance() -> GroupResult:
-    """Solve loads and motions of the four-point bearing of Lin's Table 4.2 with clearance; return the results."""
-    tally = Tally()
+    """Solve loads and motions of the four-point bearing of Lin's Table 4.2 with clearance; return the group's results.
+
+    The load acts at 12 deg to the axis; the inner ring is free to tilt or not.
+    """
+    tally = SolutionTally()
     for c, tilt in product(CLEARANCE, (False, True)):
         tally.cases += 1
-        s = solve_bearing(four_point(clearance=c, tilt=tilt), radians(12.0))
-        tally.add(s.converged, s.input_power, float(s.loss.sum()), 0.0)
-    return tally.record("clearance to 10 µm", "four-point bearing, 9 balls", "one start each")
+        s = solve_bearing(four_point_bearing(clearance=c, tilt=tilt), radians(12.0))
+        tally.count_solution(s.converged, s.input_power, float(s.loss.sum()), 0.0)
+    return tally.to_group_result("clearance to 10 µm", "four-point bearing, 9 balls", "one start each")
 
 
 def chain_results() -> list[GroupResult]:
     """Solve all groups of two and more neighbouring balls and return their results."""
     two = radians(2.0)
-    base, few = inferred(two), f"one random start; source up to {SOURCE_BALLS} balls"
+    base, few = pair_with_inferred_oversize(two), f"one random start; source up to {SOURCE_BALLS} balls"
     return [
         solve_chain_group("rho to ±0.999, theta to ±5°", [linear_pair(t, r) for t, r in product(ANGLES, RHO)]),
         solve_chain_group("mu 0.001 to 0.5", [linear_pair(2.0, r, VERTICAL, m) for r, m in product((-0.6, -0.999), MU)]),
@@ -479,8 +548,8 @@ def chain_results() -> list[GroupResult]:
             SOURCE_BALLS,
             few,
         ),
-        solve_screw_pairs("theta to ±5°", [inferred(radians(t)) for t in ANGLES]),
-        solve_screw_pairs("mu 0.001 to 0.5", [replace(base, groove=table_3_6(mu=m)) for m in MU]),
+        solve_screw_pairs("theta to ±5°", [pair_with_inferred_oversize(radians(t)) for t in ANGLES]),
+        solve_screw_pairs("mu 0.001 to 0.5", [replace(base, groove=groove_of_table_3_6(mu=m)) for m in MU]),
         solve_screw_pairs("loads 1e-3 to 1e5 N", [replace(base, force=(f,)) for f in LOADS]),
         solve_screw_pairs(
             "two-point transition",
@@ -489,20 +558,20 @@ def chain_results() -> list[GroupResult]:
         ),
         solve_screw_pairs(
             "clearance to 10 µm",
-            [replace(case_as_printed(two), oversize=-c, coupling="none") for c in CLEARANCE],
+            [replace(pair_as_printed(two), oversize=-c, coupling="none") for c in CLEARANCE],
             "loads not coupled",
         ),
         solve_screw_pairs(
             "clearance to 10 µm",
-            [replace(case_as_printed(two), oversize=-c) for c in CLEARANCE],
+            [replace(pair_as_printed(two), oversize=-c) for c in CLEARANCE],
             "friction moves the balls",
         ),
         solve_screw_pairs(
             "small loads and clearance",
-            [replace(case_as_printed(two), oversize=-c, force=(f,)) for c, f in product(CLEARANCE[1:], SMALL)],
+            [replace(pair_as_printed(two), oversize=-c, force=(f,)) for c, f in product(CLEARANCE[1:], SMALL)],
             "friction moves the balls; 1e-3 to 0.3 N, 1 to 10 µm",
         ),
-        solve_screw_pairs("zero speed", [replace(base, groove=table_3_6(nut_speed=0.0))]),
+        solve_screw_pairs("zero speed", [replace(base, groove=groove_of_table_3_6(nut_speed=0.0))]),
         solve_screw_chains(),
         solve_bearing_with_clearance(),
     ]
@@ -516,23 +585,32 @@ ROOT_STARTS = 8
 
 
 def extreme_linear_pairs() -> list[tuple[str, list[Chain]]]:
-    """Return groups of extreme cases of two balls in the linear bearing, by name of the varied inputs."""
+    """Return groups of extreme cases of two balls in the linear bearing.
 
-    def make(theta: float, rho: float, vertical: float, mu: float) -> Chain:
-        """Return two balls of the linear bearing, prepared for the solver."""
+    Each entry: name of the inputs that are varied, then the pairs of balls of the group, prepared for the solver.
+    """
+
+    def make_pair(theta: float, rho: float, vertical: float, mu: float) -> Chain:
+        """Return two balls of the linear bearing, prepared for the solver; arguments as in `linear_pair`."""
         bearing = replace(LINEAR, mu=mu, mu_balls=mu)
         return prepare_chain(bearing, *pair_angles_and_loads(bearing, radians(theta), rho, vertical, loads="elastic"))
 
     return [
         (
             "rho to ±0.999, theta to ±5 deg",
-            [make(t, r, 100.0, 0.1) for t, r in product((-5.0, -0.1, 2.0, 5.0), (-0.999, -0.9, -0.3, 0.3, 0.9, 0.999))],
+            [
+                make_pair(t, r, 100.0, 0.1)
+                for t, r in product((-5.0, -0.1, 2.0, 5.0), (-0.999, -0.9, -0.3, 0.3, 0.9, 0.999))
+            ],
         ),
         (
             "friction coefficient 0.001 to 0.5",
-            [make(2.0, r, 100.0, mu) for r, mu in product((-0.6, -0.999), (1e-3, 0.01, 0.1, 0.3, 0.5))],
+            [make_pair(2.0, r, 100.0, mu) for r, mu in product((-0.6, -0.999), (1e-3, 0.01, 0.1, 0.3, 0.5))],
         ),
-        ("loads 1e-3 to 1e5 N", [make(2.0, r, f, 0.1) for r, f in product((-0.6, -0.999), (1e-3, 0.1, 10.0, 1e3, 1e5))]),
+        (
+            "loads 1e-3 to 1e5 N",
+            [make_pair(2.0, r, f, 0.1) for r, f in product((-0.6, -0.999), (1e-3, 0.1, 10.0, 1e3, 1e5))],
+        ),
     ]
 
 
@@ -562,7 +640,10 @@ def extreme_pair_rows() -> list[Row]:
 
 
 def root_finding_rows() -> list[Row]:
-    """Return table rows that compare Lin's root finding and least dissipation on cases I to III, from random starts."""
+    """Return table rows that compare Lin's root finding and least dissipation on the rotary bearing's cases I to III.
+
+    Both start from random motions of the ball within 1 % and within 50 % of the solution.
+    """
     rng, rows = np.random.default_rng(5), list[Row]()
     first = {case: solve_rotary(case, "as printed") for case in CASES}
     for case, sharpness in product(CASES, (100.0, 1e3, 1e4)):
@@ -598,7 +679,10 @@ COLUMNS = (
 
 
 def root_finding_by_model(tried: Sequence[GroupResult]) -> str:
-    """Return in words how many starts Lin's root finding solves, by model, the worst first."""
+    """Return in words from how many starts Lin's root finding finds a solution, by model, the worst first.
+
+    ``tried``: results of the groups that Lin's method can solve.
+    """
     counts: dict[str, tuple[int, int]] = {}
     for r in tried:
         solved, tries = counts.get(r.model, (0, 0))
@@ -608,7 +692,10 @@ def root_finding_by_model(tried: Sequence[GroupResult]) -> str:
 
 
 def table_section_items(found: Sequence[GroupResult] | None = None) -> tuple[Text | Table, ...]:
-    """Return text and table on all extreme cases for the report; ``found``: results if computed before."""
+    """Return text and table on all extreme cases for the report.
+
+    ``found``: results of all groups of cases; None: they are computed here.
+    """
     found = all_group_results() if found is None else found
     cells = list[dict[str, Cell]]()
     for r in found:

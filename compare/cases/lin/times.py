@@ -1,7 +1,7 @@
 """Run times of the models, compared with those printed in Tables 2.2, 3.5 and 3.7 of Lin's thesis.
 
-``rollbench bench --source lin --store FOLDER`` measures and stores all of them. Cold: in a new process with empty caches,
-imports included. Further: the next load case in the same process.
+``rollbench bench --source lin --store FOLDER`` measures and stores all of them. A cold run is made in a new process with
+empty caches, and its time includes imports. A further run is the next load case in the same process.
 """
 
 from __future__ import annotations
@@ -49,7 +49,11 @@ CALLS = {
 
 
 def measure_run_times(study: Study, step: Callable[[str], None]) -> Kept:
-    """Measure all run times that are compared with Lin's tables (takes five minutes on two idle cores)."""
+    """Measure all run times that are compared with Lin's tables; this takes five minutes on two idle cores.
+
+    ``study``: solved scenes and stored 3D references; ``step``: function that is told in words what is measured next.
+    Returns the times with the conditions of measurement, to be stored.
+    """
     times: dict[tuple[str, str], RunTime] = {}
     levels: list[ColdLevelTime] = []
     for name in STATIC.values():
@@ -72,9 +76,10 @@ def measure_run_times(study: Study, step: Callable[[str], None]) -> Kept:
 
 @dataclass(frozen=True)
 class RunTimes:
-    """Run times of a model [s]: in a new process, of a further load case; None if not measured.
+    """Measured run times of one model for one scene.
 
-    ``older``: time of an earlier measurement, in words.
+    ``cold``: time [s] of the first load case in a new process, imports included; ``further``: time [s] of the next load
+    case in the same process; either is None if it was not measured. ``older``: time of an earlier measurement, in words.
     """
 
     cold: float | None = None
@@ -83,7 +88,11 @@ class RunTimes:
 
 
 def stored_run_times(study: Study, name: str, way: str) -> RunTimes:
-    """Return the stored run times of a scene; ``way``: model, "lin", "numerical", "formula" or "3D"."""
+    """Return the stored run times of a scene by one model.
+
+    ``name``: of the scene; ``way``: "lin" (static model), "numerical" (friction model of two balls), "formula" (Lin's
+    formula for two balls) or "3D".
+    """
     kept = study.once(times_of_page, "lin")
     found = study.reference(name) if name in STATIC.values() and way == "3D" else None
     if found is not None:

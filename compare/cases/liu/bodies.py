@@ -29,7 +29,11 @@ LOADS, HALF_RANGE, DRAWN = (1000.0, 5000.0), 2e-6, 3
 
 @dataclass(frozen=True)
 class ModelLoads:
-    """Contact loads (78,) [N] of one screw under one axial load [N]: by Liu's axial, the beam and the refined model."""
+    """Contact loads of the 78 balls of one screw under one axial load, by three models.
+
+    ``errors``: ball errors of the screw in words; ``load``: axial load [N]; ``axial``, ``beam``, ``refined``: contact
+    loads (78,) [N] by Liu's axial model, the beam model and the refined model.
+    """
 
     errors: str
     load: float
@@ -38,17 +42,21 @@ class ModelLoads:
     refined: Array
 
     def difference_from_axial(self, model: Array) -> tuple[float, float, int]:
-        """Return RMS and largest difference of the axial model's loads from ``model`` [% of the mean load].
+        """Return the differences of the axial model's loads from those of another model.
 
-        The third value is the ball with the largest difference.
+        First: RMS difference; second: largest difference, with its sign [both in % of the mean load]; third: number of the
+        ball with the largest difference, from 1. ``model``: contact loads (78,) [N] by the other model.
         """
         change = error_percent(model, self.axial, float(model.mean()))
         ball = int(np.abs(change).argmax())
         return float(np.sqrt(np.mean(change**2))), float(change[ball]), ball + 1
 
 
-def with_errors(scene: Scene, errors: Array, load: float) -> Scene:
-    """Return a copy of the scene with ball diameter errors (78,) [m] and an axial load [N]."""
+def change_errors_and_load(scene: Scene, errors: Array, load: float) -> Scene:
+    """Return a copy of the scene with other ball errors and another axial load.
+
+    ``errors``: errors of the ball diameters (78,) [m]; ``load``: axial load [N].
+    """
     listed = tuple((i + 1, 0.5 * float(e)) for i, e in enumerate(errors) if e != 0.0)
     balls = replace(scene.errors.balls, listed=listed)
     force = replace(scene.loads[0], force=(0.0, 0.0, load))
@@ -62,7 +70,10 @@ def rigid_nut_model(scene: Scene) -> Row:
 
 
 def compare_models(study: Study) -> tuple[ModelLoads, ...]:
-    """Compute the loads by all models: without errors, with ball 33 too small or too large, with random errors."""
+    """Return the contact loads of Liu's screw by all models, for several ball errors and axial loads.
+
+    The ball errors are none, ball 33 too small or too large by 2 um, and random errors.
+    """
     scene = study.scene(SCENE)
     chain = rigid_nut_model(scene).chain
     drawn = draw_errors(evidence.SEED + 2, 0, DRAWN, evidence.ball_count(), HALF_RANGE)
@@ -76,8 +87,12 @@ def compare_models(study: Study) -> tuple[ModelLoads, ...]:
 
 
 def _compute_loads(study: Study, scene: Scene, chain: Chain, name: str, errors: Array, load: float) -> ModelLoads:
-    """Compute the contact loads of one screw under one axial load [N] by Liu's axial, the beam and the refined model."""
-    changed = with_errors(scene, errors, load)
+    """Compute the contact loads of one screw under one axial load by Liu's axial, the beam and the refined model.
+
+    ``chain``: axial model of the scene; ``name``: ball errors in words; ``errors``: errors of the ball diameters (78,)
+    [m]; ``load``: axial load [N].
+    """
+    changed = change_errors_and_load(scene, errors, load)
     beam, refined = (study.solve(changed, model).load[:, 0] for model in ("lin", "refined"))
     return ModelLoads(name, load, solve_chain(chain, errors, load).load, beam, refined)
 
@@ -122,16 +137,17 @@ def compare_with_3d(study: Study) -> tuple[DifferenceFrom3D, ...]:
 
 
 def axial_model_loads(scene: Scene) -> Array:
-    """Return the contact loads (78, 4) [N] by Liu's axial model, equal at both contacts of a ball."""
+    """Return the contact loads (78, 4) [N] by Liu's axial model, which are equal at both contacts SL and NR of a ball."""
     row, load = rigid_nut_model(scene), np.zeros((scene.ball_count, 4))
     load[row.order, 0] = load[row.order, 3] = row.solved(row.force).load
     return load
 
 
 def references(fresh: bool) -> Iterator[tuple[tuple[str, ...], tuple[int, ...]]]:
-    """Yield the scenes and mesh levels of Liu's screw whose 3D solutions a report computes again if ``fresh``.
+    """Yield the scenes of Liu's screw and their mesh levels, whose 3D solutions a report computes again.
 
-    A first report uses stored solutions only, since these take longer than the rest.
+    ``fresh``: whether the report computes 3D solutions again; else nothing is yielded, and stored solutions are used,
+    since these take longer than the rest.
     """
     if fresh:
         yield SOLID, SOLID_LEVELS

@@ -38,8 +38,11 @@ SPREAD = f"Band and median: {CURVES} drawn screws."
 NO_VALUES = "The text prints no value of this figure: ours alone."
 
 
-def _drawn_errors(half_range: int, number: int = 0) -> Array:
-    """Return the ball errors [m] of the drawn screw ``number``, uniform within +-half_range [um]."""
+def _random_ball_errors(half_range: int, number: int = 0) -> Array:
+    """Return the errors of the ball diameters (78,) [m] of one randomly drawn screw.
+
+    ``half_range``: the errors are uniform within plus and minus this range [um]; ``number``: of the drawn screw, from 0.
+    """
     return np.asarray(draw_errors(liu.SEED + half_range, number, 1, liu.ball_count(), 1e-6 * half_range)[0])
 
 
@@ -49,24 +52,34 @@ def _curve_over_balls(values: Array, label: str, *, emphasis: bool = False) -> S
 
 
 def _ball_loads(errors: Array, force: float, chain: Chain | None = None) -> Array:
-    """Return the load of each ball [N] for ball errors [m] under an axial force [N]; default model: Liu's."""
+    """Return the contact load of each ball (78,) [N] under an axial force [N].
+
+    ``errors``: errors of the ball diameters (78,) [m]; ``chain``: axial model; None: Liu's, calibrated.
+    """
     return solve_chain(chain or liu.calibrated_model(), errors, force).load
 
 
 def _printed_markers(x: Sequence[float], y: Sequence[float], label: str = "printed") -> Series:
-    """Return printed values as markers."""
+    """Return printed values as markers of a figure, with abscissas ``x`` and ordinates ``y`` in the panel's units."""
     return Series(label, x, y, "markers", emphasis=True)
 
 
 @cache
-def _drawn_screws(half_range: int) -> Ensemble:
-    """Draw and solve `CURVES` screws with errors within +-half_range [um], under all loads of the test."""
+def _ensemble_of_screws(half_range: int) -> Ensemble:
+    """Draw and solve `CURVES` screws with random ball errors, under all axial loads `TEST_LOADS`.
+
+    ``half_range``: the errors of the ball diameters are uniform within plus and minus this range [um].
+    """
     return solve_ensemble(liu.calibrated_model(), 1e-6 * half_range, list(TEST_LOADS), CURVES, seed=liu.SEED + half_range)
 
 
 def _percentile_curves(half_range: int, quantity: Spread, unit: float, loads: Sequence[float] = LOADS) -> list[Series]:
-    """Return median and central 99 % of a quantity of the drawn screws as curves over the axial load; in ``unit``."""
-    of = [_drawn_screws(half_range).values_at(quantity, f) / unit for f in loads]
+    """Return median and central 99 % of a quantity of drawn screws, as curves over the axial load.
+
+    ``half_range``: of the ball errors [um]; ``quantity``: name, such as "stiffness"; ``unit``: unit of the curve in SI, by
+    which values are divided; ``loads``: axial loads [N].
+    """
+    of = [_ensemble_of_screws(half_range).values_at(quantity, f) / unit for f in loads]
     low, middle, high = ([float(np.quantile(x, q)) for x in of] for q in (liu.UNLIKELY, 0.5, 1.0 - liu.UNLIKELY))
     return [
         Series("ours, 99 % of draws", list(loads), low, "band", high),
@@ -75,19 +88,22 @@ def _percentile_curves(half_range: int, quantity: Spread, unit: float, loads: Se
 
 
 def _curve_without_errors(value: Callable[[float], float], loads: Sequence[float] = LOADS) -> Series:
-    """Return the curve of a quantity over the axial load, without errors; ``value``: quantity at a load [N]."""
+    """Return the curve of a quantity of the screw without errors over the axial load.
+
+    ``value``: function that returns the quantity, in the panel's unit, at an axial load [N]; ``loads``: these loads [N].
+    """
     return Series("no errors", list(loads), [value(f) for f in loads], "line")
 
 
 def _solve_without_errors(force: float) -> tuple[float, float]:
-    """Return displacement [um] and stiffness [1e8 N/m] of the screw without errors under an axial force [N]."""
+    """Return axial displacement [um], then stiffness [1e8 N/m] of the screw without errors under an axial force [N]."""
     state = solve_chain(liu.calibrated_model(), np.zeros(liu.ball_count()), force)
     return 1e6 * state.displacement, 1e-8 * state.stiffness
 
 
 def ball_deformation_figure() -> Figure:
     """Draw Liu's Figure 11: normal deformation of each ball with errors of +-2 um, under three axial loads."""
-    errors, panels = _drawn_errors(2), []
+    errors, panels = _random_ball_errors(2), []
     for force in (2000.0, 1000.0, 500.0):
         load = _ball_loads(errors, force)
         approach = 1e6 * (load / liu.calibrated_model().stiffness) ** (2.0 / 3.0)
@@ -104,7 +120,10 @@ def ball_deformation_figure() -> Figure:
 
 
 def free_screw_elongation(force: float) -> float:
-    """Return the elongation [um] of the screw outside the nut under an axial force [N]; section of scene liu-screw."""
+    """Return the elongation [um] of the screw outside the nut in the test, under an axial force [N].
+
+    The cross section, which is not printed, is that of the scene liu-screw.
+    """
     return 1e6 * force * FREE_LENGTH / screw_section(liu.liu_screw()).EA
 
 
@@ -142,7 +161,7 @@ def test_table() -> Table:
     """Return the table of the predicted displacements of the test in Liu's Figure 13."""
     rows: list[Row] = []
     for force in (500.0, 1000.0, 3000.0, 5000.0, 7000.0, 9000.0, 10845.0):
-        moved = 1e6 * _drawn_screws(3).values_at("displacement_first_loaded", force)
+        moved = 1e6 * _ensemble_of_screws(3).values_at("displacement_first_loaded", force)
         low, middle, high = (float(np.quantile(moved, q)) for q in (liu.UNLIKELY, 0.5, 1.0 - liu.UNLIKELY))
         rows.append(
             {
@@ -154,7 +173,7 @@ def test_table() -> Table:
                 Quantity("none", "no errors", "µm", ".2f"): _solve_without_errors(force)[0],
                 Quantity("stretch", "screw outside the nut", "µm", ".2f"): free_screw_elongation(force),
                 Quantity("loaded", "loaded balls, median", "", ".0f"): float(
-                    np.median(_drawn_screws(3).values_at("loaded", force))
+                    np.median(_ensemble_of_screws(3).values_at("loaded", force))
                 ),
             }
         )
@@ -173,7 +192,7 @@ def test_table() -> Table:
 def mei_figure() -> Figure:
     """Draw Liu's Figure 14: ball loads by Liu's and by Mei's model under 5000 N, without errors and with +-2 um."""
     force, panels = liu.calibration_load(), []
-    for title, errors in (("no errors", np.zeros(liu.ball_count())), ("±2 µm, one draw", _drawn_errors(2))):
+    for title, errors in (("no errors", np.zeros(liu.ball_count())), ("±2 µm, one draw", _random_ball_errors(2))):
         ours, mei = (_ball_loads(errors, force, chain) for chain in (liu.calibrated_model(), liu.mei_model()))
         series = [_curve_over_balls(ours, "implicit contact angle", emphasis=True), _curve_over_balls(mei, "Mei, 45°")]
         if not errors.any():
@@ -210,10 +229,13 @@ def one_ball_figure() -> Figure:
 
 
 def _load_curves_and_ranges(half_range: int, loads: Iterable[float]) -> list[Series]:
-    """Return curves of the ball loads of one drawn screw under axial loads [N], and markers of the printed load ranges."""
+    """Return curves of the ball loads of one drawn screw, and markers of the printed ranges of these loads.
+
+    ``half_range``: of the ball errors [um]; 0: no errors, for which no range is printed; ``loads``: axial loads [N].
+    """
     series = []
     for force in loads:
-        series.append(_curve_over_balls(_ball_loads(_drawn_errors(half_range), force), f"ours, {force:g} N"))
+        series.append(_curve_over_balls(_ball_loads(_random_ball_errors(half_range), force), f"ours, {force:g} N"))
         if half_range:
             ends = [value_of("liu-4.3", f"{end}_{half_range}_{force:.0f}") for end in ("min", "max")]
             series.append(_printed_markers([0.0, 0.0], ends, f"printed range, {force:g} N"))
@@ -277,7 +299,11 @@ def displacement_figure() -> Figure:
 
 
 def _printed_stiffness_markers(found: dict[str, float], which: int | str, label: str) -> Series:
-    """Return markers of the printed stiffness over the axial load, for one error range [um] or printed screw."""
+    """Return markers of the printed stiffness over the axial load.
+
+    ``found``: printed values by key; ``which``: half range of the ball errors [um], or letter of one of the three printed
+    screws; ``label``: legend.
+    """
     keys = [k for k in found if k.startswith(f"K_{which}_")]
     return _printed_markers([float(k.split("_")[2]) for k in keys], [found[k] for k in keys], label)
 
@@ -304,7 +330,7 @@ def three_draws_figure(found: dict[str, float]) -> Figure:
     """Draw Liu's Figure 21: stiffness of three screws drawn with errors of +-2 um, and the range of the three values."""
     curves = []
     for i, name in enumerate(liu.SETS):
-        values = [1e-8 * solve_chain(liu.calibrated_model(), _drawn_errors(2, i), f).stiffness for f in LOADS]
+        values = [1e-8 * solve_chain(liu.calibrated_model(), _random_ball_errors(2, i), f).stiffness for f in LOADS]
         curves.append(Series(f"ours, draw {i + 1}", list(LOADS), values, "line"))
         curves.append(_printed_stiffness_markers(found, name, f"printed, set {name}"))
     loads, spread = (100.0, 1100.0, 2100.0), [liu.stiffness_spreads(f) for f in (100.0, 1100.0, 2100.0)]

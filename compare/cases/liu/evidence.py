@@ -49,9 +49,10 @@ ASSUMED = (
     "Drawn errors are independent and uniform in +-e; the draws of the source are not printed.",
 )
 
-#: Number of screws drawn with random errors; seed of the random numbers; axial loads [N] by error range [um].
+#: Number of screws drawn with random errors; seed of the random numbers.
 MEMBERS, SEED = 5000, 2025
 
+#: Axial loads [N] by half range of the random ball errors [um].
 LOADS: dict[int, tuple[float, ...]] = {
     1: (100.0, 500.0, 1000.0, 2137.0, 3000.0, 5000.0),
     3: (100.0, 500.0, 1000.0, 2137.0, 3000.0, 5000.0),
@@ -75,7 +76,7 @@ def ball_count() -> int:
 
 
 @cache
-def printed_ratio() -> float:
+def printed_load_ratio() -> float:
     """Return the printed load ratio Q78/Q1 of last and first ball without errors (section 4.1), used for calibration."""
     return value_of("liu-4.1", "ratio")
 
@@ -88,11 +89,14 @@ def calibration_load() -> float:
 @cache
 def calibrated_model(law: Law = "implicit") -> Chain:
     """Return Liu's axial model, calibrated to the printed Q78/Q1; ``law``: contact-angle law (Liu's: "implicit")."""
-    return calibrate_compliance(row_of(liu_screw(), law=law).chain, printed_ratio(), calibration_load())
+    return calibrate_compliance(row_of(liu_screw(), law=law).chain, printed_load_ratio(), calibration_load())
 
 
 def implied_area(balls_a_turn: float) -> float:
-    """Return 1/(1/A_n + 1/A_s) [m^2] of the cross sections of nut and screw that the calibrated compliance implies."""
+    """Return the cross sections of nut and screw in series, 1/(1/A_n + 1/A_s) [m^2], that the calibrated model implies.
+
+    ``balls_a_turn``: number of balls in a turn, which determines the length of a segment between two balls.
+    """
     scene = liu_screw()
     return scene.track.lead / balls_a_turn / (scene.balls.material.youngs_modulus * calibrated_model().compliance)
 
@@ -106,27 +110,39 @@ def errors_of_ball_33(error: float) -> Array:
 
 @cache
 def single_error_state(error_um: float, load: float, chain: Chain | None = None) -> ChainState:
-    """Solve Liu's model with a diameter error [um] of ball 33 only, under an axial load [N]."""
+    """Solve the contact loads of the screw with an error of ball 33 only, under an axial load.
+
+    ``error_um``: error of the ball's diameter [um]; ``load``: axial load [N]; ``chain``: axial model; None: Liu's,
+    calibrated.
+    """
     return solve_chain(chain or calibrated_model(), errors_of_ball_33(1e-6 * error_um), load)
 
 
 @cache
 def drawn_ensemble(half_range_um: int) -> Ensemble:
-    """Draw and solve `MEMBERS` screws with random ball errors within +-half_range [um], under the loads `LOADS`."""
+    """Draw and solve `MEMBERS` screws with random ball errors, under the axial loads `LOADS`.
+
+    ``half_range_um``: the errors of the ball diameters are uniform within plus and minus this range [um].
+    """
     return solve_ensemble(
         calibrated_model(), 1e-6 * half_range_um, list(LOADS[half_range_um]), MEMBERS, seed=SEED + half_range_um
     )
 
 
-def drawn_sample(half_range_um: int, quantity: Quantity, load: float) -> Array:
-    """Return one quantity, such as "stiffness", of all randomly drawn screws under an axial load [N], (n,)."""
+def sample_of_drawn_screws(half_range_um: int, quantity: Quantity, load: float) -> Array:
+    """Return one quantity of all randomly drawn screws under an axial load, (n,) in SI units for n screws.
+
+    ``half_range_um``: half range of the ball errors [um]; ``quantity``: name, such as "stiffness"; ``load``: axial load
+    [N], one of `LOADS`.
+    """
     return drawn_ensemble(half_range_um).values_at(quantity, load)
 
 
 def percentile_sentence(values: Array, printed: float, half_digit: float) -> tuple[PercentileRank, str]:
-    """Return the percentile of a printed number among the values of drawn screws, and a sentence that states it.
+    """Return the percentile of a printed number among the values of drawn screws, and the percentile in words.
 
-    ``half_digit``: half a step of the printed number's last digit.
+    ``values``: values of the drawn screws, in the unit of the printed number; ``half_digit``: half a step of the printed
+    number's last digit.
     """
     p = percentile_rank(values, printed, half_digit)
     low, high = np.quantile(values, [UNLIKELY, 1.0 - UNLIKELY])
@@ -162,8 +178,8 @@ def section_2(e: Findings, study: Study) -> None:  # noqa: ARG001 - every table 
 def compare_with_elimination() -> tuple[int, int, float]:
     """Compare the Newton method with the publication's elimination of unloaded balls, on `FEW` drawn screws at 500 N.
 
-    Return the number of screws with the same loaded balls, the most rounds of the elimination, and the largest
-    difference of a load over the largest load.
+    Returns, in this order: the number of screws with the same loaded balls by both; the most rounds of the elimination;
+    the largest difference of a load over the largest load.
     """
     errors = draw_errors(SEED, 0, FEW, ball_count(), 2e-6)
     same, rounds, worst = 0, 0, 0.0
@@ -185,7 +201,7 @@ def section_3(e: Findings, study: Study) -> None:  # noqa: ARG001 - every table 
         f"on the convex energy at most {steps} steps for {FEW} screws at 500 N; the elimination's loaded balls are "
         f"the same in {same} of {FEW}, in up to {rounds} rounds, loads to {worst:.0e}",
     )
-    loaded = {f: drawn_sample(2, "loaded", f) for f in (500.0, 1000.0, 1500.0, 2000.0)}
+    loaded = {f: sample_of_drawn_screws(2, "loaded", f) for f in (500.0, 1000.0, 1500.0, 2000.0)}
     share = float(np.mean(loaded[2000.0] == ball_count()))
     e.claim("all_2000", share >= UNLIKELY, f"probability {share:.3f}")
     for key, load in (("unloaded_1500", 1500.0), ("unloaded_500", 500.0)):
@@ -194,10 +210,10 @@ def section_3(e: Findings, study: Study) -> None:  # noqa: ARG001 - every table 
     exactly = {f: float(np.mean(loaded[f] == ball_count() - 1)) for f in (1000.0, 1500.0)}
     e.remark("caption_1000", "probability of exactly one: {:.3f} at 1000 N, {:.3f} at 1500 N".format(*exactly.values()))
     e.numbers({"load": e.printed("load"), "free_length": e.printed("free_length")})
-    ratio = drawn_sample(3, "smallest", 3000.0) / drawn_sample(3, "largest", 3000.0)
+    ratio = sample_of_drawn_screws(3, "smallest", 3000.0) / sample_of_drawn_screws(3, "largest", 3000.0)
     low, high = np.quantile(ratio, [UNLIKELY, 1.0 - UNLIKELY])
     e.claim("uniform_3000", low > 0.5, f"smallest over largest load {low:.2f} to {high:.2f} (central 99 %) at 3000 N")
-    medians = [float(np.median(drawn_sample(3, "stiffness", f))) / 1e8 for f in LOADS[3]]
+    medians = [float(np.median(sample_of_drawn_screws(3, "stiffness", f))) / 1e8 for f in LOADS[3]]
     words = ", ".join(f"{v:.2f}" for v in medians)
     e.claim("falls", bool(np.all(np.diff(medians) < 0.0)), f"{words} 1e8 N/m from 100 to 5000 N (medians, ±3 um)")
 
@@ -208,9 +224,10 @@ def mei_model() -> Chain:
 
 
 def mei_deviations(chain: Chain, errors: np.ndarray[tuple[int], np.dtype[np.float64]]) -> tuple[float, float]:
-    """Return the largest deviation [%] of a ball's load from Mei's model at 5000 N.
+    """Return the largest difference [%] between a ball's loads by an axial model and by Mei's model, at 5000 N.
 
-    First over the load by Mei's model, then over the load by ``chain``. ``errors``: of the ball diameters [m].
+    First: over the load by Mei's model; second: over the load by the model ``chain``. ``errors``: errors of the ball
+    diameters (78,) [m].
     """
     load = solve_chain(chain, errors, calibration_load()).load
     mei = solve_chain(replace(chain, law="constant"), errors, calibration_load()).load
@@ -237,19 +254,28 @@ def section_4_1(e: Findings, study: Study) -> None:  # noqa: ARG001 - every tabl
 
 
 def load_ratio(error_um: float, load: float) -> float:
-    """Return the load ratio Q78/Q1 of last and first ball, with an error [um] of ball 33 under an axial load [N]."""
+    """Return the load ratio Q78/Q1 of last and first ball, where only ball 33 has an error, under an axial load [N].
+
+    ``error_um``: error of the diameter of ball 33 [um].
+    """
     q = single_error_state(error_um, load).load
     return float(q[-1] / q[0])
 
 
 def load_by_other_angle_laws(error_um: float, load: float) -> str:
-    """Return in words the load Q33 of ball 33 [N] by the other contact-angle laws, each calibrated to Q78/Q1."""
+    """Return in words the load [N] of ball 33 by the other contact-angle laws, each calibrated to the printed Q78/Q1.
+
+    ``error_um``: error of the diameter of ball 33 [um]; ``load``: axial load [N].
+    """
     found = {law: single_error_state(error_um, load, calibrated_model(law)).load[32] for law in ("exact", "constant")}
     return "; ".join(f"{law} contact angle {value:.2f} N" for law, value in found.items())
 
 
 def load_change_of_other_balls(error_um: float) -> list[float]:
-    """Return the smallest and largest change [N] of the other balls' loads caused by an error [um] of ball 33."""
+    """Return the smallest, then the largest change [N] of the other balls' loads by an error of ball 33.
+
+    The range is over these balls and the axial loads `LIGHT` and `HEAVY`. ``error_um``: error of its diameter [um].
+    """
     change = [np.delete(single_error_state(error_um, f).load - single_error_state(0.0, f).load, 32) for f in (LIGHT, HEAVY)]
     return [float(np.min(change)), float(np.max(change))]
 
@@ -260,7 +286,7 @@ def error_for_load(load: float) -> float:
 
 
 def first_carrying_loads() -> tuple[float, float]:
-    """Return the axial loads [N] above which ball 1 and ball 78 are loaded, with ball 33 too large by 2 um."""
+    """Return the axial load [N] above which ball 1 is loaded, then that of ball 78, with ball 33 too large by 2 um."""
     errors = errors_of_ball_33(2e-6)
     return (
         first_carrying_load(calibrated_model(), errors, 0, LIGHT),
@@ -313,33 +339,42 @@ STEP = 0.12
 SETS = "abc"
 
 
-def sample_of_printed(key: str) -> Array:
-    """Return the values of all drawn screws for the printed number ``key`` ("quantity_range_load"), in its printed unit."""
+def sample_for_printed_number(key: str) -> Array:
+    """Return the values of all drawn screws for one printed number, in its printed unit.
+
+    ``key``: of the printed number: quantity, half range of the ball errors [um] and axial load [N], such as "K_2_3000".
+    """
     name, which, load = key.removesuffix("_again").split("_")
-    values = drawn_sample(2 if which in SETS else int(which), NAMES[name], float(load))
+    values = sample_of_drawn_screws(2 if which in SETS else int(which), NAMES[name], float(load))
     if name == "unloaded":
         return ball_count() - values
     return 1e-8 * values if name == "K" else values
 
 
 def count_matching_screws(half_range: int, at_500: int, at_1000: int) -> str:
-    """Return in words how many drawn screws have the printed numbers of loaded balls at 500 N and 1000 N."""
-    first, then = (drawn_sample(half_range, "loaded", f) for f in (500.0, 1000.0))
+    """Return in words how many drawn screws have the printed numbers of loaded balls at 500 N and 1000 N.
+
+    ``half_range``: half range of the ball errors [um]; ``at_500``, ``at_1000``: printed numbers of loaded balls.
+    """
+    first, then = (sample_of_drawn_screws(half_range, "loaded", f) for f in (500.0, 1000.0))
     some = then[np.abs(first - at_500) <= 1]
     reached = int(np.count_nonzero(some <= at_1000))
     return f"of {some.size} screws with {at_500} ± 1 loaded at 500 N, {reached} have at most {at_1000} at 1000 N"
 
 
 def record_percentile(e: Findings, key: str, *remarks: str) -> None:
-    """Record the median of the drawn screws as the computed value of ``key``, with the percentile of the printed value."""
+    """Record the median of the drawn screws as the computed value of a printed number, into ``e``.
+
+    The remark states the percentile of the printed value. ``key``: of the printed number; ``remarks``: further remarks.
+    """
     row = next(f.printed for f in e.evidence() if f.printed.key == key)
-    values = sample_of_printed(key)
+    values = sample_for_printed_number(key)
     half = 0.0 if key.startswith(("loaded", "unloaded")) else row.tolerance
     words = percentile_sentence(values, e.printed(key), half)[1]
     e.number(key, float(np.median(values)), ". ".join((words, *remarks)))
 
 
-def likelihood(mask: np.ndarray[tuple[int, ...], np.dtype[np.bool_]]) -> tuple[bool, str]:
+def judge_fraction_of_screws(mask: np.ndarray[tuple[int, ...], np.dtype[np.bool_]]) -> tuple[bool, str]:
     """Return whether the fraction of drawn screws with a property reaches `UNLIKELY`, and this fraction in words.
 
     ``mask``: whether each drawn screw has the property.
@@ -349,8 +384,11 @@ def likelihood(mask: np.ndarray[tuple[int, ...], np.dtype[np.bool_]]) -> tuple[b
 
 
 def falls_with_range(quantity: Quantity, load: float) -> np.ndarray[tuple[int, ...], np.dtype[np.bool_]]:
-    """Return for each drawn screw whether a quantity falls from error range 1 to 2 to 3 um, under an axial load [N]."""
-    a, b, c = (drawn_sample(h, quantity, load) for h in RANGES)
+    """Return for each drawn screw (n,) whether a quantity falls as the range of the ball errors grows.
+
+    The half ranges are 1, 2 and 3 um; ``quantity``: name, such as "stiffness"; ``load``: axial load [N].
+    """
+    a, b, c = (sample_of_drawn_screws(h, quantity, load) for h in RANGES)
     return np.asarray((a > b) & (b > c))
 
 
@@ -365,27 +403,29 @@ def section_4_3(e: Findings, study: Study) -> None:  # noqa: ARG001 - every tabl
         ("unloaded_3_1000", 42, 43),
     ):
         record_percentile(e, key, count_matching_screws(int(key.split("_")[1]), at_500, at_1000))
-    every = [drawn_sample(h, "loaded", 2137.0) == ball_count() for h in RANGES]
-    holds, words = likelihood(np.logical_and.reduce(every))
+    every = [sample_of_drawn_screws(h, "loaded", 2137.0) == ball_count() for h in RANGES]
+    holds, words = judge_fraction_of_screws(np.logical_and.reduce(every))
     alone = ", ".join(f"{np.mean(m):.3f}" for m in every)
     e.claim("all_2137", holds, f"{words} (singly {alone})")
-    e.claim("all_5000", *likelihood(drawn_sample(2, "loaded", 5000.0) == ball_count()))
-    e.claim("fewer", *likelihood(falls_with_range("loaded", 100.0) & falls_with_range("loaded", 500.0)))
+    e.claim("all_5000", *judge_fraction_of_screws(sample_of_drawn_screws(2, "loaded", 5000.0) == ball_count()))
+    e.claim("fewer", *judge_fraction_of_screws(falls_with_range("loaded", 100.0) & falls_with_range("loaded", 500.0)))
     width = {
-        (h, f): drawn_sample(h, "largest", f) - drawn_sample(h, "smallest", f) for h in RANGES for f in (1000.0, 5000.0)
+        (h, f): sample_of_drawn_screws(h, "largest", f) - sample_of_drawn_screws(h, "smallest", f)
+        for h in RANGES
+        for f in (1000.0, 5000.0)
     }
     grows = [width[h, 5000.0] > width[h, 1000.0] for h in RANGES]
     grows += [width[h + 1, f] > width[h, f] for h in (1, 2) for f in (1000.0, 5000.0)]
-    e.claim("wider", *likelihood(np.logical_and.reduce(grows)))
-    a, b, c = (drawn_sample(h, "displacement_first_loaded", 1000.0) for h in RANGES)
-    e.claim("further", *likelihood((a < b) & (b < c)))
+    e.claim("wider", *judge_fraction_of_screws(np.logical_and.reduce(grows)))
+    a, b, c = (sample_of_drawn_screws(h, "displacement_first_loaded", 1000.0) for h in RANGES)
+    e.claim("further", *judge_fraction_of_screws((a < b) & (b < c)))
     _check_displacement_claims(e)
 
 
 def _check_displacement_claims(e: Findings) -> None:
     """Check the publication's claims on the curves of displacement over load, by the medians of drawn screws."""
     loads = np.array(LOADS[1])
-    curve = np.array([[np.median(drawn_sample(h, "displacement", f)) for f in loads] for h in RANGES])
+    curve = np.array([[np.median(sample_of_drawn_screws(h, "displacement", f)) for f in loads] for h in RANGES])
     power = np.diff(np.log(curve[1])) / np.diff(np.log(loads))
     words = f"a power between {power.min():.2f} and {power.max():.2f} of the load: it grows ever more slowly"
     e.claim("exponential", bool(power.min() > 1.0), words)
@@ -396,23 +436,33 @@ def _check_displacement_claims(e: Findings) -> None:
 
 
 def stiffness_spreads(load: float) -> Array:
-    """Return largest minus smallest stiffness [1e8 N/m] of each three drawn screws with errors of +-2 um, at a load [N]."""
-    values = 1e-8 * drawn_sample(2, "stiffness", load)
+    """Return the largest minus the smallest stiffness [1e8 N/m] of triples of drawn screws, (triples,).
+
+    The ball errors are within +-2 um; ``load``: axial load [N].
+    """
+    values = 1e-8 * sample_of_drawn_screws(2, "stiffness", load)
     return np.asarray(np.ptp(values[: values.size // 3 * 3].reshape(-1, 3), axis=1))
 
 
 def relative_stiffness_percentile(key: str, printed: float, reference: float) -> str:
-    """Return in words the percentile of a printed stiffness, divided by the printed stiffness without errors.
+    """Return in words the percentile of a printed stiffness that is divided by the printed stiffness without errors.
 
-    The ratio does not change if all stiffnesses differ from the publication's by the same factor.
+    ``key``: of the printed stiffness; ``printed``: its value; ``reference``: printed stiffness without errors. The ratio
+    does not change if all stiffnesses differ from the publication's by the same factor.
     """
     h, load = int(key.split("_")[1]), float(key.split("_")[2])
-    ratio = drawn_sample(h, "stiffness", load) / solve_chain(calibrated_model(), np.zeros(ball_count()), load).stiffness
+    ratio = (
+        sample_of_drawn_screws(h, "stiffness", load)
+        / solve_chain(calibrated_model(), np.zeros(ball_count()), load).stiffness
+    )
     return "over the value without errors: " + percentile_sentence(ratio, printed / reference, 0.0)[1]
 
 
 def secant_stiffness(load: float, step: float) -> float:
-    """Return the stiffness [1e8 N/m] without errors by equation (22), for a load and load step [N]; step 0: the tangent."""
+    """Return the stiffness [1e8 N/m] of the screw without errors by equation (22) of Liu et al. (2025).
+
+    ``load``: axial load [N]; ``step``: load step over which the stiffness is a secant [N]; 0: tangent stiffness.
+    """
     chain, zero = calibrated_model(), np.zeros(ball_count())
     if step == 0.0:
         return 1e-8 * solve_chain(chain, zero, load).stiffness
@@ -422,21 +472,24 @@ def secant_stiffness(load: float, step: float) -> float:
 
 @cache
 def drawn_secant_stiffness(half_range_um: int, load: float, share: float) -> Array:
-    """Return the secant stiffness [1e8 N/m] of all drawn screws over a load step of ``share`` times the load [N]."""
+    """Return the secant stiffness [1e8 N/m] of all drawn screws, (n,) for n screws.
+
+    ``half_range_um``: half range of the ball errors [um]; ``load``: axial load [N]; ``share``: load step of the secant
+    over the load; 0: tangent stiffness.
+    """
     if share == 0.0:
-        return 1e-8 * drawn_sample(half_range_um, "stiffness", load)
+        return 1e-8 * sample_of_drawn_screws(half_range_um, "stiffness", load)
     ends = [load, (1.0 + share) * load]
     found = solve_ensemble(calibrated_model(), 1e-6 * half_range_um, ends, MEMBERS, seed=SEED + half_range_um)
     first, last = (found.values_at("displacement", f) for f in ends)
     return np.asarray(1e-8 * share * load / (last - first))
 
 
-def stiffness_comes_out(row: Printed, share: float) -> bool:
+def stiffness_agrees(row: Printed, share: float) -> bool:
     """Return whether a printed stiffness lies in the range of the drawn screws' secant stiffness.
 
-    ``share``: load step of the secant over the load; 0: tangent.
-
-    A stiffness without errors must agree with the computed one to 1 %, as the publication's other results do.
+    ``row``: printed number; ``share``: load step of the secant over the load; 0: tangent stiffness. A stiffness without
+    errors must agree with the computed one to 1 %, as the publication's other results do.
     """
     _, which, load = row.key.split("_")
     assert row.value is not None
@@ -447,8 +500,11 @@ def stiffness_comes_out(row: Printed, share: float) -> bool:
 
 
 def agreement_by_load_step(rows: Sequence[Printed]) -> str:
-    """Return in words how many printed stiffnesses agree with the tangent stiffness, and how many with a secant."""
-    counts = [sum(stiffness_comes_out(row, share) for row in rows) for share in (0.0, STEP)]
+    """Return in words how many printed stiffnesses agree with the tangent stiffness, and how many with a secant.
+
+    ``rows``: printed numbers; the load step of the secant is `STEP` times the load.
+    """
+    counts = [sum(stiffness_agrees(row, share) for row in rows) for share in (0.0, STEP)]
     return (
         f"the step of load of (22) is not printed: of {len(rows)} stiffnesses {counts[0]} come out with the tangent and "
         f"{counts[1]} by a step of {100.0 * STEP:g} % of the load"
@@ -484,19 +540,19 @@ def section_4_4(e: Findings, study: Study) -> None:  # noqa: ARG001 - every tabl
 def _check_stiffness_claims(e: Findings) -> None:
     """Check the claims of section 4.4 of Liu et al. (2025) on the stiffness of screws with random errors."""
     s = {load: stiffness_spreads(load) for load in (100.0, 1100.0, 2100.0)}
-    e.claim("largest_1100", *likelihood((s[1100.0] > s[100.0]) & (s[1100.0] > s[2100.0])))
-    percent = 100.0 * s[100.0] / (1e-8 * np.median(drawn_sample(2, "stiffness", 100.0)))
+    e.claim("largest_1100", *judge_fraction_of_screws((s[1100.0] > s[100.0]) & (s[1100.0] > s[2100.0])))
+    percent = 100.0 * s[100.0] / (1e-8 * np.median(sample_of_drawn_screws(2, "stiffness", 100.0)))
     median, printed = np.median(percent), 100.0 * e.printed("spread_100") / e.printed("K_a_100")
     e.claim(
         "minimal",
         bool(median <= 4.31),
         f"three draws differ by {median:.0f} % at 100 N in the median; its own by {printed:.1f} %",
     )
-    rises = [np.diff(np.stack([drawn_sample(h, "stiffness", f) for f in LOADS[h]]), axis=0) > 0.0 for h in RANGES]
+    rises = [np.diff(np.stack([sample_of_drawn_screws(h, "stiffness", f) for f in LOADS[h]]), axis=0) > 0.0 for h in RANGES]
     e.claim(
         "rises", all(bool(r.all()) for r in rises), f"in all of {3 * MEMBERS} drawn screws, {LOADS[1][0]:.0f} to 5000 N"
     )
-    e.claim("softer", *likelihood(falls_with_range("stiffness", 500.0)))
+    e.claim("softer", *judge_fraction_of_screws(falls_with_range("stiffness", 500.0)))
     free = solve_chain(calibrated_model(), np.zeros(ball_count()), 3000.0).stiffness
-    off = [100.0 * (np.median(drawn_sample(h, "stiffness", 3000.0)) / free - 1.0) for h in RANGES]
+    off = [100.0 * (np.median(sample_of_drawn_screws(h, "stiffness", 3000.0)) / free - 1.0) for h in RANGES]
     e.remark("meet", ", ".join(f"{x:.1f}" for x in off) + " % in the median of drawn screws")

@@ -42,9 +42,9 @@ ABOUT = (
 
 
 def loaded_counts_sentence(found: dict[str, float]) -> str:
-    """Return in words how many printed counts of loaded balls lie in the central 99 % of the drawn screws.
+    """Return in words how many printed numbers of loaded balls lie in the central 99 % of the drawn screws.
 
-    ``found``: printed values by key.
+    ``found``: printed values by key, such as "loaded_2_500".
     """
     total, out = 0, []
     for key, value in found.items():
@@ -53,7 +53,7 @@ def loaded_counts_sentence(found: dict[str, float]) -> str:
             continue
         half_range, load = int(parts[2]), float(parts[3])
         count = liu.ball_count() - value if parts[1] else value
-        low, high = np.quantile(liu.drawn_sample(half_range, "loaded", load), [liu.UNLIKELY, 1.0 - liu.UNLIKELY])
+        low, high = np.quantile(liu.sample_of_drawn_screws(half_range, "loaded", load), [liu.UNLIKELY, 1.0 - liu.UNLIKELY])
         total += 1
         if not low <= count <= high:
             out.append(f"±{half_range} µm at {load:g} N {'below' if count < low else 'above'}")
@@ -63,9 +63,10 @@ def loaded_counts_sentence(found: dict[str, float]) -> str:
 
 
 def stiffness_sentence(found: dict[str, float]) -> str:
-    """Return in words the deviation of printed stiffness from the median of drawn screws, where most load all balls.
+    """Return in words the deviation of printed stiffnesses from the median of the drawn screws.
 
-    ``found``: printed values by key.
+    Only axial loads count under which most drawn screws have no unloaded ball. ``found``: printed values by key, such as
+    "K_2_3000".
     """
     off = []
     for key, value in found.items():
@@ -73,9 +74,11 @@ def stiffness_sentence(found: dict[str, float]) -> str:
         half_range, load = (int(parts[1]), float(parts[2])) if parts else (0, 0.0)
         if (
             load in liu.LOADS.get(half_range, ())
-            and np.median(liu.drawn_sample(half_range, "loaded", load)) == liu.ball_count()
+            and np.median(liu.sample_of_drawn_screws(half_range, "loaded", load)) == liu.ball_count()
         ):
-            off.append(error_percent(1e8 * value, float(np.median(liu.drawn_sample(half_range, "stiffness", load)))))
+            off.append(
+                error_percent(1e8 * value, float(np.median(liu.sample_of_drawn_screws(half_range, "stiffness", load))))
+            )
     if not off:
         return "no printed stiffness stands at a load that all balls of most draws carry"
     return f"with all balls loaded printed stiffness is {min(off):+.1f} to {max(off):+.1f} % off the median of the draws"

@@ -34,12 +34,15 @@ TORQUE = 4.0 / 3.0
 
 
 @cache
-def set_over_pair(name: str) -> tuple[float, float, float]:
-    """Return preload, tangent rigidity and starting torque of a bearing set such as "DBD", as multiples of a DB pair's."""
+def ratios_of_set_to_pair(name: str) -> tuple[float, float, float]:
+    """Return preload, tangent rigidity and starting torque of a bearing set, in this order, over those of a DB pair.
+
+    ``name``: of the arrangement of the rows, such as "DBD". All rows have equal gaps and a constant contact angle.
+    """
     one = PointRow()
 
     def set_totals(name: str) -> Array:
-        """Return preload, tangent rigidity and torque of a bearing set, in arbitrary units."""
+        """Return preload, tangent rigidity and starting torque (3,) of a bearing set, in arbitrary units."""
         rows = tuple(1 if way == "+z" else -1 for way in ARRANGEMENTS[name])
         state = equilibrium(equal_rows(one, rows, 1e-6))
         loads = state.loads
@@ -58,7 +61,7 @@ SET_QUANTITIES = (
 
 
 def compare_bearing_sets() -> Iterator[Outside]:
-    """Compare printed preload, rigidity and torque of NSK's bearing sets with values computed from the DB pair's."""
+    """Yield printed preload, rigidity and starting torque of NSK's bearing sets, and values computed from DB pairs."""
     for source in read_tables("nsk-tac"):
         named = dict(entry.split("=") for entry in source.head["sets"].split("; "))
         pairs = {(r["bearing"], r["preload_class"]): r for r in source.rows if named[r["arrangement"]] == "DB"}
@@ -69,7 +72,9 @@ def compare_bearing_sets() -> Iterator[Outside]:
                 continue
             pair = pairs[row["bearing"], cls if kind != "class" else "C10"]
             growth = source.number(row["preload_N"]) / source.number(pair["preload_N"])
-            ratios = set_over_pair(name) if kind != "class" else tuple(growth**power for *_, power in SET_QUANTITIES)
+            ratios = (
+                ratios_of_set_to_pair(name) if kind != "class" else tuple(growth**power for *_, power in SET_QUANTITIES)
+            )
             for (quantity, column, unit, power), ratio in zip(SET_QUANTITIES, ratios, strict=True):
                 if kind == "class" and quantity == "preload":
                     continue
@@ -98,7 +103,11 @@ def _bearing_with_iso_material() -> Scene:
 
 
 def bearing_scene(balls: int, ball: float, pitch: float, angle: float, conformity: float = CONFORMITY) -> Scene:
-    """Return the scene of a bearing row, from diameters of ball and pitch circle [m], contact angle [rad], conformity."""
+    """Return the scene of a single bearing row.
+
+    ``balls``: number of balls; ``ball``, ``pitch``: diameters of ball and pitch circle [m]; ``angle``: contact angle [rad];
+    ``conformity``: groove radius over ball diameter, the same on both rings.
+    """
     one = _bearing_with_iso_material()
     groove = conformity * ball
     return replace(
@@ -117,7 +126,11 @@ FEW, PITCH, RELATIVE = 10, 0.1, np.linspace(0.03, 0.36, 23)
 
 @cache
 def rating_factors(angle: float) -> tuple[CubicSpline, CubicSpline]:
-    """Return splines of C/(Z^(2/3) D^1.8) and C_0/(Z D^2) over D/d_m at a contact angle [rad] (ISO 281, ISO 76; N, m)."""
+    """Return splines of the factors of a bearing's load ratings over D/d_m, by ISO 281 and ISO 76.
+
+    First: C/(Z^(2/3) D^1.8) of the dynamic rating C; second: C_0/(Z D^2) of the static rating C_0, in N and m. Z: number
+    of balls; D: ball diameter; d_m: pitch diameter; ``angle``: contact angle [rad].
+    """
     rings = [bearing_scene(FEW, x * PITCH, PITCH, angle) for x in RELATIVE]
     balls = RELATIVE * PITCH
     dynamic = [dynamic_rating(one) for one in rings] / (FEW ** (2.0 / 3.0) * balls**1.8)
@@ -126,9 +139,10 @@ def rating_factors(angle: float) -> tuple[CubicSpline, CubicSpline]:
 
 
 def balls_from_ratings(dynamic: float, static: float, pitch: float, angle: float) -> tuple[float, float]:
-    """Return number (not rounded) and diameter [m] of the balls that give the ratings C and C_0 [N].
+    """Return the number of balls (not rounded), then their diameter [m], that give a bearing's load ratings.
 
-    Inverts ISO 281 and ISO 76 for a pitch diameter [m] and a contact angle [rad].
+    ISO 281 and ISO 76 are inverted. ``dynamic``, ``static``: ratings C and C_0 [N]; ``pitch``: pitch diameter [m];
+    ``angle``: contact angle [rad].
     """
     of_dynamic, of_static = rating_factors(angle)
 
@@ -147,15 +161,19 @@ def balls_from_ratings(dynamic: float, static: float, pitch: float, angle: float
 
 
 def _mean_diameter(row: Mapping[str, str]) -> float:
-    """Return the mean of bore and outside diameter [m] of a bearing in a catalogue, taken for its pitch diameter."""
+    """Return the mean of bore and outside diameter [m] of a bearing, which is taken for its pitch diameter.
+
+    ``row``: texts of the bearing's row in the catalogue, by column.
+    """
     return 0.5e-3 * (float(row["bore_mm"]) + float(row["outside_diameter_mm"]))
 
 
 def compare_ball_bearings() -> Iterator[Outside]:
-    """Compare NSK's printed axial clearance, rigidity and factor f_0 of ball bearings with computed values.
+    """Yield NSK's printed axial clearance, rigidity and factor f_0 of ball bearings, with computed values.
 
-    Balls follow from the printed ratings, the conformity from the rigidity at the highest preload. The axial clearance
-    of a preloaded pair is 2 (u(measuring load) - u(preload)), with contact angles that change under load.
+    Number and diameter of the balls follow from the printed ratings, the conformity from the rigidity at the highest
+    preload. The axial clearance of a preloaded pair is 2 (u(measuring load) - u(preload)), with u the displacement of one
+    row under a thrust. Contact angles change under load.
     """
     source = read_table("nsk-angular")
     groups: dict[str, list[Mapping[str, str]]] = {}
@@ -191,10 +209,11 @@ def compare_ball_bearings() -> Iterator[Outside]:
 def _compare_one_bearing(
     source: Table, rows: list[Mapping[str, str]], forces: Array, moved: Array, rigid: Array
 ) -> Iterator[Outside]:
-    """Compare axial clearances and rigidities of one bearing at its preloads ``forces`` (p,) [N] with the printed ones.
+    """Yield the printed axial clearances and rigidities of one bearing at p preloads, with computed values.
 
-    ``moved`` (3, p + 1): displacements [um] at the preloads and at the measuring load. ``rigid`` (3, p): rigidities
-    [N/um]. First axis: computed from the printed rigidity at the highest preload, and from both ends of its rounding.
+    ``rows``: rows of the table, one for each preload; ``forces``: preloads (p,) [N]; ``moved``: displacements (3, p + 1)
+    [um] at the preloads and at the measuring load; ``rigid``: rigidities (3, p) [N/um]. The first axis of both has values
+    computed from the printed rigidity at the highest preload, and from both ends of the range of its rounding.
     """
     clearance = 2.0 * (moved[:, -1:] - moved[:, :-1])
     for i, row in enumerate(rows):
@@ -222,14 +241,17 @@ def _compare_one_bearing(
 
 
 def _compare_factor_f0(source: Table, row: Mapping[str, str], factor: float) -> Outside:
-    """Compare the printed factor f_0 = C_0/(Z D^2 cos alpha) of a bearing with ``factor``, computed from C and C_0."""
+    """Return the printed factor f_0 = C_0/(Z D^2 cos alpha) of a bearing with the computed value.
+
+    ``factor``: the computed value [N/mm^2], with number Z and diameter D of the balls that follow from the printed ratings.
+    """
     off = factor * sum(half_step(row[key]) / source.number(row[key]) for key in ("Cr_kN", "C0r_kN"))
     what = ("rating", "ISO 281 and ISO 76", f"{row['bearing']} f0", "")
     return compare_row(source, row, "line_product", "f0", what, Band.of((factor,), off))
 
 
 def compare_constant_angle_pairs() -> Iterator[Outside]:
-    """Compare SNFA's printed rigidity of preloaded pairs with that of a model whose contact angle changes under load.
+    """Yield SNFA's printed rigidity of preloaded pairs, with that of a model whose contact angle changes under load.
 
     The printed values follow the catalogue's formula for a constant angle, so they are shown, but not judged.
     """
@@ -252,10 +274,10 @@ def compare_constant_angle_pairs() -> Iterator[Outside]:
 
 
 def compare_ratings_of_printed_balls() -> Iterator[Outside]:
-    """Compare the ratings C and C_0 of SNFA's bearings, whose number and diameter of balls are printed, with ISO's.
+    """Yield SNFA's printed load ratings C and C_0, with those by ISO 281 and ISO 76 for the printed balls.
 
-    Band of the computed value: pitch diameter within 2 % of the mean of bore and outside diameter, and rounding of the
-    printed ball diameter.
+    The band of the computed value covers pitch diameters within 2 % of the mean of bore and outside diameter, and the
+    rounding of the printed ball diameter.
     """
     source, done = read_table("snfa-angular"), set[tuple[str, str]]()
     for row in source.rows:

@@ -1,6 +1,7 @@
 """Ball nuts in makers' catalogues: printed load ratings, rigidities and drag torques against computed values.
 
-Drag torque of a preloaded nut is computed from the sliding of its balls; makers' formulas and measurements are compared.
+The drag torque of a preloaded nut is computed from the sliding of its balls, and compared with the makers' formulas and
+with measurements.
 """
 
 from __future__ import annotations
@@ -52,9 +53,10 @@ def _base_screw() -> Scene:
 
 @dataclass(frozen=True)
 class Nut:
-    """A ball nut of a catalogue: diameters of ball and pitch circle [m], lead [m], number of loaded turns.
+    """A ball nut of a catalogue.
 
-    ``short``: each circuit has one turn only, so that its deflector takes a part of the turn.
+    ``ball``, ``pitch``: diameters of ball and pitch circle [m]; ``lead``: lead of the screw [m]; ``turns``: number of
+    loaded turns; ``short``: whether each circuit has one turn only, so that its deflector takes a part of the turn.
     """
 
     ball: float
@@ -74,8 +76,11 @@ class Nut:
         return SHORT if self.short else LONG
 
 
-def one_turn(nut: Nut, conformity: float) -> Scene:
-    """Return the scene of a screw and nut with one loaded turn, filled with balls that touch each other."""
+def scene_of_one_turn(nut: Nut, conformity: float) -> Scene:
+    """Return the scene of a screw and nut with one loaded turn, filled with balls that touch each other.
+
+    ``conformity``: groove radius over ball diameter.
+    """
     one, groove = _base_screw(), conformity * nut.ball
     balls = max(1, round(nut.touching))
     outside = nut.pitch + (1.0 + 2.0 * WALL) * nut.ball
@@ -89,8 +94,11 @@ def one_turn(nut: Nut, conformity: float) -> Scene:
 
 
 def nut_load_ratings(nut: Nut, conformity: float, filling: float) -> tuple[float, float]:
-    """Return the ratings C and C_0 [N] of a nut by ISO 3408-5; ``filling``: fraction of the turns filled with balls."""
-    one = one_turn(nut, conformity)
+    """Return the dynamic rating C, then the static rating C_0 of a nut [N] by ISO 3408-5.
+
+    ``conformity``: groove radius over ball diameter; ``filling``: fraction of the turns that is filled with balls.
+    """
+    one = scene_of_one_turn(nut, conformity)
     share = filling * nut.touching / one.ball_count
     return dynamic_rating(one) * share ** (2.0 / 3.0) * nut.turns**0.86, static_rating(one) * share * nut.turns
 
@@ -98,9 +106,10 @@ def nut_load_ratings(nut: Nut, conformity: float, filling: float) -> tuple[float
 def nut_displacement(nut: Nut, conformity: float, filling: float, load: float, *, bodies: bool = True) -> float:
     """Return the axial displacement [m] of a nut without preload under an axial load [N], all balls loaded equally.
 
-    By Hertz contact, and with ``bodies`` by the radial deformation of nut and screw as thick tubes.
+    ``conformity``: groove radius over ball diameter; ``filling``: fraction of the turns that is filled with balls;
+    ``bodies``: whether the radial deformation of nut and screw, as thick tubes, is added to that of the Hertz contacts.
     """
-    one = one_turn(nut, conformity)
+    one = scene_of_one_turn(nut, conformity)
     constants, slope = error_free_hertz(one).C, approach_per_displacement(one)
     each = load / (filling * nut.touching * nut.turns * slope)
     tubes = (body_compliance(one) or 0.0) / nut.turns if bodies else 0.0
@@ -111,10 +120,10 @@ def nut_displacement(nut: Nut, conformity: float, filling: float, load: float, *
 
 
 def read_turns(row: Mapping[str, str]) -> tuple[float, bool]:
-    """Return the number of loaded turns of a nut in a catalogue, and whether each circuit has only one turn.
+    """Return the number of loaded turns of a nut in a catalogue, then whether each circuit has only one turn.
 
-    Understands ``4`` of ``T4`` or ``K4``, ``2x2.5`` (also without the sign), circuits and turns in separate columns, and
-    ``1,2x4`` of nuts with several starts.
+    ``row``: texts of the nut's row, by column. The function understands ``4`` of ``T4`` or ``K4``, ``2x2.5`` (also without
+    the sign), circuits and turns in separate columns, and ``1,2x4`` of nuts with several starts.
     """
     circuits, turns = row["circuits"], row["turns"].replace(",", ".")
     if "of the name" in turns:
@@ -132,8 +141,9 @@ def read_turns(row: Mapping[str, str]) -> tuple[float, bool]:
 def read_nut(source: Table, row: Mapping[str, str]) -> Nut:
     """Return the dimensions of a nut from its row in a catalogue.
 
-    If the ball is not printed, it is the stock size that fits pitch and root diameter. If the pitch circle is not
-    printed, it lies beyond the nominal diameter by the usual amount.
+    ``source``: table of the catalogue; ``row``: texts of the nut's row, by column. If the ball is not printed, it is the
+    stock size that fits pitch and root diameter. If the pitch circle is not printed, it lies beyond the nominal diameter by
+    the usual amount.
     """
     pitch = source.number(row["pitch_mm"]) if row["pitch_mm"] else 0.0
     if row["ball_mm"]:
@@ -147,7 +157,10 @@ def read_nut(source: Table, row: Mapping[str, str]) -> Nut:
 
 
 def maker_and_type(source: Table, row: Mapping[str, str]) -> str:
-    """Return the maker's name, followed by the type of nut if this maker rates several types by different rules."""
+    """Return the maker's name, followed by the type of nut if this maker rates several types by different rules.
+
+    ``source``: table of the maker; ``row``: texts of the nut's row, by column.
+    """
     maker = source.head["maker"]
     if maker == "HIWIN":
         return f"{maker}, " + ("whole" if row["turns"].startswith("K") else "one-turn") + " recirculation"
@@ -160,9 +173,9 @@ def maker_and_type(source: Table, row: Mapping[str, str]) -> str:
 
 
 def compare_nut_ratings() -> Iterator[Outside]:
-    """Compare printed ratings C and C_0 of nuts with ISO 3408-5, where the ball diameter is printed.
+    """Yield printed load ratings C and C_0 of nuts with those by ISO 3408-5, where the ball diameter is printed.
 
-    Band of the computed value: usual ranges of conformity and of the fraction of turns filled with balls.
+    The band of the computed value covers the usual ranges of conformity and of the fraction of turns filled with balls.
     """
     for source in read_tables("nuts-"):
         for row in source.rows:
@@ -182,10 +195,11 @@ def filled_fraction(nut: Nut, static: float) -> float:
 
 
 def compare_nut_rigidity() -> Iterator[Outside]:
-    """Compare printed secant rigidities of nuts under 0.3 C with computed ones; preloaded nuts start at 0.1 C.
+    """Yield printed secant rigidities of nuts under an axial load of 0.3 C, with computed ones.
 
-    Computed from Hertz contacts and thick tubes. The maker's C_0 gives the number of balls, so that the band covers
-    conformity and 5 % of the balls only.
+    The secant of preloaded nuts starts at a load of 0.1 C. The rigidity is computed from Hertz contacts and thick tubes.
+    The number of balls follows from the maker's C_0, so that the band covers the range of conformity, and 5 % more or
+    fewer balls only.
     """
     for source in read_tables("nuts-"):
         for row in source.rows:
@@ -199,7 +213,7 @@ def compare_nut_rigidity() -> Iterator[Outside]:
             def secant_rigidity(
                 conformity: float, filling: float, nut: Nut = nut, load: float = load, held: float = preload
             ) -> float:
-                """Return the rigidity [N/m] from the preload to the load."""
+                """Return the secant rigidity [N/m] of the nut: load over the displacement from preload to load."""
                 start = nut_displacement(nut, conformity, filling, held) if held else 0.0
                 return load / (nut_displacement(nut, conformity, filling, load) - start)
 
@@ -212,10 +226,10 @@ def compare_nut_rigidity() -> Iterator[Outside]:
 
 
 def compare_preloaded_nuts() -> Iterator[Outside]:
-    """Compare Rexroth's printed rigidities of preloaded nuts at several preloads with computed ones.
+    """Yield Rexroth's printed rigidities of preloaded nuts at several preloads, with computed ones.
 
-    The highest preload is computed from contacts and tubes. Rigidities at the others are the printed one at the highest
-    preload times the cube root of the ratio of preloads.
+    The rigidity at the highest preload is computed from contacts and tubes. Those at the other preloads are the printed
+    rigidity at the highest preload times the cube root of the ratio of the preloads.
     """
     source = read_table("rexroth-preload")
     groups: dict[tuple[str, str], list[Mapping[str, str]]] = {}
@@ -258,7 +272,7 @@ FEW = 8
 
 def _screw_with_few_balls(nut: Nut) -> Scene:
     """Return the scene of one turn of a nut with `FEW` balls, on a screw that is supported at both ends."""
-    one = one_turn(nut, CONFORMITY)
+    one = scene_of_one_turn(nut, CONFORMITY)
     ends = (("ux", "uy", "rx", "ry", "rz"), ("ux", "uy"))
     at = (0.0, one.screw.length)
     return replace(
@@ -272,10 +286,10 @@ def _screw_with_few_balls(nut: Nut) -> Scene:
 
 @cache
 def torque_of_ball(nut: Nut, share: float, coefficient: float, *, double: bool) -> float:
-    """Return the drag torque [N m] of one ball that carries a force ``share`` [N] of the axial preload.
+    """Return the drag torque [N m] of one ball of a preloaded nut, or of two balls of a double nut, one in each nut.
 
-    In a single nut, an oversize ball is loaded on four flanks. For a double nut: twice the torque of a ball loaded on
-    two flanks, one ball in each nut.
+    ``share``: axial force [N] by which the preload acts on the ball; ``coefficient``: of friction; ``double``: whether the
+    nut is double, so that its balls are loaded on two flanks. In a single nut, oversize balls are loaded on four flanks.
     """
     scene = _screw_with_few_balls(nut)
     if double:
@@ -289,7 +303,11 @@ def torque_of_ball(nut: Nut, share: float, coefficient: float, *, double: bool) 
 
 
 def drag_torque(nut: Nut, preload: float, coefficient: float = DEFAULT, *, double: bool = False) -> float:
-    """Return the drag torque [N m] of a single or double nut under a preload [N], all turns filled with balls."""
+    """Return the drag torque [N m] of a nut under an axial preload [N], with all turns filled with balls.
+
+    ``coefficient``: of friction; ``double``: whether it is a double nut with balls loaded on two flanks, instead of a
+    single nut with oversize balls.
+    """
     balls = nut.touching * nut.turns
     return balls * torque_of_ball(nut, preload / balls, coefficient, double=double)
 
@@ -298,17 +316,26 @@ def drag_torque(nut: Nut, preload: float, coefficient: float = DEFAULT, *, doubl
 
 
 def drag_torque_rexroth(preload: float, diameter: float, lead: float) -> float:  # noqa: ARG001 - of every formula
-    """Return the drag torque T = 0.0100 F d_0 [N m] by the formula behind Rexroth's table of single nuts."""
+    """Return the drag torque T = 0.0100 F d_0 [N m] by the formula behind Rexroth's table of single nuts.
+
+    ``preload``: F [N]; ``diameter``: nominal diameter d_0 [m]; ``lead``: not used.
+    """
     return 0.01 * preload * diameter
 
 
 def drag_torque_thk(preload: float, diameter: float, lead: float) -> float:
-    """Return the drag torque T = 0.05/sqrt(tan beta) F P/(2 pi) [N m] by THK and JIS B 1192; beta: lead angle."""
+    """Return the drag torque T = 0.05/sqrt(tan beta) F P/(2 pi) [N m] by THK and JIS B 1192.
+
+    ``preload``: F [N]; ``diameter``: nominal diameter d_0 [m]; ``lead``: P [m]; beta: lead angle.
+    """
     return 0.05 / sqrt(lead / (pi * diameter)) * preload * lead / (2.0 * pi)
 
 
 def drag_torque_hiwin(preload: float, diameter: float, lead: float) -> float:  # noqa: ARG001 - of every formula
-    """Return the drag torque T = K_p F P/(2 pi) [N m] with K_p = 0.2, the middle of the range that HIWIN states."""
+    """Return the drag torque T = K_p F P/(2 pi) [N m] with K_p = 0.2, the middle of the range that HIWIN states.
+
+    ``preload``: F [N]; ``diameter``: not used; ``lead``: P [m].
+    """
     return 0.2 * preload * lead / (2.0 * pi)
 
 
@@ -321,10 +348,11 @@ FORMULAS = (
 
 @dataclass(frozen=True)
 class DragComparison:
-    """Drag torques of nuts of one nominal diameter and lead [m], each divided by preload times nominal diameter.
+    """Drag torques of nuts of one nominal diameter and lead, each divided by preload times nominal diameter.
 
-    ``single``, ``double``: computed at the default coefficient of friction, single and double nut; ``least``: both at the
-    least coefficient; ``formulas``: by the makers' `FORMULAS`.
+    ``diameter``: nominal diameter [m]; ``lead``: lead [m]; ``single``, ``double``: drag torque of a single and of a double
+    nut, computed at the default coefficient of friction; ``least``: the same two at the least coefficient; ``formulas``:
+    by the makers' `FORMULAS`, in their order.
     """
 
     diameter: float
@@ -345,7 +373,10 @@ def compared_nut(lead: float) -> Nut:
 
 
 def compare_drag_over_lead() -> list[DragComparison]:
-    """Compute the drag torque of a nut at several leads, by sliding balls and by makers' formulas; preload unchanged."""
+    """Return the drag torque of a nut for several leads, by the sliding of its balls and by the makers' formulas.
+
+    The axial force on a ball is the same for all leads.
+    """
     rows = []
     for lead in SWEPT[1]:
         nut, d0 = compared_nut(1e-3 * lead), 1e-3 * SWEPT[0]
@@ -356,12 +387,15 @@ def compare_drag_over_lead() -> list[DragComparison]:
 
 
 def power_exponent(values: list[float], over: list[float]) -> float:
-    """Return the exponent n of the power law values ~ over^n, fitted by least squares of logarithms."""
+    """Return the exponent n of the power law ``values`` ~ ``over``^n, fitted by least squares of the logarithms."""
     return float(np.polyfit(np.log(over), np.log(values), 1)[0])
 
 
 def compare_printed_torques() -> Iterator[Outside]:
-    """Compare Rexroth's printed ranges of drag torque with computed torques; not judged, since they follow a formula."""
+    """Yield Rexroth's printed ranges of drag torque with computed torques.
+
+    They are not judged, since the printed torques follow a formula.
+    """
     source = read_table("rexroth-preload")
     for row in source.rows:
         ball, outer, lead = (1e-3 * source.number(row[k]) for k in ("ball_diameter_mm", "nominal_diameter_mm", "lead_mm"))
@@ -385,7 +419,7 @@ MEASURED_LEAD, MEASURED_C, MEASURED_PRELOAD, DIAMETERS = 8e-3, 16_400.0, 1_500.0
 
 
 def torque_of_measured_screws() -> Band:
-    """Return the computed drag torque [N m] of the measured screws at the default friction coefficient, with its range.
+    """Return the computed drag torque [N m] of the measured screws, with its range, at the default friction coefficient.
 
     The value is that of the middle nominal diameter as a double nut; the range covers all diameters, single and double
     nuts. The number of turns follows from C, the ball is the largest stock size for the lead.
@@ -401,9 +435,9 @@ def torque_of_measured_screws() -> Band:
 
 
 def compare_measured_torques() -> Iterator[Outside]:
-    """Compare the measured mean friction torque of two screws, new and worn at the end of the test, with computed.
+    """Yield the measured mean friction torque of two screws, new and worn, with the computed torque.
 
-    Measurements in between belong to the same test and are left out.
+    Worn: at the end of the test. Measurements between start and end belong to the same test and are left out.
     """
     source = read_table("xjtu-torque")
     band = torque_of_measured_screws()

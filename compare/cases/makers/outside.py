@@ -27,13 +27,19 @@ class Band(NamedTuple):
 
     @classmethod
     def of(cls, values: Iterable[float], slack: float = 0.0) -> Band:
-        """Return a band: the first of the values, and the range of all values, widened by ``slack`` at each end."""
+        """Return the band with the first of some computed values, and with the range of all of them.
+
+        ``slack``: amount by which the range is widened at each end, in the unit of the values.
+        """
         every = [float(x) for x in values]
         return cls(every[0], min(every) - slack, max(every) + slack)
 
     @classmethod
     def within(cls, value: float, share: float) -> Band:
-        """Return a band: a value, and a range of plus or minus the fraction ``share`` of it."""
+        """Return the band with a computed value and a range of plus or minus a fraction of it.
+
+        ``share``: half width of the range over the value.
+        """
         return cls.of((value,), abs(value) * share)
 
 
@@ -41,11 +47,12 @@ class Band(NamedTuple):
 class Outside:
     """One published value of a maker, program, textbook or measurement, with the computed value.
 
-    ``quantity``: such as "rigidity"; ``law``: name of the model that computes it. ``maker``, ``item``, ``cls``,
-    ``origin``: publisher, part, class (such as "measured") and place. ``value``, ``rounding``: published value in ``unit``,
-    and half a step of its last digit. ``computed``: value and range in the same unit. ``scale``: value that percentages
-    refer to (0: ``value``). ``practice``: computed value reduced as makers do (80 % of a nut's rigidity). ``left``: why
-    the value is not judged, such as a misprint; else empty.
+    ``quantity``: such as "rigidity"; ``law``: name of the model that computes the quantity; ``maker``: publisher;
+    ``item``: part whose value it is; ``cls``: kind of source, such as "measured"; ``origin``: place of the value in the
+    source. ``value``: published value in ``unit``; ``rounding``: half a step of its last digit, or half of a published
+    range. ``computed``: computed value and its range in the same unit. ``scale``: value that errors in per cent refer to;
+    0: the published value. ``practice``: computed value reduced as makers reduce it (80 % of a nut's rigidity), or None.
+    ``left``: why the value is not judged, such as a misprint; empty if it is judged.
     """
 
     quantity: str
@@ -78,7 +85,7 @@ class Outside:
 
     @property
     def error_percent(self) -> float:
-        """Computed less published value, in per cent of the published value or of ``scale``."""
+        """Computed less published value, in per cent of the published value, or of ``scale`` unless that is 0."""
         return float(error_percent(self.computed.value, self.value, self.scale or None))
 
 
@@ -91,10 +98,12 @@ def compare_row(
     computed: Band,
     **others: Any,
 ) -> Outside:
-    """Compare a number in the row of a maker's table with the computed value; return both.
+    """Return a number printed in a row of a maker's table together with the computed value.
 
-    ``column``: column of the number. ``line``: column that gives the line in the original file. ``what``: quantity, model,
-    part and unit. ``others``: further fields of `Outside`.
+    ``source``: the table; ``row``: printed texts by column; ``line``: name of the column that gives the line in the
+    original file; ``column``: name of the column of the number. ``what``: quantity, name of the model, part, and unit of
+    the number, in this order. ``computed``: computed value and range in that unit. ``others``: values of further fields
+    of `Outside`.
     """
     quantity, law, item, unit = what
     fields: dict[str, Any] = {"maker": source.head["maker"], "rounding": half_step(row[column])} | others
@@ -118,8 +127,9 @@ def compare_row(
 class ErrorStatistics:
     """Statistics of the errors of computed against published values, for a group of them.
 
-    ``number``: of values; ``bias``, ``scatter``: mean and standard deviation of the errors [%]; ``inside``: number in the
-    computed band; ``width``: median width of the band [%]; ``practice``: mean error [%] of values reduced as makers do.
+    ``number``: number of values; ``bias``, ``scatter``: mean and standard deviation of the errors [%]; ``inside``: number
+    of published values in the computed band; ``width``: median width of the bands [% of the computed value];
+    ``practice``: mean error [%] of the computed values after reduction as makers reduce them, None without such values.
     """
 
     number: int
@@ -144,7 +154,10 @@ def bias_and_scatter(found: Sequence[Outside]) -> ErrorStatistics | None:
 
 
 def group_values(found: Iterable[Outside], *keys: str) -> dict[tuple[str, ...], list[Outside]]:
-    """Group published values by the fields ``keys``, in order of first occurrence."""
+    """Group published values by fields of `Outside`, in order of first occurrence.
+
+    ``keys``: names of these fields. The groups are returned by the tuple of the fields' values.
+    """
     groups: dict[tuple[str, ...], list[Outside]] = {}
     for one in found:
         groups.setdefault(tuple(getattr(one, key) for key in keys), []).append(one)
@@ -159,13 +172,13 @@ NUMBER = Quantity("number", "outside values", "", ".0f")
 
 
 def statistics_by_quantity(found: Sequence[Outside]) -> dict[str, dict[Quantity, Cell]]:
-    """Return number, bias and scatter [%] of the published values, by quantity, as table columns."""
+    """Return the cells with number, bias [%] and scatter [%] of the judged values, by name of the quantity."""
     rows = {key: bias_and_scatter(values) for (key,), values in group_values(found, "quantity").items()}
     return {key: {NUMBER: s.number, BIAS: s.bias, SCATTER: s.scatter} for key, s in rows.items() if s is not None}
 
 
 def summary_table(found: Sequence[Outside]) -> Table:
-    """Return the table of bias and scatter, with one row for each quantity, model and publisher."""
+    """Return the table of bias and scatter of the computed values' errors: a row for each quantity, model and publisher."""
     rows: list[dict[Quantity | str, Cell]] = []
     without: list[str] = []
     for (quantity, law, group), values in group_values(found, "quantity", "law", "group").items():
@@ -258,7 +271,10 @@ OTHERS = {("external-contact", "approach"): "displacement"}
 
 
 def compare_external_tables(study: Study) -> Iterator[Outside]:
-    """Compare every number of the printed tables `PRINTED` that is computed; numbers of class "open" are not judged."""
+    """Yield every number of the printed tables `PRINTED` with its computed value, if it has one.
+
+    Numbers of class "open", whose basis is not printed, are yielded but not judged.
+    """
     for name, (maker, cls) in PRINTED.items():
         if name not in computations_by_table():
             continue
@@ -285,9 +301,9 @@ def compare_external_tables(study: Study) -> Iterator[Outside]:
 
 
 def compare_calculix(study: Study) -> Iterator[Outside]:
-    """Compare contact loads by the program CalculiX, extrapolated over its meshes, with those of the 3D reference.
+    """Yield the contact loads [N] by the program CalculiX, extrapolated over its meshes, with those of the 3D reference.
 
-    Errors are in per cent of the mean contact load.
+    The loads of the 3D reference stand for the computed values; errors are in per cent of the mean contact load.
     """
     from rollbench.compare.studies.crosscheck.results import contact_rows, load_results, result_path, shipped_results
     from rollbench.compare.studies.crosscheck.study import STUDIES

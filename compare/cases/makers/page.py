@@ -47,14 +47,20 @@ def _compare_all(study: Study) -> tuple[outside.Outside, ...]:
 
 
 def first_page(study: Study) -> dict[str, dict[Quantity, Cell]]:
-    """Return number, bias and scatter of the published values by quantity, as columns for the report's first page."""
+    """Return number, bias [%] and scatter [%] of the published values, as table cells for the report's first page.
+
+    The outer keys are the names of the quantities.
+    """
     return outside.statistics_by_quantity(published_values(study))
 
 
 def _statistics_of(
     found: Sequence[outside.Outside], quantity: str, law: str = "", maker: str = ""
 ) -> outside.ErrorStatistics:
-    """Return the statistics of the errors of one quantity; ``law``, ``maker``: how the names of model and maker begin."""
+    """Return the statistics of the errors of one quantity, of which at least one value must be judged.
+
+    ``law``, ``maker``: how the names of the models and makers begin that count; empty: all.
+    """
     values = [x for x in found if x.quantity == quantity and x.law.startswith(law) and x.maker.startswith(maker)]
     result = outside.bias_and_scatter(values)
     assert result is not None
@@ -68,7 +74,10 @@ def _clearance_errors(found: Sequence[outside.Outside]) -> Array:
 
 
 def conclusion(found: Sequence[outside.Outside]) -> str:
-    """Return the page's conclusion: share of values in the computed band, and errors where no input is assumed."""
+    """Return the page's conclusion: share of values in the computed band, and errors where no input is assumed.
+
+    ``found``: all published values with the computed ones.
+    """
     judged = [x for x in found if not x.left]
     clear = _statistics_of(found, "displacement", "bearing whose angle turns")
     off = _clearance_errors(found)

@@ -18,7 +18,8 @@ UNITS = {"N": 1.0, "kN": 1e3, "kgf": 9.80665, "daN": 10.0, "N/um": 1e6, "kgf/um"
 class Table:
     """A table printed by a maker, from one CSV file.
 
-    ``head``: maker, origin, class, number format and remarks; ``rows``: printed texts by column.
+    ``name``: name of the file without ``.csv``; ``head``: texts of the file's first lines by key (maker, origin, class,
+    number format, remarks); ``rows``: for each row, the printed texts by name of the column.
     """
 
     name: str
@@ -31,11 +32,15 @@ class Table:
         return float(plain.replace(self.head.get("decimal", "."), "."))
 
     def unit(self, key: str) -> float:
-        """Return the factor to SI of a unit stated in the table's head; ``key``: such as "load_unit"."""
+        """Return the factor to SI of a unit that the table's head states; ``key``: name of the line, as "load_unit"."""
         return UNITS[self.head[key]]
 
     def misprinted(self, what: str) -> bool:
-        """Return whether an entry is a known misprint; ``what``: part, or part and quantity, as in the table's head."""
+        """Return whether the table's head lists an entry as a misprint.
+
+        ``what``: name of the part, or name of the part and quantity, such as "SFE1632-3 rigidity". A name that is listed
+        without a quantity stands for all quantities of the part.
+        """
         return any(what.startswith(known) for known in self.head.get("misprints", "-").split("; "))
 
 

@@ -89,7 +89,10 @@ def parameters_figure() -> Figure:
 
 
 def stiffness_panel(found: Sequence[Evidence]) -> Panel:
-    """Draw the stiffness of one bearing over thrust: computed, by Smith's spreadsheets, and tested."""
+    """Draw the axial stiffness of one bearing over its thrust: computed, by Smith's spreadsheets, and tested.
+
+    ``found``: printed values of Smith's thesis with the computed ones.
+    """
     loads = np.linspace(100.0, 3000.0, 30)
     tested = [f for f in found if f.printed.table == "smith-2.2" and f.printed.key.startswith("measured_")]
     at = [float(f.printed.key.removeprefix("measured_")) for f in tested]
@@ -122,13 +125,16 @@ def stiffness_panel(found: Sequence[Evidence]) -> Panel:
 
 
 def axis_panel(found: Sequence[Evidence]) -> Panel:
-    """Draw the axis stiffness over the nut's position, for both kinds of support, with Smith's sum in series."""
+    """Draw the axis stiffness over the nut's position, for ball and tapered support bearings, with Smith's sum in series.
+
+    ``found``: printed values of Smith's thesis with the computed ones.
+    """
     places = np.linspace(0.0, 1.0, 41)
     at = [float(x) for x in places]
     unit = 1e6 * bearings.POUND_PER_INCH
     series = []
     for kind in axis.KINDS:
-        k = axis.end_state(kind, "left", "stretch").stiffness
+        k = axis.bearing_state_at_end(kind, "left", "stretch").stiffness
         for words, right in (("fixed-fixed", k), ("fixed-supported", 0.0)):
             a = bearings.screw_axis(k, right)
             values = axis_stiffness(a, a.length * places, bearings.NUT) / unit
@@ -139,7 +145,10 @@ def axis_panel(found: Sequence[Evidence]) -> Panel:
 
 
 def stiffness_figure(found: Sequence[Evidence]) -> Figure:
-    """Draw the stiffness of the support bearings over thrust, and of the axis over the nut's position."""
+    """Draw the stiffness of the support bearings over thrust, and that of the axis over the nut's position.
+
+    ``found``: printed values of Smith's thesis with the computed ones.
+    """
     sums = [f for kind in axis.KINDS for f in found if f.printed.key == f"total_{kind}"]
     stiffer = [100.0 * (f.value / f.as_printed - 1.0) for f in sums if f.value and f.as_printed]
     caption = (
@@ -153,7 +162,10 @@ def stiffness_figure(found: Sequence[Evidence]) -> Figure:
 
 
 def row_loads_figure(found: Sequence[Evidence]) -> Figure:
-    """Draw the loads of all bearing rows of section 4.2: printed by Smith, and computed from equilibrium."""
+    """Draw the loads of all bearing rows of section 4.2 as Smith prints them, and as computed from equilibrium.
+
+    ``found``: printed values of Smith's thesis with the computed ones.
+    """
     panels = []
     for kind, words in (("ball", "ball bearings"), ("taper", "tapered roller bearings")):
         series, names = [], []
@@ -219,7 +231,7 @@ ROLLER_NOTE = (
 
 
 def roller_table_and_figure(study: Study) -> tuple[Table | Figure, ...]:
-    """Return table and figure of one tapered roller in 3D and by low-order laws, from stored runs; empty without runs."""
+    """Return table and figure of one tapered roller in 3D and by low-order laws; an empty tuple without stored 3D runs."""
     study.uses(("smith-axis-taper",))
     scene = catalogue.shipped("smith-axis-taper")
     assert isinstance(scene, Assembly)

@@ -9,7 +9,11 @@ from tests.friction_oracles import ball_cell, coupled_ball
 from tests.helpers import SCREW_STATES as STATES
 
 from rollbench.compare.cases.lin.evidence import source_cases
-from rollbench.compare.cases.lin.evidence.source_cases import case_as_printed, inferred, table_3_6
+from rollbench.compare.cases.lin.evidence.source_cases import (
+    groove_of_table_3_6,
+    pair_as_printed,
+    pair_with_inferred_oversize,
+)
 from rollbench.lowfi import jit
 from rollbench.lowfi.friction.bearing import solve_ball
 from rollbench.lowfi.friction.contact.rings import cell_state
@@ -20,7 +24,7 @@ from rollbench.lowfi.friction.screw.chain import Chain, solve_chain
 from rollbench.lowfi.friction.screw.groove import ON_SCREW, ScrewGroove, section_frame
 from rollbench.lowfi.friction.screw.motion import ball_motion, ball_motion_by_root, load_arrays, settle_load, source_law
 
-SCREW = table_3_6()
+SCREW = groove_of_table_3_6()
 TWO = np.radians(2.0)
 FLIP = [1, 0, 3, 2]  # SL <-> SR, NL <-> NR
 
@@ -104,7 +108,7 @@ def test_contact_spacing_of_3_72_is_exact_for_zero_lead_only() -> None:
 
 def test_loads_are_the_least_energy(rng: np.random.Generator) -> None:
     """Against a search that knows the energy only, and its gradient against differences."""
-    pair = replace(inferred(TWO), free="rz", force=(3.0, 50.0))
+    pair = replace(pair_with_inferred_oversize(TWO), free="rz", force=(3.0, 50.0))
     cell = replace(pair.cell(), push=np.array([[1.0, -2.0], [0.5, 3.0]]))
     scale, arrays = 1e-6, load_arrays(cell)
     state = cell_state(arrays)
@@ -137,7 +141,7 @@ def test_loads_are_the_least_energy(rng: np.random.Generator) -> None:
 @pytest.mark.parametrize("oversize", [-1e-5, 0.0, 1.7e-6])
 @pytest.mark.parametrize("force", [1e-3, 1.0, 1e3])
 def test_loads_from_random_starts(oversize: float, force: float, rng: np.random.Generator) -> None:
-    cell = replace(case_as_printed(TWO), oversize=oversize, force=(force,)).cell()
+    cell = replace(pair_as_printed(TWO), oversize=oversize, force=(force,)).cell()
     reference = settle_load(cell)
     assert reference.converged
     for _ in range(5):

@@ -6,7 +6,11 @@ import numpy as np
 import pytest
 from tests.friction_oracles import ball_cell, coupled_ball
 
-from rollbench.compare.cases.lin.evidence.source_cases import case_as_printed, inferred, table_3_6
+from rollbench.compare.cases.lin.evidence.source_cases import (
+    groove_of_table_3_6,
+    pair_as_printed,
+    pair_with_inferred_oversize,
+)
 from rollbench.lowfi.friction.screw.chain import PATIENCE, CoupledChain, Guess, coupled_chain, solve_joint
 from rollbench.lowfi.friction.screw.motion import forces_of_friction, hold_screw, settle_load
 from rollbench.lowfi.friction.screw.run import BOTH, Pair, solve_pair
@@ -36,7 +40,7 @@ def out_of_balance(pair: Pair, state: CoupledChain) -> float:
 @pytest.mark.parametrize("case", WEDGED)
 def test_wedged_pairs_and_balls_converge_and_are_in_equilibrium(case) -> None:
     force, clearance, theta, mu = case
-    pair = Pair(table_3_6(mu=mu), tuple(np.radians(theta)), oversize=-clearance, force=(force,), coupling="ball")
+    pair = Pair(groove_of_table_3_6(mu=mu), tuple(np.radians(theta)), oversize=-clearance, force=(force,), coupling="ball")
     r = solve_pair(pair)
     assert r.converged
     assert r.free.rounds > PATIENCE
@@ -49,7 +53,7 @@ def test_wedged_pairs_and_balls_converge_and_are_in_equilibrium(case) -> None:
 
 
 @pytest.mark.parametrize("coupling", ["ball", "ball and screw"])
-@pytest.mark.parametrize("make", [case_as_printed, inferred])
+@pytest.mark.parametrize("make", [pair_as_printed, pair_with_inferred_oversize])
 def test_one_system_gives_what_rounds_give(make, coupling: str) -> None:
     """Two ways that share the laws only: rounds and Newton's method on everything at once."""
     pair = replace(make(np.radians(2.0)), coupling=coupling)
@@ -75,7 +79,7 @@ def test_random_pairs_converge(coupling: str, count: int) -> None:
     for _ in range(count):
         force, clearance = 10.0 ** rng.uniform(-3.0, 5.0), 10.0 ** rng.uniform(-7.0, -5.0) * rng.choice([1.0, 1.0, -0.3])
         theta, mu = tuple(np.radians(rng.uniform(-5.0, 5.0, 2))), np.exp(rng.uniform(np.log(1e-3), np.log(0.5)))
-        pair = Pair(table_3_6(mu=mu), theta, oversize=-clearance, force=(force,))
+        pair = Pair(groove_of_table_3_6(mu=mu), theta, oversize=-clearance, force=(force,))
         pair = replace(pair, coupling=coupling)  # type: ignore[arg-type]
         r = solve_pair(pair)
         assert r.converged
@@ -92,7 +96,7 @@ def test_a_floating_ball_may_wedge_itself() -> None:
     With 1 um of clearance under 0.01 N the second ball has play; pushed aside once, it stays wedged, at 18 times the
     load of the first. Both states are in balance.
     """
-    pair = replace(case_as_printed(np.radians(2.0)), oversize=-1e-6, force=(0.01,))
+    pair = replace(pair_as_printed(np.radians(2.0)), oversize=-1e-6, force=(0.01,))
     floats = solve_pair(pair).free
     load = floats.load.force.sum(axis=1)
     assert load[1] < 1e-9 * load[0]
@@ -109,7 +113,7 @@ def test_a_floating_ball_may_wedge_itself() -> None:
 
 
 def test_a_contact_past_the_apex_keeps_its_sign():
-    groove = replace(table_3_6(), contact_angle=0.02)
+    groove = replace(groove_of_table_3_6(), contact_angle=0.02)
     cell = ball_cell(groove, np.zeros(4), 2e-6, "z", np.array([200.0]))
     found = settle_load(cell)
     normal = groove.normals(found.angle)

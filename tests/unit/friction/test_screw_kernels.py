@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from rollbench.compare.cases.lin.evidence.source_cases import case_as_printed, inferred
+from rollbench.compare.cases.lin.evidence.source_cases import pair_as_printed, pair_with_inferred_oversize
 from rollbench.lowfi.friction.screw.chain import Chain, solve_chain, solve_joint
 from rollbench.lowfi.friction.screw.motion import hold_screw, settle_load
 
@@ -16,7 +16,7 @@ SLACK = np.array([0.0, np.inf])
 @pytest.mark.parametrize("free", ["", "z", "rz"])
 @pytest.mark.parametrize("oversize", [-3e-6, 0.0, 1.7e-6])
 def test_both_engines_settle_alike(free: str, oversize: float) -> None:
-    pair = replace(inferred(TWO), oversize=oversize, free=free, force=(3.0, 50.0)[2 - len(free) :])
+    pair = replace(pair_with_inferred_oversize(TWO), oversize=oversize, free=free, force=(3.0, 50.0)[2 - len(free) :])
     push = np.zeros((2, 2)) if oversize < 0.0 else np.array([[1.0, -2.0], [0.5, 3.0]])
     cell = replace(pair.cell(), push=push)
     fast, slow = settle_load(cell), settle_load(cell, fast=False)
@@ -27,7 +27,7 @@ def test_both_engines_settle_alike(free: str, oversize: float) -> None:
     assert fast.angle == pytest.approx(slow.angle, rel=1e-13)
 
 
-@pytest.mark.parametrize("make", [case_as_printed, inferred])
+@pytest.mark.parametrize("make", [pair_as_printed, pair_with_inferred_oversize])
 def test_both_engines_move_alike(make) -> None:
     """Motion, ball-to-ball force and losses, from the same loads."""
     cell = make(TWO).cell()
@@ -45,7 +45,7 @@ def test_both_engines_move_alike(make) -> None:
 
 
 def test_both_engines_solve_the_joint_system_alike() -> None:
-    cell = case_as_printed(TWO).cell()
+    cell = pair_as_printed(TWO).cell()
     load = settle_load(cell)
     held = hold_screw(cell, load)
     fast, slow = (solve_joint(held, SLACK, (load.ball, np.zeros(0)), fast=f) for f in (True, False))

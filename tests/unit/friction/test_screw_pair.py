@@ -7,14 +7,18 @@ import pytest
 from scipy.optimize import minimize
 from tests.helpers import SCREW_STATES as STATES
 
-from rollbench.compare.cases.lin.evidence.source_cases import case_as_printed, inferred, table_3_6
+from rollbench.compare.cases.lin.evidence.source_cases import (
+    groove_of_table_3_6,
+    pair_as_printed,
+    pair_with_inferred_oversize,
+)
 from rollbench.lowfi.friction.contact.laws import dissipated_power
 from rollbench.lowfi.friction.screw.chain import BalanceSearch, Chain, solve_chain
 from rollbench.lowfi.friction.screw.groove import SIGN_X, SIGN_Z
 from rollbench.lowfi.friction.screw.motion import ball_motion, screw_contacts, settle_load
 from rollbench.lowfi.friction.screw.run import BOTH, implied_load, oversize_map, sliding_speed, solve_pair
 
-SCREW = table_3_6()
+SCREW = groove_of_table_3_6()
 TWO = np.radians(2.0)
 FLIP = [1, 0, 3, 2]  # SL <-> SR, NL <-> NR
 
@@ -24,7 +28,7 @@ def open_chain(screw, force, angle) -> Chain:
     return Chain(screw, force, screw.normals(angle), np.append(np.zeros(len(force) - 1), np.inf))
 
 
-@pytest.mark.parametrize("make", [case_as_printed, inferred])
+@pytest.mark.parametrize("make", [pair_as_printed, pair_with_inferred_oversize])
 @pytest.mark.parametrize("coupling", ["none", "ball", "ball and screw"])
 def test_pair_in_equilibrium(make, coupling: str) -> None:
     """All balls with ball-to-ball force and friction; energy; complementarity."""
@@ -63,8 +67,13 @@ def test_radial_part_of_the_ball_force_keeps_its_sign() -> None:
 @pytest.mark.compiles(18)
 def test_swapped_balls() -> None:
     """Half a turn about x3 swaps the balls, left and right, and reverses the motion and the axial force."""
-    one = solve_pair(inferred(TWO))
-    turned = replace(inferred(TWO), groove=replace(SCREW, nut_speed=-SCREW.nut_speed), theta=(TWO, 0.0), force=(-50.0,))
+    one = solve_pair(pair_with_inferred_oversize(TWO))
+    turned = replace(
+        pair_with_inferred_oversize(TWO),
+        groove=replace(SCREW, nut_speed=-SCREW.nut_speed),
+        theta=(TWO, 0.0),
+        force=(-50.0,),
+    )
     two = solve_pair(turned)
     assert two.force == pytest.approx(one.force, rel=1e-9)
     assert two.friction_increase == pytest.approx(one.friction_increase, rel=1e-9)
@@ -73,17 +82,17 @@ def test_swapped_balls() -> None:
 
 
 def test_reversed_motion_parts_the_pair() -> None:
-    pair = replace(inferred(TWO), groove=replace(SCREW, nut_speed=-SCREW.nut_speed))
+    pair = replace(pair_with_inferred_oversize(TWO), groove=replace(SCREW, nut_speed=-SCREW.nut_speed))
     r = solve_pair(pair)
     assert r.force == 0.0
     assert r.touching.motion.q[1, 0] > r.touching.motion.q[0, 0]
     assert r.touching.motion.loss == pytest.approx(r.free.motion.loss, rel=1e-9)
-    same = solve_pair(replace(inferred(0.0), coupling="none"))
+    same = solve_pair(replace(pair_with_inferred_oversize(0.0), coupling="none"))
     assert same.force == pytest.approx(0.0, abs=1e-6)
 
 
 def test_pair_does_not_depend_on_the_start(rng: np.random.Generator) -> None:
-    cell = inferred(TWO).cell()
+    cell = pair_with_inferred_oversize(TWO).cell()
     load = settle_load(cell)
     chain = open_chain(SCREW, load.force, load.angle)
     one = solve_chain(chain)
@@ -140,9 +149,11 @@ def test_chains_converge(count: int, load: float) -> None:
 
 @pytest.mark.parametrize("mu", [0.0, 0.001, 0.5])
 def test_friction_coefficients(mu: float) -> None:
-    r = solve_pair(replace(inferred(TWO), groove=replace(SCREW, mu=mu)))
+    r = solve_pair(replace(pair_with_inferred_oversize(TWO), groove=replace(SCREW, mu=mu)))
     assert r.converged
-    assert r.free.motion.loss == pytest.approx(mu / 0.1 * solve_pair(inferred(TWO)).free.motion.loss, rel=1e-8)
+    assert r.free.motion.loss == pytest.approx(
+        mu / 0.1 * solve_pair(pair_with_inferred_oversize(TWO)).free.motion.loss, rel=1e-8
+    )
     assert np.isnan(r.friction_increase) == (mu == 0.0)
 
 
@@ -158,11 +169,11 @@ def test_two_point_chain_with_unloaded_balls_converges() -> None:
 
 
 def test_map_of_the_assumptions() -> None:
-    m = oversize_map(inferred(TWO), np.array([1.0, 1.7, 2.5]) * 1e-6, np.array([0.0, 50.0]))
+    m = oversize_map(pair_with_inferred_oversize(TWO), np.array([1.0, 1.7, 2.5]) * 1e-6, np.array([0.0, 50.0]))
     assert m.converged.all()
     assert np.all(np.diff(m.force, axis=0) > 0.0)
     assert np.all(np.diff(m.increase, axis=0)[:, 0] < 0.0)
-    assert m.force[1, 1] == pytest.approx(solve_pair(inferred(TWO)).force, rel=1e-9)
+    assert m.force[1, 1] == pytest.approx(solve_pair(pair_with_inferred_oversize(TWO)).force, rel=1e-9)
 
 
 @pytest.mark.parametrize(
@@ -180,7 +191,7 @@ def test_bad_input(change, match) -> None:
 
 
 def test_the_load_that_a_force_and_its_losses_imply_is_the_one_whose_losses_they_are() -> None:
-    pair = inferred(TWO)
+    pair = pair_with_inferred_oversize(TWO)
     force, load = 3.0, 120.0
     each = ball_motion(pair.groove, np.full(4, load / 4.0), np.full(4, pair.groove.contact_angle)).motion.loss
     increase = 0.5 * pair.groove.mu * force * sliding_speed(pair) / each

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from scipy.interpolate import CubicSpline
 
-from rollbench.compare.cases.lin.evidence.source_cases import lin_3_4_4
+from rollbench.compare.cases.lin.evidence.source_cases import run_of_section_3_4_4
 from rollbench.lowfi.friction.screw.motion import ball_motion
 from rollbench.lowfi.friction.screw.run import cell_at_instant, deviation, equal_steps, summarise
 from rollbench.lowfi.friction.screw.travel import History
@@ -17,7 +17,7 @@ pytestmark = pytest.mark.xdist_group("whole run of the source")
 
 @cache
 def result(**changes) -> History:
-    return equal_steps(lin_3_4_4(**changes))
+    return equal_steps(run_of_section_3_4_4(**changes))
 
 
 CASES = {
@@ -55,7 +55,7 @@ def test_without_deviation_nothing_touches() -> None:
 
 def test_free_balls_follow_their_speeds() -> None:
     """While nothing touches, each ball's azimuth is the integral of its own speed over theta: separate quadrature."""
-    run = lin_3_4_4(amplitude=np.radians(0.5), steps=400, duration=0.4)
+    run = run_of_section_3_4_4(amplitude=np.radians(0.5), steps=400, duration=0.4)
     r = equal_steps(run)
     assert not r.contact.any()
     turned, loads = np.radians(np.linspace(-0.5, 0.5, 9)), np.median(r.load.reshape(-1, 4), axis=0)
@@ -77,7 +77,7 @@ def test_finer_steps_converge() -> None:
 
 
 def test_recirculation_folds_balls_into_the_nut() -> None:
-    run = lin_3_4_4(tube=0.4)
+    run = run_of_section_3_4_4(tube=0.4)
     azimuth = np.array([-7.0, -6.0, 0.0, 6.0, 6.4, 6.9])
     there, loaded = run.place(azimuth, 0.0)
     assert there == pytest.approx([-7.0 + run.ring, -6.0, 0.0, 6.0, 6.4, -6.9 + 2.0 * 6.9 - run.ring], abs=1e-12)
@@ -106,7 +106,7 @@ def test_axial_force_is_carried() -> None:
 
 def test_reversed_motion_and_mirrored_pattern() -> None:
     """Half a turn about x swaps left and right, order and direction: the same torque."""
-    run = lin_3_4_4(steps=40, duration=0.4)
+    run = run_of_section_3_4_4(steps=40, duration=0.4)
     one = equal_steps(run)
     g = run.groove
     back = replace(run, groove=replace(g, nut_speed=-g.nut_speed), force=(-1500.0,), amplitude=-run.amplitude)
@@ -119,7 +119,7 @@ def test_reversed_motion_and_mirrored_pattern() -> None:
 @pytest.mark.parametrize(("change", "match"), [({"count": 38}, "38 balls"), ({"steps": 0}, "steps")])
 def test_bad_input(change: dict[str, int], match: str) -> None:
     with pytest.raises(ValueError, match=match):
-        lin_3_4_4(**change)
+        run_of_section_3_4_4(**change)
 
 
 def test_summary() -> None:

@@ -5,7 +5,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from rollbench.compare.cases.lin.evidence.source_cases import case_as_printed, inferred, lin_3_4_4, table_3_6
+from rollbench.compare.cases.lin.evidence.source_cases import (
+    groove_of_table_3_6,
+    pair_as_printed,
+    pair_with_inferred_oversize,
+    run_of_section_3_4_4,
+)
 from rollbench.lowfi.friction.as_source.screw import (
     BallPositions,
     loads_by_root,
@@ -22,13 +27,14 @@ TWO = np.radians(2.0)
 
 def few_balls(count=6, steps=40) -> Run:
     """A screw with few balls that fill its turns as 3.4.4 does."""
-    base = lin_3_4_4()
+    base = run_of_section_3_4_4()
     turns = count * base.groove.pair.spacing / (2.0 * np.pi * 0.978)
     return replace(base, count=count, turns=turns, force=(1500.0 * count / 37,), steps=steps, duration=0.01 * steps)
 
 
 @pytest.mark.parametrize(
-    "pair", [inferred(TWO), case_as_printed(TWO), replace(case_as_printed(TWO), free="zr", force=(30.0, 20.0))]
+    "pair",
+    [pair_with_inferred_oversize(TWO), pair_as_printed(TWO), replace(pair_as_printed(TWO), free="zr", force=(30.0, 20.0))],
 )
 def test_loads_are_ours(pair):
     cell = pair.cell()
@@ -40,7 +46,7 @@ def test_loads_are_ours(pair):
 
 
 def test_loads_that_are_not_found_are_not_converged():
-    cell = case_as_printed(TWO).cell()
+    cell = pair_as_printed(TWO).cell()
     away = starting_positions(cell)
     lost = BallPositions(away.ball, away.gamma, -away.screw)  # off the flanks: nothing has stiffness
     assert not loads_by_root(cell, lost).converged
@@ -48,7 +54,7 @@ def test_loads_that_are_not_found_are_not_converged():
 
 @pytest.mark.parametrize("theta", [1.0, 3.0])
 def test_pair_at_given_loads_is_ours(theta):
-    pair = inferred(np.radians(theta))
+    pair = pair_with_inferred_oversize(np.radians(theta))
     ours, found = solve_pair(pair), screw_pair_by_root(pair)
     assert found.motion.status == "exact"
     assert found.motion.ball_force[0] == pytest.approx(ours.force, rel=1e-8)
@@ -59,17 +65,17 @@ def test_pair_at_given_loads_is_ours(theta):
 
 def test_pair_goes_to_ours_as_the_sigmoid_sharpens():
     """Contacts spin with about four times the reference: friction lacks 1 - tanh(2 k_S), the force about as much."""
-    ours = solve_pair(inferred(TWO)).force
+    ours = solve_pair(pair_with_inferred_oversize(TWO)).force
     for k in (1.0, 1.5, 2.0, 3.0):
-        law, lacking = source_law(table_3_6(), k), 1.0 - np.tanh(2.0 * k)
-        off = abs(screw_pair_by_root(inferred(TWO), law).motion.ball_force[0] / ours - 1.0)
+        law, lacking = source_law(groove_of_table_3_6(), k), 1.0 - np.tanh(2.0 * k)
+        off = abs(screw_pair_by_root(pair_with_inferred_oversize(TWO), law).motion.ball_force[0] / ours - 1.0)
         assert 0.5 * lacking < off < 1.5 * lacking
 
 
 @pytest.mark.parametrize("theta", [1.0, 2.0, 3.0])
 def test_coupled_pair_has_ours_as_a_root(theta):
     """Ten equations a ball and one of contact hold where loads and friction agree by our own way (3.71, 3.75-3.77)."""
-    pair = case_as_printed(np.radians(theta))
+    pair = pair_as_printed(np.radians(theta))
     ours = solve_pair(pair)
     found = screw_pair_by_root(pair, None, start_from_result(ours, False), start_from_result(ours, True))
     assert found.motion.status == "exact"

@@ -8,7 +8,7 @@ from scipy.special import ellipe
 from tests.helpers import ALL_BUT_AXIAL, small_screw, solved, with_ingredients
 from tests.whole_screws import AXIAL, MU, scene_of, single, state
 
-from rollbench.compare.cases.lin.evidence.source_cases import four_point, table_3_6
+from rollbench.compare.cases.lin.evidence.source_cases import four_point_bearing, groove_of_table_3_6
 from rollbench.lowfi.friction.bearing import solve_bearing
 from rollbench.lowfi.friction.screw.groove import ScrewGroove
 from rollbench.lowfi.friction.screw.motion import ball_motion
@@ -19,7 +19,7 @@ from rollbench.meshes.errors import specimen
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import Load, Motion, Support
 
-HELIX = replace(table_3_6(), nut_speed=7.0, screw_speed=0.0)
+HELIX = replace(groove_of_table_3_6(), nut_speed=7.0, screw_speed=0.0)
 #: Forces [N] of a four-point contact, and what turns its angles [rad].
 FOUR, TURNED = (100.0, 80.0, 75.0, 105.0), np.array([0.02, -0.01, 0.03, 0.0])
 
@@ -52,7 +52,7 @@ def test_ring_under_axial_load_spins_at_one_ring_only():
 
 @pytest.mark.parametrize("angle", [0.1, 0.7, 1.4])
 def test_four_point_ring_is_that_of_the_bearing_pairs(angle):
-    case = four_point(tilt=False)
+    case = four_point_bearing(tilt=False)
     expected = solve_bearing(case, angle)
     scene = ring_at(angle, case.force, case.groove, case.clearance, case.count)
     found = state(scene, motion=Motion(20.0 * np.pi))

@@ -9,7 +9,7 @@ from tests.friction_runs import setting
 from tests.helpers import mirrored, small_screw
 from tests.whole_screws import SCENES, TURN, scene_of, single, state
 
-from rollbench.compare.cases.lin.evidence.source_cases import table_3_6
+from rollbench.compare.cases.lin.evidence.source_cases import groove_of_table_3_6
 from rollbench.compare.scenes import catalogue
 from rollbench.lowfi.friction.whole.feedback import ball_seats, feed_back
 from rollbench.lowfi.friction.whole.losses import ball_friction
@@ -19,7 +19,7 @@ from rollbench.meshes.parts import Friction, Motion
 
 def coupled(mu, load):
     """A ball whose loads know of its friction: contacts, power lost, torque that drives the screw by sums in space."""
-    groove = replace(table_3_6(), mu=mu, nut_speed=0.0, screw_speed=5.0)
+    groove = replace(groove_of_table_3_6(), mu=mu, nut_speed=0.0, screw_speed=5.0)
     held = coupled_ball(ball_cell(groove, np.zeros(4), 2e-6, "z", np.array([load])), "ball and screw", fast=False)
     at, scene = single(held.load.force[0], held.load.angle[0], groove), scene_of(groove)
     assert held.converged
@@ -36,8 +36,10 @@ def test_torque_by_virtual_work_is_exact_with_feedback_and_of_first_order_withou
         power, axial, moment, scene, _ = coupled(mu, load)
         assert axial == pytest.approx(load, rel=1e-8), "on the balls: what the load presses with, friction included"
         assert moment == pytest.approx(power / 5.0 - ratio * load, rel=1e-8), "T Omega + F r Omega = P"
-        bare = coupled_ball(ball_cell(replace(table_3_6(), mu=0.0), np.zeros(4), 2e-6, "z", np.array([load])), "none")
-        at = single(bare.load.force[0], bare.load.angle[0], table_3_6())
+        bare = coupled_ball(
+            ball_cell(replace(groove_of_table_3_6(), mu=0.0), np.zeros(4), 2e-6, "z", np.array([load])), "none"
+        )
+        at = single(bare.load.force[0], bare.load.angle[0], groove_of_table_3_6())
         first = sum_friction(scene, at, ball_friction(scene, at, Friction(mu, mu), Motion(5.0)), Motion(5.0))
         assert first.load == pytest.approx(load, rel=1e-8)
         left.append(abs(first.on_screw - moment))
@@ -60,7 +62,7 @@ def fed(groove, load, oversize, mu, drive):
 @pytest.mark.parametrize(("oversize", "load"), [(6e-6, 50.0), (2e-6, 50.0), (0.0, 200.0), (-3e-6, 200.0)])
 def test_feedback_on_a_ball_is_that_of_the_coupled_solver(mu, oversize, load):
     """Four flanks, two of them, and a third one that friction makes the ball touch."""
-    groove = replace(table_3_6(), mu=mu, nut_speed=0.0, screw_speed=5.0)
+    groove = replace(groove_of_table_3_6(), mu=mu, nut_speed=0.0, screw_speed=5.0)
     expected = coupled_ball(ball_cell(groove, np.zeros(4), oversize, "z", np.array([load])), "ball and screw")
     assert expected.converged
     scene, found = fed(groove, load, oversize, mu, Motion(5.0))

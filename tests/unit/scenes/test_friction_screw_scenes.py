@@ -6,7 +6,13 @@ import numpy as np
 import pytest
 from tests.shipped_texts import changed
 
-from rollbench.compare.cases.lin.evidence.source_cases import case_as_printed, double_row, four_point, inferred, lin_3_4_4
+from rollbench.compare.cases.lin.evidence.source_cases import (
+    double_row_bearing,
+    four_point_bearing,
+    pair_as_printed,
+    pair_with_inferred_oversize,
+    run_of_section_3_4_4,
+)
 from rollbench.compare.commands.friction import run_friction
 from rollbench.compare.scenes import catalogue, scene_file
 from rollbench.compare.studies.friction import whole
@@ -49,14 +55,14 @@ def test_oversize_is_the_opposite_of_a_clearance_and_rows_face_to_face_are_turne
     assert [r.contacts for r in rows] == [bearing.DIAGONAL, bearing.OTHER]
     preload = loaded("lin-bearing-pairs", ('"0 um"', '"2 um"'))
     assert (preload.four_point.clearance, preload.double_row.clearance) == (-2e-6, 0.0)
-    tight, free = (bearing.solve_bearing(case, 0.1).load.force.sum() for case in (preload.four_point, four_point()))
+    tight, free = (bearing.solve_bearing(case, 0.1).load.force.sum() for case in (preload.four_point, four_point_bearing()))
     assert tight > 1.01 * free
 
 
 @pytest.mark.parametrize("case", list(THETA))
-@pytest.mark.parametrize("reading", [case_as_printed, inferred])
+@pytest.mark.parametrize("reading", [pair_as_printed, pair_with_inferred_oversize])
 def test_pair_scenes_are_the_library_s(case, reading):
-    scene = catalogue.any_scene(f"lin-screw-pair-{case}{'-inferred' if reading is inferred else ''}")
+    scene = catalogue.any_scene(f"lin-screw-pair-{case}{'-inferred' if reading is pair_with_inferred_oversize else ''}")
     theirs = reading(np.radians(THETA[case]))
     close(scene.pair, theirs)
     answer, r = solve_kind(scene), solve_pair(theirs)
@@ -81,7 +87,7 @@ def test_pair_takes_pattern_direction_hand_and_hertz():
     )
     hertz = "[load]", '[ingredients]\nhertz = "as printed"\n\n[load]'
     scene = loaded("lin-screw-pair-a", *loads, hertz, *rest)
-    groove = replace(case_as_printed(0.0).groove, lead=-20e-3, hertz="as printed")
+    groove = replace(pair_as_printed(0.0).groove, lead=-20e-3, hertz="as printed")
     theta = (0.0, np.radians(2.0))
     close(scene.pair, Pair(groove, theta, (SHIFTED, SHIFTED), -1e-6, "r", (100.0,), "ball and screw"))
 
@@ -95,9 +101,9 @@ def test_pair_of_a_still_screw_spends_nothing():
 
 
 def test_run_scene_is_the_library_s():
-    close(catalogue.any_scene("lin-screw-run").run, lin_3_4_4())
+    close(catalogue.any_scene("lin-screw-run").run, run_of_section_3_4_4())
     answer = solve_kind(loaded("lin-screw-run", *SHORT))
-    r = simulate(lin_3_4_4(), 0.3, 40)
+    r = simulate(run_of_section_3_4_4(), 0.3, 40)
     s, found = summarise(r), answer.data["summary"]
     assert answer.converged
     assert found["largest_ball_to_groove_percent"] == pytest.approx(100.0 * s.largest, rel=1e-7)
@@ -147,25 +153,29 @@ def test_run_without_contact_says_nothing_of_where_and_without_friction_there_ar
 
 @pytest.mark.parametrize("angle", [0.3, 0.9])
 def test_one_ball_holds_a_tilting_ring_only_against_a_force_through_its_centre(angle):
-    ball = four_point(count=1)
+    ball = four_point_bearing(count=1)
     assert "ry" in bearing.describe_free_motion(ball, angle)
     assert bearing.describe_free_motion(replace(ball, tilt=False), angle) == ""
     through = -ball.groove.pitch_radius / np.tan(angle)
     assert bearing.describe_free_motion(replace(ball, arm=through), angle) == ""
     assert "ry" in bearing.describe_free_motion(replace(ball, arm=1.001 * through), angle)
-    assert bearing.describe_free_motion(four_point(), angle) == bearing.describe_free_motion(double_row(), angle) == ""
+    assert (
+        bearing.describe_free_motion(four_point_bearing(), angle)
+        == bearing.describe_free_motion(double_row_bearing(), angle)
+        == ""
+    )
 
 
 @pytest.mark.parametrize("tilt", [True, False])
 def test_bearing_scene_is_the_library_s(tilt):
     scene = loaded("lin-bearing-pairs", *FEW, ("tilt = true", f"tilt = {str(tilt).lower()}"))
-    close(scene.four_point, four_point(tilt=tilt))
-    close(scene.double_row, double_row(tilt=tilt))
+    close(scene.four_point, four_point_bearing(tilt=tilt))
+    close(scene.double_row, double_row_bearing(tilt=tilt))
     assert np.degrees(scene.angle) == pytest.approx([0.0, 2.0, 16.0, 18.0])
     answer = solve_kind(scene)
     found = answer.data
     assert answer.converged
-    curves = [bearing.torque_curve(make(tilt=tilt), scene.angle) for make in (four_point, double_row)]
+    curves = [bearing.torque_curve(make(tilt=tilt), scene.angle) for make in (four_point_bearing, double_row_bearing)]
     for name, curve in zip(("four_point", "double_row"), curves, strict=True):
         assert found[name]["friction_torque_Nmm"] == pytest.approx(1e3 * curve.torque, rel=1e-7)
         assert found[name]["balls_beyond_two_contacts"] == curve.four.tolist()

@@ -28,7 +28,10 @@ TABLE_CONFORMITY = 0.56
 
 
 def exact_hertz_parameters(scene: Scene) -> dict[str, dict[str, float]]:
-    """Return the Hertz parameters of Lin's Table B.1 by elliptic integrals: for screw "S" and nut "N", by name, in SI."""
+    """Return the Hertz parameters of Lin's Table B.1 by exact elliptic integrals, in SI units.
+
+    The outer keys are "S" for the screw and "N" for the nut, the inner ones the parameters' names, such as "C_a".
+    """
     bare = replace(scene, errors=Errors())
     drawn = specimen(bare, ball_layout(bare))
     gamma = np.full(scene.ball_count, scene.track.contact_angle)
@@ -77,7 +80,8 @@ def correct_table_b_1(scene: Scene) -> dict[str, float]:
 def table_b_1(findings: Findings, study: Study) -> None:
     """Compute the Hertz parameters of Table B.1 of Lin's thesis, into ``findings``.
 
-    As printed: conformity 0.56, with the thesis's faults. Correct: the groove of Table 2.1, which the text names.
+    The values as printed have a conformity of 0.56 and the thesis's faults. The correct values belong to the groove of
+    Table 2.1, which the text names.
     """
     scene = study.scene("lin-case1")
     right, faulty = (
@@ -123,8 +127,8 @@ def table_2_2(findings: Findings, study: Study) -> None:
 class EndSupport:
     """An interpretation of the support of the screw's right end in Lin's case study 3.
 
-    ``label``: restrained freedoms; ``plain``, ``offset``: names of the scenes without and with lateral offset;
-    ``of_text``: whether Lin's text states it.
+    ``label``: restrained freedoms in words; ``plain``, ``offset``: names of the scenes without and with a lateral offset
+    of the right end; ``of_text``: whether Lin's text states this support.
     """
 
     label: str
@@ -145,7 +149,10 @@ CASES = ("lin-case1", "lin-case2", *(name for r in END_SUPPORTS for name in (r.p
 
 
 def load_ratio(load: Array) -> float:
-    """Return the largest over the smallest ball load; infinite if a ball carries no load."""
+    """Return the largest over the smallest ball load; infinite if a ball carries no load.
+
+    ``load``: loads of the balls on one flank (n,) [N].
+    """
     return float(load.max() / load.min()) if load.min() > 0.0 else float("inf")
 
 
@@ -155,7 +162,10 @@ def is_two_point_contact(load: Array) -> bool:
 
 
 def load_ratio_range(study: Study) -> str:
-    """Return in words the range of case 1's load ratio over both beam partitions and interpretations of equation C.8."""
+    """Return in words the range of the load ratio of Lin's case 1 over two modelling choices.
+
+    These are the partition of the beam, and how equation C.8 for the beam's section is read: with its root or without.
+    """
     variants = [
         study.changed("lin-case1", partition=p, section=s)
         for p in ("nodal", "source")
@@ -205,7 +215,7 @@ def _compute_case_1(study: Study, findings: Findings) -> None:
 
 
 def _compute_case_2(study: Study, findings: Findings) -> None:
-    """Check that in Lin's case study 2 the oversize ball 17 changes its own load only, into ``findings``."""
+    """Check the claim that in Lin's case study 2 the oversize ball 17 changes its own load only, into ``findings``."""
     case1, case2 = (study.solve(name).load[:, 0] for name in ("lin-case1", "lin-case2"))
     change = error_percent(case2, case1, float(case1.mean()))
     most = float(np.abs(np.delete(change, 16)).max())
@@ -227,7 +237,10 @@ def _compute_case_3(study: Study, findings: Findings) -> None:
 
 
 def _compare_with_ansys(study: Study, findings: Findings) -> None:
-    """Compute the errors that Lin prints against ANSYS: his model against the 3D reference, into ``findings``."""
+    """Compute the counterparts of the errors that Lin prints against ANSYS, into ``findings``.
+
+    They are the errors of Lin's model against this project's 3D reference, as the ANSYS loads are not printed.
+    """
     every = [c.errors["own"] for c in study.once(combined.evaluate_combinations) if not c.against_text]
     readings = dict(zip(combined.ERRORS, zip(*every, strict=True), strict=True))
     for name, (largest, rms, _) in PRINTED.items():
@@ -367,7 +380,7 @@ CLEARANCES = (0.0, -1e-6, -2e-6, -3e-6, -4e-6, -5e-6)
 
 
 def load_variation(result: StaticResult) -> float:
-    """Return the standard deviation over the mean of the loads on flank SL."""
+    """Return the standard deviation of the contact loads on flank SL over their mean."""
     return float(result.load[:, 0].std() / result.load[:, 0].mean())
 
 
@@ -377,9 +390,10 @@ def unloaded_balls(result: StaticResult) -> np.ndarray[tuple[int, ...], np.dtype
 
 
 def dominant_cycles(scene: Scene, lost: np.ndarray[tuple[int, ...], np.dtype[np.bool_]]) -> tuple[int, float]:
-    """Return the dominant harmonic (1 to 4 cycles per turn) of the pattern of unloaded balls, and its share of the power.
+    """Return the dominant harmonic of the pattern of unloaded balls around the screw.
 
-    ``lost``: whether each ball is unloaded.
+    First: its number of cycles per turn, 1 to 4 (0 if no ball is unloaded); second: its share of the power of these four
+    harmonics. ``lost``: whether each ball is unloaded (n,).
     """
     phi = ball_layout(scene).azimuth
     x = lost.astype(float) - lost.mean()
@@ -417,7 +431,10 @@ def section_4_3_2(findings: Findings, study: Study) -> None:
 
 
 def _check_claims_of_screw(study: Study, findings: Findings, screw: str) -> None:
-    """Check the claims of section 4.3.2 on one screw: two-point contact, uneven loads, unloaded balls."""
+    """Check the claims of section 4.3.2 of Lin's thesis on one screw, into ``findings``.
+
+    The claims are on two-point contact, uneven loads and unloaded balls; ``screw``: a key of `SCREWS`.
+    """
     pitch, roundness = study.solve(f"lin-pitch-{screw}"), study.solve(f"lin-roundness-{screw}")
     third = [float(r.load[:, [1, 2]].max()) for r in (pitch, roundness)]
     findings.claim(

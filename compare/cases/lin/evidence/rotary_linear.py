@@ -60,7 +60,10 @@ YIELD, MULTIPLE = 370.0, 4.2
 
 @cache
 def solve_rotary_as_printed(case: str) -> bearing.BallSolution:
-    """Solve the ball motion of a case of Table 3.2 as Lin does: his Hertz constants, sigmoid friction law, root finding."""
+    """Solve the motion of one ball of the rotary bearing in a case of Lin's Table 3.2, as Lin does.
+
+    That is with his Hertz constants, his sigmoid friction law and root finding; ``case``: "I", "II" or "III".
+    """
     scene = source_cases.rotary_scene(case, printed=True)
     law = source_law(scene.bearing, scene.sharpness, scene.map_step)
     return bearing.solve_ball_as_printed(scene.bearing, scene.force, scene.displacement, law, fast=True)
@@ -68,9 +71,10 @@ def solve_rotary_as_printed(case: str) -> bearing.BallSolution:
 
 @cache
 def solve_rotary(case: str, hertz: Mode = "right") -> bearing.BallSolution:
-    """Solve the ball motion of a case of Table 3.2 by least dissipation.
+    """Solve the motion of one ball of the rotary bearing in a case of Lin's Table 3.2, by least dissipation.
 
-    ``hertz``: "as printed" keeps Lin's loads and contact ellipses.
+    ``case``: "I", "II" or "III"; ``hertz``: "right" for exact Hertz constants, "as printed" for those with Lin's faults,
+    which give his loads and contact ellipses.
     """
     return bearing.solve_ball(replace(ROTARY, hertz=hertz), AXIAL, CASES[case], fast=True)
 
@@ -81,15 +85,20 @@ def solve_linear_pair(
 ) -> PairResult:
     """Solve the contact of two neighbouring balls in the linear bearing, at the side force of Lin's case study.
 
-    ``theta``: deviation of the contact angle [rad]; ``loads``: assumption on the contact loads; ``mated``: grooves of
-    case (b); ``mu_balls``: friction coefficient between the balls.
+    ``theta``: deviation of the contact angle from nominal [rad]; ``loads``: how the contact loads are computed (equal on
+    each "diagonal", "balanced" at the stated angles, or "elastic" with angles that follow the loads); ``mated``: whether
+    the top groove is made to match the bottom one, case (b); ``mu_balls``: friction coefficient between the balls.
     """
     return solve_pair(replace(LINEAR, mu_balls=mu_balls), theta, SIDE, VERTICAL, mated=mated, loads=loads)
 
 
 @cache
 def force_and_loss_maps() -> PairMaps:
-    """Return maps of the force and losses of two balls: theta from -3 to 3 deg, side force ratio from -0.6 to 0.6."""
+    """Return maps of ball-to-ball force and friction losses of two balls in the linear bearing.
+
+    They are over the contact angle's deviation theta from -3 to 3 deg, and the side force over the vertical load from
+    -0.6 to 0.6.
+    """
     return force_maps(LINEAR, np.radians(np.linspace(-3.0, 3.0, 7)), np.linspace(-0.6, 0.6, 7), VERTICAL, K_F)
 
 
@@ -114,7 +123,11 @@ def table_3_1(findings: Findings, study: Study) -> None:  # noqa: ARG001 - every
 
 
 def rotary_value(s: bearing.BallSolution, key: str) -> float:
-    """Return the computed value for a row of Table 3.2 in its printed unit; ``key``: such as "F_sum" or "torque"."""
+    """Return the computed value for a row of Lin's Table 3.2, in the unit of the table.
+
+    ``s``: solved motion of the ball; ``key``: of the row: "F_" (contact load), "P_" (friction loss) or "omega_" (rotation
+    of the ball) with the name of the contact, "sum" or an axis, or "torque".
+    """
     kind, _, what = key.partition("_")
     if kind == "F":
         return float(s.load.force.sum() if what == "sum" else s.load.force[bearing.SIDES.index(what)])
@@ -126,7 +139,11 @@ def rotary_value(s: bearing.BallSolution, key: str) -> float:
 
 
 def force_or_torque_increase(first: bearing.BallSolution, raised: bearing.BallSolution, what: str) -> float:
-    """Return the increase between two cases: of the sum of contact forces [%], or of the torque as a fraction."""
+    """Return the increase of a quantity between two cases of the rotary bearing.
+
+    ``first``, ``raised``: solved motions of the ball in both cases; ``what``: "force" for the sum of the contact forces,
+    whose increase is in per cent, else the friction torque, whose increase is a fraction.
+    """
     if what == "force":
         return float(error_percent(raised.load.force.sum(), first.load.force.sum()))
     return raised.torque / first.torque - 1.0
@@ -141,7 +158,8 @@ IN_3D |= {"omega_x": ("omega x rad/s", 1.0), "omega_y": ("omega y rad/s", 1.0)}
 def table_3_2(findings: Findings, study: Study) -> None:
     """Compute contact forces, losses and ball motion of the rotary bearing: Table 3.2 and section 3.2.2 of Lin's thesis.
 
-    As printed, and with exact Hertz constants and least dissipation.
+    Each value is computed twice, into ``findings``: as printed, with Lin's faults, and correctly, with exact Hertz
+    constants and least dissipation.
     """
     solid = {case: source_cases.results_in_3d(study, name) for case, name in source_cases.ROTARY_SCENES.items()}
     for row in load_table("lin-3.2"):
@@ -183,7 +201,10 @@ def table_3_3(findings: Findings, study: Study) -> None:  # noqa: ARG001 - every
 
 
 def _compute_worst_case(findings: Findings) -> None:
-    """Compute Lin's worst case: friction loss between two balls over the loss without ball-to-ball contact."""
+    """Compute the worst case of Lin's section 3.3.4.1, into ``findings``.
+
+    It is the friction loss between two balls over the loss of both without ball-to-ball contact.
+    """
     worst = solve_linear_pair(WORST)
     whole = float(error_percent(worst.touching.loss, worst.free.loss))
     findings.number(
@@ -195,7 +216,10 @@ def _compute_worst_case(findings: Findings) -> None:
 
 
 def _check_map_claims(findings: Findings, m: PairMaps) -> None:
-    """Check Lin's claims on the maps of ball-to-ball force and losses over theta and side force."""
+    """Check Lin's claims on the maps of ball-to-ball force and losses over theta and side force, into ``findings``.
+
+    ``m``: the maps by the numerical model and by Lin's formulas.
+    """
     difference, force, ratio = (both.numerical for both in (m.difference, m.force, m.ratio))
     fields = (force[4:, 2::-1], ratio[4:, 2::-1])
     grows = all(bool(np.all(np.diff(f, axis=axis) > 0.0)) for f in fields for axis in (0, 1))
@@ -220,7 +244,11 @@ def _check_map_claims(findings: Findings, m: PairMaps) -> None:
 
 
 def formula_deviation(mated: bool) -> Array:
-    """Return the velocity deviations (2,) of both balls by Lin's formula (3.43), at the loads stated in the text."""
+    """Return the relative deviations (2,) of both balls' velocities from nominal by Lin's formula (3.43).
+
+    The loads are those that Lin states in the text: equal on each diagonal. ``mated``: whether the top groove is made to
+    match the bottom one, case (b) instead of case (a).
+    """
     angles, loads = pair_angles_and_loads(LINEAR, THETA, SIDE, VERTICAL, mated=mated, loads="diagonal")
     return velocity_deviation(LINEAR.contact_angle, angles - LINEAR.contact_angle, loads[:, 0], loads[:, 1])
 
@@ -241,7 +269,10 @@ def table_3_4(findings: Findings, study: Study) -> None:
 
 
 def force_with_misprinted_exponents() -> float:
-    """Return the ball-to-ball force of case (a) by Lin's formula (3.51) with the misprinted exponents -2/3, taken in N."""
+    """Return the ball-to-ball force of case (a) by Lin's formula (3.51) with the exponents -2/3 that are misprinted.
+
+    With these exponents the result has no unit of force; the loads are inserted in N.
+    """
     loads = pair_angles_and_loads(LINEAR, THETA, SIDE, VERTICAL, loads="diagonal")[1][:, :2]
     right_way, as_is = (np.cbrt(loads) ** power for power in (2.0, -2.0))
     joined = [float(s[0].sum() * s[1].sum() / s.sum()) for s in (right_way, as_is)]
@@ -249,7 +280,10 @@ def force_with_misprinted_exponents() -> float:
 
 
 def formula_force(*, mated: bool) -> float:
-    """Return the ball-to-ball force [N] by Lin's formula (3.51) for case (a), or with ``mated`` grooves for case (b)."""
+    """Return the ball-to-ball force [N] in the linear bearing by Lin's formula (3.51).
+
+    ``mated``: whether the top groove is made to match the bottom one, case (b) instead of case (a).
+    """
     return pair_formulas(LINEAR, THETA, SIDE, VERTICAL, K_F, mated=mated)[1]
 
 
@@ -276,7 +310,11 @@ def table_3_5(findings: Findings, study: Study) -> None:
 
 
 def straight_groove_contact(conformity: float, pressure: float) -> tuple[float, float]:
-    """Return semi-axis ratio b/a, and a over the ball's radius at a Hertz pressure [Pa], of a ball in a straight groove."""
+    """Return the proportions of the contact ellipse of a ball in a straight groove.
+
+    First: ratio b/a of the minor to the major semi-axis; second: a over the ball's radius at the largest Hertz pressure
+    ``pressure`` [Pa]. ``conformity``: groove radius over ball diameter.
+    """
     h = hertz_constants(
         np.array(1.0), np.array(1.0 - 0.5 / conformity), contact_modulus(*2 * (LINEAR.young, LINEAR.poisson))
     )
@@ -308,7 +346,10 @@ def appendix_g(findings: Findings, study: Study) -> None:  # noqa: ARG001 - ever
 
 
 def balance_rows() -> list[Row]:
-    """Return table rows of the rotary bearing's torque [N mm] and power balance [W], for three sets of assumptions."""
+    """Return table rows of the rotary bearing's friction torque [N mm], power input [W] and friction losses [W].
+
+    Each case has three rows: with correct constants and laws, with correct motion at Lin's loads, and as Lin printed.
+    """
     rows: list[Row] = []
     for case in CASES:
         for label, s in (
@@ -337,9 +378,9 @@ def balance_rows() -> list[Row]:
 
 
 def sensitivity_rows() -> list[Row]:
-    """Return table rows of force and losses of two balls in the linear bearing, for several assumptions.
+    """Return table rows of force and losses of two balls in the linear bearing under several assumptions.
 
-    The assumptions are on the contact loads and on friction between the balls.
+    What is assumed: how the contact loads are computed, and the friction coefficient between the balls.
     """
     rows: list[Row] = []
     printed = entry("lin-3.5", "a_force_numerical")

@@ -39,10 +39,11 @@ from rollbench.lowfi.friction.whole.circuit import Onset, contact_onset
 from rollbench.meshes.arrays import Array
 from rollbench.reports.content import Quantity, Row
 
-#: Deviations theta [deg] of the contact angle in Table 3.7; amplitudes [deg] in the simulations of 3.4.4, not printed.
+#: Deviations theta [deg] of the second ball's contact angle in Table 3.7, by case; amplitudes [deg] of theta in the
+#: simulations of section 3.4.4, which the thesis does not print.
 THETA = {name: degrees(source_cases.pair_angle_deviation(name)) for name in source_cases.PAIR_SCENES}
 AMPLITUDES = tuple(source_cases.RUN_SCENES)
-#: Angles [rad] of the load in 4.3.1.
+#: Angles [rad] of the load to the bearing's axis in section 4.3.1.
 ANGLES = source_cases.bearing_pair_scene().angle
 #: Permitted time-step error of a simulation, over its mean torque.
 STEP_GOAL = 0.003
@@ -57,21 +58,28 @@ SCREWS = {"pitch": "lin-pitch-4p1", "roundness": "lin-roundness-4p1", "none": "l
 
 @cache
 def solve_screw_pair(case: str, reading: Literal["plain", "inferred"]) -> PairResult:
-    """Solve two balls of the screw in a case of Table 3.7; ``reading``: text as printed, or with the inferred oversize."""
+    """Solve loads and motions of two balls of the screw in a case of Lin's Table 3.7.
+
+    ``case``: "a" or "b"; ``reading``: "plain" for the text as printed, "inferred" for balls with the inferred oversize.
+    """
     return solve_pair(case_of(source_cases.PAIR_SCENES[case] + "-inferred" * (reading == "inferred"), ScrewPairScene).pair)
 
 
 @cache
 def simulate_screw(amplitude: float) -> History:
-    """Simulate the whole screw of section 3.4.4 with controlled time steps; ``amplitude``: of theta [deg]."""
+    """Simulate the whole screw of section 3.4.4 of Lin's thesis over time, with controlled time steps.
+
+    ``amplitude``: amplitude of the contact angles' deviation theta, 2 or 3 [deg].
+    """
     return simulate_with_step_control(amplitude)[0]
 
 
 @cache
 def simulate_with_step_control(amplitude: float) -> tuple[History, StepError | None]:
-    """Simulate the whole screw of section 3.4.4 with a step error below `STEP_GOAL`; return history and step error.
+    """Simulate the whole screw of section 3.4.4 of Lin's thesis, with a time-step error below `STEP_GOAL`.
 
-    ``amplitude``: of theta [deg].
+    ``amplitude``: amplitude of the contact angles' deviation theta, 2 or 3 [deg]. Returns the history of motions and
+    torques, then the error by the time step over the mean torque, None if it is unknown.
     """
     run = source_cases.shipped_run(amplitude)
     return run_with_step_errors(run, run.duration, None, STEP_GOAL)
@@ -79,24 +87,38 @@ def simulate_with_step_control(amplitude: float) -> tuple[History, StepError | N
 
 @cache
 def simulate_in_200_steps(amplitude: float) -> History:
-    """Simulate the whole screw of section 3.4.4 in 200 steps, as Lin does, with loads and motions at their start."""
+    """Simulate the whole screw of section 3.4.4 in 200 time steps as Lin does: loads and motions at the start of each.
+
+    ``amplitude``: amplitude of the contact angles' deviation theta, 2 or 3 [deg].
+    """
     return equal_steps(source_cases.shipped_run(amplitude))
 
 
 @cache
 def simulate_without_oversize() -> History:
-    """Simulate the screw of section 3.4.4 without oversize (theta of 3 deg), loads coupled to friction."""
+    """Simulate the screw of section 3.4.4 of Lin's thesis with balls that are not oversized.
+
+    Friction moves balls and screw and so changes the contact loads; the amplitude of theta is 3 deg.
+    """
     return equal_steps(replace(source_cases.shipped_run(3.0), oversize=0.0, coupling="ball and screw"))
 
 
 @cache
 def torque_over_load_angle(name: str, tilt: bool) -> TorqueCurve:
-    """Compute the friction torque over load angle of a bearing of Table 4.2; ``name``: "4P" (four-point) or "DR"."""
-    return torque_curve(source_cases.four_point(tilt=tilt) if name == "4P" else source_cases.double_row(tilt=tilt), ANGLES)
+    """Compute the friction torque over the load's angle of a bearing of Lin's Table 4.2.
+
+    ``name``: "4P" for the four-point, "DR" for the double-row bearing; ``tilt``: whether the inner ring is free to tilt.
+    """
+    return torque_curve(
+        source_cases.four_point_bearing(tilt=tilt) if name == "4P" else source_cases.double_row_bearing(tilt=tilt), ANGLES
+    )
 
 
 def torque_ratio_up_to(found: TorqueCurve, end: float) -> float:
-    """Return the largest over the smallest torque, for load angles up to ``end`` [deg]."""
+    """Return the largest over the smallest friction torque of a bearing, over the load angles up to ``end`` [deg].
+
+    ``found``: torque over the load angle.
+    """
     torque = found.torque[found.angle <= radians(end) * (1.0 + 1e-12)]
     return float(torque.max() / torque.min())
 
@@ -107,9 +129,9 @@ def loss_increase(r: PairResult) -> float:
 
 
 def onset_of_ball_contact(study: Study, errors: str, idle: float) -> Onset:
-    """Compute when neighbouring balls first touch in the screw of Table 4.1 with one kind of geometric error.
+    """Compute when neighbouring balls first touch in the screw of Lin's Table 4.1 with one kind of geometric error.
 
-    ``idle``: velocity of unloaded balls over the nominal one.
+    ``errors``: "pitch", "roundness" or "none"; ``idle``: velocity of balls without load over the nominal velocity.
     """
     name = SCREWS[errors]
     return contact_onset(study.scene(name), study.solve(name), idle=idle)
@@ -120,7 +142,7 @@ def onset_of_ball_contact(study: Study, errors: str, idle: float) -> Onset:
 
 def given_3_6(findings: Findings, study: Study) -> None:  # noqa: ARG001 - every table takes the study
     """Record the inputs of the ball screw, Table 3.6 of Lin's thesis, into ``findings``."""
-    g = source_cases.table_3_6()
+    g = source_cases.groove_of_table_3_6()
     values = {
         "R_B": 1e3 * g.ball_radius,
         "conformity": 0.5 * g.groove_radius / g.ball_radius,
@@ -130,8 +152,8 @@ def given_3_6(findings: Findings, study: Study) -> None:  # noqa: ARG001 - every
         "omega_N": g.speed / np.pi,
         "mu": g.mu,
         "nu": g.poisson,
-        "force": source_cases.case_as_printed(0.0).force[0],
-        "theta_1": degrees(source_cases.case_as_printed().theta[0]),
+        "force": source_cases.pair_as_printed(0.0).force[0],
+        "theta_1": degrees(source_cases.pair_as_printed().theta[0]),
         "theta_2_a": THETA["a"],
         "theta_2_b": THETA["b"],
     }
@@ -159,10 +181,13 @@ def table_3_7(findings: Findings, study: Study) -> None:
 
 
 def _compute_force_and_increase(findings: Findings, case: str, solid: Mapping[str, float]) -> None:
-    """Compute ball-to-ball force and loss increase of a case of Table 3.7; ``solid``: results of the 3D rolling model."""
+    """Compute ball-to-ball force and loss increase of a case of Lin's Table 3.7, into ``findings``.
+
+    ``case``: "a" or "b"; ``solid``: results of the 3D rolling model by name, such as "force 1-2 N".
+    """
     force, percent = (value_of("lin-3.7", f"{what}_{case}") for what in ("force", "increase"))
     as_text, oversized = solve_screw_pair(case, "plain"), solve_screw_pair(case, "inferred")
-    implied = implied_load(source_cases.inferred(radians(THETA[case])), force, 1e-2 * percent)
+    implied = implied_load(source_cases.pair_with_inferred_oversize(radians(THETA[case])), force, 1e-2 * percent)
     off = [float(error_percent(r.force, force)) for r in (as_text, oversized)]
     findings.number(
         f"force_{case}",
@@ -181,7 +206,10 @@ def _compute_force_and_increase(findings: Findings, case: str, solid: Mapping[st
 
 
 def _compare_force_with_ansys(findings: Findings, study: Study, case: str) -> None:
-    """Record the 3D rolling model's ball-to-ball force, to compare with Lin's ANSYS, under both interpretations."""
+    """Record the 3D rolling model's ball-to-ball force as counterpart of Lin's ANSYS force, into ``findings``.
+
+    The remark states it for both interpretations of the load state: the text as printed, and the inferred oversize.
+    """
     scenes = source_cases.PAIR_SCENES[case], f"{source_cases.PAIR_SCENES[case]}-inferred"
     as_text, oversized = (source_cases.results_in_3d(study, scene).get("force 1-2 N") for scene in scenes)
     words = "no stored run" if as_text is None or oversized is None else _both_interpretations(as_text, oversized)
@@ -190,20 +218,20 @@ def _compare_force_with_ansys(findings: Findings, study: Study, case: str) -> No
 
 
 def _both_interpretations(as_text: float, oversized: float) -> str:
-    """Return in words a value by the text as printed, and with the inferred oversize."""
+    """Return in words a value computed from the text as printed, and the same with the inferred oversize of the balls."""
     return f"plain reading {as_text:.4g}, inferred reading {oversized:.4g}"
 
 
 def torque_after_first_step(r: History) -> Array:
-    """Return the friction torque [N m] of the groove contacts from the second step on.
+    """Return the friction torque [N m] of the ball-to-groove contacts at each time step from the second on.
 
-    Loads of the first step are computed without friction.
+    The first step is left out because its contact loads are computed without friction.
     """
     return r.groove_torque[1:]
 
 
 def torque_variation(r: History) -> float:
-    """Return (largest - smallest)/mean of the groove contacts' torque, from the second step on."""
+    """Return (largest - smallest)/mean of the ball-to-groove contacts' torque, over the steps from the second on."""
     torque = torque_after_first_step(r)
     return float(np.ptp(torque) / torque.mean())
 
@@ -216,7 +244,10 @@ def contact_begins_again(r: History) -> bool:
 
 
 def steps_sentence(amplitude: float) -> str:
-    """Return in words the number of time steps of a simulation, their error, and the result with Lin's 200 steps."""
+    """Return in words the number of time steps of a simulation, its step error, and the result with Lin's 200 steps.
+
+    The result is the largest ball-to-ball torque over the groove contacts' torque [%]; ``amplitude``: of theta [deg].
+    """
     (found, error), base = simulate_with_step_control(amplitude), simulate_in_200_steps(amplitude)
     size = "unknown" if error is None else f"{100.0 * error.largest:.2g} %"
     few = 100.0 * summarise(base).largest
@@ -228,7 +259,7 @@ def steps_sentence(amplitude: float) -> str:
 
 def section_3_4_4(findings: Findings, study: Study) -> None:  # noqa: ARG001 - every table takes the study
     """Compute the simulation of the whole screw: inputs, numbers and claims of section 3.4.4 of Lin's thesis."""
-    base = source_cases.lin_3_4_4()
+    base = source_cases.run_of_section_3_4_4()
     inputs = {
         "balls": base.count,
         "turns": base.turns,
@@ -274,7 +305,7 @@ def _check_simulation_claims(findings: Findings) -> None:
 
 def table_4_2(findings: Findings, study: Study) -> None:  # noqa: ARG001 - every table takes the study
     """Record the inputs of the four-point and the double-row bearing, Table 4.2 of Lin's thesis, into ``findings``."""
-    four, double = source_cases.four_point(tilt=False), source_cases.double_row(tilt=False)
+    four, double = source_cases.four_point_bearing(tilt=False), source_cases.double_row_bearing(tilt=False)
     g = four.groove
     values = {
         "pitch_diameter": 2e3 * g.pitch_radius,
@@ -312,7 +343,7 @@ def section_4_3(findings: Findings, study: Study) -> None:
 
 
 def _compute_bearing_torques(findings: Findings) -> None:
-    """Compute friction torque over load angle of the four-point and the double-row bearing: section 4.3.1."""
+    """Compute torque over load angle of the four-point and the double-row bearing: section 4.3.1 of Lin's thesis."""
     four, double = torque_over_load_angle("4P", True), torque_over_load_angle("DR", True)
     ratios = (
         torque_ratio_up_to(four, 18.0),
@@ -332,11 +363,12 @@ def _compute_bearing_torques(findings: Findings) -> None:
     findings.claim(
         "transition",
         bool(four.four[0] == 0 and at_18 > 0),
-        f"{int(four.four[0])} balls beyond two contacts at 0 deg, {at_18} of {source_cases.four_point().count} at 18 deg",
+        f"{int(four.four[0])} balls beyond two contacts at 0 deg, "
+        f"{at_18} of {source_cases.four_point_bearing().count} at 18 deg",
     )
 
 
-#: Ends of the range of load angles [deg] over which the ratio of torques of 4.3.1 is taken.
+#: Ends of the ranges of load angles [deg] over which the largest over the smallest torque of section 4.3.1 is taken.
 ENDS = (10.0, 18.0, 30.0)
 #: Steps and duration [s] of the simulations in the sensitivity table: one turn of the nut, 7.2 degrees per step.
 SHORT = {"steps": 50, "duration": 1.0}
@@ -360,47 +392,79 @@ def oversize_label() -> str:
 
 
 def pair_interpretations() -> list[tuple[str, str, Callable[[float], Pair]]]:
-    """Return the interpretations of Table 3.7: kind, assumptions, and function that returns the ball pair.
+    """Return the interpretations of the load state that Lin's Table 3.7 leaves open.
 
-    The function's argument is the deviation theta of the contact angle [rad].
+    Each entry: kind of interpretation, such as "plain"; its assumptions in words; function that returns the ball pair for
+    a deviation theta of the second ball's contact angle [rad].
     """
 
-    def wide(make: Callable[[float], Pair], **changes: object) -> Callable[[float], Pair]:
-        """Return a function that makes the pair and replaces fields."""
+    def with_changes(make: Callable[[float], Pair], **changes: object) -> Callable[[float], Pair]:
+        """Return a function that makes the ball pair for a theta [rad] and replaces the fields ``changes``."""
         return lambda theta: replace(make(theta), **changes)  # type: ignore[arg-type]
 
-    radial = wide(source_cases.case_as_printed, free="r", force=(100.0,), coupling="none")
+    radial = with_changes(source_cases.pair_as_printed, free="r", force=(100.0,), coupling="none")
     smaller, larger = 0.5 * source_cases.inferred_oversize(), 1.5 * source_cases.inferred_oversize()
     size = oversize_in_words()
-    one, faulty = (1.0, 0.0, 0.0, 0.0), source_cases.table_3_6(hertz="as printed")
+    one, faulty = (1.0, 0.0, 0.0, 0.0), source_cases.groove_of_table_3_6(hertz="as printed")
     return [
-        ("plain", AS_TEXT, source_cases.case_as_printed),
-        ("plain, varied", UNCOUPLED, wide(source_cases.case_as_printed, coupling="none")),
-        ("plain, varied", "friction moves balls and screw", wide(source_cases.case_as_printed, coupling="ball and screw")),
+        ("plain", AS_TEXT, source_cases.pair_as_printed),
+        ("plain, varied", UNCOUPLED, with_changes(source_cases.pair_as_printed, coupling="none")),
+        (
+            "plain, varied",
+            "friction moves balls and screw",
+            with_changes(source_cases.pair_as_printed, coupling="ball and screw"),
+        ),
         ("plain, varied", "50 N radially on each ball, not coupled", radial),
-        ("inferred", oversize_label(), source_cases.inferred),
-        ("inferred, varied", f"{size}, friction moves the balls", wide(source_cases.inferred, coupling="ball")),
+        ("inferred", oversize_label(), source_cases.pair_with_inferred_oversize),
+        (
+            "inferred, varied",
+            f"{size}, friction moves the balls",
+            with_changes(source_cases.pair_with_inferred_oversize, coupling="ball"),
+        ),
         (
             "inferred, varied",
             f"{size}, friction moves balls and screw",
-            wide(source_cases.inferred, coupling="ball and screw"),
+            with_changes(source_cases.pair_with_inferred_oversize, coupling="ball and screw"),
         ),
-        ("inferred, varied", "half the oversize", wide(source_cases.inferred, oversize=smaller)),
-        ("inferred, varied", "one and a half times the oversize", wide(source_cases.inferred, oversize=larger)),
-        ("inferred, varied", f"{size}, 25 N instead of 50 N", wide(source_cases.inferred, force=(25.0,))),
-        ("inferred, varied", f"{size}, 100 N instead of 50 N", wide(source_cases.inferred, force=(100.0,))),
-        ("inferred, varied", f"{size}, theta on one contact of the screw", wide(source_cases.inferred, pattern=(one, one))),
+        ("inferred, varied", "half the oversize", with_changes(source_cases.pair_with_inferred_oversize, oversize=smaller)),
+        (
+            "inferred, varied",
+            "one and a half times the oversize",
+            with_changes(source_cases.pair_with_inferred_oversize, oversize=larger),
+        ),
+        (
+            "inferred, varied",
+            f"{size}, 25 N instead of 50 N",
+            with_changes(source_cases.pair_with_inferred_oversize, force=(25.0,)),
+        ),
+        (
+            "inferred, varied",
+            f"{size}, 100 N instead of 50 N",
+            with_changes(source_cases.pair_with_inferred_oversize, force=(100.0,)),
+        ),
+        (
+            "inferred, varied",
+            f"{size}, theta on one contact of the screw",
+            with_changes(source_cases.pair_with_inferred_oversize, pattern=(one, one)),
+        ),
         (
             "inferred, varied",
             f"{size}, screw's groove shifted sideways",
-            wide(source_cases.inferred, pattern=(SHIFTED, SHIFTED)),
+            with_changes(source_cases.pair_with_inferred_oversize, pattern=(SHIFTED, SHIFTED)),
         ),
-        ("inferred, varied", f"{size}, Hertz constants of Table B.1", wide(source_cases.inferred, groove=faulty)),
+        (
+            "inferred, varied",
+            f"{size}, Hertz constants of Table B.1",
+            with_changes(source_cases.pair_with_inferred_oversize, groove=faulty),
+        ),
     ]
 
 
 def pair_interpretation_rows() -> list[Row]:
-    """Return table rows for Table 3.7 by interpretation: force [N], its error [%], loss increase [%], ball load [N]."""
+    """Return table rows for Lin's Table 3.7, one for each interpretation of the load state.
+
+    Columns for each case: ball-to-ball force [N], its error against print [%], loss increase [%], load of a ball [N].
+    """
     rows = list[Row]()
     for kind, label, make in pair_interpretations():
         row: Row = {Quantity("kind", "reading", "", "s"): kind, Quantity("reading", "assumptions", "", "s"): label}
@@ -422,19 +486,27 @@ def pair_interpretation_rows() -> list[Row]:
 def implied_contact_load() -> float:
     """Return the contact load [N] of a ball that follows from the printed force and loss increase of case a, Table 3.7."""
     force, increase = (value_of("lin-3.7", f"{what}_a") for what in ("force", "increase"))
-    return implied_load(source_cases.inferred(radians(THETA["a"])), force, 1e-2 * increase)
+    return implied_load(source_cases.pair_with_inferred_oversize(radians(THETA["a"])), force, 1e-2 * increase)
 
 
 @cache
 def oversize_and_load_map(case: str, coupling: Coupling) -> PairMap:
-    """Compute force and loss increase of a case of Table 3.7 over ball oversizes `OVERSIZE` and axial loads `AXIAL`."""
+    """Compute ball-to-ball force and loss increase in Lin's Table 3.7 over oversizes `OVERSIZE` and axial loads `AXIAL`.
+
+    ``case``: "a" or "b"; ``coupling``: what friction may move and so load: "none", "ball" or "ball and screw".
+    """
     return oversize_map(
-        replace(source_cases.inferred(radians(THETA[case])), coupling=coupling), np.array(OVERSIZE), np.array(AXIAL)
+        replace(source_cases.pair_with_inferred_oversize(radians(THETA[case])), coupling=coupling),
+        np.array(OVERSIZE),
+        np.array(AXIAL),
     )
 
 
 def simulation_variations() -> list[tuple[str, str, dict[str, object]]]:
-    """Return the variations of the whole-screw simulation: name of the input, label of its new value, changed fields."""
+    """Return the variations of inputs of the whole-screw simulation, one input changed at a time.
+
+    Each entry: name of the input, label of its new value, and the changed fields of `Run` by name.
+    """
     changes: list[tuple[str, str, dict[str, object]]] = [("theta", "3°, 7.2° of the nut a step", {})]
     changes += [("theta", f"{a:g}°", {"amplitude": radians(a)}) for a in (1.0, 2.0, 2.5, 4.0)]
     changes += [("axial force", f"{f:g} N", {"force": (f,)}) for f in (500.0, 3000.0)]
@@ -446,7 +518,7 @@ def simulation_variations() -> list[tuple[str, str, dict[str, object]]]:
         ("phase of theta", "180°", {"phase": np.pi}),
         ("pattern", "groove shifted sideways", {"pattern": SHIFTED}),
         ("first ball", "an eighth of a distance back", {"first": 0.375}),
-        ("return tube", "one ball long", {"tube": source_cases.table_3_6().pair.spacing}),
+        ("return tube", "one ball long", {"tube": source_cases.groove_of_table_3_6().pair.spacing}),
         ("time step", "3.6° of the nut", {"steps": 100}),
     ]
     return changes
@@ -474,14 +546,21 @@ BY_SOURCE = (("screw", 3.0), ("nut", 2.5))
 
 
 def simulation_inputs(follows: str, amplitude: float, oversize: float, pattern: str) -> Run:
-    """Return the inputs of the simulation of 3.4.4 under one interpretation of `TRIED`."""
-    flanks = (1.0, 0.0, 0.0, 0.0) if pattern == "one" else source_cases.lin_3_4_4().pattern
-    return source_cases.lin_3_4_4(follows=follows, amplitude=radians(amplitude), oversize=1e-6 * oversize, pattern=flanks)
+    """Return the inputs of the whole-screw simulation of section 3.4.4 under one interpretation as in `TRIED`.
+
+    ``follows``: part that the deviation theta of the contact angles moves with, "screw" or "nut"; ``amplitude``: of theta
+    [deg]; ``oversize``: of the ball radius [um]; ``pattern``: whether theta is on "one" or "both" of a ball's contacts
+    with the screw.
+    """
+    flanks = (1.0, 0.0, 0.0, 0.0) if pattern == "one" else source_cases.run_of_section_3_4_4().pattern
+    return source_cases.run_of_section_3_4_4(
+        follows=follows, amplitude=radians(amplitude), oversize=1e-6 * oversize, pattern=flanks
+    )
 
 
 @cache
 def interpretation_results() -> tuple[RunSummary, ...]:
-    """Simulate section 3.4.4 under every interpretation of `TRIED`, in 200 steps as Lin does."""
+    """Simulate the screw of section 3.4.4 of Lin's thesis under every interpretation of `TRIED`, in 200 steps as Lin."""
     return tuple(summarise(equal_steps(simulation_inputs(*reading))) for reading in TRIED)
 
 
@@ -489,7 +568,10 @@ PRINTED_OF_RUN = ("largest", "largest_at", "none_at")
 
 
 def nearest_interpretation(key: str) -> str:
-    """Return in words the interpretation of `TRIED` that comes closest to a printed number, with its other results."""
+    """Return in words the interpretation of `TRIED` that comes closest to a printed number, with its other results.
+
+    ``key``: of the printed number, one of `PRINTED_OF_RUN`.
+    """
     found = np.array([(100.0 * s.largest, s.at, s.none_at) for s in interpretation_results()])[:, PRINTED_OF_RUN.index(key)]
     k = int(np.nanargmin(np.abs(found - value_of("lin-3.4.4", key))))
     (follows, amplitude, oversize, pattern), s = TRIED[k], interpretation_results()[k]
@@ -535,7 +617,10 @@ RUN = (
 
 
 def simulation_row(label: str, value: str, r: History) -> Row:
-    """Return the sensitivity-table row of one simulation; ``label``, ``value``: assumption and its value."""
+    """Return the row of the sensitivity table for one simulation of the whole screw, by the columns `RUN`.
+
+    ``label``: name of the assumption that is varied; ``value``: its value in words; ``r``: history of the simulation.
+    """
     s: RunSummary = summarise(r)
     touches = s.largest > 0.0
     at, none_at = s.at if touches else None, s.none_at if touches and np.isfinite(s.none_at) else None
@@ -560,28 +645,35 @@ def lin_method_row(run: Run) -> Row:
 
 
 def simulation_rows() -> list[Row]:
-    """Return table rows of the simulation: as Lin's case study, by Lin's contact rule, with one input changed."""
+    """Return table rows of the whole-screw simulation under varied assumptions.
+
+    First the case study with both amplitudes of theta, then Lin's rule for contact between balls, then one row for each
+    of `simulation_variations`.
+    """
     names = [f"theta of {a:g}°" for a in AMPLITUDES]
     rows = [
         simulation_row(AS_CASE, f"{n}, {oversize_in_words()}, {simulate_screw(a).steps} steps", simulate_screw(a))
         for n, a in zip(names, AMPLITUDES, strict=True)
     ]
-    rows.append(lin_method_row(source_cases.lin_3_4_4()))
+    rows.append(lin_method_row(source_cases.run_of_section_3_4_4()))
     rows += [
-        simulation_row(name, value, equal_steps(source_cases.lin_3_4_4(**(SHORT | new))))
+        simulation_row(name, value, equal_steps(source_cases.run_of_section_3_4_4(**(SHORT | new))))
         for name, value, new in simulation_variations()
     ]
     return rows
 
 
 def bearing_variations() -> list[tuple[str, str, BearingCase]]:
-    """Return the bearings of section 4.3.1 under varied assumptions: kind of bearing, assumption, inputs."""
+    """Return the bearings of section 4.3.1 of Lin's thesis under varied assumptions.
+
+    Each entry: kind of bearing, assumption in words, inputs.
+    """
     face = (BallRow(-6e-3, DIAGONAL), BallRow(6e-3, OTHER))
-    four = source_cases.four_point(tilt=True)
+    four = source_cases.four_point_bearing(tilt=True)
     faulty: Mode = "as printed"
     out = [
         ("four-point", "tilt free, no clearance", four),
-        ("four-point", "tilt held", source_cases.four_point(tilt=False)),
+        ("four-point", "tilt held", source_cases.four_point_bearing(tilt=False)),
     ]
     out += [
         ("four-point", f"ball {100 * p:.0f} % of a distance off the load's plane", replace(four, phase=p))
@@ -591,15 +683,19 @@ def bearing_variations() -> list[tuple[str, str, BearingCase]]:
     out += [
         ("four-point", "Hertz constants as Table B.1", replace(four, groove=replace(four.groove, hertz=faulty))),
         ("four-point", "force 2 mm off the middle", replace(four, arm=2e-3)),
-        ("double row", "tilt free, back to back", source_cases.double_row(tilt=True)),
-        ("double row", "tilt held", source_cases.double_row(tilt=False)),
-        ("double row", "tilt free, face to face", source_cases.double_row(tilt=True, rows=face)),
+        ("double row", "tilt free, back to back", source_cases.double_row_bearing(tilt=True)),
+        ("double row", "tilt held", source_cases.double_row_bearing(tilt=False)),
+        ("double row", "tilt free, face to face", source_cases.double_row_bearing(tilt=True, rows=face)),
     ]
     return out
 
 
 def bearing_torque_rows() -> list[Row]:
-    """Return table rows of the varied bearings of 4.3.1: torque [N mm] at 0 deg, largest over smallest torque by range."""
+    """Return table rows of the bearings of section 4.3.1 under varied assumptions.
+
+    Columns: friction torque [N mm] at a load angle of 0 deg, then the largest over the smallest torque up to each of the
+    load angles `ENDS`.
+    """
     rows = list[Row]()
     for bearing, label, case in bearing_variations():
         found = torque_curve(case, ANGLES)
@@ -617,7 +713,10 @@ def bearing_torque_rows() -> list[Row]:
 
 
 def ball_contact_onset_rows(study: Study) -> list[Row]:
-    """Return table rows of the first ball-to-ball contact (4.3.2), by kind of error and velocity of unloaded balls."""
+    """Return table rows of the nut angle at which balls first touch: section 4.3.2 of Lin's thesis.
+
+    One row for each kind of geometric error and velocity of unloaded balls.
+    """
     rows = list[Row]()
     for errors in SCREWS:
         for idle in IDLE:

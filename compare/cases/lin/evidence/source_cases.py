@@ -1,6 +1,7 @@
-"""Bearings, screws and ball pairs of Lin's chapters 3 and 4, read from the shipped scenes; arguments replace single values.
+"""Bearings, screws and ball pairs of Lin's chapters 3 and 4, read from the shipped scenes.
 
-Dimensions and loads, and what is assumed or inferred, are in ``compare/cases/lin/scenes/friction``.
+Arguments of the functions replace single values of the scenes. Dimensions and loads, and what is assumed or inferred, are
+in ``compare/cases/lin/scenes/friction``.
 """
 
 from __future__ import annotations
@@ -29,7 +30,10 @@ BEARINGS = "lin-bearing-pairs"
 
 
 def rotary_scene(name: str, *, printed: bool = False) -> BearingBallScene:
-    """Return the scene of case "I", "II" or "III" of Table 3.2; ``printed``: with Lin's constants and friction law."""
+    """Return the scene of one ball of the rotary bearing in Lin's Table 3.2.
+
+    ``name``: case "I", "II" or "III"; ``printed``: whether with the Hertz constants and the friction law that Lin used.
+    """
     return case(ROTARY_SCENES[name] + "-printed" * printed, BearingBallScene)
 
 
@@ -39,19 +43,25 @@ def linear_pair_scene(name: str = LINEAR_PAIR) -> LinearPairScene:
 
 
 def printed_friction_slope() -> float:
-    """Return the slope of the normalised friction force over c/a that Lin reads off Figure 3.11."""
+    """Return the slope of the normalised friction force over c/a that Lin reads off his Figure 3.11.
+
+    c is the distance of the spin pole from the contact's centre, a the major semi-axis of the contact ellipse.
+    """
     return value_of("lin-G", "k_f")
 
 
 def results_in_3d(study: Study, name: str) -> Mapping[str, float]:
-    """Return results of a scene's finest stored run of the 3D rolling model, by name; empty without a run."""
+    """Return the results of a scene's finest stored run of the 3D rolling model.
+
+    The keys contain the unit, such as "force 1-2 N". The mapping is empty if no run is stored.
+    """
     from rollbench.compare.studies.rolling.runs import LEVELS, load_run
 
     run = load_run(case(name, KindScene), max(LEVELS), study.stores or (shipped_store(),))
     return {} if run is None else run.values
 
 
-def case_as_printed(theta: float | None = None) -> Pair:
+def pair_as_printed(theta: float | None = None) -> Pair:
     """Return the ball pair of section 3.4.3 exactly as Lin states it: no clearance, friction coupled to the loads.
 
     ``theta``: deviation of the second ball's contact angle [rad], if it differs from the scene's.
@@ -59,7 +69,7 @@ def case_as_printed(theta: float | None = None) -> Pair:
     return _replace_theta(case(PAIR_SCENES["a"], ScrewPairScene).pair, theta)
 
 
-def inferred(theta: float | None = None) -> Pair:
+def pair_with_inferred_oversize(theta: float | None = None) -> Pair:
     """Return the ball pair of section 3.4.3 with the inferred (not printed) oversize, so that all four contacts are loaded.
 
     ``theta``: deviation of the second ball's contact angle [rad], if it differs from the scene's.
@@ -79,16 +89,22 @@ def pair_angle_deviation(name: str) -> float:
 
 def inferred_oversize() -> float:
     """Return the oversize of the ball radius [m] that was inferred from the forces of Lin's Table 3.7."""
-    return inferred().oversize
+    return pair_with_inferred_oversize().oversize
 
 
-def table_3_6(**changes: object) -> ScrewGroove:
-    """Return grooves, speed and material of the ball screw of Lin's Table 3.6; ``changes``: fields to replace."""
-    return replace(case_as_printed().groove, **changes)  # type: ignore[arg-type]
+def groove_of_table_3_6(**changes: object) -> ScrewGroove:
+    """Return grooves, speed and material of the ball screw of Lin's Table 3.6.
+
+    ``changes``: new values of fields of `ScrewGroove`, by name.
+    """
+    return replace(pair_as_printed().groove, **changes)  # type: ignore[arg-type]
 
 
-def lin_3_4_4(**changes: object) -> Run:
-    """Return the inputs of the whole-screw simulation in section 3.4.4 (3 deg); ``changes``: fields to replace."""
+def run_of_section_3_4_4(**changes: object) -> Run:
+    """Return the inputs of the whole-screw simulation of section 3.4.4, with an amplitude of theta of 3 deg.
+
+    ``changes``: new values of fields of `Run`, by name.
+    """
     return replace(shipped_run(3.0), **changes)  # type: ignore[arg-type]
 
 
@@ -102,11 +118,17 @@ def bearing_pair_scene() -> BearingPairScene:
     return case(BEARINGS, BearingPairScene)
 
 
-def four_point(*, tilt: bool = True, **changes: object) -> BearingCase:
-    """Return the four-point bearing of Table 4.2; ``tilt``: inner ring free to tilt; ``changes``: fields to replace."""
+def four_point_bearing(*, tilt: bool = True, **changes: object) -> BearingCase:
+    """Return the four-point bearing of Lin's Table 4.2.
+
+    ``tilt``: whether the inner ring is free to tilt; ``changes``: new values of fields of `BearingCase`, by name.
+    """
     return replace(bearing_pair_scene().four_point, tilt=tilt, **changes)  # type: ignore[arg-type]
 
 
-def double_row(*, tilt: bool = True, **changes: object) -> BearingCase:
-    """Return the double-row bearing of Table 4.2; ``tilt``: inner ring free to tilt; ``changes``: fields to replace."""
+def double_row_bearing(*, tilt: bool = True, **changes: object) -> BearingCase:
+    """Return the double-row bearing of Lin's Table 4.2.
+
+    ``tilt``: whether the inner ring is free to tilt; ``changes``: new values of fields of `BearingCase`, by name.
+    """
     return replace(bearing_pair_scene().double_row, tilt=tilt, **changes)  # type: ignore[arg-type]

@@ -31,9 +31,10 @@ PATTERNS = ("evenly distributed", "stacked on one end", "stacked on one side", "
 
 
 def ball_azimuths(scene: Scene, pattern: str) -> tuple[float, ...]:
-    """Return the azimuths [rad] of the balls in a pattern of Lin's Figure 4.2; stacked balls touch one another.
+    """Return the azimuths [rad] of the balls in a pattern of Lin's Figure 4.2, in which stacked balls touch one another.
 
-    For "stacked on one side", the gap of every turn lies opposite the x axis, at an azimuth of pi.
+    ``pattern``: one of `PATTERNS`. For "stacked on one side", the gap of every turn lies opposite the x axis, at an azimuth
+    of pi.
     """
     n, track = scene.ball_count, scene.track
     full = 2.0 * np.pi * TURNS
@@ -96,7 +97,11 @@ def solve_conical_lash(
 
 
 def _solve_lash_test(scene: Scene, course: str, held: Sequence[str]) -> LoadCurve:
-    """Return the load curve of a lash test with some freedoms of the screw's left end restrained."""
+    """Return the load curve of a lash test with some freedoms of the screw's left end restrained.
+
+    ``course``: loads, direction and place of the force, in the form of ``rollbench solve --curve``; ``held``: names of the
+    restrained freedoms.
+    """
     scene = replace(scene, supports=(Support(0.0, tuple((name, 0.0) for name in held)),))
     return load_curve(scene, read_load_range(course), "lin", Options(engine="compiled"))
 
@@ -112,9 +117,10 @@ def peak_to_peak(test: LoadCurve) -> float:
 
 
 def pattern_difference(values: list[float]) -> float:
-    """Return (largest - smallest)/smallest [%] of the lash over ball patterns.
+    """Return (largest - smallest)/smallest [%] of the lash of one screw over its ball patterns.
 
-    This definition fits the printed axial difference best.
+    ``values``: lash for each pattern [m]. Lin does not define the difference; this definition fits the axial difference
+    that he prints best.
     """
     return float(error_percent(max(values), min(values)))
 
@@ -130,7 +136,8 @@ class LashDifferences:
 def lash_differences(scene: Scene, reach: float, held: Sequence[str] = TURNING) -> LashDifferences:
     """Return the lash differences between ball patterns by the axial and the conical test.
 
-    ``reach``: distance of the lateral force from the nut [m]; ``held``: restrained freedoms of the screw's left end.
+    ``reach``: distance of the lateral force from the nut's centre [m]; ``held``: restrained freedoms of the screw's left
+    end.
     """
     screws = [place_balls(scene, p) for p in PATTERNS]
     cones = [[peak_to_peak(solve_conical_lash(s, float(d), reach, held=held)) for s in screws] for d in DIRECTIONS]
@@ -171,13 +178,13 @@ def solve_at_tie_rod_angle(gear: Assembly, angle: float, *, opposed: bool = Fals
 
 
 def largest_loads(result: AxisResult) -> tuple[float, float]:
-    """Return the largest contact loads [N] of the steering gear's ball screw and bearing."""
+    """Return the largest contact load [N] of the steering gear's ball screw, then that of its bearing."""
     screw, bearing = (0.0 if s.balls is None else float(s.balls.load.max()) for s in result.sets)
     return screw, bearing
 
 
 def load_ratios(gear: Assembly, *, opposed: bool = False) -> tuple[float, float]:
-    """Return the largest contact load at a tie-rod angle of 18 deg over that at 0 deg, for ball screw and bearing.
+    """Return the largest contact load at a tie-rod angle of 18 deg over that at 0 deg: of ball screw, then of bearing.
 
     ``opposed``: whether the lateral forces of both tie rods have opposite directions.
     """
@@ -247,17 +254,17 @@ def _compute_load_ratios(findings: Findings) -> None:
 
 
 def _range_in_words(band: tuple[float, float], printed: float) -> str:
-    """Return a range in words, and whether it contains the printed value."""
+    """Return in words the range of a load ratio (smallest, largest) and whether it contains the printed value."""
     return f"{band[0]:.2f} to {band[1]:.2f} ({'holds' if range_contains(band, printed) else 'without'} it)"
 
 
 def range_contains(band: tuple[float, float], printed: float) -> bool:
-    """Return whether a range contains a printed value that is rounded to two decimals."""
+    """Return whether the range of a load ratio, smallest and largest, contains a printed value rounded to two decimals."""
     return band[0] - 0.005 <= printed <= band[1] + 0.005
 
 
 def _nonzero_loads(result: AxisResult, i: int) -> Array:
-    """Return the nonzero contact loads [N] of the steering gear's ball screw (0) or bearing (1)."""
+    """Return the nonzero contact loads [N] of one part of the steering gear; ``i``: 0 for ball screw, 1 for bearing."""
     balls = result.sets[i].balls
     if balls is None:
         raise AssertionError("expected contact loads of balls")
@@ -284,8 +291,9 @@ OFFSETS, ANGLES = (-0.02, 0.0, 0.02), (0.0, 3.0, 6.0, 9.0, 12.0, 15.0, 18.0)
 class LashVariation:
     """One variation of inputs of the lash tests that Lin leaves open, with the lash differences between patterns.
 
-    ``changed``: name of the input that differs; ``diameter``: of the screw [m]; ``position``: of the nut [m]; ``reach``:
-    distance of the lateral force from the nut [m].
+    ``changed``: name of the input that differs; ``diameter``: outer diameter of the screw [m]; ``position``: axial
+    position of the nut's centre [m]; ``reach``: distance of the lateral force from the nut's centre [m]; ``restraint``:
+    restraint of the screw's left end, a key of `RESTRAINTS`; ``found``: differences of the lash between ball patterns.
     """
 
     changed: str
@@ -317,8 +325,9 @@ def vary_lash_inputs(scene: Scene) -> Iterator[LashVariation]:
 class LayoutRatios:
     """Load ratios of the steering gear (largest contact load at 18 deg over 0 deg) for one layout.
 
-    ``pinion``: axial position [m]; ``hold``: restraint of the pinion; ``opposed``: lateral forces in opposite directions;
-    ``offset``: of the bearing from the nut [m]; ``screw``, ``bearing``: ratios.
+    ``pinion``: axial position of the pinion [m]; ``hold``: what the pinion restrains, a key of `PINION_HOLDS`;
+    ``opposed``: whether the lateral forces of both tie rods have opposite directions; ``offset``: axial distance of the
+    bearing from the nut's centre [m]; ``screw``, ``bearing``: load ratios of ball screw and bearing.
     """
 
     pinion: float
@@ -330,7 +339,11 @@ class LayoutRatios:
 
 
 def change_layout(gear: Assembly, pinion: float, hold: str, offset: float) -> Assembly:
-    """Return the steering gear with another pinion position [m], pinion restraint and offset of bearing from nut [m]."""
+    """Return a copy of the steering gear with another layout.
+
+    ``pinion``: axial position of the pinion [m]; ``hold``: what the pinion restrains, a key of `PINION_HOLDS`; ``offset``:
+    axial distance by which the bearing is moved from its place at the nut's centre [m].
+    """
     (support,) = gear.supports
     held = replace(support, at=pinion, fixed=tuple((name, 0.0) for name in PINION_HOLDS[hold]))
     sets = []
@@ -375,7 +388,10 @@ BEARING_FITS, SCREW_FITS, FIRST = (-10e-6, -5e-6, 0.0, 2e-6), (-5e-6, 0.0, 5e-6)
 
 
 def _change_parts(gear: Assembly, of_nut: bool, change: Callable[[Scene], Scene]) -> Assembly:
-    """Return the steering gear with a change applied to its ball screw (``of_nut``) or its bearing."""
+    """Return a copy of the steering gear with a change applied to one of its parts.
+
+    ``of_nut``: whether to its ball screw instead of its bearing; ``change``: function that returns the changed part.
+    """
     sets = tuple(
         replace(s, parts=change(s.parts)) if isinstance(s.parts, Scene) and (s.parts.track.lead > 0.0) == of_nut else s
         for s in gear.sets
@@ -403,9 +419,10 @@ def _turn_balls(scene: Scene, angle: float) -> Scene:
 
 
 def vary_open_inputs(gear: Assembly) -> Iterator[tuple[str, str, list[tuple[Assembly, bool]]]]:
-    """Yield each input of the load ratios that Lin does not print: name, range in words, gears over this range.
+    """Yield each input of the steering gear's load ratios that Lin does not print, with gears over its range.
 
-    With each gear: whether its lateral forces have opposite directions.
+    Each entry: name of the input; its range in words; list of gears, each with whether the lateral forces of both tie
+    rods have opposite directions.
     """
     (pinion,), (held, pinned) = gear.supports, PINION_HOLDS
     yield "pinion's station", "350 to 750 mm", [(change_layout(gear, z, held, 0.0), False) for z in PINIONS]
@@ -461,7 +478,7 @@ def ratio_ranges(gear: Assembly) -> tuple[RatioRange, ...]:
 
 
 def range_over_layouts(points: Sequence[LayoutRatios]) -> RatioRange:
-    """Return the range of the load ratios over all layouts together."""
+    """Return the range of the steering gear's load ratios over all layouts together; ``points``: ratios by layout."""
     screw, bearing = [p.screw for p in points], [p.bearing for p in points]
     words = "station, restraint, sense and bearing, each with each"
     return RatioRange("layout as a whole", words, (min(screw), max(screw)), (min(bearing), max(bearing)))

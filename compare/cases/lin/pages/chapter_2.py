@@ -88,7 +88,10 @@ def end_support_table(study: Study) -> Table:
 
 
 def choice_rows(found: Sequence[chapter_2.ModelChoice]) -> list[Row]:
-    """Return the table rows of case 1 under each modelling choice: loads, largest change, axial displacement."""
+    """Return the table rows of Lin's case 1 under each modelling choice: loads, largest change, axial displacement.
+
+    ``found``: results by modelling choice, the default first.
+    """
     return [
         {
             "choice": c.label,
@@ -259,7 +262,10 @@ def cases_section(study: Study, step: Callable[[str], None]) -> Section:
 
 
 def percentile_band(label: str, ensemble: EnsembleResult, side: int) -> Series:
-    """Return the 5th to 95th percentile of a flank's loads over drawn screws, as a band over the ball number."""
+    """Return the 5th to 95th percentile of the loads of drawn screws, as a band over the ball's number.
+
+    ``label``: legend; ``ensemble``: results of the drawn screws; ``side``: index of the flank in `SIDES`.
+    """
     low, high = np.percentile(ensemble.loads[:, :, side], [5.0, 95.0], axis=0)
     balls = [float(i + 1) for i in range(low.size)]
     return Series(label, balls, [float(x) for x in low], "band", [float(x) for x in high])
@@ -397,7 +403,7 @@ def hertz_section(study: Study, step: Callable[[str], None]) -> Section:
 
 
 def equivalent_errors_panel(scene: Scene) -> Panel:
-    """Draw pitch and roundness error along the nominal contact normal over the azimuth (Lin's equations 4.2, 4.4)."""
+    """Draw pitch and roundness error along the nominal contact normal over the azimuth, by Lin's equations 4.2 and 4.4."""
     phi = np.linspace(0.0, 2.0 * np.pi, 181)
     alpha, beta = lead_angle(scene.track), scene.track.contact_angle
     size = {key: value_of("lin-4.3.2", key) for key in ("e_p", "e_R")}
@@ -488,7 +494,10 @@ SCENES = (
 
 
 def solver_agreement_row(study: Study, name: str) -> Row:
-    """Return the table row of load differences [% of mean load] between Lin's Newton solver and the energy solver."""
+    """Return the table row of load differences [% of the mean load] between Lin's Newton solver and the energy solver.
+
+    ``name``: of the scene.
+    """
     scene, by_energy = study.scene(name), study.solve(name)
     solver = by_energy.solver
     row: Row = {

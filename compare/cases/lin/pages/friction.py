@@ -30,10 +30,10 @@ from rollbench.compare.cases.lin.evidence.source_cases import (
     LINEAR_PAIR,
     LINEAR_WORST,
     ROTARY_SCENES,
-    case_as_printed,
-    four_point,
-    inferred,
-    lin_3_4_4,
+    four_point_bearing,
+    pair_as_printed,
+    pair_with_inferred_oversize,
+    run_of_section_3_4_4,
 )
 from rollbench.compare.cases.lin.extremes import extreme_pair_rows, root_finding_rows
 from rollbench.compare.measure import error_percent
@@ -128,7 +128,11 @@ def torque_figure() -> Figure:
     laws = (("right", true, np.ones(u.size, dtype=bool)), ("as printed", printed, good))
 
     def curves_of_quantity(pick: Callable[[BallSolution], float], key: str, factor: float = 1.0) -> tuple[Series, ...]:
-        """Return curves of a quantity by both friction laws, and markers of the values printed in Table 3.2."""
+        """Return curves of a quantity by both friction laws, and markers of the values printed in Table 3.2.
+
+        ``pick``: function that returns the quantity of a solution; ``key``: of the printed values; ``factor``: from the
+        quantity's unit to the panel's.
+        """
         drawn = [
             Series(
                 name,
@@ -167,7 +171,10 @@ def torque_figure() -> Figure:
 
 
 def velocity_panel(case: str, s: BallSolution, title: str) -> Panel:
-    """Draw the sliding velocity along the major axis of each loaded contact of a ball."""
+    """Draw the sliding velocity [mm/s] along the major axis of each loaded contact of a ball.
+
+    ``case``: of Lin's Table 3.2; ``s``: solved motion of the ball; ``title``: end of the panel's title.
+    """
     x = np.linspace(-1.0, 1.0, 3)
     curves = []
     for i in np.flatnonzero(s.load.force > 0.0):
@@ -196,9 +203,10 @@ def velocity_figure() -> Figure:
 
 
 def map_panels(m: PairMaps, both: BothModels, label: str) -> list[Panel]:
-    """Draw results of the numerical model, of Lin's formula and their difference over the side force ratio.
+    """Draw a quantity by the numerical model, by Lin's formula, and the difference of both, over the side force ratio.
 
-    One curve for each deviation theta of the contact angle.
+    There is one curve for each deviation theta of the contact angle. ``m``: maps with the abscissas; ``both``: the
+    quantity by both models; ``label``: its name with unit.
     """
     x = plain_numbers(m.rho)
     parts = (("numerical", both.numerical), ("formula", both.formula), ("formula less numerical", both.error))
@@ -343,7 +351,10 @@ def simulation_figure() -> Figure:
 
 
 def oversize_map_panels(case: str, coupling: Coupling) -> list[Panel]:
-    """Draw ball-to-ball force and loss increase of two balls over their oversize, one curve for each axial load."""
+    """Draw ball-to-ball force and loss increase of two balls over their oversize, one curve for each axial load.
+
+    ``case``: of Lin's Table 3.7, "a" or "b"; ``coupling``: what friction may move and so load.
+    """
     m, x = screw.oversize_and_load_map(case, coupling), [1e6 * oversize for oversize in screw.OVERSIZE]
     words = "not coupled" if coupling == "none" else "friction moves the balls"
     panels = []
@@ -383,7 +394,10 @@ def oversizes_at_printed(key: str) -> str:
 
 
 def find_crossings(values: Array, level: float) -> list[float]:
-    """Return the oversizes [µm] at which values over `OVERSIZE` cross a level, by linear interpolation."""
+    """Return the oversizes [µm] at which a quantity crosses a level, by linear interpolation.
+
+    ``values``: the quantity at the oversizes `screw.OVERSIZE`; ``level``: in the unit of the quantity.
+    """
     off, x = values - level, 1e6 * np.array(screw.OVERSIZE)
     k = np.flatnonzero(off[:-1] * off[1:] < 0.0)
     return [float(v) for v in x[k] - off[k] * (x[k + 1] - x[k]) / (off[k + 1] - off[k])]
@@ -403,7 +417,7 @@ def oversize_map_figure() -> Figure:
         f"The curves of {LOAD:g} N meet the printed forces at {oversizes_at_printed('force')}, and the printed "
         f"increases at "
         f"{oversizes_at_printed('increase')}; oversize and load of the other figures are inferred from both together: "
-        f"{1000000.0 * inferred().oversize:g} µm, {inferred().force[0]:g} N."
+        f"{1000000.0 * pair_with_inferred_oversize().oversize:g} µm, {pair_with_inferred_oversize().force[0]:g} N."
     )
     return Figure(
         "friction-pair-maps",
@@ -430,7 +444,10 @@ def bearing_figure() -> Figure:
     x, label = plain_numbers(np.degrees(screw.ANGLES)), "load angle / deg"
 
     def draw_panel(title: str, unit: str, pick: Callable[[TorqueCurve], Array]) -> Panel:
-        """Draw a quantity of all bearings over the load angle."""
+        """Draw a quantity of all bearings over the load angle.
+
+        ``title``: of the panel; ``unit``: label of the ordinate; ``pick``: function that returns the quantity.
+        """
         drawn = [
             Series(name, x, plain_numbers(pick(c)), "line+markers", emphasis=k == 0) for k, (name, c) in enumerate(curves)
         ]
@@ -497,8 +514,8 @@ def simulation_sensitivity_table() -> Table:
         f"Printed: {largest} % at {at}°, no contact at {none_at}°, four groups. The third row is the same run by root "
         "finding as in Lin's thesis, where neighbours touch if they are near and approach when alone (3.77): overlapping "
         "balls that separate count as free, and fewer forces are found. The rows below change one assumption at a time "
-        f"from theta = 3°, {lin_3_4_4().force[0]:g} N, {screw.oversize_in_words()} oversize, loads not coupled, over "
-        f"one turn "
+        f"from theta = 3°, {run_of_section_3_4_4().force[0]:g} N, {screw.oversize_in_words()} oversize, "
+        "loads not coupled, over one turn "
         "of the nut in steps of 7.2°. A run that loses no contact within that turn has no entry there."
     )
     return Table.of(
@@ -530,7 +547,7 @@ def bearing_torque_table() -> Table:
     """Return the table of torque ratios of the bearings of Lin's Table 4.2, under varied assumptions."""
     note = (
         f"Printed for the four-point bearing: {entry('lin-4.3', 'ratio_4p').printed}. Friction coefficient "
-        f"{four_point().groove.mu:g} and the freedom to tilt are assumed; the "
+        f"{four_point_bearing().groove.mu:g} and the freedom to tilt are assumed; the "
         "ratio does not depend on the friction coefficient. Range of load angles read off Lin's figure."
     )
     return Table.of(
@@ -552,7 +569,7 @@ def ball_contact_onset_table(study: Study) -> Table:
 
 
 def introduction(pairs: Table, runs: Table) -> Text:
-    """Return the text that introduces the tables of two balls and of the whole screw."""
+    """Return the text that introduces the tables of two balls (``pairs``) and of the whole screw (``runs``)."""
     return Text((_pair_paragraph(pairs), _simulation_paragraph(runs)))
 
 
@@ -566,7 +583,7 @@ def _pair_paragraph(pairs: Table) -> str:
     )
     return (
         f"Lin does not print the load state of the two balls in 3.4.3. Read literally (no oversize, "
-        f"{case_as_printed().force[0]:g} "
+        f"{pair_as_printed().force[0]:g} "
         f"N along the axis), one diagonal carries nearly all: {uncoupled} of the printed forces (cases a and b), {moved} "
         "where friction moves the balls and loads a third contact. Printed force and increase together imply a contact "
         f"load of {screw.implied_contact_load():.0f} N per ball, against {float(coupled['load_a'] or 0.0):.0f} N here; "

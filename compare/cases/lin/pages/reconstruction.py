@@ -17,7 +17,7 @@ from rollbench.compare.cases.lin.reconstruction.readings import (
     PENALTY_LEVEL,
     SOLID,
     Combination,
-    key_of,
+    combination_key,
     largest_change_by_friction,
     tilt_at_onset_of_sliding,
 )
@@ -64,7 +64,10 @@ def other_statements_table(study: Study) -> Table:
 
 
 def _statement_row(place: str, printed: str, computed: str, verdict: str) -> Row:
-    """Return the table row of one statement in Lin's thesis, with the computed value and a verdict."""
+    """Return the table row of one statement in Lin's thesis.
+
+    ``place``: of the statement; ``printed``: the statement; ``computed``: what is computed for it; ``verdict``: conclusion.
+    """
     return {"place": place, "printed": printed, "computed here": computed, "verdict": verdict}
 
 
@@ -103,12 +106,15 @@ def _lateral_displacement_row(study: Study) -> Row:
 
 
 def _case_3_row(study: Study, model: str) -> Row:
-    """Return the table row of case 3: supports of the right end for which the offset changes loads as printed."""
+    """Return the table row of Lin's case 3: supports of the right end for which the offset changes loads as printed.
+
+    ``model``: name of the model of the contact loads.
+    """
     largest, right = [], []
     for reading in END_SUPPORTS:
         change = study.solve(reading.offset, model).load - study.solve(reading.plain, model).load
         ball, side = (int(k) for k in np.unravel_index(int(np.abs(change).argmax()), change.shape))
-        shaped = has_shape(change)
+        shaped = rises_most_at_last_balls(change)
         right += [reading.label] if shaped else []
         largest.append(f"{reading.label}: most at {ball + 1} {SIDES[side]} ({change[ball, side]:+.0f} N)")
     return _statement_row(
@@ -119,14 +125,20 @@ def _case_3_row(study: Study, model: str) -> Row:
     )
 
 
-def has_shape(change: Array) -> bool:
-    """Return whether the largest change of contact loads (n, 4) is a rise on flank SR or NL of one of the last balls."""
+def rises_most_at_last_balls(change: Array) -> bool:
+    """Return whether the largest change of a contact load is a rise on flank SR or NL of one of the last balls.
+
+    ``change``: changes of the contact loads (n, 4) [N] of n balls on the flanks SL, SR, NL, NR.
+    """
     ball, side = np.unravel_index(int(np.abs(change).argmax()), change.shape)
     return bool(side in (1, 2) and ball >= len(change) - LAST and change[ball, side] > 0.0)
 
 
 def _ball_force_row(case: str) -> Row:
-    """Return the table row of a ball-to-ball force: printed difference, effects of elastic bodies and of cell size."""
+    """Return the table row of a ball-to-ball force: printed difference, effects of elastic bodies and of cell size.
+
+    ``case``: key of `FORCES`.
+    """
     table, low_key, ansys_key, name = FORCES[case]
     low, ansys = (value_of(table, key) for key in (low_key, ansys_key))
     scene = cast("KindScene", catalogue.shipped(name))
@@ -198,17 +210,23 @@ def combination_in_words(readings: Combination) -> str:
 
 
 def _errors_in_words(values: Sequence[float]) -> str:
-    """Return the four errors [%], largest and RMS of cases 1 and 2, in words."""
+    """Return in words four errors [%]: largest and RMS error of case 1, then of case 2."""
     return f"{values[0]:.2f} / {values[1]:.2f} % (case 1) and {values[2]:.2f} / {values[3]:.2f} % (case 2)"
 
 
-def fall_and_rise(errors: Sequence[float]) -> tuple[float, float]:
-    """Return the fall of the largest error and the rise of the RMS error from case 1 to 2 [percentage points]."""
+def error_fall_and_rise(errors: Sequence[float]) -> tuple[float, float]:
+    """Return the fall of the largest error, then the rise of the RMS error, from case 1 to case 2 [percentage points].
+
+    ``errors``: largest and RMS error of case 1, then of case 2 [%].
+    """
     return errors[0] - errors[2], errors[3] - errors[1]
 
 
 def conclusion(found: list[combined.CombinationResult]) -> str:
-    """Return the conclusion: the printed error's origin is not identified; range over all combinations."""
+    """Return the conclusion: the origin of the printed error is not identified; its range over all combinations.
+
+    ``found``: results of all combinations of interpretations, the defaults first.
+    """
     errors = [c.errors["own"][0] for c in found if not c.against_text]
     missed = float(np.sqrt(np.mean(combined.nearest_combination(found).misses ** 2)))
     return (
@@ -237,8 +255,8 @@ def first_paragraph(found: list[combined.CombinationResult]) -> str:
     return (
         f"Where does 5.38 % come from? It is not identified. Printed are errors of {_errors_in_words(printed)}, "
         f"largest / RMS, and a "
-        f"ratio of about {combined.printed_ratio():g} in both models. Two explanations come near, and each misses some of "
-        f"it. The interpretations nearest to the ratio ({combination_in_words(near.low)}; "
+        f"ratio of about {combined.printed_load_ratio():g} in both models. Two explanations come near, and each misses "
+        f"some of it. The interpretations nearest to the ratio ({combination_in_words(near.low)}; "
         f"{combination_in_words(near.solid)}) have {_ratios_and_errors(near)}. "
         "Contacts of the 3D model that a penalty makes softer, all else by default, have a ratio of "
         f"{_range_in_words([c.solid_ratio for c in soft], 3)} with {soft[0].low_ratio:.3f} in the low-order model, "
@@ -260,11 +278,11 @@ def _ratios_and_errors(c: combined.CombinationResult) -> str:
 
 def _fall_over_printed(c: combined.CombinationResult) -> float:
     """Return the fall of the largest error from case 1 to case 2, in per cent of the printed fall."""
-    return 100.0 * fall_and_rise(c.errors["own"])[0] / fall_and_rise(combined.printed_errors())[0]
+    return 100.0 * error_fall_and_rise(c.errors["own"])[0] / error_fall_and_rise(combined.printed_errors())[0]
 
 
 def _range_in_words(values: Sequence[float], digits: int = 2) -> str:
-    """Return in words the range from the first to the last of monotonic values."""
+    """Return in words the range of values that rise or fall from first to last; ``digits``: decimals of the numbers."""
     return f"{values[0]:.{digits}f} to {values[-1]:.{digits}f}"
 
 
@@ -292,11 +310,11 @@ def penalty_paragraph(study: Study) -> str:
 
 def scatter_paragraph(study: Study, found: list[combined.CombinationResult]) -> str:
     """Return the paragraph on the mesh scatter with which the combination nearest to the ratio would give the errors."""
-    falls, rises = fall_and_rise(combined.printed_errors())
-    best = combined.nearest_combination(combined.without_penalty(found), 2)
+    falls, rises = error_fall_and_rise(combined.printed_errors())
+    best = combined.nearest_combination(combined.combinations_without_penalty(found), 2)
     loads = combined.low_order_loads(study, best.low), combined.loads_in_3d(study, best.solid)
     odds = {
-        s: combined.fraction_with_fall_and_rise(combined.drawn_errors(*loads, s), 0.5 * falls, 0.5 * rises)
+        s: combined.fraction_with_fall_and_rise(combined.errors_on_random_meshes(*loads, s), 0.5 * falls, 0.5 * rises)
         for s in (combined.SCATTER, *TRIED)
     }
     chances = ", ".join(f"{s:g} %: {100.0 * p:.1f} %" for s, p in odds.items())
@@ -341,7 +359,7 @@ def friction_paragraph(study: Study) -> str:
 
 def explanation_table(found: list[combined.CombinationResult]) -> Table:
     """Return the table of printed ratios and errors, and those by each explanation."""
-    printed = combined.printed_ratio(), combined.printed_ratio(), *combined.printed_errors()
+    printed = combined.printed_load_ratio(), combined.printed_load_ratio(), *combined.printed_errors()
     given = {name: (c.low_ratio, c.solid_ratio, *c.errors["own"]) for name, c in combined.shown_combinations(found).items()}
     rows: list[Row] = [
         {"explanation": name, **_ratio_and_error_cells(values, ".3f", ".2f")}
@@ -352,10 +370,10 @@ def explanation_table(found: list[combined.CombinationResult]) -> Table:
 
 def deviations_table(found: list[combined.CombinationResult]) -> Table:
     """Return the table of differences between computed and printed ratios and errors, by explanation."""
-    printed = fall_and_rise(combined.printed_errors())
+    printed = error_fall_and_rise(combined.printed_errors())
     rows: list[Row] = []
     for name, c in combined.shown_combinations(found).items():
-        fall, rise = (float(a - b) for a, b in zip(fall_and_rise(c.errors["own"]), printed, strict=True))
+        fall, rise = (float(a - b) for a, b in zip(error_fall_and_rise(c.errors["own"]), printed, strict=True))
         row: Row = {"explanation": name, "low order": combination_in_words(c.low), "3D": combination_in_words(c.solid)}
         row |= _ratio_and_error_cells(tuple(c.misses), "+.1f", "+.2f", "%")
         row[Quantity("fall_off", "fall of the largest, case 1 to 2", "points", "+.2f")] = fall
@@ -371,7 +389,11 @@ def deviations_table(found: list[combined.CombinationResult]) -> Table:
 
 
 def _ratio_and_error_cells(values: Sequence[float], ratio: str, error: str, unit: str = "") -> Row:
-    """Return table cells of both load ratios and the four errors."""
+    """Return the table cells of both load ratios and the four errors of loads.
+
+    ``values``: load ratio of the low-order and of the 3D model, then the errors `ERRORS`; ``ratio``, ``error``: formats of
+    ratios and errors; ``unit``: unit of the ratios, empty for the ratios themselves, "%" for differences.
+    """
     row: Row = {
         Quantity("low_ratio", "ratio, low order", unit, ratio): float(values[0]),
         Quantity("solid_ratio", "ratio, 3D", unit, ratio): float(values[1]),
@@ -435,20 +457,23 @@ def combination_table(found: list[combined.CombinationResult]) -> Table:
 
 def _combination_row(c: combined.CombinationResult) -> Row:
     """Return the table row of a combination: keys of its interpretations, load ratios, errors."""
-    row: Row = {"low order": key_of(c.low), "3D": key_of(c.solid)}
+    row: Row = {"low order": combination_key(c.low), "3D": combination_key(c.solid)}
     return row | _error_cells(c)
 
 
 def combinations_figure(found: list[combined.CombinationResult]) -> Figure:
     """Draw load ratios and errors of all combinations, with the printed ones."""
-    shown, aim = [*combined.shown_combinations(found).values()], combined.printed_ratio()
+    shown, aim = [*combined.shown_combinations(found).values()], combined.printed_load_ratio()
     others = [c for c in found if c not in shown]
     printed_errors = combined.printed_errors()
 
     def scatter_series(
         pick: Callable[[combined.CombinationResult], tuple[float, float]], printed: tuple[float, float]
     ) -> tuple[Series, ...]:
-        """Return a marker for each combination and one for the printed values; ``pick``: abscissa and ordinate."""
+        """Return a marker for each combination, and one for the printed values.
+
+        ``pick``: function that returns abscissa and ordinate of a combination; ``printed``: those of the printed values.
+        """
         out = []
         for label, of, light in (("other combinations", others, True), ("explanations", shown, False)):
             points = [pick(c) for c in of]
@@ -456,7 +481,7 @@ def combinations_figure(found: list[combined.CombinationResult]) -> Figure:
         return (*out, Series("printed", [printed[0]], [printed[1]], style="markers", emphasis=True))
 
     def case_errors(k: int) -> Callable[[combined.CombinationResult], tuple[float, float]]:
-        """Return the function that picks the RMS and the largest error of a case, 0 or 1, of a combination."""
+        """Return a function that returns RMS, then largest error [%] of a combination in Lin's case ``k`` + 1."""
         return lambda c: (c.errors["own"][2 * k + 1], c.errors["own"][2 * k])
 
     panels = (

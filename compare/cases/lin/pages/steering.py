@@ -83,7 +83,10 @@ def lash_rows(scene: Scene) -> list[Row]:
 
 
 def _count_directions(found: steering.LashDifferences) -> str:
-    """Return in words for how many directions the axial lash differs less between ball patterns than the conical lash."""
+    """Return in words in how many directions of the force the axial lash differs less between patterns than the conical.
+
+    ``found``: differences of the lash between ball patterns.
+    """
     count = sum(found.axial < x for x in found.conical)
     return f"{count} of {len(found.conical)} directions"
 
@@ -122,7 +125,10 @@ def steering_gear_figure(points: list[steering.LayoutRatios]) -> Figure:
 
 
 def _group_by_layout(points: list[steering.LayoutRatios]) -> dict[tuple[str, bool], list[steering.LayoutRatios]]:
-    """Group the load ratios with the bearing at the nut's centre by pinion restraint and direction of lateral forces."""
+    """Group the load ratios of layouts with the bearing at the nut's centre.
+
+    The keys are the pinion's restraint, and whether the lateral forces of both tie rods have opposite directions.
+    """
     out: dict[tuple[str, bool], list[steering.LayoutRatios]] = {}
     for p in points:
         if p.offset == 0.0:

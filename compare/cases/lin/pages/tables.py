@@ -92,7 +92,11 @@ def beam_element_count(study: Study, name: str) -> str:
 
 
 def model_sizes(study: Study, name: str, way: str) -> tuple[str, str]:
-    """Return in words the sizes of a timed model: printed, and of this package's model; empty if it has no elements."""
+    """Return in words the printed size of a timed model, then the size of this package's model.
+
+    Both are empty if the model has no elements. ``name``: of the scene; ``way``: "lin" (static model), "numerical",
+    "formula" or "3D".
+    """
     if way == "lin":
         return printed_count("lin-2.2", "elements_proposed"), beam_element_count(study, name)
     if way != "3D":
@@ -109,7 +113,10 @@ def speed_ratio(slow: float | None, fast: float | None) -> float | None:
 
 
 def times_table(study: Study, layout: Layout, found: Mapping[str, Evidence]) -> Table:
-    """Return the table of run times and model sizes for a table of Lin's thesis: printed and measured, with ratios."""
+    """Return the table of run times and model sizes for a table of Lin's thesis: printed and measured, with ratios.
+
+    ``layout``: rows and columns of the table in the thesis; ``found``: printed values with the computed ones, by name.
+    """
     names = [
         (label, head, n) for label, row in layout.rows for head, n in zip(layout.columns, row, strict=True) if n in TIMED
     ]
@@ -147,14 +154,21 @@ def error_or_none(value: float | None, reference: float | None) -> float | None:
 
 
 def table_3_4_extra_cells(study: Study) -> dict[str, Row]:  # noqa: ARG001 - every table takes the study
-    """Return further cells of Lin's Table 3.4: velocity deviations [%] under the loads assumed in 3.3.4.1."""
+    """Return further cells of Lin's Table 3.4, by name of the printed number.
+
+    They are velocity deviations [%] under the loads that section 3.3.4.1 of the thesis assumes, equal on each diagonal.
+    """
     found = {case: 100.0 * solve_linear_pair(loads="diagonal", mated=case == "b").free.deviation for case in "ab"}
     cells = {(case, k): float(value[k - 1]) for case, value in found.items() for k in (1, 2)}
     return {f"lin-3.4:{c}_eps{k}_numerical": {DIAGONAL: x if abs(x) > 1e-9 else 0.0} for (c, k), x in cells.items()}
 
 
 def table_3_5_extra_cells(study: Study) -> dict[str, Row]:  # noqa: ARG001 - every table takes the study
-    """Return further cells of Lin's Table 3.5: printed differences [%], and the force [N] under the loads of 3.3.4.1."""
+    """Return further cells of Lin's Table 3.5, by name of the printed number.
+
+    They are printed differences from ANSYS [%], and the ball-to-ball force [N] under the loads that section 3.3.4.1 of
+    the thesis assumes, equal on each diagonal.
+    """
     low, ansys = (value_of("lin-3.5", f"a_force_{way}") for way in ("analytic", "ansys"))
     numerical: Row = {
         SOURCES_OWN: value_of("lin-3.5", "error_numerical"),
@@ -164,12 +178,15 @@ def table_3_5_extra_cells(study: Study) -> dict[str, Row]:  # noqa: ARG001 - eve
 
 
 def table_3_7_extra_cells(study: Study) -> dict[str, Row]:  # noqa: ARG001 - every table takes the study
-    """Return further cells of Lin's Table 3.7: printed differences from ANSYS [%]."""
+    """Return further cells of Lin's Table 3.7, by name of the printed number: printed differences from ANSYS [%]."""
     return {f"lin-3.7:force_{case}": {SOURCES_OWN: value_of("lin-3.7", f"difference_{case}")} for case in SCREW}
 
 
 def table_b_1_extra_cells(study: Study) -> dict[str, Row]:
-    """Return further cells of Lin's Table B.1: correct values for the groove with which it was computed."""
+    """Return further cells of Lin's Table B.1, by name of the printed number.
+
+    They are the correct values for the groove with which Lin computed the table, not that of his Table 2.1.
+    """
     scene = with_groove(study.scene("lin-case1"), chapter_2.TABLE_CONFORMITY)
     return {f"lin-B1:{key}": {OTHER_GROOVE: value} for key, value in chapter_2.correct_table_b_1(scene).items()}
 
@@ -215,15 +232,15 @@ WHY = {
 
 
 def reason_without_3d(name: str) -> str:
-    """Return the reason why a printed number has no 3D value; empty if none is given."""
+    """Return the reason why a printed number has no 3D value; empty if none is given; ``name``: ``table:key``."""
     return next((text for start, text in WHY.items() if name.startswith(start)), "")
 
 
 def substitute_texts(study: Study) -> dict[str, str]:
-    """Return texts that replace computed numbers in Lin's tables, by name: run times and model sizes."""
+    """Return texts on run times and model sizes that stand in Lin's tables in place of numbers, by name of the number."""
 
     def time_text(name: str, way: str) -> str:
-        """Return the run times of a scene by a model in words."""
+        """Return in words the run times of the scene ``name`` by the model ``way``, as in `stored_run_times`."""
         found = stored_run_times(study, name, way)
         return found.older or (
             "–" if found.cold is None else f"{found.cold:.3g} s cold, {found.further or 0.0:.2g} s further"

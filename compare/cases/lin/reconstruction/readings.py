@@ -70,7 +70,10 @@ def radius_difference(scene: Scene) -> float:
 
 
 def effective_oversize(scene: Scene, phi: float = MU) -> float:
-    """Return the effective oversize of the ball radius [m], h phi^2/2, for contact normals turned by ``phi`` [rad]."""
+    """Return the oversize of the ball radius [m] that has the effect of a displaced ball: h phi^2/2.
+
+    ``phi``: angle [rad] by which the ball's contact normals are turned; h: groove radius less ball radius.
+    """
     return 0.5 * radius_difference(scene) * phi**2
 
 
@@ -93,7 +96,11 @@ def displace_balls_by_friction(scene: Scene, balls: Iterable[int] | None = None)
 
 
 def largest_change_by_friction(scene: Scene, of: Callable[[Scene], float]) -> float:
-    """Return the largest relative rise of the quantity ``of`` a scene that friction on some of its balls can cause."""
+    """Return the largest relative rise of a quantity that friction on some of the balls of a scene can cause.
+
+    ``of``: function that returns the quantity of a scene. Friction displaces those balls that raise it when displaced
+    alone.
+    """
     base = of(scene)
     return (
         of(
@@ -120,23 +127,23 @@ PENALTY_LEVEL = 2
 class Interpretation:
     """One interpretation of one modelling choice that Lin's thesis leaves open."""
 
-    #: Key.
+    #: Short name, for names of scenes and tables.
     key: str
     #: Modelling choice that the thesis leaves open.
     choice: str
-    #: Interpretation of the choice.
+    #: Interpretation of the choice in words.
     label: str
-    #: Ingredients of the low-order model.
+    #: Values of the scene's ingredients that the low-order model takes from the interpretation, by name.
     ingredients: dict[str, Any] = field(default_factory=dict, hash=False)
-    #: Change of the scene in 3D.
+    #: Function that returns the changed copy of a scene for the 3D model; None: the scene is unchanged.
     change: Any = None
-    #: Mesh level in 3D.
+    #: Mesh level of the 3D model.
     level: int = LEVEL
-    #: Why the text contradicts it; empty if it does not.
+    #: Why the text of the thesis contradicts the interpretation; empty if it does not.
     by_text: str = ""
-    #: Coefficient with which grooves slide on balls that do not turn, in 3D.
+    #: Coefficient of friction with which the grooves slide on balls that do not turn, in 3D; 0: no sliding friction.
     sliding: float = 0.0
-    #: Penalty of the contacts in 3D, over E/h; 0: no penetration.
+    #: Penalty of the contacts in 3D, over E/h (h: size of Lin's elements); 0: contacts without penetration.
     penalty: float = 0.0
 
 
@@ -199,13 +206,16 @@ FINER = tuple(r for r in SOLID if r.key == "penalty/4")
 Combination = tuple[Interpretation, ...]
 
 
-def key_of(readings: Combination) -> str:
+def combination_key(readings: Combination) -> str:
     """Return the key of a combination of interpretations, such as "plain+tetrahedra", for names and tables."""
     return "+".join(r.key for r in readings) or "base"
 
 
-def combinations_of(readings: tuple[Interpretation, ...], most: int) -> list[Combination]:
-    """Return all combinations of up to ``most`` interpretations, at most one for each modelling choice."""
+def combinations_of_choices(readings: tuple[Interpretation, ...], most: int) -> list[Combination]:
+    """Return all combinations of the interpretations ``readings``, at most one for each modelling choice.
+
+    ``most``: largest number of interpretations in a combination. The empty combination (all defaults) is the first.
+    """
     found: list[Combination] = [()]
     for count in range(1, most + 1):
         found += [c for c in combinations(readings, count) if len({r.choice for r in c}) == count]
@@ -245,17 +255,20 @@ MOVERS = ("plain", "runout", "outer-half", "tetrahedra")
 def combinations_in_3d() -> list[Combination]:
     """Return the combinations with 3D runs: default, single interpretations, pairs and triples of `MOVERS`."""
     movers = tuple(r for r in SOLID if r.key in MOVERS)
-    return [*combinations_of(SOLID, 1), *(c for c in combinations_of(movers, 3) if len(c) > 1)]
+    return [*combinations_of_choices(SOLID, 1), *(c for c in combinations_of_choices(movers, 3) if len(c) > 1)]
 
 
 def scenes_in_3d(readings: Combination) -> tuple[Scene, ...]:
     """Return the scenes of Lin's cases 1 and 2 for the 3D model under a combination of interpretations."""
-    name = key_of(readings).replace("/", "-")
+    name = combination_key(readings).replace("/", "-")
     return tuple(replace(scene_for_3d(catalogue.scene(c), readings), name=f"{c}-{name}") for c in CASES)
 
 
 def stored_runs(readings: Combination, level: int | None = None) -> tuple[Run, ...] | None:
-    """Return the converged stored 3D runs of cases 1 and 2 on a mesh level; None if one is missing."""
+    """Return the converged stored 3D runs of Lin's cases 1 and 2 under a combination; None if one is missing.
+
+    ``level``: mesh level; None: that of the combination.
+    """
     level = mesh_level_of(readings) if level is None else level
     found = [load_run(scene, level, stores=[RUNS]) for scene in scenes_in_3d(readings)]
     runs = tuple(run for run in found if run is not None and run.status == "converged")
@@ -263,20 +276,24 @@ def stored_runs(readings: Combination, level: int | None = None) -> tuple[Run, .
 
 
 def stored_loads(readings: Combination, level: int | None = None) -> tuple[Array, ...] | None:
-    """Return the contact loads (n, 4) [N] of cases 1 and 2 from stored 3D runs; None if one is missing."""
+    """Return the contact loads of Lin's cases 1 and 2 from stored 3D runs; None if a run is missing.
+
+    Each array is (n, 4) [N], with the flanks SL, SR, NL, NR of n balls. ``level``: mesh level; None: the combination's.
+    """
     runs = stored_runs(readings, level)
     return None if runs is None else tuple(run.load for run in runs)
 
 
 def compute_missing(step: Callable[[str], None], cache: Path | None = None) -> None:
-    """Compute and store the missing 3D runs of all combinations.
+    """Compute and store the missing 3D runs of all combinations of interpretations.
 
+    ``step``: function that is told in words which run comes next; ``cache``: folder of kept intermediate results, if any.
     Raises ValueError if a run does not converge.
     """
     for readings, level in [*((r, mesh_level_of(r)) for r in combinations_in_3d()), (FINER, PENALTY_LEVEL + 1)]:
         if stored_loads(readings, level) is not None:
             continue
-        step(f"3D: {key_of(readings)}, level {level}")
+        step(f"3D: {combination_key(readings)}, level {level}")
         pair = scenes_in_3d(readings)
         sliding, penalty = sum(r.sliding for r in readings), sum(r.penalty for r in readings)
         if penalty:
@@ -306,19 +323,22 @@ APPROACH, BIAS, SCATTER = 6.4839e-6, -4.4, 0.33
 
 
 def load_change_per_approach(solid: tuple[Array, ...]) -> float:
-    """Return the relative change of a ball's load, over the relative change of the approach at one of its contacts.
+    """Return the relative change of a ball's load over the relative change of the approach at one of its contacts.
 
-    ``solid``: contact loads of cases 1 and 2 in 3D, each (n, 4) [N].
+    It follows from the load of the oversize ball of case 2. ``solid``: contact loads of Lin's cases 1 and 2 in 3D, each
+    (n, 4) [N] for n balls and the flanks SL, SR, NL, NR.
     """
     before, after = (load[LARGE, 0] for load in solid)
     return float((after / before - 1.0) * 0.5 * APPROACH / OVERSIZE)
 
 
-def drawn_errors(low: tuple[Array, ...], solid: tuple[Array, ...], percent: float, *, of_load: bool = True) -> Array:
-    """Return largest and RMS error [%] of cases 1 and 2 for `DRAWN` meshes with random approaches, (DRAWN, 4).
+def errors_on_random_meshes(
+    low: tuple[Array, ...], solid: tuple[Array, ...], percent: float, *, of_load: bool = True
+) -> Array:
+    """Return the errors [%] that the low-order model would have against 3D on `DRAWN` random meshes, (DRAWN, 4).
 
-    Only flank SL counts, since both contacts of a ball carry the same load. Each case has its own mesh, and so its
-    own scatter.
+    Columns: largest and RMS error of case 1, largest and RMS error of case 2. Only flank SL counts, since both contacts of
+    a ball carry the same load. Each case has its own mesh, and so its own scatter.
 
     Parameters
     ----------
@@ -342,9 +362,10 @@ def drawn_errors(low: tuple[Array, ...], solid: tuple[Array, ...], percent: floa
 
 
 def fraction_with_fall_and_rise(errors: Array, falls: float, rises: float) -> float:
-    """Return the fraction of `drawn_errors` with at least a given fall of the largest error and rise of the RMS error.
+    """Return the fraction of random meshes on which the errors change from case 1 to case 2 by at least given amounts.
 
-    ``falls``, ``rises``: from case 1 to case 2 [percentage points].
+    ``errors``: result of `errors_on_random_meshes`; ``falls``: least fall of the largest error; ``rises``: least rise of
+    the RMS error [both in percentage points].
     """
     return float(((errors[:, 0] - errors[:, 2] >= falls) & (errors[:, 3] - errors[:, 1] >= rises)).mean())
 
@@ -368,8 +389,9 @@ ERRORS = ("case1_max_error", "case1_rms_error", "case2_max_error", "case2_rms_er
 class CombinationResult:
     """Results of one combination of interpretations: load ratios of case 1 by both models, and the model's errors.
 
-    ``low``, ``solid``: interpretations of the low-order and of the 3D model; ``errors``: largest and RMS error of cases 1
-    and 2 [%], by definition.
+    ``low``, ``solid``: interpretations for the low-order and for the 3D model; ``low_ratio``, ``solid_ratio``: largest
+    over smallest load of case 1 by these models; ``errors``: errors of the low-order model against 3D [%], largest and
+    RMS of case 1, then of case 2, by the definition of errors.
     """
 
     low: Combination
@@ -380,8 +402,11 @@ class CombinationResult:
 
     @property
     def misses(self) -> Array:
-        """Deviations from the printed numbers: both ratios [%], four errors of contact loads [percentage points]."""
-        ratios = error_percent(np.array([self.low_ratio, self.solid_ratio]), printed_ratio())
+        """Deviations from the printed numbers (6,): two load ratios [%], then four errors of loads [percentage points].
+
+        The load ratios are those of the low-order and of the 3D model, the errors those of `ERRORS`.
+        """
+        ratios = error_percent(np.array([self.low_ratio, self.solid_ratio]), printed_load_ratio())
         return np.concatenate([ratios, np.array(self.errors["own"]) - np.array(printed_errors())])
 
     @property
@@ -390,13 +415,13 @@ class CombinationResult:
         return any(r.by_text for r in (*self.low, *self.solid))
 
 
-def printed_ratio() -> float:
+def printed_load_ratio() -> float:
     """Return the ratio of largest to smallest load that Lin prints for both models: about 1.34."""
     return value_of("lin-2.4.1", "case1_ratio")
 
 
 def load_ratio(load: Array) -> float:
-    """Return the largest over the smallest load on flank SL."""
+    """Return the largest over the smallest load on flank SL; ``load``: contact loads (n, 4) [N] of n balls."""
     return float(load[:, 0].max() / load[:, 0].min())
 
 
@@ -413,18 +438,18 @@ def model_errors(low: tuple[Array, ...], solid: tuple[Array, ...]) -> dict[Defin
 def low_order_combinations() -> list[Combination]:
     """Return the combinations for the low-order model: default, single ones, pairs and triples of `LOW_MOVERS`."""
     movers = tuple(r for r in LOW if r.key in LOW_MOVERS)
-    return [*combinations_of(LOW, 1), *(c for c in combinations_of(movers, 3) if len(c) > 1)]
+    return [*combinations_of_choices(LOW, 1), *(c for c in combinations_of_choices(movers, 3) if len(c) > 1)]
 
 
 def low_order_loads(study: Study, readings: Combination) -> tuple[Array, ...]:
-    """Return the contact loads (n, 4) [N] of cases 1 and 2 by the low-order model under a combination."""
+    """Return the contact loads of Lin's cases 1 and 2 by the low-order model under a combination, each (n, 4) [N]."""
     return tuple(study.solve(scene_for_low_order(catalogue.scene(c), readings), "lin").load for c in CASES)
 
 
 def loads_in_3d(study: Study, readings: Combination, level: int | None = None) -> tuple[Array, ...]:
-    """Return the contact loads (n, 4) [N] of cases 1 and 2 by the 3D model under a combination.
+    """Return the contact loads of Lin's cases 1 and 2 by the 3D model under a combination, each (n, 4) [N].
 
-    Raises LookupError if a stored run is missing.
+    ``level``: mesh level; None: that of the combination. Raises LookupError if a stored run is missing.
     """
     return tuple(run.load for run in study.once(_require_runs, readings, level))
 
@@ -433,7 +458,7 @@ def _require_runs(study: Study, readings: Combination, level: int | None = None)
     """Return the stored 3D runs of cases 1 and 2 under a combination; raises LookupError if one is missing."""
     found = stored_runs(readings, level)
     if found is None:
-        raise LookupError(f"no stored 3D run of {key_of(readings)}; compute it by: python -m {__package__}")
+        raise LookupError(f"no stored 3D run of {combination_key(readings)}; compute it by: python -m {__package__}")
     return found
 
 
@@ -457,13 +482,14 @@ def printed_errors() -> tuple[float, ...]:
 def nearest_combination(found: list[CombinationResult], first: int = 6) -> CombinationResult:
     """Return the combination closest to the printed numbers among those that the text does not contradict.
 
-    Closest by the root mean square of the ``first`` misses: 2 are the ratios, 6 are all printed numbers.
+    The distance is the root mean square of the deviations from the printed numbers. ``first``: how many of them count; 2:
+    only the load ratios, 6: all.
     """
     allowed = [c for c in found if not c.against_text]
     return min(allowed, key=lambda c: float(np.linalg.norm(c.misses[:first])))
 
 
-def without_penalty(found: list[CombinationResult]) -> list[CombinationResult]:
+def combinations_without_penalty(found: list[CombinationResult]) -> list[CombinationResult]:
     """Return the combinations without penalty contacts in 3D."""
     return [c for c in found if not any(r.penalty for r in c.solid)]
 
@@ -479,14 +505,17 @@ def shown_combinations(found: list[CombinationResult]) -> dict[str, CombinationR
     }
     return {
         "all by default": found[0],
-        "nearest in the ratio, no penalty": nearest_combination(without_penalty(found), 2),
+        "nearest in the ratio, no penalty": nearest_combination(combinations_without_penalty(found), 2),
         **softer,
         "nearest in all six": nearest_combination(found),
     }
 
 
 def relative_penalty_approach(study: Study, readings: Combination) -> float:
-    """Return the approach that a penalty adds at a contact, over the Hertz approach under the mean load."""
+    """Return the approach that a penalty adds at a contact of case 1, over the Hertz approach under the mean load.
+
+    ``readings``: combination of interpretations with the penalty.
+    """
     scene = catalogue.scene(CASES[0])
     still, moved = (study.once(_require_runs, r)[0] for r in ((), readings))
     track = scene.track

@@ -40,8 +40,9 @@ def add_penalty_springs(setup: Setup, penalty: float) -> Setup:
 def solve_with_penalty(scenes: Sequence[Scene], runs: Sequence[Run], share: float, cache: Path | None) -> list[Run]:
     """Solve scenes of one geometry in 3D with penalty contacts, starting from their runs without penalty.
 
-    ``share``: penalty over E/h, with Young's modulus E of the balls and Lin's element size h. Raises
-    ValueError if a run does not converge.
+    ``runs``: stored runs without penalty, one for each scene; ``share``: penalty over E/h, with Young's modulus E of the
+    balls and Lin's element size h; ``cache``: folder of kept intermediate results, if any. Raises ValueError if a run
+    does not converge.
     """
     settings = settings_of(scenes, runs[0].level)
     settings = replace(settings, reach=(LARGER * settings.reach[0], LARGER * settings.reach[1]))
@@ -77,12 +78,19 @@ class SlidingLoadCase(LoadCase):
     """
 
     def __init__(self, setup: Setup, scene: Scene, mu: float) -> None:
-        """Make the load case of one ball screw; ``mu``: coefficient of friction."""
+        """Make the load case of one ball screw.
+
+        ``setup``: prepared 3D contacts; ``scene``: screw and loads; ``mu``: coefficient of friction, with its sign.
+        """
         super().__init__((PlacedSet(setup, scene, setup.sides),), Frame.from_scene(scene), mount_screw(setup, scene))
         self.mu, self.smooth, self.still = mu, self.mounted, self.at_rest
 
     def solve_next_round(self, last: ContactRound, *, moving: bool) -> ContactRound:
-        """Solve the next iteration, with friction from the contact loads of the last one."""
+        """Return the next iterate of contact loads and motion, with friction from the contact loads of the last one.
+
+        ``last``: last iterate; ``moving``: whether normals and gaps follow the motion; else gaps are corrected for the
+        mesh grid only.
+        """
         across = self.across(last).ravel()
         self.at_rest = self.still + self.C.coupling @ self.C.amplitude(across)
         self.load_motion = normal_motion_of_nodes(self.C, self.at_rest)
@@ -90,7 +98,10 @@ class SlidingLoadCase(LoadCase):
         return super().solve_next_round(last, moving=moving)
 
     def across(self, last: ContactRound) -> Array:
-        """Return nodal forces (balls, n) [N] along the normals whose resultants are the contacts' friction forces."""
+        """Return forces on n contact nodes of each ball whose resultants are the contacts' friction forces, (balls, n).
+
+        The forces [N] act along the nodes' normals; ``last``: iterate whose contact loads give the friction.
+        """
         (forces,), (normals,), (placed,) = last.forces, last.directions, self.sets
         section = placed.setup.map.axes()[[0, 2]]
         out = np.zeros_like(forces)
@@ -106,9 +117,9 @@ class SlidingLoadCase(LoadCase):
 def solve_with_sliding(scenes: Sequence[Scene], runs: Sequence[Run], mu: float, cache: Path | None) -> list[Run]:
     """Solve scenes of one geometry in 3D with balls that do not turn, so that grooves slide on them.
 
-    Return their runs with the changed loads and contact angles.
-
-    Raises ValueError if the iteration of load and friction does not converge.
+    ``runs``: runs without friction, one for each scene; ``mu``: coefficient of friction, negative where the screw moves
+    against its load; ``cache``: folder of kept intermediate results, if any. Returns the runs with the changed contact
+    loads and contact angles. Raises ValueError if the iteration of load and friction does not converge.
     """
     settings = settings_of(scenes, runs[0].level)
     setup = prepare(scenes[0], runs[0].sides, settings, scenes=scenes[1:], cache=Cache(cache))

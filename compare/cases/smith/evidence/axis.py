@@ -1,4 +1,4 @@
-"""Smith (1994), chapters 4 and 5: stiffness of a ball-screw axis with its support bearings, tests, reduced preload of 5.3.
+"""Smith (1994), chapters 4 and 5: stiffness of a ball-screw axis with its support bearings, tests, reduced preload.
 
 Several layouts of the axis are also solved as scenes over the nut's position, and compared with closed formulas and with
 Smith's sum of compliances in series.
@@ -49,8 +49,9 @@ FIRST, PLACES = 2.0 * bearings.INCH, (0.1, 0.5, 0.9)
 class Layout:
     """An arrangement of support bearings at both ends of the screw.
 
-    ``scene``: name of its scene; ``words``: description; ``kind``: "ball" or "taper"; ``left``, ``right``: directions in
-    which the bearing rows of an end carry thrust (empty: the end is free to slide).
+    ``scene``: name of its scene; ``words``: description; ``kind``: "ball" or "taper"; ``left``, ``right``: for each
+    bearing row of an end, the direction in which it carries thrust, +1 if the screw's tension loads it, else -1 (empty:
+    the end is free to slide).
     """
 
     scene: str
@@ -80,7 +81,11 @@ LAYOUTS = TRIPLEX, SUPPORTED, TANDEM, TAPERED
 
 @dataclass(frozen=True)
 class EndThrusts:
-    """Thrust [N] on the left and right supports, and axial stiffness [N/m] of screw and supports at the nut."""
+    """Thrust on the supports of an axis, and its stiffness.
+
+    ``left``, ``right``: thrust on the left and right supports, positive in tension of the screw [N]; ``stiffness``: axial
+    stiffness of screw and supports at the nut, without that of the nut [N/m].
+    """
 
     left: float
     right: float
@@ -91,8 +96,8 @@ class EndThrusts:
 def end_thrusts_by_formulas(layout: Layout, place: float, applied: float = bearings.APPLIED) -> EndThrusts:
     """Return thrusts and stiffness of an axis by closed formulas, with all bearing rows of an end at one position.
 
-    ``place``: nut's position over the length; ``applied``: axial load on the nut [N]. The screw is stretched as in Smith's
-    thesis, and the bearing rows are preloaded.
+    ``place``: position of the nut over the length between the supports; ``applied``: axial load on the nut, towards the
+    left end [N]. The screw is stretched as in Smith's thesis, and the bearing rows are preloaded.
     """
     a, first = bearings.screw_axis(), layout.bearings_at("left")
     bars = np.array([place, 1.0 - place]) * a.length / (a.young * a.area)
@@ -114,7 +119,10 @@ def end_thrusts_by_formulas(layout: Layout, place: float, applied: float = beari
 
 
 def end_thrusts_by_scene(study: Study, layout: Layout, place: float) -> EndThrusts:
-    """Return thrusts and stiffness of an axis solved as a scene: beam, contacts, bearing rows at their positions."""
+    """Return thrusts and stiffness of an axis solved as a scene, with beam, contacts, and bearing rows at their places.
+
+    ``place``: position of the nut over the length between the supports.
+    """
     return study.once(_solve_layout_scene, layout, place)
 
 
@@ -133,9 +141,10 @@ def _solve_layout_scene(study: Study, layout: Layout, place: float) -> EndThrust
 
 
 def stiffness_sum_in_series(layout: Layout) -> float:
-    """Return the axis stiffness [N/m] by Smith's sum in series (4.6): both supports and the whole screw, without the nut.
+    """Return the axis stiffness [N/m] by Smith's sum in series, his equation (4.6), without the nut.
 
-    nan for a screw fixed at one end only, for which Smith gives no sum.
+    The sum contains the compliances of both supports and of the whole screw. The result is nan for a screw fixed at one
+    end only, for which Smith gives no sum.
     """
     if not layout.right:
         return float("nan")
@@ -153,15 +162,20 @@ def layout_sentence(study: Study, layout: Layout) -> str:
 
 
 def compare_layouts(study: Study) -> Iterator[tuple[Layout, float, EndThrusts, EndThrusts]]:
-    """Yield each layout and nut position, with thrusts and stiffness by the scene and by closed formulas."""
+    """Yield each layout of the axis and each nut position, with thrusts and stiffness computed in two ways.
+
+    Each entry: layout; position of the nut over the length; thrusts and stiffness by the scene; the same by closed
+    formulas.
+    """
     for layout in LAYOUTS:
         for place in PLACES:
             yield layout, place, end_thrusts_by_scene(study, layout, place), end_thrusts_by_formulas(layout, place)
 
 
-#: Lead [m], rapid traverse [m/s] (5.1); encoder counts per turn, motor torque [in-lbf], reduced preload [N] (5.3).
+#: Lead [m] and rapid traverse [m/s] of the tested axis, section 5.1 of Smith's thesis.
 LEAD, TRAVERSE = parse_quantity("14 mm", "length"), 800.0 * bearings.INCH / 60.0
 
+#: Encoder counts per turn, motor torque [in-lbf], and the reduced preload of section 5.3 [N].
 COUNTS, MOTOR, REDUCED = 40000.0, 159.0, parse_quantity("750 lbf", "force")
 
 #: Density of steel [kg/m^3], for the screw's inertia, which Smith does not print.
@@ -176,10 +190,11 @@ def screw_tension() -> float:
 
 
 @cache
-def end_state(kind: str, end: str, state: str, preload: float = bearings.PRELOAD) -> BearingSetState:
-    """Return the equilibrium of the bearing rows of one end.
+def bearing_state_at_end(kind: str, end: str, state: str, preload: float = bearings.PRELOAD) -> BearingSetState:
+    """Return the equilibrium of the bearing rows at one end of the axis.
 
-    ``state``: "preload" only, after the "stretch" of the screw, or with the load of 4.2 "applied" as well.
+    ``kind``: "ball" or "taper"; ``end``: "left" or "right"; ``state``: "preload" only, after the "stretch" of the screw, or
+    with the carriage's load of Smith's section 4.2 "applied" as well; ``preload``: of the bearing rows [N].
     """
     rows = bearings.bearing_set(kind, end, preload)
     if state == "preload":
@@ -189,13 +204,21 @@ def end_state(kind: str, end: str, state: str, preload: float = bearings.PRELOAD
 
 
 def _end_thrusts_under_load(tensile: float) -> dict[str, float]:
-    """Return the thrust [N] on both ends with Smith's load of 4.2 on the nut at mid-length, towards the left end."""
+    """Return the thrust [N] on both ends, by "left" and "right", under the carriage's load of Smith's section 4.2.
+
+    The load acts on the nut at mid-length towards the left end; ``tensile``: tension of the screw without it [N].
+    """
     left, right = support_loads(bearings.screw_axis(), 0.5 * bearings.screw_axis().length, -bearings.APPLIED, tensile)
     return {"left": left, "right": right}
 
 
 def row_loads_as_printed(kind: str, end: str, state: str, preload: tuple[float, ...]) -> list[float]:
-    """Return the bearing-row loads [lbf] by Smith's rule: each end gets half of stretch and load, in full on every row."""
+    """Return the loads [lbf] of the bearing rows at one end by Smith's rule.
+
+    Each end gets half of the screw's tension and half of the carriage's load, and adds it in full to every row.
+    ``kind``: "ball" or "taper"; ``end``: "left" or "right"; ``state``: "stretch" or "applied"; ``preload``: of each row
+    [lbf].
+    """
     loads = as_printed.shared_loads(
         preload, bearings.DIRECTIONS[kind][end], 0.5 * round(screw_tension() / bearings.POUND, -1)
     )
@@ -222,7 +245,7 @@ def section_4_1(e: Findings, study: Study) -> None:  # noqa: ARG001 - every tabl
             "dT": unloading_warming(a, bearings.STRETCH, bearings.EXPANSION) / bearings.DEG_F,
         }
     )
-    stiff = {kind: end_state(kind, "left", "stretch").stiffness for kind in KINDS}
+    stiff = {kind: bearing_state_at_end(kind, "left", "stretch").stiffness for kind in KINDS}
     elastic = [shaft_tension(bearings.screw_axis(k, k), bearings.STRETCH) / bearings.POUND for k in stiff.values()]
     words = f"{elastic[0]:.0f} and {elastic[1]:.0f} lbf if the stretch is of the ends and the bearings give way"
     e.number("F", screw_tension() / bearings.POUND, words)
@@ -238,7 +261,7 @@ def section_4_2(e: Findings, study: Study) -> None:
     least = float(shaft_stiffness(a, 0.5 * a.length))
     e.numbers({"screw": least / bearings.POUND_PER_INCH, "nut": bearings.NUT / bearings.POUND_PER_INCH})
     e.number("applied", bearings.APPLIED / bearings.POUND)
-    e.number("package_ball", end_state("ball", "left", "stretch").stiffness / bearings.POUND_PER_INCH)
+    e.number("package_ball", bearing_state_at_end("ball", "left", "stretch").stiffness / bearings.POUND_PER_INCH)
     e.number("package_taper", 2.0 * e.printed("taper_left_stiffness_1"))
     for kind in KINDS:
         e.number(f"rows_{kind}", 2.0 * sum(len(rows) for rows in bearings.DIRECTIONS[kind].values()))
@@ -257,16 +280,19 @@ def section_4_2(e: Findings, study: Study) -> None:
 
 
 def _compute_end_rows(e: Findings, kind: str, end: str) -> None:
-    """Compute loads and stiffness of the bearing rows at one end of the axis, into ``e``."""
+    """Compute loads and stiffness of the bearing rows at one end of the axis, into ``e``.
+
+    ``kind``: "ball" or "taper"; ``end``: "left" or "right".
+    """
     count = len(bearings.DIRECTIONS[kind][end])
     preload = tuple(e.printed(f"{kind}_{end}_preload_{i + 1}") for i in range(count))
     for state in ("preload", "stretch", "applied"):
-        ours = end_state(kind, end, state)
+        ours = bearing_state_at_end(kind, end, state)
         printed = None if state == "preload" else row_loads_as_printed(kind, end, state, preload)
         for i in range(count):
             key = f"{kind}_{end}_{state}_{i + 1}"
             e.number(key, float(ours.loads[i]) / bearings.POUND, as_printed=None if printed is None else printed[i])
-    ours = end_state(kind, end, "applied")
+    ours = bearing_state_at_end(kind, end, "applied")
     for i in range(count):
         e.number(f"{kind}_{end}_stiffness_{i + 1}", float(ours.row_stiffness[i]) / bearings.POUND_PER_INCH)
     total = sum(e.printed(f"{kind}_{end}_stiffness_{i + 1}") for i in range(count))
@@ -284,11 +310,14 @@ def axis_stiffness_at_middle(supports: float) -> float:
 
 
 def _compute_axis_stiffness(e: Findings, kind: str, as_scenes: str) -> None:
-    """Compute the stiffness of the axis: by Smith's sum in series, and with both halves of the screw in parallel."""
+    """Compute the axis stiffness by Smith's sum in series and with both screw halves in parallel, into ``e``.
+
+    ``kind``: "ball" or "taper"; ``as_scenes``: remark on end thrusts and stiffness by scene.
+    """
     package, screw, nut = (e.printed(k) for k in (f"package_{kind}", "screw", "nut"))
     printed = as_printed.series_stiffness((package, package), screw, nut)
     right = axis_stiffness_at_middle(package * bearings.POUND_PER_INCH) / bearings.POUND_PER_INCH
-    ours = axis_stiffness_at_middle(end_state(kind, "left", "stretch").stiffness) / bearings.POUND_PER_INCH
+    ours = axis_stiffness_at_middle(bearing_state_at_end(kind, "left", "stretch").stiffness) / bearings.POUND_PER_INCH
     off = float(error_percent(printed, right))
     words = f"right topology, printed parts {1e-6 * right:.3f}e6, our bearings {1e-6 * ours:.3f}e6; "
     words += f"the sum in series {off:+.0f} %"
@@ -355,7 +384,7 @@ def _compare_stiffness_tests(e: Findings) -> None:
     """Compare the computed stiffness of the axis with the tests: section 5.2.2 of Smith (1994), into ``e``."""
     off = []
     for kind in KINDS:
-        right = axis_stiffness_at_middle(end_state(kind, "left", "stretch").stiffness) / bearings.POUND_PER_INCH
+        right = axis_stiffness_at_middle(bearing_state_at_end(kind, "left", "stretch").stiffness) / bearings.POUND_PER_INCH
         measured, predicted = e.printed(f"S_{kind}"), value_of("smith-4.2", f"total_{kind}")
         off.append(float(error_percent(predicted, measured)))
         words = f"printed prediction {off[-1]:+.2f} %, right topology {float(error_percent(right, measured)):+.0f} %"
@@ -379,10 +408,10 @@ def _compare_temperature_rises(e: Findings) -> None:
 
 
 def unseating_load(preload: float) -> float:
-    """Return the load [N] on the carriage at mid-length that unloads the outer bearing row of one end of the axis.
+    """Return the load [N] on the carriage at mid-length that unloads the outer tapered-bearing row of one end of the axis.
 
-    The screw is stretched. Half of the carriage's load acts on the end, which is unloaded at its lift-off load less the
-    screw's tension.
+    ``preload``: of the bearing rows [N]. The screw is stretched. Half of the carriage's load acts on the end, which is
+    unloaded at its lift-off load less the screw's tension.
     """
     share = support_loads(bearings.screw_axis(), 0.5 * bearings.screw_axis().length, 1.0)[0]
     return (lift_off_force(bearings.bearing_set("taper", "left", preload)) - screw_tension()) / share
@@ -392,7 +421,7 @@ def _compute_reduced_preload(e: Findings) -> None:
     """Compute the bearing loads with the reduced preload of 750 lbf: section 5.3 of Smith (1994), into ``e``."""
     for end in ("left", "right"):
         printed = row_loads_as_printed("taper", end, "stretch", (REDUCED / bearings.POUND,) * 2)
-        ours = end_state("taper", end, "stretch", REDUCED)
+        ours = bearing_state_at_end("taper", end, "stretch", REDUCED)
         for i in range(2):
             e.number(f"{end}_stretch_{i + 1}", float(ours.loads[i]) / bearings.POUND, as_printed=printed[i])
         for load in ("750", "1500"):

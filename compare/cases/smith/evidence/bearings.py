@@ -113,7 +113,11 @@ def taper_bearing() -> TaperedBearing:
 
 @cache
 def bearing_set(kind: str, end: str, preload: float = PRELOAD) -> BearingSet:
-    """Return the preloaded bearing rows at one end of the screw; ``kind``: "ball" or "taper"; ``preload`` [N]."""
+    """Return the preloaded bearing rows at one end of the screw.
+
+    ``kind``: "ball" or "taper"; ``end``: "left" or "right"; ``preload``: preload of the tapered rows [N]; for ball
+    bearings, the thrust on a single bearing whose deflection is the gap of every row.
+    """
     directions = DIRECTIONS[kind][end]
     if kind == "ball":
         row = BallRow(ball_bearing())
@@ -122,7 +126,10 @@ def bearing_set(kind: str, end: str, preload: float = PRELOAD) -> BearingSet:
 
 
 def screw_axis(left: float = np.inf, right: float = np.inf) -> Axis:
-    """Return the screw of Smith's section 4.1 as a bar, with the axial stiffness [N/m] of its supports."""
+    """Return the screw of Smith's section 4.1 as a bar between supports.
+
+    ``left``, ``right``: axial stiffness of the supports [N/m]; infinite: rigid; 0: free to slide.
+    """
     return Axis(52.0 * INCH, 0.25 * np.pi * (1.378 * INCH) ** 2, YOUNG, left, right)
 
 
@@ -147,14 +154,21 @@ def thrust_state_of_ball_bearing(load: float) -> ThrustState:
 
 @cache
 def ball_spreadsheet(pounds: float, difference: float | None = SHEET_DIFFERENCE) -> as_printed.Spreadsheet:
-    """Return the results of Smith's spreadsheet (Figure 2-10), recomputed with its faults, for a thrust [lbf]."""
+    """Return the results of Smith's spreadsheet (Figure 2-10), recomputed with its faults.
+
+    ``pounds``: thrust on the bearing [lbf]; ``difference``: curvature difference F(p)_o of the outer race, by default the
+    printed one; None: from the dimensions.
+    """
     b = ball_bearing()
     mm = [1e3 * v for v in (b.ball_diameter, b.inner_groove, b.outer_groove, b.inner_raceway, b.outer_raceway)]
     return as_printed.compute_spreadsheet(SHEET_POUND * pounds, b.balls, mm[0], (mm[1], mm[2]), (mm[3], mm[4]), difference)
 
 
 def ball_spreadsheet_stiffness(pounds: float) -> float:
-    """Return the ball bearing's stiffness [lbf/in] by Smith's spreadsheet at a thrust [lbf], from two loads."""
+    """Return the ball bearing's axial stiffness [lbf/in] by Smith's spreadsheet at the thrust ``pounds`` [lbf].
+
+    It is the difference quotient between two thrusts nearby.
+    """
     step = 1e-3 * pounds
     return 2.0 * step * 25.4 / (ball_spreadsheet(pounds + step).deflection - ball_spreadsheet(pounds - step).deflection)
 
@@ -257,9 +271,9 @@ def _compute_triplex_set(e: Findings) -> None:
 
 
 def approach_fit_range() -> tuple[float, float, float]:
-    """Return the range of the curvature difference F(p) where Smith's fit (2.18) of delta* is within 2 %.
+    """Return the range of curvature differences F(p) in which Smith's fit of delta*, his equation (2.18), is within 2 %.
 
-    The third value is the fit's error [%] at F(p) = 0.5.
+    First: lower end; second: upper end; third: error of the fit at F(p) = 0.5 [%].
     """
 
     def fit_error(difference: float) -> float:
@@ -385,34 +399,44 @@ def roller_contacts_under_thrust() -> RollerContacts:
 
 
 def taper_stiffness(pounds: float, depth: float = RING_DEPTH) -> float:
-    """Return the tapered bearing's axial stiffness [lbf/in] at a thrust [lbf], by line contacts in rings of a depth [m]."""
+    """Return the tapered bearing's axial stiffness [lbf/in] by line contacts.
+
+    ``pounds``: thrust [lbf]; ``depth``: depth [m] in the rings to which the contacts' deformation is counted.
+    """
     row = TaperedRow(replace(taper_bearing(), depth=depth))
     return row.stiffness(row.deflection(pounds * POUND)) / POUND_PER_INCH
 
 
 def crowned_taper_stiffness(pounds: float) -> float:
-    """Return the tapered bearing's stiffness [lbf/in] at a thrust [lbf] with crowned rollers, computed in slices."""
+    """Return the tapered bearing's axial stiffness [lbf/in] with crowned rollers, computed in slices along the roller.
+
+    ``pounds``: thrust [lbf]; the crown's radius is `CROWN`.
+    """
     row = SlicedRow(taper_bearing(), SLICES, circular_crown(CROWN))
     return row.stiffness(row.deflection(pounds * POUND)) / POUND_PER_INCH
 
 
 def taper_deflection_as_printed(pounds: float, length: float, diameter: float, cup: float, roller: float) -> float:
-    """Return the tapered bearing's axial deflection [in] under a thrust [lbf] by Smith's equations 3.17 to 3.21.
+    """Return the tapered bearing's axial deflection [in] by Smith's equations 3.17 to 3.21.
 
-    ``length``, ``diameter``: of a roller [in]; ``cup``, ``roller``: half angles of outer race and roller [rad].
+    ``pounds``: thrust [lbf]; ``length``, ``diameter``: length and diameter of a roller [in]; ``cup``, ``roller``: half
+    cone angles of outer race and roller [rad].
     """
     line = pounds / (taper_bearing().rollers * np.sin(cup) * length)
     return as_printed.roller_approach(float(line), diameter, cup, roller) / float(np.sin(cup))
 
 
 def taper_spreadsheet_deflection(pounds: float = SHEET_LOAD / POUND) -> float:
-    """Return the tapered bearing's axial deflection [in] by Smith's spreadsheet (Figure 3-6) under a thrust [lbf]."""
+    """Return the tapered bearing's axial deflection [in] by Smith's spreadsheet (Figure 3-6).
+
+    ``pounds``: thrust [lbf].
+    """
     b = taper_bearing()
     return taper_deflection_as_printed(pounds, b.length / INCH, b.diameter / INCH, b.cup_angle, b.roller_angle)
 
 
 def taper_deflection_range() -> tuple[float, float]:
-    """Return the range of Smith's printed axial deflection [in] that follows from rounding of the printed inputs."""
+    """Return the smallest and the largest axial deflection [in] by Smith's equations within the rounding of his inputs."""
     b = taper_bearing()
     half = (0.005, 0.005, np.radians(0.05), np.radians(0.005))
     middle = (b.length / INCH, b.diameter / INCH, b.cup_angle, b.roller_angle)
@@ -424,7 +448,7 @@ def taper_deflection_range() -> tuple[float, float]:
 
 
 def taper_spreadsheet_stiffness(pounds: float) -> float:
-    """Return the tapered bearing's stiffness [lbf/in] by Smith's spreadsheet at a thrust [lbf]."""
+    """Return the tapered bearing's axial stiffness [lbf/in] by Smith's spreadsheet at the thrust ``pounds`` [lbf]."""
     return 2.0 / (taper_spreadsheet_deflection(pounds + 1.0) - taper_spreadsheet_deflection(pounds - 1.0))
 
 
@@ -475,7 +499,7 @@ def _compute_taper_spreadsheet(e: Findings) -> None:
 
 
 def _ball_stiffness_growth() -> float:
-    """Return the growth [%] of the ball bearing's stiffness from 500 to 2500 lbf of thrust."""
+    """Return the growth [%] of the ball bearing's stiffness between the thrusts `ENDS`, 500 and 2500 lbf."""
     low, high = (float(thrust_state_of_ball_bearing(f * POUND).stiffness) for f in ENDS)
     return float(error_percent(high, low))
 
@@ -508,7 +532,10 @@ def _compute_taper_contacts(e: Findings) -> None:
 
 
 def _compute_taper_tests(e: Findings) -> None:
-    """Compute tested stiffness and friction torque of the tapered roller bearing: chapter 3 of Smith (1994)."""
+    """Compute the counterparts of tested stiffness and friction torque of the tapered bearing: chapter 3 of Smith (1994).
+
+    They are recorded into ``e``.
+    """
     load = TAPER_TORQUE_LOAD / POUND
     middle = taper_stiffness(load)
     drop = 1e6 * float(circular_crown(CROWN)(np.array(0.5 * taper_bearing().length)))

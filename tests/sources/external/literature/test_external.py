@@ -70,7 +70,7 @@ def test_masta_axial_load_by_the_formulas_of_a_bearing() -> None:
 def test_gmn_series_by_one_inferred_number() -> None:
     assert evidence.gmn_rms_percent() < 1.0
     for conformity in evidence.ANY:
-        growth = evidence.gmn_growth(conformity)
+        growth = evidence.gmn_rigidity_growth_ratios(conformity)
         assert np.median(growth) == pytest.approx(1.0, abs=0.02)
         assert np.ptp(growth) < 0.05
 
@@ -94,7 +94,7 @@ def test_bodies_make_a_nut_softer_than_its_contacts(size: str) -> None:
 def test_double_nut_of_contacts_alone(monkeypatch: pytest.MonkeyPatch) -> None:
     """2^(3/2)/3^(1/3): where the load that unloads one nut is 2^(3/2) times the preload."""
     monkeypatch.setattr(evidence, "body_compliance", lambda scene: 0.0)  # noqa: ARG005 - rigid bodies
-    assert evidence.double_over_single(STUDY) == pytest.approx(2.0**1.5 / 3.0 ** (1 / 3), rel=1e-5)
+    assert evidence.double_nut_rigidity_ratio(STUDY) == pytest.approx(2.0**1.5 / 3.0 ** (1 / 3), rel=1e-5)
 
 
 def test_friction_moves_balls_wherever_nothing_else_is_said():

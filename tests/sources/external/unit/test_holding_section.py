@@ -23,7 +23,7 @@ from rollbench.reports.content import Table
 
 def test_ways_differ_in_how_the_nut_is_held_alone() -> None:
     scene = catalogue.scene(scene_name("bnf-4010-5"))
-    found = holding.fixations(scene)
+    found = holding.scenes_by_fixation(scene)
     held = [solid_dimensions(x).nut_held for x in found.values()]
     flange = ["flange face"] * 3 + ["flange face, 6 bolts", "flange face and centring"]
     assert held == ["left face", "right face", "outer surface", *flange]
@@ -90,7 +90,7 @@ def test_rows_of_3d_have_the_uncertainty_of_their_meshes(monkeypatch: pytest.Mon
     bars = {(row["by"], row["held"]): row["mesh"] for row in rows if row["mesh"] is not None}
     known = grid_parts.read_experience(shipped_store())
     assert bars["3D, level 1", holding.WHOLE] == pytest.approx(known.single[0] + 1.0)  # 0.4 N of a mean of 40 N
-    both = {x["level"]: holding.contact_loads(x) for x in stored if x["held"] == holding.WHOLE}
+    both = {x["level"]: holding.stored_contact_loads(x) for x in stored if x["held"] == holding.WHOLE}
     bar = grid_parts.parts(both, known).bars(both).max()
     assert bars["3D, level 2", holding.WHOLE] == pytest.approx(bar + 0.4 / mean_load(both[2]) * 100.0, rel=1e-9)
     assert bars["3D, level 2", holding.WHOLE] > bars["3D, level 2", "left face"]
@@ -116,11 +116,11 @@ def test_the_record_has_annulus_and_left_face_of_a_size(name: str, level: int) -
     kept = {
         row["held"]: row for row in holding.stored_results(shipped_store()) if (row["scene"], row["level"]) == (name, level)
     }
-    assert {"left face", holding.WHOLE} <= set(kept) <= set(holding.fixations(scene))
+    assert {"left face", holding.WHOLE} <= set(kept) <= set(holding.scenes_by_fixation(scene))
     if holding.BOLTED in kept:
         assert kept[holding.BOLTED]["rigidity"] < kept[holding.WHOLE]["rigidity"]
     for row in kept.values():
-        load = holding.contact_loads(row)
+        load = holding.stored_contact_loads(row)
         assert row["status"] == "converged"
         assert load.shape == (scene.ball_count, 4)
         assert load.max(axis=1).sum() * approach_per_displacement(scene) == pytest.approx(scene.loads[0].force[2], rel=0.05)
@@ -134,15 +134,15 @@ ON_FLANGES = [row for row in STORED if row["held"].startswith("flange") and row[
 def test_refined_is_as_near_to_3d_on_a_flange_as_on_a_face(row: dict[str, Any]) -> None:
     """Within 0.6 % of the mean load (0.2 % RMS), whichever annulus is held; 1.1 % (0.4 %) of the outer half while what is
     far from a face rested on nothing."""
-    scene = holding.fixations(catalogue.shipped(row["scene"]))[row["held"]]
-    off = load_error(run_model(scene, "refined", Options(discretisation=False)).load, holding.contact_loads(row))
+    scene = holding.scenes_by_fixation(catalogue.shipped(row["scene"]))[row["held"]]
+    off = load_error(run_model(scene, "refined", Options(discretisation=False)).load, holding.stored_contact_loads(row))
     assert off.max_percent < 0.6
     assert off.rms_percent < 0.2
 
 
 def test_six_bolts_hold_six_circles_of_the_annulus() -> None:
     """Of points spread evenly over the annulus, the share that is held is that of the circles' areas."""
-    scene = holding.fixations(catalogue.scene(scene_name(holding.SIZES[0])))[holding.BOLTED]
+    scene = holding.scenes_by_fixation(catalogue.scene(scene_name(holding.SIZES[0])))[holding.BOLTED]
     low, high = solid_dimensions(scene).held_radii
     x, y = np.meshgrid(*2 * [np.linspace(-high, high, 801)])
     held = points_in_bolt_circles(x.ravel(), y.ravel(), (low, high), holding.BOLTS)

@@ -9,7 +9,7 @@ import pytest
 from tests.evidence_study import GROUP
 from tests.sources.entries import check, keys, rows
 
-from rollbench.compare.cases.lin.evidence.source_cases import double_row, four_point
+from rollbench.compare.cases.lin.evidence.source_cases import double_row_bearing, four_point_bearing
 from rollbench.compare.scenes.catalogue import scene
 from rollbench.lowfi.friction.bearing import ALL, DIAGONAL, OTHER, BallRow, TorqueCurve, solve_bearing, torque_curve
 from rollbench.lowfi.friction.screw.groove import contact_spacing
@@ -29,7 +29,7 @@ def test_entry(key: str) -> None:
 
 @cache
 def curve(name: str, tilt: bool, **changes) -> TorqueCurve:
-    make = four_point if name == "4P" else double_row
+    make = four_point_bearing if name == "4P" else double_row_bearing
     return torque_curve(make(tilt=tilt, **changes), ANGLES)
 
 
@@ -37,7 +37,7 @@ def curve(name: str, tilt: bool, **changes) -> TorqueCurve:
 def assumptions() -> list[float]:
     ratios = []
     for phase, clearance, hertz in product((0.0, 0.25, 0.5), (0.0, 5e-6, -1e-6), ("right", "as printed")):
-        case = four_point(tilt=True, phase=phase, clearance=clearance)
+        case = four_point_bearing(tilt=True, phase=phase, clearance=clearance)
         found = torque_curve(replace(case, groove=replace(case.groove, hertz=hertz)), ANGLES)
         assert found.converged.all()
         ratios.append(found.ratio)
@@ -57,7 +57,7 @@ def test_ratio_of_the_four_point_bearing() -> None:
 def test_an_inner_ring_that_cannot_tilt_shows_no_transition() -> None:
     assert curve("4P", False).ratio < 1.03
     assert np.all(curve("4P", False).four == 0)
-    later = torque_curve(four_point(tilt=False), np.radians([0.0, 30.0, 45.0]))
+    later = torque_curve(four_point_bearing(tilt=False), np.radians([0.0, 30.0, 45.0]))
     assert later.ratio > 3.0
     assert later.four[-1] > 0
 
@@ -66,7 +66,7 @@ def test_double_row_varies_less() -> None:
     for tilt, most in ((False, 1.03), (True, 1.28)):
         dr = curve("DR", tilt)
         assert (dr.converged.all(), dr.four.any(), dr.ratio < most) == (True, False, True)
-    face = torque_curve(double_row(rows=(BallRow(-6e-3, DIAGONAL), BallRow(6e-3, OTHER)), tilt=True), ANGLES)
+    face = torque_curve(double_row_bearing(rows=(BallRow(-6e-3, DIAGONAL), BallRow(6e-3, OTHER)), tilt=True), ANGLES)
     assert face.ratio < 1.28
     assert min(assumptions()) > 3.0 * face.ratio
 
@@ -75,7 +75,7 @@ def test_double_row_varies_less() -> None:
 @pytest.mark.parametrize("name", ["4P", "DR"])
 def test_bearing_in_equilibrium(name: str, tilt: bool) -> None:
     """Force and moment on the inner ring, from the contact forces alone; power in is dissipation."""
-    case, angle = (four_point if name == "4P" else double_row)(tilt=tilt, arm=2e-3), np.radians(12.0)
+    case, angle = (four_point_bearing if name == "4P" else double_row_bearing)(tilt=tilt, arm=2e-3), np.radians(12.0)
     s = solve_bearing(case, angle)
     assert s.converged
     assert s.input_power == pytest.approx(s.loss.sum(), rel=1e-9)
@@ -98,7 +98,7 @@ def test_bearing_in_equilibrium(name: str, tilt: bool) -> None:
 
 def test_mirrored_load() -> None:
     """The force at minus the angle, seen from the other side: the same torque; rows swap."""
-    for make in (four_point, double_row):
+    for make in (four_point_bearing, double_row_bearing):
         case = make(tilt=True)
         one, two = (solve_bearing(case, np.radians(a)) for a in (15.0, -15.0))
         if case.count % 2:  # half a ball distance turns the pattern of an odd number by half a turn
@@ -109,7 +109,7 @@ def test_mirrored_load() -> None:
 
 def test_torque_goes_with_friction_and_not_with_speed() -> None:
     def torque(**changes: float) -> float:
-        case = four_point(tilt=True)
+        case = four_point_bearing(tilt=True)
         return solve_bearing(replace(case, groove=replace(case.groove, **changes)), 0.2).torque
 
     assert torque(mu=0.2) == pytest.approx(2.0 * torque(), rel=1e-9)
@@ -150,5 +150,5 @@ def test_onset_is_gap_over_closing_speed_and_lost_balls_that_roll_along_do_not_m
 
 def test_scenes_and_bearings_that_friction_cannot_take() -> None:
     with pytest.raises(ValueError, match="zero lead"):
-        four_point(tilt=False, groove=replace(four_point(tilt=False).groove, lead=1e-3))
-    assert four_point(tilt=False).rows[0].contacts == ALL
+        four_point_bearing(tilt=False, groove=replace(four_point_bearing(tilt=False).groove, lead=1e-3))
+    assert four_point_bearing(tilt=False).rows[0].contacts == ALL

@@ -36,9 +36,13 @@ def test_readings_that_are_combined_are_those_that_move_the_ratio(study):
 
 
 def test_combinations_are_of_different_choices():
-    for c in readings.combinations_of(readings.SOLID, 3):
+    for c in readings.combinations_of_choices(readings.SOLID, 3):
         assert len({r.choice for r in c}) == len(c)
-    assert len(readings.combinations_in_3d()) == len({readings.key_of(c) for c in readings.combinations_in_3d()}) == 26
+    assert (
+        len(readings.combinations_in_3d())
+        == len({readings.combination_key(c) for c in readings.combinations_in_3d()})
+        == 26
+    )
     assert all(readings.stored_loads(c) is not None for c in readings.combinations_in_3d())
 
 
@@ -48,17 +52,17 @@ def test_no_combination_has_all_that_is_printed(study):
     shown, printed = readings.shown_combinations(found), readings.printed_errors()
     base, near = shown["all by default"], shown["nearest in the ratio, no penalty"]
     assert (base.low_ratio, base.solid_ratio) == pytest.approx((1.308, 1.406), abs=1e-3)
-    assert (readings.key_of(near.low), readings.key_of(near.solid)) == ("squared+source", "plain")
+    assert (readings.combination_key(near.low), readings.combination_key(near.solid)) == ("squared+source", "plain")
     assert near.errors["own"] == pytest.approx((5.36, 2.51, 5.32, 2.51), abs=0.02)
     soft = [c for c in shown.values() if not c.low and any(r.penalty for r in c.solid)]
-    falls = [reconstruction.fall_and_rise(c.errors["own"])[0] for c in (near, *soft)]
-    printed_fall = reconstruction.fall_and_rise(printed)[0]
+    falls = [reconstruction.error_fall_and_rise(c.errors["own"])[0] for c in (near, *soft)]
+    printed_fall = reconstruction.error_fall_and_rise(printed)[0]
     assert falls == sorted(falls)  # the softer, the more of it
     assert falls[0] < 0.1 * printed_fall
     assert 0.5 * printed_fall < falls[-1] < printed_fall
     ratios = [c.solid_ratio for c in soft]
     assert ratios == sorted(ratios, reverse=True)
-    assert ratios[-1] < readings.printed_ratio() < ratios[0]
+    assert ratios[-1] < readings.printed_load_ratio() < ratios[0]
     near_max = min(soft, key=lambda c: abs(c.misses[2]))
     assert (near_max.misses[[3, 5]] < -0.3).all()  # RMS of both cases
 
@@ -111,16 +115,18 @@ def test_scatter_of_the_mesh_is_what_is_measured():
 
 
 def test_drawn_errors_are_those_of_the_loads_without_scatter(study):
-    best = readings.nearest_combination(readings.without_penalty(study.once(readings.evaluate_combinations)), 2)
+    best = readings.nearest_combination(
+        readings.combinations_without_penalty(study.once(readings.evaluate_combinations)), 2
+    )
     loads = readings.low_order_loads(study, best.low), readings.loads_in_3d(study, best.solid)
     for of_load, definition in ((True, "own"), (False, "mean")):
-        still = readings.drawn_errors(*loads, 0.0, of_load=of_load)
+        still = readings.errors_on_random_meshes(*loads, 0.0, of_load=of_load)
         assert np.ptp(still, axis=0) == pytest.approx(0.0, abs=1e-9)
         assert still[0] == pytest.approx(best.errors[definition], rel=2e-3)
-    drawn = readings.drawn_errors(*loads, 1.0)
+    drawn = readings.errors_on_random_meshes(*loads, 1.0)
     assert (np.median(drawn, axis=0) > still[0]).all()
     assert 0.0 < readings.load_change_per_approach(loads[1]) < 1.5  # less than between rigid bodies
-    less = readings.drawn_errors(*loads, 0.2)
+    less = readings.errors_on_random_meshes(*loads, 0.2)
     assert readings.fraction_with_fall_and_rise(drawn, 0.265, 0.15) > 10.0 * readings.fraction_with_fall_and_rise(
         less, 0.265, 0.15
     )
@@ -129,9 +135,9 @@ def test_drawn_errors_are_those_of_the_loads_without_scatter(study):
 def test_the_shape_of_case_3_is_a_rise_on_the_inner_flanks_of_the_last_balls():
     change = np.zeros((32, 4))
     change[31, 2] = 5.0
-    assert reconstruction.has_shape(change)
+    assert reconstruction.rises_most_at_last_balls(change)
     for other in (-change, change[::-1], np.eye(32, 4, k=-28) * 6.0):
-        assert not reconstruction.has_shape(other)
+        assert not reconstruction.rises_most_at_last_balls(other)
 
 
 def test_other_statements(study):

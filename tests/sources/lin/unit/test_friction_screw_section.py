@@ -13,7 +13,7 @@ from tests.sources.entries import found
 from rollbench.compare.cases.lin import extremes
 from rollbench.compare.cases.lin import extremes as friction_stability
 from rollbench.compare.cases.lin.evidence import screw
-from rollbench.compare.cases.lin.extremes import BALLS, GroupResult, Tally
+from rollbench.compare.cases.lin.extremes import BALLS, GroupResult, SolutionTally
 from rollbench.compare.cases.lin.pages import friction
 from rollbench.lowfi.friction.as_source.screw import simulate_by_root
 from rollbench.lowfi.friction.linear.chain import solve_linear_chain
@@ -131,10 +131,10 @@ def test_root_finding_of_the_source_fails(records):
 
 def test_a_failure_would_be_counted(records):
     """Wrong answers, lost power and failures show up in a record."""
-    tally = Tally()
-    tally.add(True, 1.0, 1.0, 0.0)
-    tally.add(False, 1.1, 1.0, 0.2)
-    r = tally.record("group", "model")
+    tally = SolutionTally()
+    tally.count_solution(True, 1.0, 1.0, 0.0)
+    tally.count_solution(False, 1.1, 1.0, 0.2)
+    r = tally.to_group_result("group", "model")
     assert (r.ours, r.tries, r.source) == (1, 2, None)
     assert (r.energy, r.spread) == pytest.approx((0.1, 0.2))
     text, table = friction_stability.table_section_items([r, replace(records[0], source=3, source_tries=9)])

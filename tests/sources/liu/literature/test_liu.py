@@ -44,7 +44,7 @@ def test_entry(key: str) -> None:
 
 def place(row):
     half = 0.0 if "loaded" in row.key else row.tolerance
-    return percentile_rank(liu.sample_of_printed(row.key), row.value, half)
+    return percentile_rank(liu.sample_for_printed_number(row.key), row.value, half)
 
 
 @pytest.mark.parametrize("row", RANDOM, ids=lambda r: r.key)
@@ -54,7 +54,7 @@ def test_open_where_no_likely_draw_gives_it_or_all_would(row) -> None:
     Class open: fewer, or the draws spread wider; the words say how many.
     """
     p = place(row)
-    low, high = np.quantile(liu.sample_of_printed(row.key), [0.005, 0.995])
+    low, high = np.quantile(liu.sample_for_printed_number(row.key), [0.005, 0.995])
     narrow = high - low <= 0.25 * (high + low)
     assert (row.cls == "band") == (p.tail >= liu.UNLIKELY and narrow), (row.key, p, low, high)
     words = by_key(row.key).words
@@ -65,7 +65,7 @@ def test_open_where_no_likely_draw_gives_it_or_all_would(row) -> None:
 @pytest.mark.parametrize("row", [r for r in RANDOM if r.cls == "band"], ids=lambda r: r.key)
 def test_bands_are_those_of_the_ensemble(row) -> None:
     """The range in the data holds the central 99 % and no more than the central 99.98 % and a twentieth of its width."""
-    values = liu.sample_of_printed(row.key)
+    values = liu.sample_for_printed_number(row.key)
     low, high = np.quantile(values, [0.005, 0.995])
     assert row.low <= low + 0.02 * (high - low)
     assert row.high >= high - 0.02 * (high - low)
@@ -94,7 +94,7 @@ def test_counts_at_1000_newtons_contradict_those_at_500() -> None:
     assert " 0 have at most 43 at 1000 N" in by_key("unloaded_3_1000").words
     assert all(words in liu.count_matching_screws(3, 42, 78) for words in ("1707 screws", " 1707 have"))
     for key, half_range in (("unloaded_2_1000", 2), ("unloaded_3_1000", 3)):
-        loaded = float(np.median(liu.drawn_sample(half_range, "loaded", 1000.0)))
+        loaded = float(np.median(liu.sample_of_drawn_screws(half_range, "loaded", 1000.0)))
         assert by_key(key).value == 78 - loaded < by_key(key).printed.value
 
 
@@ -104,7 +104,7 @@ def test_counts_at_1000_newtons_contradict_those_at_500() -> None:
 def test_what_the_calibration_implies() -> None:
     assert liu.calibrated_model().compliance == pytest.approx(3.874e-12, rel=1e-3)
     assert 1e6 * liu.implied_area(26.0) == pytest.approx(387.4, abs=0.1)
-    assert end_ratio(liu.calibrated_model(), liu.calibration_load()) == pytest.approx(liu.printed_ratio(), abs=1e-9)
+    assert end_ratio(liu.calibrated_model(), liu.calibration_load()) == pytest.approx(liu.printed_load_ratio(), abs=1e-9)
 
 
 def test_only_the_implicit_angle_gives_all_ratios() -> None:
@@ -128,16 +128,16 @@ def test_two_digits_exchanged() -> None:
 def test_a_step_of_load_gives_all_stiffnesses_and_the_tangent_does_not() -> None:
     """(22) is a difference over a step that is not printed: what only it decides is not identifiable."""
     rows = [row for row in load_table("liu-4.4") if row.key.startswith("K_")]
-    out = [row.key for row in rows if not liu.stiffness_comes_out(row, 0.0)]
+    out = [row.key for row in rows if not liu.stiffness_agrees(row, 0.0)]
     assert (len(rows), len(out)) == (19, 8)
-    assert all(liu.stiffness_comes_out(row, 0.12) for row in rows)
+    assert all(liu.stiffness_agrees(row, 0.12) for row in rows)
     assert {by_key(key).verdict for key in out if key != "K_0_3000"} == {"not identifiable"}
 
 
 def test_no_contact_stiffness_mends_the_offset() -> None:
     """K 3.4 % larger gives the printed stiffness without errors, and takes Q33 at -2 um out of its per cent."""
     stiffer = replace(liu.calibrated_model(), stiffness=1.034 * liu.calibrated_model().stiffness)
-    stiffer = calibrate_compliance(stiffer, liu.printed_ratio(), liu.calibration_load())
+    stiffer = calibrate_compliance(stiffer, liu.printed_load_ratio(), liu.calibration_load())
     assert solve_chain(stiffer, np.zeros(78), 3000.0).stiffness == pytest.approx(8.196e8, rel=1e-3)
     assert solve_chain(stiffer, liu.errors_of_ball_33(-2e-6), 5000.0).load[32] < 43.55 * 0.99
     assert liu.secant_stiffness(3000.0, 1.0) == pytest.approx(by_key("K_0_3000").value, rel=1e-4)

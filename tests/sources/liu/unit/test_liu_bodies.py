@@ -19,14 +19,14 @@ def test_grooves_and_materials_of_screw_and_nut_are_alike_as_the_chain_takes_the
 
 
 def test_an_error_is_the_diameter_of_a_ball():
-    found = bodies.with_errors(SCENE, evidence.errors_of_ball_33(2e-6), 1000.0)
+    found = bodies.change_errors_and_load(SCENE, evidence.errors_of_ball_33(2e-6), 1000.0)
     assert found.errors.balls.listed == ((33, 1e-6),)
     assert found.loads[0].force == (0.0, 0.0, 1000.0)
 
 
 def test_chain_shares_the_load_as_the_beam_does_on_average():
     errors = np.zeros(evidence.ball_count())
-    beam = Study().solve(bodies.with_errors(SCENE, errors, 5000.0)).load[:, 0]
+    beam = Study().solve(bodies.change_errors_and_load(SCENE, errors, 5000.0)).load[:, 0]
     axial = solve_chain(bodies.rigid_nut_model(SCENE).chain, errors, 5000.0).load
     assert beam.mean() == pytest.approx(axial.mean(), rel=2e-3)
     turns, chain = (load.reshape(3, 26).mean(axis=1) for load in (beam, axial))

@@ -21,11 +21,11 @@ def one(value: float, computed: Band, **said: object) -> Outside:
 def test_sets_of_equal_gaps_at_a_constant_angle() -> None:
     """Closed forms: a row of a pair deflects by u; of three rows, one by P^(2/3), two by (P/2)^(2/3), 2 u in all."""
     preload = (2.0 / (1.0 + 2.0 ** (-2 / 3))) ** 1.5
-    found = bearings.set_over_pair("DBD")
+    found = bearings.ratios_of_set_to_pair("DBD")
     grown = (preload ** (k / 3) * 0.5 * (1.0 + 2.0 * 2.0 ** (-k / 3)) for k in (1, 4))
     assert found == pytest.approx((preload, *grown), rel=1e-12)
-    assert bearings.set_over_pair("DBB") == pytest.approx((2.0, 2.0, 2.0), rel=1e-12)
-    assert bearings.set_over_pair("DBT")[0] == pytest.approx((2.0 / (1.0 + 3.0 ** (-2 / 3))) ** 1.5, rel=1e-12)
+    assert bearings.ratios_of_set_to_pair("DBB") == pytest.approx((2.0, 2.0, 2.0), rel=1e-12)
+    assert bearings.ratios_of_set_to_pair("DBT")[0] == pytest.approx((2.0 / (1.0 + 3.0 ** (-2 / 3))) ** 1.5, rel=1e-12)
 
 
 @pytest.mark.parametrize(("quantity", "number", "bias", "scatter"), [("preload", 80, 0.5, 1.0), ("rigidity", 77, 1.0, 2.0)])

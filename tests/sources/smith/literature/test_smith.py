@@ -100,7 +100,10 @@ def test_source_s_sharing_balances_too_much() -> None:
             assert after == pytest.approx(1290.0)
             sign = -1.0 if end == "left" else 1.0  # a load towards the left relieves the left end of tension
             assert loaded - after == pytest.approx(sign * 1000.0)
-            ours = [float(s @ axis.end_state(kind, end, state).loads) / bearings.POUND for state in ("stretch", "applied")]
+            ours = [
+                float(s @ axis.bearing_state_at_end(kind, end, state).loads) / bearings.POUND
+                for state in ("stretch", "applied")
+            ]
             assert ours[0] == pytest.approx(axis.screw_tension() / bearings.POUND, rel=1e-10)
             assert ours[1] - ours[0] == pytest.approx(sign * 500.0, rel=1e-9)
 
