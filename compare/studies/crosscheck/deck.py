@@ -85,8 +85,8 @@ def unit_load_semi_axes(scene: Scene, side: int) -> tuple[float, float]:
 def contact_places(scene: Scene, load: Array, sides: tuple[int, ...]) -> tuple[list[ExpectedContact], float]:
     """Return the expected contacts, then the minor semi-axis [m] of a contact with mean load on the first flank.
 
-    ``load``: contact loads (N, 4) [N] of a low-order solution, N being the number of balls; ``sides``: numbers of the flanks
-    that may carry load.
+    ``load``: contact loads (N, 4) [N] of a low-order solution, N being the number of balls; ``sides``: numbers of the
+    flanks that may carry load.
     """
     layout, mean = ball_layout(scene), float(load[load > 0.0].mean())
     unit = {s: unit_load_semi_axes(scene, s) for s in sides}
@@ -229,8 +229,8 @@ class MeshedDeck:
 def raise_first_fault(where: str, faults: Iterable[tuple[bool, str, str, str, str]]) -> None:
     """Raise InputError for the first fault that applies.
 
-    ``where``: name of the scene or file. Each fault has: whether it applies, the key, the refused value, the allowed values,
-    and advice.
+    ``where``: name of the scene or file. Each fault has: whether it applies, the key, the refused value, the allowed
+    values, and advice.
     """
     for there, key, value, allowed, advice in faults:
         if there:
@@ -462,8 +462,8 @@ def _mesh_balls(
 def half_ball_turning_constraint(points: Array, pair: Index) -> Index:
     """Return the constraint (1, 3) that keeps a half ball from turning about y: two nodes that move alike along an axis.
 
-    Its entries are the numbers of the two nodes, and that of the axis. The cut of the half ball stays in the plane y = 0, so
-    that no other rotation is possible. ``points``: nodes of the ball (n, 3) [m]; ``pair``: numbers of two nodes.
+    Its entries are the numbers of the two nodes, and that of the axis. The cut of the half ball stays in the plane y = 0,
+    so that no other rotation is possible. ``points``: nodes of the ball (n, 3) [m]; ``pair``: numbers of two nodes.
     """
     arms = [abs(float(np.cross(points[pair[0]] - points[pair[1]], np.eye(3)[k])[1])) for k in range(3)]
     return np.array([(*pair, int(np.argmax(arms)))], dtype=np.int64)

@@ -154,8 +154,8 @@ def load_results(folder: Path, scene: str) -> CrossData | None:
 def read_json(path: Path, made: Callable[[dict[str, Any]], T], allowed: str, advice: str) -> T | None:
     """Return the object that is read from a JSON file; None without a file, InputError for a damaged one.
 
-    ``made``: function that makes the object of the file's JSON values; ``allowed`` and ``advice``: what the error says about
-    the file that is needed, and what to do.
+    ``made``: function that makes the object of the file's JSON values; ``allowed`` and ``advice``: what the error says
+    about the file that is needed, and what to do.
     """
     try:
         return made(json.loads(path.read_text(encoding="utf-8")))
@@ -366,9 +366,9 @@ class _LoadFit:
 def _fit_loads(loads: Array, e: Array, weight: Array, order: float, length: float) -> _LoadFit:
     """Fit each contact's load by a straight line over the relative element error, with weights.
 
-    ``loads``: contact loads (m, c) [N]; ``e``: relative element error (m, c); ``weight``: weights of the residuals over those
-    of the finest mesh (m, c); ``order`` and ``length``: parameters with which e was computed. m: number of meshes; c:
-    number of contacts.
+    ``loads``: contact loads (m, c) [N]; ``e``: relative element error (m, c); ``weight``: weights of the residuals over
+    those of the finest mesh (m, c); ``order`` and ``length``: parameters with which e was computed. m: number of meshes;
+    c: number of contacts.
     """
     w = weight**2 / (weight**2).sum(axis=0)
     middle, mean = (w * e).sum(axis=0), (w * loads).sum(axis=0)

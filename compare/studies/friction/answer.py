@@ -114,8 +114,8 @@ _OF_KIND = {
 def neglected_effects_of_kind(kind: str, coupling: str | None = None) -> list[str]:
     """Return sentences on the effects that the friction computed for a scene of single parts neglects.
 
-    ``kind``: kind of the scene, such as "bearing ball"; ``coupling``: on what friction acts besides the losses, for a screw:
-    "none", "ball" or "ball and screw" as in the scene file, else None.
+    ``kind``: kind of the scene, such as "bearing ball"; ``coupling``: for a screw, in which balance of loads friction is
+    counted: "none", "ball" or "ball and screw" as in the scene file; None for other kinds.
     """
     return [*_OF_KIND[kind], *(_COUPLING[coupling] if coupling else ()), *_KINDS]
 

@@ -143,7 +143,7 @@ class _SpecimenBatch:
     """
 
     def __init__(self, scene: Scene, count: int, first: int, threads: int) -> None:
-        """Draw the errors of ``count`` specimens from number ``first`` on; ``threads``: number of threads that solve them."""
+        """Draw the errors of ``count`` specimens from number ``first`` on; ``threads``: number of threads for `solve`."""
         self.scene, self.threads = scene, threads
         self.layout = ball_layout(scene)
         self.mean = specimen(without_draws(scene), self.layout)
@@ -368,8 +368,9 @@ class Block:
 def raceway_life_sum(load: Array) -> Array:
     """Return L^(-10/9) of all raceways together, up to a constant factor, by ISO/TS 16281; L is the life.
 
-    ``load``: contact loads (..., N, 4) [N] of N balls on the flanks SL, SR, NL, NR. The screw's grooves turn relative to the load (cubic mean over the balls), the nut's do not (power 10/3).
-    The raceways are taken as equally strong, and every position of a ball as equally frequent.
+    ``load``: contact loads (..., N, 4) [N] of N balls on the flanks SL, SR, NL, NR. The screw's grooves turn relative to
+    the load (cubic mean over the balls), the nut's do not (power 10/3). The raceways are taken as equally strong, and every
+    position of a ball as equally frequent.
     """
     turning = (load[..., :2] ** TURNING).mean(axis=-2) ** (SYSTEM * 3.0 / TURNING)
     standing = (load[..., 2:] ** STANDING).mean(axis=-2) ** (SYSTEM * 3.0 / STANDING)

@@ -80,8 +80,8 @@ class LoadDistributions:
     def add_loads(self, loads: Array) -> None:
         """Add the contact loads of k specimens; those without equilibrium are left out.
 
-        ``loads``: contact loads (k, N, 4) [N], nan without equilibrium. They are added one after the other in order, so that
-        the sums do not depend on the division into blocks.
+        ``loads``: contact loads (k, N, 4) [N], nan without equilibrium. They are added one after the other in order, so
+        that the sums do not depend on the division into blocks.
         """
         counts, place = self.counts.reshape(-1, BINS + 2), np.arange(self.nominal.size)
         for load in loads[~np.isnan(loads[:, 0, 0])]:
