@@ -413,7 +413,7 @@ def ball_lines(data: dict[str, Any]) -> list[answer.Line]:
 # --- two designs of a bearing
 
 
-def dissipates(case: BearingCase, state: BearingState) -> bool:
+def has_friction_loss(case: BearingCase, state: BearingState) -> bool:
     """Return whether the friction loss of a bearing is more than round-off."""
     return float(state.loss.sum()) > answer.NOTHING * full_sliding_loss(case.groove, state.load.force)
 
@@ -425,7 +425,7 @@ def bearing_json(case: BearingCase, states: list[BearingState]) -> dict[str, Any
     than two contacts, and whether the solution converged. The ratio is null if a solution has no friction loss.
     """
     torque = [1e3 * s.torque for s in states]
-    all_rub = all(dissipates(case, s) for s in states)
+    all_rub = all(has_friction_loss(case, s) for s in states)
     return {
         "friction_torque_Nmm": [number(t) for t in torque],
         "balls_beyond_two_contacts": [int(np.sum(s.points > 2)) for s in states],
@@ -481,7 +481,9 @@ def _bearing_answer(scene: BearingPairScene, common: dict[str, Any]) -> answer.F
     four, double = (bearing_json(case, states) for case, states in zip(cases, by_case, strict=True))
     good = [f and d for f, d in zip(four["converged"], double["converged"], strict=True)]
     status = "converged" if all(good) else f"{good.count(False)} of {len(good)} load angles did not converge"
-    ratios = [number(f.torque / d.torque) if dissipates(cases[1], d) else None for f, d in zip(*by_case, strict=True)]
+    ratios = [
+        number(f.torque / d.torque) if has_friction_loss(cases[1], d) else None for f, d in zip(*by_case, strict=True)
+    ]
     states = [(c, s) for c, one in zip(cases, by_case, strict=True) for s in one]
     power, loss, bound = (
         float(np.mean(v))

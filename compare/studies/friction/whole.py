@@ -378,7 +378,7 @@ def solve_scene(scene: Scene, choices: Choices, say: Callable[[str], None] = lam
         raise ArgumentError("member", str(choices.member), "0 to 999999999", "give the specimen's number")
     model = choices.model or (DEFAULT if choices.condensed is None else "condensed")
     if choices.condensed is not None and model != "condensed":
-        allowed = "only together with the model condensed"
+        allowed = "this file only for the model condensed"
         raise ArgumentError("condensed", str(choices.condensed), allowed, "leave `model` out")
     options = Options(member=choices.member, condensed=choices.condensed, discretisation=False)
     begin = monotonic()
@@ -403,10 +403,10 @@ def solve_scene(scene: Scene, choices: Choices, say: Callable[[str], None] = lam
     )
     if scene.time is None:
         return answer
-    return _with_run(answer, solve_run(scene, pairs[0], motion, model, choices.member))
+    return _add_run_in_time(answer, solve_run(scene, pairs[0], motion, model, choices.member))
 
 
-def _with_run(answer: FrictionAnswer, run: RunInTime) -> FrictionAnswer:
+def _add_run_in_time(answer: FrictionAnswer, run: RunInTime) -> FrictionAnswer:
     """Return the answer for the scene's instant with the status, tables and lines of the run in time added."""
     data = answer.data | {"run": run_json(run)}
     good = answer.converged and run.converged

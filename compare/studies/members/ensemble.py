@@ -254,7 +254,7 @@ class _LeftOutFlankCheck:
         """Prepare the check for a solved system of equations whose problem leaves some flanks out."""
         problem = prepared.problem
         self.use = problem.use
-        rows = [_flank_motion(problem, layout, s) for s in range(2)]
+        rows = [_flank_motion_matrix(problem, layout, s) for s in range(2)]
         self.rows = np.stack(rows, axis=1).reshape(-1, problem.nodes.size * 6)
 
     def keeps_clear(self, motions: Array, centres: Array, geometry: Array, loads: Array) -> NDArray[np.bool_]:
@@ -278,7 +278,7 @@ class _LeftOutFlankCheck:
         return all_clear(centres, shift, geometry, loads, self.use, MARGIN)
 
 
-def _flank_motion(problem: Problem, layout: BallLayout, side: int) -> Array:
+def _flank_motion_matrix(problem: Problem, layout: BallLayout, side: int) -> Array:
     """Return the matrix from all nodal displacements to those of a screw flank in each ball's section, (N, 2, 6 n).
 
     N: number of balls; n: number of nodes; the two rows of a ball are its radial direction and its binormal. ``side``:

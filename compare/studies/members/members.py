@@ -381,7 +381,7 @@ def members_json(members: Members) -> dict[str, Any]:
     rows = _ball_bands(members.bands)
     if isinstance(scene, Assembly):
         seed: Any = [s.parts.errors.seed if isinstance(s.parts, Scene) else None for s in scene.sets]
-        counts["sets"] = _set_statistics(members, scene)
+        counts["sets"] = _statistics_by_set(members, scene)
         balls = [
             {"set": i + 1, **x, "index": x["index"] - place.start}
             for i, place in enumerate(members.balls)
@@ -397,7 +397,7 @@ def members_json(members: Members) -> dict[str, Any]:
     return {**head, "band_resolution_N": number(members.bands.width), "balls": balls}
 
 
-def _set_statistics(members: Members, assembly: Assembly) -> list[dict[str, Any]]:
+def _statistics_by_set(members: Members, assembly: Assembly) -> list[dict[str, Any]]:
     """Return the statistics of the outputs of each nut or bearing on a shaft."""
     by_set = np.split(members.kept[:, len(WHOLE) :], len(assembly.sets), axis=1)
     return [

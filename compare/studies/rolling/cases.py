@@ -167,7 +167,7 @@ def _loads_with_elastic_angles(
 def _screw_case(scene: ScrewPairScene, choices: Choices) -> RollingCase:
     """Return two balls of a ball screw for the 3D model; Refusal for features that the model does not have.
 
-    These are printed Hertz constants, friction that moves the screw, and a screw at rest. ``choices``: grid of the contacts.
+    These are printed Hertz constants, friction that moves the screw, and a groove at rest. ``choices``: grid of contacts.
     """
     pair, g = scene.pair, scene.pair.groove
     if g.hertz != "right":

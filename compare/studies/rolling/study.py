@@ -55,8 +55,8 @@ def rolling_comparison(
 ) -> list[RollingRow]:
     """Compare low-order models of rolling balls with the 3D model; missing runs are computed and stored in the store.
 
-    ``levels``: levels of the grids, None for all; ``fresh``: whether stored runs are computed again; ``bodies``: kind of the
-    bodies. Raises InputError for an unknown level, Refusal if a run did not converge.
+    ``levels``: levels of the grids, None for all; ``fresh``: whether stored runs are computed again; ``bodies``: kind of
+    the bodies. Raises InputError for an unknown level, Refusal if a run did not converge.
     """
     wanted = check_levels(levels or tuple(runs.LEVELS))
     out: list[RollingRow] = []
