@@ -267,8 +267,7 @@ class _LeftOutFlankCheck:
         centres
             Ball centres in their sections, (k, N, 2) [m].
         geometry
-            Geometry of the flanks as the kernels read it, (k, N, 4, 4 or more); it begins with the distances of the groove
-            centres.
+            Geometry of each flank of each ball as the kernels read it, (k, N, 4, 4 or more).
         loads
             Contact loads, (k, N, 4) [N].
         """
