@@ -62,7 +62,7 @@ def exported_parts(scene: Scene) -> tuple[str, ...]:
 
 
 def placed_sets(described: Solvable) -> list[PlacedSet]:
-    """Return each nut or ball bearing of a scene at its axial position, with the ends of its 3D piece of shaft.
+    """Return each nut or ball bearing of a scene at its axial position, with both ends of its 3D piece of shaft [m].
 
     Raises ValueError for a row of rollers, for which no geometry is written.
     """
@@ -75,7 +75,9 @@ def placed_sets(described: Solvable) -> list[PlacedSet]:
     out = []
     for s, bodies in zip(described.sets, meshed_bodies(described), strict=True):
         if not isinstance(s.parts, Scene):
-            raise ValueError(f"{s.name} has rollers: only ball nuts and ball bearings are written")
+            raise ValueError(
+                f"the geometry of {s.name} cannot be written, because it has rollers: only ball nuts and ball bearings can"
+            )
         low, high = solid_dimensions(bodies.bodies).ends(bodies.bodies)
         out.append(PlacedSet(s.parts, s.offset, (low + bodies.shift, high + bodies.shift)))
     return out
@@ -156,7 +158,8 @@ def result_fields(scene: Scene, part: str, level: int, ball: int, cache: Path | 
     Returns
     -------
     dict
-        Displacement (n, 3) [m], stress (n, 6) [Pa] (xx, yy, zz, yz, xz, xy) and von Mises stress (n,) [Pa].
+        Fields at the n nodes by name: displacement (n, 3) [m], von Mises stress (n,) [Pa], and the six components of the
+        stress (n,) [Pa], such as "stress_xx".
 
     Raises
     ------
@@ -201,7 +204,10 @@ def result_fields(scene: Scene, part: str, level: int, ball: int, cache: Path | 
 
 
 def _whole_body_mesh(scene: Scene, part: str, level: int) -> Mesh:
-    """Mesh the screw's 3D piece, the nut or one ball without sockets, with the finest elements at the expected contacts."""
+    """Mesh the screw's 3D piece, the nut or one ball without sockets, with the finest elements at the expected contacts.
+
+    ``part``: "screw", "nut" or "ball"; ``level``: mesh level of the 3D reference.
+    """
     from rollbench.hifi.bodies.coarse import mesh_of_order
     from rollbench.hifi.meshing.part_meshes import body_kind, choose_socket_size, contacts_on_body
     from rollbench.meshes.exchange.whole_bodies import Refinement, groove_points, sphere_points, whole_ball, whole_body

@@ -18,10 +18,13 @@ from rollbench.meshes.axis import Assembly, RollerRow, RollingSet
 from rollbench.meshes.parts import BallErrors, Errors, Load, Material, Scene, Support
 from rollbench.meshes.section import volume_ratio
 
+#: Status of a solved scene.
 CONVERGED = "converged"
 
+#: Status of a scene with a free rigid motion, whose name stands for the braces.
 UNHELD = "not held: {}: no support and no contact resists it, and the loads drive it"
 
+#: Statuses for three free rigid motions.
 HELIX = UNHELD.format("screw motion along the helix")
 
 ROTATION = UNHELD.format("rotation about the screw's axis")
@@ -47,14 +50,18 @@ class StabilityCase:
 
 
 def _with_load(base: Scene, force: tuple[float, float, float], moment: float = 0.0, at: float = 0.0) -> Scene:
-    """Return a scene with a single load: force [N] and moment about x [N m] at an axial position ``at`` [m]."""
+    """Return a scene with a single load.
+
+    ``force``: force along x, y, z [N]; ``moment``: moment about x [N m]; ``at``: axial position of the load [m].
+    """
     return replace(base, loads=(Load(at, force, (moment, 0.0, 0.0)),))
 
 
 def _with_ball_errors(base: Scene, oversize: float, half_width: float = 0.0, seed: int = 0) -> Scene:
-    """Return a scene with ball errors only: a common oversize and a uniform scatter of +-``half_width`` of the radii.
+    """Return a scene whose only geometric errors are those of its ball radii.
 
-    Both are in metres.
+    ``oversize``: excess of all radii [m]; ``half_width``: half the width of their uniform random scatter [m]; ``seed``:
+    seed of the scatter.
     """
     drawn = BallErrors(oversize=oversize, sigma=half_width / math.sqrt(3.0), distribution="uniform")
     return replace(base, errors=Errors(balls=drawn, seed=seed))
@@ -90,7 +97,7 @@ def with_shaft_stiffness(base: Scene, factor: float) -> Scene:
 
 
 def with_conformity(base: Scene, ratio: float) -> Scene:
-    """Return a scene with the groove radii of screw and nut set to ``ratio`` times the ball radius."""
+    """Return a scene whose groove radii of screw and nut are ``ratio`` times the ball radius."""
     radius = ratio * base.balls.radius
     return replace(base, screw=replace(base.screw, groove_radius=radius), nut=replace(base.nut, groove_radius=radius))
 
@@ -117,7 +124,10 @@ def _with_axial_support_only(base: Scene) -> Scene:
 
 
 def _with_offset_end(base: Scene, offset: float, oversize: float) -> Scene:
-    """Return a scene with ball oversize, and a support that displaces the screw's right end by ``offset`` along x [m]."""
+    """Return a scene with an oversize of all balls, and a support that displaces the screw's right end along x.
+
+    ``offset``: displacement of the end [m]; ``oversize``: excess of the ball radii [m].
+    """
     moved = Support(base.screw.length, (("ux", offset), ("uy", 0.0)))
     return replace(_with_ball_errors(base, oversize), supports=(*base.supports, moved))
 
@@ -283,7 +293,8 @@ def _axis_preloaded_by_offsets() -> Assembly:
 def _with_axis_loads(axis: Assembly, along: float, across: float = 0.0, moment: float = 0.0) -> Assembly:
     """Return an axis with other loads: an axial force on the carriage (on the shaft without one), the rest on the shaft.
 
-    Units are N and N m. ``across`` is the lateral force along x, half of which also acts along y; ``moment`` is about x.
+    ``along``: axial force [N]; ``across``: lateral force along x [N], half of which also acts along y; ``moment``: moment
+    about x [N m].
     """
     at = axis.screw.length / 3.0
     carriage = tuple(h for h in axis.housings if h.name == "carriage")
@@ -293,17 +304,20 @@ def _with_axis_loads(axis: Assembly, along: float, across: float = 0.0, moment: 
 
 
 def _change_each_row(axis: Assembly, change: Callable[[RollingSet], RollingSet]) -> Assembly:
-    """Return an axis with each nut and bearing row replaced by ``change(row)``."""
+    """Return an axis with each nut and bearing row changed; ``change``: function that returns a row's replacement."""
     return replace(axis, sets=tuple(change(s) for s in axis.sets))
 
 
 def _change_ball_rows(axis: Assembly, change: Callable[[Scene], Scene]) -> Assembly:
-    """Return an axis with ``change`` applied to the parts of each ball nut and row of balls."""
+    """Return an axis with the parts of each ball nut and row of balls changed.
+
+    ``change``: function that returns the replacement of the parts.
+    """
     return _change_each_row(axis, lambda s: replace(s, parts=change(s.parts)) if isinstance(s.parts, Scene) else s)
 
 
 def _change_roller_rows(axis: Assembly, **changes: Any) -> Assembly:
-    """Return an axis with some fields of each row of rollers replaced by the values ``changes``."""
+    """Return an axis with some fields of each row of rollers replaced; ``changes``: new values by name of the field."""
     return _change_each_row(
         axis, lambda s: replace(s, parts=replace(s.parts, **changes)) if isinstance(s.parts, RollerRow) else s
     )
@@ -323,7 +337,10 @@ def _with_ball_count(scene: Scene, count: int) -> Scene:
 
 
 def _lengthen_axis(axis: Assembly, length: float) -> Assembly:
-    """Return an axis with a longer shaft [m]: its right end moves out, and its carriage to the middle."""
+    """Return an axis with a longer shaft: its right end moves out, and its carriage to the middle.
+
+    ``length``: new length of the shaft [m]. Parts near the right end move with the end, parts near the middle half as far.
+    """
     more = length - axis.screw.length
 
     def moved_position(z: float) -> float:

@@ -46,8 +46,10 @@ from rollbench.meshes.parts import Scene
 from rollbench.meshes.processes import local_workers
 from rollbench.reports.content import Cell, Row
 
+#: Name of the formulation by the energy solver.
 ENERGY = "energy solver"
 
+#: Starts of Newton's method as in Lin's thesis, by the name of the formulation.
 SOURCE: dict[str, Start] = {
     "source, nominal start": "nominal",
     "source, good guess": "guess",
@@ -61,6 +63,7 @@ FORCES = "contact loads, same equations"
 #: Models of elastic bodies by the name of their formulation; all must solve the hard scenes.
 BACKENDS = {FORCES: "lin"} | {m.label: m.name for m in MODELS.values() if m.extremes}
 
+#: Names of all formulations.
 FORMULATIONS = (ENERGY, *BACKENDS, *SOURCE)
 
 #: Largest number of unknowns for which the dense Jacobian of Lin's thesis is attempted.
@@ -90,6 +93,7 @@ class Attempt:
     status: str
     #: Status that is expected.
     expected: str
+    #: Whether the solver converged.
     converged: bool
     #: Number of iterations.
     iterations: int = 0
@@ -158,7 +162,7 @@ def _solve_by_energy(scene: Scene | Assembly) -> StaticResult | AxisResult:
 
 
 def _attempt_by_energy_solver(case: StabilityCase, result: StaticResult | AxisResult | None = None) -> Attempt:
-    """Return the outcome of the energy solver for a hard scene; ``result``: its result, if already known."""
+    """Return the outcome of the energy solver for a hard scene; ``result``: its result, None to compute it."""
     begin = perf_counter()
     row = _attempt_of_result(case, ENERGY, result or _solve_by_energy(case.scene), begin)
     return replace(row, difference_percent=0.0 if row.converged else None)
@@ -167,10 +171,11 @@ def _attempt_by_energy_solver(case: StabilityCase, result: StaticResult | AxisRe
 def _attempt_by_force_formulation(
     case: StabilityCase, formulation: str, ours: StaticResult | AxisResult | None = None
 ) -> Attempt:
-    """Solve a hard scene by a formulation in contact loads; ``ours``: the energy solver's result, if already known.
+    """Solve a hard scene by a formulation whose unknowns are the contact loads, and return the outcome.
 
-    Not attempted are scenes whose dimensions leave no solid body (no land, no wall), scenes with more than `ELASTIC_LIMIT`
-    balls, which would take minutes, and scenes with rollers only.
+    ``formulation``: a key of `BACKENDS`; ``ours``: the energy solver's result, None to compute it. Not attempted are scenes
+    whose dimensions leave no solid body (no land, no wall), scenes with more than `ELASTIC_LIMIT` balls, which would take
+    minutes, and scenes with rollers only.
     """
     begin, backend = perf_counter(), BACKENDS[formulation]
     try:
@@ -192,14 +197,17 @@ def _attempt_by_force_formulation(
 
 
 def _all_loads(result: StaticResult | AxisResult) -> Array:
-    """Return the loads of all ball contacts and rollers of a result, as one array (n,) or (N, 4) [N]."""
+    """Return the loads [N] of all ball contacts and rollers of a result as one array.
+
+    Its shape is (N, 4) for a scene of N balls, and (n,) for a shaft with n contacts and rollers in all.
+    """
     return np.concatenate([s.loads.ravel() for s in result.sets]) if isinstance(result, AxisResult) else result.load
 
 
 def _attempt_of_result(case: StabilityCase, formulation: str, result: StaticResult | AxisResult, begin: float) -> Attempt:
-    """Return the outcome of a formulation from the solver's result, with the time since ``begin`` [s].
+    """Return the outcome of a formulation from the solver's result, without the difference from the energy solver.
 
-    Its difference from the energy solver is left open.
+    ``begin``: time [s] of ``perf_counter`` at which the run time of the outcome begins.
     """
     status, s = _false_convergence_reason(result) or result.status, result.solver
     return _make_attempt(
@@ -216,7 +224,7 @@ def _attempt_of_result(case: StabilityCase, formulation: str, result: StaticResu
 
 
 def _make_attempt(case: StabilityCase, formulation: str, status: str, **found: Any) -> Attempt:
-    """Return the outcome of a formulation from its status and further fields of `Attempt`."""
+    """Return the outcome of a formulation for a hard scene; ``found``: further fields of `Attempt` by name."""
     return Attempt(case.name, case.group, formulation, status, case.expected, status == CONVERGED, **found)
 
 
@@ -244,10 +252,11 @@ def _false_convergence_reason(result: StaticResult | AxisResult) -> str:
 
 
 def slice_load_error(row: SetResult, result: AxisResult) -> float:
-    """Return the largest difference between a roller slice's line load and its law, over the largest line load.
+    """Return by how much the line loads of roller slices differ from their load-displacement law, over the largest one.
 
-    The approach of each slice is computed from the displacements of cone and cup, whose round-off is deducted. Zero for a
-    row of balls, and for rollers without load.
+    ``row``: solved row of tapered rollers; ``result``: solution of the shaft. It is the largest difference of a slice,
+    whose approach follows from the displacements of cone and cup. Their round-off is allowed for. Zero for a row of balls,
+    and for rollers without load.
     """
     parts, lines = row.of.parts, row.line_loads
     if not isinstance(parts, RollerRow) or lines is None or not lines.any():
@@ -273,7 +282,7 @@ def slice_load_error(row: SetResult, result: AxisResult) -> float:
 
 
 def _with_source_partition(scene: Scene) -> Scene:
-    """Return a scene whose beam has its nodes where Lin's thesis has them."""
+    """Return a scene whose beam has its nodes where the beam of Lin's thesis has them."""
     return replace(scene, ingredients=replace(scene.ingredients, partition="source"))
 
 
@@ -285,9 +294,9 @@ def source_unknowns(scene: Scene) -> int:
 
 
 def _attempt_by_source_newton(case: StabilityCase, formulation: str, ours: StaticResult | None = None) -> Attempt:
-    """Solve a hard scene by Newton's method as in Lin's thesis.
+    """Solve a hard scene by Newton's method as in Lin's thesis, and return the outcome.
 
-    ``ours`` is the energy solver's result with the same beam nodes, if already known.
+    ``formulation``: a key of `SOURCE`; ``ours``: the energy solver's result with the same beam nodes, None to compute it.
     """
     if isinstance(case.scene, Assembly):
         status = "not attempted: Lin's thesis has a single nut on its shaft"
@@ -319,7 +328,10 @@ def _attempt_by_source_newton(case: StabilityCase, formulation: str, ours: Stati
 
 
 def _difference_clause(difference: float | None) -> str:
-    """Return a clause on loads that differ from the energy solver's by ``difference`` [%]; empty if they are the same."""
+    """Return a clause on contact loads that differ from the energy solver's; empty if they are the same.
+
+    ``difference``: largest difference of a load [% of the largest load]; None if it is not known.
+    """
     if difference is None or difference <= SAME:
         return ""
     root = "another root of the contact conditions (beyond the arc)"
@@ -332,7 +344,10 @@ def _finite_or_none(value: float) -> float | None:
 
 
 def _largest_load_difference(load: Array, ours: Array) -> float:
-    """Return the largest difference between two solutions' contact loads [% of the largest load ``ours``]."""
+    """Return the largest difference between the contact loads of two solutions [% of the largest load in ``ours``].
+
+    ``load`` and ``ours``: contact loads [N], arrays of the same shape.
+    """
     top = float(ours.max(initial=0.0))
     change = float(np.abs(load - ours).max())
     return float(np.abs(error_percent(change, 0.0, top))) if top > 0.0 else 0.0
@@ -417,9 +432,9 @@ def status_cell(row: Attempt) -> str:
 
 
 def count_outcomes(rows: Sequence[Attempt]) -> dict[str, tuple[int, int, int]]:
-    """Count the outcomes of each formulation: as expected, tried, and all.
+    """Return three numbers of scenes for each formulation: with the expected outcome, tried, and all.
 
-    As expected are scenes that converged, or whose free rigid motion was named.
+    An outcome is expected if the scene converged, or if its free rigid motion was named.
     """
     out = {}
     for formulation in FORMULATIONS:
@@ -434,15 +449,18 @@ Record = dict[str, Any]
 #: Possible outcomes of a random scene, the good ones first.
 RIGHT, REFUSED, PROVEN, NOT_UNIQUE = "right", "refused as input", "refused, proven", "refused, contacts not unique"
 
+#: Outcomes that are faults of the program.
 WRONG, UNPROVEN, SILENT, CRASHED = "wrong", "refused, unproven", "refused without a mechanism", "traceback"
 
+#: Outcome of a scene whose answer on the command line differs from the computed one.
 MISSTATED = "misstated by the command line"
 
+#: Good and bad outcomes.
 GOOD, BAD = (RIGHT, REFUSED, PROVEN, NOT_UNIQUE), (WRONG, UNPROVEN, SILENT, CRASHED, MISSTATED)
 
 
 def read_campaigns(path: Path) -> list[Record]:
-    """Return the records of campaigns of random scenes from a file; empty if it is missing or holds something else."""
+    """Return the records of campaigns of random scenes from a JSON file; empty if it is missing or has other content."""
     try:
         records = json.loads(path.read_text(encoding="utf-8"))
     except (OSError, ValueError, RecursionError):
@@ -461,7 +479,8 @@ def shipped_campaigns() -> list[Record]:
 def campaign_rows(records: Sequence[Record]) -> list[Row]:
     """Return the rows of the report's table of campaigns: one for each campaign of random scenes.
 
-    A row has the command and version, and how many scenes, damaged files and killed processes ended in which way.
+    ``records``: records of the campaigns. A row has the command and version, and how many scenes, damaged files and killed
+    processes ended in which way.
     """
     out = []
     for r in records:

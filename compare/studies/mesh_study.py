@@ -37,17 +37,23 @@ SCATTERS = "no order: contact loads scatter from mesh to mesh"
 
 
 def _extreme_load(side: int, sign: float, run: Run) -> float:
-    """Return the largest (``sign`` 1) or smallest (``sign`` -1) contact load on one flank [N]."""
+    """Return the largest or smallest contact load on one flank [N].
+
+    ``side``: number of the flank in SL, SR, NL, NR; ``sign``: 1 for the largest load, -1 for the smallest.
+    """
     return float(sign * (sign * run.load[:, side]).max())
 
 
 def _ball_load(ball: int, side: int, run: Run) -> float:
-    """Return the contact load of one ball on one flank [N]."""
+    """Return the contact load [N] of one ball (number from 0) on one flank (number in SL, SR, NL, NR)."""
     return float(run.load[ball, side])
 
 
 def _centreline_displacement(station: int, axis: int, run: Run) -> float:
-    """Return the displacement of the screw's centreline along one axis, at an axial position that all levels share [um]."""
+    """Return the displacement [um] of the screw's centreline along one axis.
+
+    ``station``: number of an axial position that the runs on all levels share; ``axis``: 0, 1, 2 for x, y, z.
+    """
     return float(1e6 * run.centreline[station, 1 + axis])
 
 
@@ -99,8 +105,7 @@ def level_rows(reference: Reference) -> list[dict[str, Any]]:
     list of dict
         Cell size over that of the finest level, unknowns of the equivalent single mesh, seconds without cached parts and
         the conditions of their measurement, largest difference of a contact load from the finest level, and
-        `load_uncertainty_percent` [% of the
-        mean load].
+        `load_uncertainty_percent`, both in % of the mean load.
     """
     return [
         {
@@ -119,7 +124,8 @@ def level_rows(reference: Reference) -> list[dict[str, Any]]:
 def load_uncertainty_percent(reference: Reference, k: int) -> float:
     """Return the uncertainty of the contact loads from run ``k`` and the coarser runs [% of the mean load].
 
-    It is the root mean square over the contacts. For the first run alone it is estimated from other scenes' runs.
+    ``k``: number of the run from 0, coarsest first. It is the root mean square over the contacts. For the first run alone
+    it is estimated from other scenes' runs.
     """
     loads = {run.level: run.load for run in reference.runs[max(0, k + 1 - FITTED) : k + 1]}
     return parts(loads, read_experience(shipped_store())).bar
@@ -137,7 +143,7 @@ def accuracy_sentence(reference: Reference) -> str:
         if steps and good > CLEARLY * steps[-1][1]:
             idle.append(row["level"])
             continue
-        text = f"level {row['level']}{' with those before it' if steps else ''} for {_rounded_up(good)} %"
+        text = f"level {row['level']}{' with those before it' if steps else ''} for {_rounded_up_percent_text(good)} %"
         steps.append((f"{text}{'' if steps else ' of the mean contact load, by experience with other scenes'}{time}", good))
     (first, _), *others = steps
     rest = "".join(f", {text}" for text, _ in others)
@@ -147,12 +153,12 @@ def accuracy_sentence(reference: Reference) -> str:
     return f"Enough: {first}{rest}.{tail}{older}"
 
 
-def _rounded_up(percent: float) -> str:
+def _rounded_up_percent_text(percent: float) -> str:
     """Return a percentage as text, rounded up to two digits.
 
     Examples
     --------
-    >>> _rounded_up(1.21), _rounded_up(0.031), _rounded_up(2.0)
+    >>> _rounded_up_percent_text(1.21), _rounded_up_percent_text(0.031), _rounded_up_percent_text(2.0)
     ('1.3', '0.031', '2')
     """
     unit = 10.0 ** (math.floor(math.log10(percent)) - 1) if percent > 0.0 else 1.0
@@ -241,9 +247,9 @@ def quantity_table(reference: Reference, base: Run | None, changed: Mapping[str,
 
 
 def _contact_of_quantity(take: Take, finest: Run) -> tuple[int, int] | None:
-    """Return the ball and flank of the contact whose load a quantity gives on the finest level.
+    """Return ball and flank, both numbered from 0, of the contact whose load a quantity gives on the finest level.
 
-    None for a displacement.
+    ``take``: function that takes the quantity from a run; ``finest``: run on the finest level. None for a displacement.
     """
     if take.func is _ball_load:
         return take.args[0], take.args[1]
@@ -285,7 +291,10 @@ def chosen_levels(count: int | None) -> tuple[int, ...]:
 
 
 def table_of_reference(one: Referenced, stores: Sequence[Path], levels: Sequence[int]) -> list[dict[str, Any]]:
-    """Return the mesh-study table of a nut or bearing; for one of several on a shaft without varied modelling choices."""
+    """Return the mesh-study table of a nut or bearing; if it is one of several on a shaft, without modelling choices.
+
+    ``one``: 3D reference of the nut or bearing; ``stores``: folders with runs; ``levels``: mesh levels.
+    """
     return study_table(one.scene, stores, levels) if one.of is None else quantity_table(one.found, None, {})
 
 
@@ -334,8 +343,8 @@ def compute_study(
     tasks = plan(scenes, levels, source=source)
     several = next((s.name for s in scenes if isinstance(s, Assembly)), None) if spread else None
     if several is not None:
-        allowed = "only for scenes with a single nut or bearing"
-        raise ArgumentError("spread", f"a study of {several}", allowed, "leave `spread` out")
+        given = f"{several}, which has several nuts and bearings"
+        raise ArgumentError("spread", given, "scenes with a single nut or bearing", "leave `spread` out")
     if spread:
         tasks += [t for s in scenes for t in plan([s], (), all_variants())]
 
@@ -358,7 +367,7 @@ def compute_study(
 
 
 def terminal_rows(table: Sequence[dict[str, Any]]) -> list[dict[str, Any]]:
-    """Return the table for the terminal: without rows of single balls, and without columns in per cent and remarks."""
+    """Return the table of a mesh study for the terminal: without rows of single balls, percentages and remarks."""
     return [
         {k: v for k, v in row.items() if k not in ("uncertainty_percent", "kind")}
         for row in table

@@ -42,6 +42,7 @@ SHARES = (1.0, 0.5, 0.25)
 LEVELS = (1, 2, 3)
 #: Spring of a steel roller between both races, Q = c L^(8/9) delta^(10/9) in N and mm (ISO/TS 16281).
 NORM = 35948.0
+#: Names of the races, in the order of lists over them.
 RACES = ("outer", "inner")
 #: Columns that the terminal leaves out.
 HIDDEN = ("order", "extrapolated", "low_order", "norm", "line_contact")
@@ -75,7 +76,7 @@ class RollerRun:
     across_pressure: list[list[float]]
     #: Largest difference between the integral of the pressure and the load, over the load.
     imbalance: float
-    #: Wall and processor time.
+    #: Wall and processor time [s].
     seconds: float
     cpu_seconds: float
     #: Versions of the programs, digest of the sources, machine and day.
@@ -224,12 +225,15 @@ def line_contact_pressures(row: RollerRow, line_loads: Sequence[float]) -> list[
 
 
 def _value_at_load(name: str, k: int, run: RollerRun) -> float:
-    """Return the value of a run's field at load number ``k``."""
+    """Return entry ``k`` of a run's field that is a list over the loads or the races; ``name``: name of the field."""
     return float(getattr(run, name)[k])
 
 
 def _value_at_race(name: str, race: int, run: RollerRun) -> float:
-    """Return the value of a run's field on one race under the first load."""
+    """Return the value of a run's field on one race under the first load.
+
+    ``name``: name of the field; ``race``: number of the race in `RACES`.
+    """
     return float(getattr(run, name)[0][race])
 
 
@@ -286,7 +290,7 @@ def terminal_rows(rows: Sequence[dict[str, Any]]) -> list[dict[str, Any]]:
 
 
 def run_convergence(values: Sequence[float], runs: Sequence[RollerRun]) -> Convergence:
-    """Return order and uncertainty of a quantity from its values in runs on finer and finer meshes."""
+    """Return order of convergence and uncertainty of a quantity; ``values``: its values in ``runs``, coarsest first."""
     return grid_convergence(values, [1.0 / run.across for run in runs])
 
 
@@ -317,7 +321,10 @@ def level_rows(runs: Sequence[RollerRun]) -> list[dict[str, Any]]:
 def study_rollers(
     assembly: Assembly, count: int | None, stores: Sequence[Path], step: Callable[[str], None], *, fresh: bool = False
 ) -> list[tuple[LoadedRoller, list[RollerRun]]]:
-    """Return the runs of every kind of roller of a shaft on mesh levels 1 to ``count``; None: on all levels.
+    """Return the runs of every kind of roller of a shaft on several mesh levels.
+
+    ``count``: number of levels from the coarsest on, None for all; ``stores``: folders with runs, the first of which takes
+    new ones; ``step``: called with lines of progress; ``fresh``: whether stored runs are computed again.
 
     Raises
     ------
@@ -375,7 +382,8 @@ def roller_study_for_library(
 ) -> tuple[dict[str, Any], str, tuple[str, ...]]:
     """Run the mesh study of a shaft's rollers for `rollbench.mesh_study`.
 
-    Returns JSON values, the key of the table to show, and closing lines.
+    ``levels``: number of mesh levels, None for all; ``step``: called with lines of progress; ``store``: folder that takes
+    new runs. Returns the JSON values, then the key of the table to show, then closing lines.
     """
     found = study_rollers(assembly, levels, (store, shipped_store()), step)
     sets = [{"scene": assembly.name} | study_json(one, runs) for one, runs in found]

@@ -57,7 +57,7 @@ class Job:
 def median_seconds(work: Callable[[], object], repeats: int, reset: Callable[[], object] | None = None) -> float:
     """Return the median wall-clock time of ``work`` over ``repeats`` runs [s], after one run that is not counted.
 
-    ``reset`` is called before each run and is not timed.
+    ``work``: function that is timed; ``reset``: function that is called before each run and is not timed, or None.
     """
     seconds = []
     gc.collect()
@@ -77,7 +77,10 @@ def median_seconds(work: Callable[[], object], repeats: int, reset: Callable[[],
 
 
 def user_environment(extra: dict[str, str] | None = None) -> dict[str, str]:
-    """Return the environment variables of a timed process: without those that set thread counts, with ``extra`` added."""
+    """Return the environment variables of a timed process: those of this process without the ones that set thread counts.
+
+    ``extra``: further environment variables by name, which are added.
+    """
     return {name: value for name, value in os.environ.items() if name not in VARIABLES} | (extra or {})
 
 
@@ -100,7 +103,9 @@ class FinishedProcess:
 def launch_process(arguments: list[str], extra: dict[str, str] | None = None, folder: str | None = None) -> FinishedProcess:
     """Run a Python process as a user would on a terminal; it is killed after `PATIENCE` seconds.
 
-    The process imports no module from its working folder.
+    ``arguments``: arguments of the Python interpreter; ``extra``: environment variables by name, which are added to those
+    of `user_environment`; ``folder``: working folder of the process, None for the present one. The process imports no
+    module from its working folder.
     """
     environment = user_environment({"PYTHONUNBUFFERED": "1"} | (extra or {}))
     before, begin = os.times(), perf_counter()
@@ -125,7 +130,10 @@ def launch_process(arguments: list[str], extra: dict[str, str] | None = None, fo
 
 
 def _child_cpu_seconds(before: os.times_result, after: os.times_result) -> float:
-    """Return the CPU time of child processes that ended between two calls of ``os.times`` [s]."""
+    """Return the CPU time [s] of the child processes that ended between two calls of ``os.times``.
+
+    ``before`` and ``after``: what the two calls returned.
+    """
     return sum(y - x for x, y in zip(before[2:4], after[2:4], strict=True))
 
 
@@ -253,7 +261,11 @@ class ColdModelTime:
 def measure_model(
     scene: str, model: str, *, engine: str = "interpreted", condensed: Path | None = None, repeats: int = REPEATS
 ) -> ColdModelTime:
-    """Measure a model on a shipped scene in a new process with empty caches; RuntimeError if the process fails."""
+    """Measure a model on a shipped scene in a new process with empty caches; RuntimeError if the process fails.
+
+    ``scene`` and ``model``: their names; ``engine``: kind of kernels, "interpreted" or "compiled"; ``condensed``: file of
+    condensed matrices that the model reads, None for a model without; ``repeats``: number of further solutions.
+    """
     ask = {
         "scene": scene,
         "model": model,
@@ -270,7 +282,8 @@ def measure_model(
 def measure_call(imports: str, call: str, what: str, repeats: int = REPEATS) -> RunTime:
     """Measure a Python call and its repetitions in a new process with empty caches; RuntimeError if the process fails.
 
-    ``imports`` are executed before the call; ``what`` names the call in the error.
+    ``imports``: Python statements that are executed before the call and count as part of the cold time; ``call``: Python
+    expression that is timed; ``what``: name of the call in the error; ``repeats``: number of further calls.
     """
     begin, printed = _run_with_empty_caches(CALL_CHILD, {"imports": imports, "call": call, "repeats": repeats}, what)
     return RunTime(printed["done"] - begin, printed["warm"], printed["memory"])
@@ -279,7 +292,7 @@ def measure_call(imports: str, call: str, what: str, repeats: int = REPEATS) -> 
 def measure_level(scene: str, level: int) -> ColdLevelTime:
     """Measure a mesh level of the 3D reference in a new process with empty caches, on all cores.
 
-    RuntimeError if the process fails.
+    ``scene``: name of a shipped scene. RuntimeError if the process fails.
     """
     before = os.times()
     begin, printed = _run_with_empty_caches(LEVEL_CHILD, {"scene": scene, "level": level}, f"level {level} of {scene}")
@@ -292,7 +305,8 @@ def measure_level(scene: str, level: int) -> ColdLevelTime:
 def _run_with_empty_caches(child: str, ask: dict[str, Any], what: str) -> tuple[float, dict[str, Any]]:
     """Run a program in a new process with empty caches; return its start time [s] and the JSON values that it prints.
 
-    ``ask`` are the program's arguments; ``what`` names the measurement in the RuntimeError of a process that fails.
+    ``child``: text of the Python program, such as `CHILD`; ``ask``: arguments of the program by name; ``what``: name of
+    the measurement in the RuntimeError of a process that fails.
     """
     with tempfile.TemporaryDirectory() as folder:
         caches = {name: str(Path(folder) / name.lower()) for name in ("ROLLBENCH_CACHE", "NUMBA_CACHE_DIR")}
@@ -374,7 +388,7 @@ class SetUpCost:
     stages: Mapping[str, Mapping[str, float]]
 
     def seconds_of(self, kind: str) -> float:
-        """Return the processor time of a kind of work, such as "meshing", summed over all stages [s]."""
+        """Return the processor time of one kind of work summed over all stages [s]; ``kind``: as in `stages`."""
         return sum(stage.get(kind, 0.0) for stage in self.stages.values())
 
 
@@ -396,10 +410,15 @@ class SetUpVariant:
 class SetUpCosts:
     """Processor times of set-ups and of cheaper variants, with machine, date and version of the measurement."""
 
+    #: Machine on which the times were measured.
     machine: str
+    #: Date of the measurement.
     date: str
+    #: Processor times of cold set-ups.
     jobs: Sequence[SetUpCost]
+    #: Cheaper variants of set-ups.
     ways: Sequence[SetUpVariant]
+    #: Version of this program that was measured; empty if it is not known.
     version: str = ""
 
 
@@ -409,7 +428,11 @@ def today() -> str:
 
 
 def load_first_valid(stores: Sequence[Path], file: str, made: Callable[[Any], T]) -> T | None:
-    """Return the object that ``made`` makes of a JSON file, from the first store where this succeeds; None if nowhere."""
+    """Return the object read from a JSON file in the first store where the file is valid; None if it is valid nowhere.
+
+    ``stores``: folders in the order in which they are tried; ``file``: name of the file; ``made``: function that makes the
+    object of the file's JSON values, and raises ValueError, KeyError or TypeError for invalid ones.
+    """
     for store in stores:
         with suppress(OSError, ValueError, KeyError, TypeError):
             return made(json.loads((store / file).read_text(encoding="utf-8")))
@@ -417,12 +440,15 @@ def load_first_valid(stores: Sequence[Path], file: str, made: Callable[[Any], T]
 
 
 def save_records(store: Path, file: str, records: Sequence[Any]) -> None:
-    """Write records to a JSON file in a store, one record per line; InputError if the file cannot be written."""
+    """Write records to a JSON file in a store, one record per line; InputError if the file cannot be written.
+
+    ``store``: folder; ``file``: name of the file; ``records``: instances of dataclasses.
+    """
     replace_file(store / file, f"[{_json_lines([asdict(one) for one in records])}]\n")
 
 
 def _json_lines(rows: Sequence[Any]) -> str:
-    """Return rows as JSON text with one row per line."""
+    """Return rows, which are JSON values, as JSON text with one row per line, without the brackets around the list."""
     return ",\n ".join(json.dumps(row) for row in rows)
 
 
@@ -439,7 +465,11 @@ def times_file_name(source: str) -> str:
 
 
 def save_times(store: Path, kept: Kept, source: str = "") -> None:
-    """Write run times to a store; ``source`` as in `times_file_name`. InputError if the file cannot be written."""
+    """Write run times to a file in a store; InputError if the file cannot be written.
+
+    ``store``: folder; ``source``: page of a publication whose times they are, `TYPED` for commands, or empty, as in
+    `times_file_name`.
+    """
     lists = {
         "times": [{"scene": scene, "model": model, **asdict(t)} for (scene, model), t in sorted(kept.times.items())],
         "first": [{"model": model, **asdict(c)} for (model, _), c in sorted(kept.first.items())],
@@ -452,13 +482,19 @@ def save_times(store: Path, kept: Kept, source: str = "") -> None:
 
 
 def times_of_page(study: Study, source: str) -> Kept | None:
-    """Return the run times for the page of a publication, else those of all compared scenes; None if neither is stored."""
+    """Return the run times for the page of a publication, else those of all compared scenes; None if neither is stored.
+
+    ``study``: comparison with its folders of stored results; ``source``: name of the publication's page.
+    """
     stores = (*(study.stores or ()), shipped_store())
     return load_times(stores, source) or load_times(stores)
 
 
 def load_times(stores: Sequence[Path], source: str = "") -> Kept | None:
-    """Return the run times from the first store with a valid file; None without one. ``source`` as in `times_file_name`."""
+    """Return the run times from the first store with a valid file; None without one.
+
+    ``stores``: folders; ``source``: page of a publication, `TYPED` for commands, or empty, as in `times_file_name`.
+    """
 
     def times_from_json(data: dict[str, Any]) -> Kept:
         times = {(r["scene"], r["model"]): RunTime(r["cold"], r["warm"], r["memory"]) for r in data["times"]}
@@ -472,7 +508,7 @@ def load_times(stores: Sequence[Path], source: str = "") -> Kept | None:
 
 
 def load_costs(stores: Sequence[Path]) -> SetUpCosts | None:
-    """Return the processor times of set-ups from the first store with a valid file; None without one."""
+    """Return the processor times of set-ups from the first store (folder) with a valid file; None without one."""
 
     def costs_from_json(data: dict[str, Any]) -> SetUpCosts:
         jobs, ways = [SetUpCost(**row) for row in data["jobs"]], [SetUpVariant(**row) for row in data["ways"]]
@@ -542,9 +578,10 @@ class CommandTime:
 
 
 def time_command(command: str) -> CommandTime:
-    """Measure a command in an empty home directory, a second time, and while another process keeps a core busy.
+    """Measure a command in an empty home directory, then a second time there, then while another process keeps a core busy.
 
-    If the command fails, only the note is set.
+    ``command``: arguments of ``rollbench``, such as "solve lin-case1". The third measurement has an empty home directory of
+    its own. If the command fails, only the note of the returned times is set.
     """
     found = _run_in_empty_home(command, 2)
     busy = subprocess.Popen([sys.executable, "-c", BUSY])
@@ -563,7 +600,10 @@ def time_command(command: str) -> CommandTime:
 
 
 def _run_in_empty_home(command: str, times: int) -> list[FinishedProcess]:
-    """Run a command several times in one new home directory, with ``my.toml`` there if the command names it."""
+    """Run a command several times in one new home directory and return the times and output of each run.
+
+    If the command names ``my.toml``, this scene file is written there first. ``times``: number of runs.
+    """
     with tempfile.TemporaryDirectory() as home:
         places = {"XDG_CACHE_HOME": "cache", "ROLLBENCH_CACHE": "cache/rollbench", "NUMBA_CACHE_DIR": "cache/numba"}
         own = {name: str(Path(home) / place) for name, place in places.items()} | {"HOME": home}
@@ -573,7 +613,10 @@ def _run_in_empty_home(command: str, times: int) -> list[FinishedProcess]:
 
 
 def time_threads(count: int = MEMBERS, repeats: int = 3) -> Iterator[Job]:
-    """Measure an ensemble of ``count`` specimens of ``lin-random`` by the model lin, in one and in two threads."""
+    """Measure an ensemble of specimens of the scene ``lin-random`` by the model lin, in one thread and in two threads.
+
+    ``count``: number of specimens; ``repeats``: number of runs, of which the median time is taken.
+    """
     parts = scene("lin-random")
     alone = 0.0
     for threads in THREADS:

@@ -78,11 +78,15 @@ PRELOADS = ("none", "oversize", "oversize", "force", "lead offset", "clearance")
 #: Standard deviations [um] of ball radius, pitch (once per turn) and roundness (twice per turn) for classes 1, 3 and 5.
 CLASSES = ((0.05, 0.5, 0.25), (0.1, 1.0, 0.5), (0.2, 2.0, 1.0))
 
+#: Fixed surfaces of a nut without flange, each drawn as often as it is listed.
 HELD = ("left face", "left face", "right face", "both faces", "outer surface")
 
 
 def scene_text(seed: int, number: int) -> str:
-    """Return the TOML scene file of screw ``number`` of a survey; it depends on seed and number only."""
+    """Return the text of the scene file (TOML) of one screw of a survey; it depends on seed and number only.
+
+    ``seed``: seed of the survey; ``number``: number of the screw, from 0. From number `TUBES` on the nut has a flange.
+    """
     rng = np.random.default_rng([seed, number])
     outer = int(rng.choice(list(SIZES)))
     lead = int(rng.choice(SIZES[outer]))
@@ -135,9 +139,9 @@ def scene_text(seed: int, number: int) -> str:
 
 
 def _draw_flange(rng: np.random.Generator, length: float, wall: float) -> dict[str, dict[str, str]]:
-    """Draw a flange for a nut, and the annulus of its face that is fixed.
+    """Draw a flange for a nut, and the annulus of its face that is fixed; return the scene's keys of both.
 
-    ``length`` and ``wall`` are the nut's length and outer diameter [mm].
+    ``rng``: generator of the random numbers; ``length`` and ``wall``: the nut's length and outer diameter [mm].
     """
     wide, thick = wall * rng.uniform(1.3, 1.8), min(wall * rng.uniform(0.15, 0.3), 0.4 * length)
     room, fit = wide - wall, rng.uniform(0.05, 0.5) * (length - thick)
@@ -167,10 +171,11 @@ def _draw_conformity(rng: np.random.Generator) -> float:
 def _draw_balls(
     rng: np.random.Generator, starts: int, ball: float, touching: float, *, halved: bool
 ) -> tuple[dict[str, Any], int]:
-    """Draw the filling and the circuits of a nut; return the keys of the scene's balls, and their number.
+    """Draw the filling and the circuits of a nut; return the keys of the scene's balls, then the number of balls.
 
-    ``ball``: ball diameter [mm]. ``touching``: angle between neighbours that touch [rad]. ``halved``: the nut is preloaded
-    by a lead offset, so that circuits come in pairs.
+    ``rng``: generator of the random numbers; ``starts``: number of starts of the thread; ``ball``: ball diameter [mm];
+    ``touching``: azimuth between neighbours that touch [rad]; ``halved``: whether the nut is preloaded by a lead offset, so
+    that circuits come in pairs.
     """
     filling = round(float(rng.uniform(0.8, 0.95)), 2)
 
@@ -184,7 +189,10 @@ def _draw_balls(
 
 
 def _draw_preload(rng: np.random.Generator, kind: str, ball: float, force: float) -> dict[str, str]:
-    """Draw the preload or clearance of a kind, for balls of a diameter [mm] and a typical axial load [N]."""
+    """Draw a preload or clearance; return the keys of the scene's preload.
+
+    ``kind``: one of `PRELOADS`; ``ball``: ball diameter [mm]; ``force``: typical axial load [N].
+    """
     size = 1e3 * OVERSIZE * ball * _draw_log_uniform(rng, 0.3, 2.5)
     if kind == "force":
         return {"force": f"{force * _draw_log_uniform(rng, 0.1, 0.6):.3g} N"}
@@ -204,9 +212,10 @@ def _draw_errors(rng: np.random.Generator) -> dict[str, Any]:
 
 
 def _draw_supports(rng: np.random.Generator, length: int) -> list[dict[str, Any]]:
-    """Draw the supports of a screw of a length [mm].
+    """Draw the supports of a screw; return the keys of each support. ``length``: length of the screw [mm].
 
-    The left end is fixed. The right end is floating or clamped, with or without offset or tilt, or it is free.
+    The left end is fixed except along z. The right end is floating or clamped, with or without offset or tilt, or it is
+    free.
     """
     left = {"at": "0 mm", "fix": ["ux", "uy", "rx", "ry", "rz"]}
     right = str(rng.choice(["floating", "floating", "clamped", "none"]))
@@ -231,7 +240,8 @@ def _draw_supports(rng: np.random.Generator, length: int) -> list[dict[str, Any]
 def _draw_loads(rng: np.random.Generator, force: float, radius: float, at: str) -> list[dict[str, Any]]:
     """Draw an axial load on the left end, and at the nut a moment and a radial force, each in three of ten screws.
 
-    ``force``: typical axial load [N]; ``radius``: pitch radius [mm]; ``at``: axial position of the nut, as text.
+    Returns the keys of each load. ``force``: typical axial load [N]; ``radius``: pitch radius [mm]; ``at``: axial position
+    of the nut as text with its unit.
     """
     axial = force * _draw_log_uniform(rng, 0.15, 1.6) * rng.choice([-1.0, 1.0])
     moment = force * radius * 1e-3 * rng.uniform(0.05, 0.5) * (rng.random() < 0.3)
@@ -245,7 +255,10 @@ def _draw_loads(rng: np.random.Generator, force: float, radius: float, at: str) 
 
 
 def _draw_nut_length(scene: Mapping[str, Any], rng: np.random.Generator) -> float:
-    """Draw the length of a nut that ends 1 to 6 ball radii beyond its outermost balls [mm], in whole micrometres."""
+    """Draw the length [mm] of a nut that ends 1 to 6 ball radii beyond its outermost balls; it is in whole micrometres.
+
+    ``scene``: keys of the scene so far, with a nut that is long enough for all balls.
+    """
     read = scene_file.scene_of_text(_toml_text({k: v for k, v in scene.items() if k != "preload"}), "survey.toml")
     reach = float(np.abs(ball_layout(read).z - read.nut.position).max())
     return round(1e3 * 2.0 * (reach + read.balls.radius * _draw_log_uniform(rng, 1.0, 6.0)) + 5e-4, 3)
@@ -320,13 +333,20 @@ def survey_screw(seed: int, number: int, runs: Path | None = None) -> Record:
 
 
 def load_cases(text: str, name: str) -> tuple[Scene, Scene]:
-    """Return the screw of a text under its loads, and under loads raised for the tangent rigidity."""
+    """Return a screw under the loads of its scene file, then the same screw under loads times `RAISED`.
+
+    The tangent rigidity follows from the two solutions. ``text``: TOML text of the scene file; ``name``: name of the first
+    scene, to which the second adds "-raised".
+    """
     scene = scene_file.scene_of_text(text, f"{name}.toml")
     return scene, replace(scene, name=f"{name}-raised", loads=tuple(_raised_load(x) for x in scene.loads))
 
 
 def stored_run(runs: Path | None, scene: Scene) -> Run | None:
-    """Return the stored run of the 3D reference for a scene from a folder; None without one."""
+    """Return the stored run of the 3D reference for a scene on mesh level `LEVEL`; None if none is stored.
+
+    ``runs``: folder of stored runs; None: nothing is stored.
+    """
     paths = [] if runs is None else sorted(runs.glob(f"{scene.name}-level{LEVEL}-*.json"))
     return next((run for path in paths if (run := read_run(path, scene, LEVEL, "")) is not None), None)
 
@@ -338,7 +358,12 @@ def _raised_load(load: Any) -> Any:
 
 
 def scene_features(scene: Scene) -> Record:
-    """Return the features of a scene on which the error of a model depends, as far as they need no solution."""
+    """Return the features of a scene on which the error of a model depends, as far as they need no solution.
+
+    The name of a number with a unit ends in that unit. "low_face_radii" and "high_face_radii" are the distances from the
+    nut's faces to the nearest ball centre in ball radii; "offset_um" and "tilt_mrad" are the largest displacement and
+    rotation that a support imposes.
+    """
     z, half, r = ball_layout(scene).z - scene.nut.position, scene.nut.length / 2.0, scene.balls.radius
     given: dict[str, float] = {}
     for support in scene.supports:
@@ -417,7 +442,10 @@ def _rounded_or_none(value: float | None, factor: float = 1.0) -> float | None:
 
 
 def _model_record(scene: Scene, result: StaticResult, run: Run, point: Point) -> Record:
-    """Return a model's errors on a drawn screw [%], and the errors that other compared scenes let expect."""
+    """Return a model's errors on a drawn screw [%], and the errors that are expected from those on other compared scenes.
+
+    ``result``: the model's solution; ``run``: run of the 3D reference; ``point``: the model's errors against this run.
+    """
     error = load_error(result.load, run.load, nominal_contacts(scene))
     expected = estimate(scene, result, [p for p in shipped_points() if p.scene != point.scene])
     return {
@@ -430,16 +458,22 @@ def _model_record(scene: Scene, result: StaticResult, run: Run, point: Point) ->
     }
 
 
-#: Status of a solved screw; columns of the table of errors; errors in the table, by their names in the records.
+#: Status of a solved screw.
 ANSWERED = "converged"
 
+#: Columns of the table of errors.
 SUMS = ("model", "error", "scenes", "median", "p95", "largest")
 
+#: Errors in the table of errors, by their names in the records.
 ERRORS = ("largest_percent", "gate_percent", "rms_percent", "displacement_percent", "rigidity_percent", "pressure_percent")
 
 
 def _solve_and_append(folder: Path, token: str, seed: int, number: int) -> Record | None:
-    """Solve a drawn screw and append its record to a folder; None, without solving, if a later run has taken the folder."""
+    """Solve a drawn screw, append its record to a folder and return it.
+
+    None, without solving, if a later run of the program has taken the folder. ``token``: text that identifies this run;
+    ``seed``: seed of the survey; ``number``: number of the screw.
+    """
     if not sample.is_current_run(folder, token):
         return None
     with sample.hold_lock(folder):
@@ -494,7 +528,10 @@ def run_survey(
 
 
 def _stored_answers(path: Path | None, seed: int) -> list[Record]:
-    """Return the records of a survey's file that have this seed, mesh level and version of rollbench; empty without any."""
+    """Return the records of a survey's file that were made with this seed, mesh level and version; empty without any.
+
+    ``path``: the file, or None.
+    """
     if path is None or not path.exists():
         return []
     found = json.loads(path.read_text(encoding="utf-8"))
@@ -503,7 +540,7 @@ def _stored_answers(path: Path | None, seed: int) -> list[Record]:
 
 
 def unsolved_records(records: Sequence[Record]) -> list[Record]:
-    """Return the records of screws without converged 3D loads."""
+    """Return those records whose screw has no converged 3D loads, under its loads or under raised ones."""
     return [r for r in records if r["status"] != ANSWERED or r.get("raised_status", ANSWERED) != ANSWERED]
 
 
@@ -523,7 +560,10 @@ def shipped_survey() -> dict[str, Any]:
 
 
 def known_screws() -> list[Record]:
-    """Return the records of the screws that the models' errors are summed up on, without those that were judged once."""
+    """Return the records of the first `KNOWN_SCREWS` screws, over which errors are summed up.
+
+    Later screws test the errors that are expected from the errors on these.
+    """
     return [record for record in shipped_survey()["scenes"] if record["number"] < KNOWN_SCREWS]
 
 
@@ -546,7 +586,7 @@ class ModelAccuracy(NamedTuple):
 
 
 def model_accuracy(records: Sequence[Record], model: str = "refined") -> ModelAccuracy:
-    """Return a model's accuracy over the drawn screws of a survey with recorded errors."""
+    """Return a model's accuracy over those drawn screws that have errors of the model in their records."""
     errors = [r["models"][model] for r in records if model in r.get("models", {})]
     worst = [abs(e["largest_percent"]) for e in errors]
     within = sum(w <= WORST_AIM and e["rms_percent"] <= RMS_AIM for w, e in zip(worst, errors, strict=True))
@@ -555,7 +595,10 @@ def model_accuracy(records: Sequence[Record], model: str = "refined") -> ModelAc
 
 
 def summary_rows(records: Sequence[Record]) -> list[dict[str, Any]]:
-    """Return table rows with median, 95th percentile and maximum of each error of each model over the drawn screws."""
+    """Return table rows with the median, 95th percentile and maximum of each error of each model over the drawn screws.
+
+    The keys of a row are `SUMS`; "scenes" is the number of screws with this error.
+    """
     rows = []
     for model in MODELS:
         for error in ERRORS:

@@ -53,12 +53,12 @@ class LevelRun:
     seconds: float
     #: Processor time of a further load case [s].
     further_seconds: float
-    #: Contact loads (n, 4) [N].
+    #: Contact loads of the n balls on the flanks SL, SR, NL, NR, (n, 4) [N].
     load: list[list[float]]
 
 
 @dataclass(frozen=True)
-class Runs:
+class StoredLevelRuns:
     """Stored runs, with the conditions and the date of their measurement."""
 
     #: Conditions of the measurement.
@@ -71,15 +71,15 @@ class Runs:
 
 @dataclass(frozen=True)
 class Standing:
-    """Largest errors and times of a model or mesh level on drawn screws."""
+    """Largest errors and times of a model or mesh level on drawn screws, one entry of each array for each screw."""
 
-    #: Model or mesh level.
+    #: Name of the model or mesh level.
     name: str
-    #: What its loads are compared with.
+    #: Mesh level of the 3D reference with which its loads are compared; empty without a comparison.
     judged_by: str
-    #: Largest error of a contact load on each screw as the gate takes it [%]; empty if it is not known.
+    #: Largest error of a contact load by the rule of the gate [%]; empty if it is not known.
     errors: Array
-    #: The same [% of the mean load].
+    #: Largest error of a contact load [% of the mean load]; empty if it is not known.
     of_mean: Array
     #: Processor time of a new screw [s], for each screw.
     seconds: Array
@@ -94,7 +94,7 @@ def chosen_screws() -> list[int]:
 
 
 def drawn_screw(number: int) -> tuple[Scene, Scene]:
-    """Return a drawn screw under its loads and under raised ones."""
+    """Return drawn screw ``number`` under its loads, then under raised ones, from which the tangent rigidity follows."""
     name = f"survey-{survey.SEED}-{number}"
     return survey.load_cases(survey.scene_text(survey.SEED, number), name)
 
@@ -102,7 +102,8 @@ def drawn_screw(number: int) -> tuple[Scene, Scene]:
 def solve_level(number: int, level: int) -> LevelRun:
     """Solve a drawn screw on a mesh level in this process, with one thread and without cache, and time it.
 
-    Level 1 has the coarser cells at the cut ends of the shaft that the survey uses. Raises InputError if it has no mesh.
+    ``number``: number of the screw. Level 1 has the coarser cells at the cut ends of the shaft that the survey uses. Raises
+    InputError if the screw cannot be meshed.
     """
     one_thread()
     cases = drawn_screw(number)
@@ -120,40 +121,40 @@ def solve_level(number: int, level: int) -> LevelRun:
     return LevelRun(number, level, str(run.status), round(new, 2), round(further, 3), load)
 
 
-def measure_levels(store: Path, step: Callable[[str], None], count: int = COUNT) -> Runs:
+def measure_levels(store: Path, step: Callable[[str], None], count: int = COUNT) -> StoredLevelRuns:
     """Solve the first ``count`` chosen screws on all levels, as many processes at a time as there are cores.
 
-    Runs are written to a store one by one; those that a store has by the same sources on the same machine are not repeated.
-    Raises InputError if the file cannot be written.
+    Each run is written to the store when it is done; runs that the store has from the same sources on the same machine are
+    not repeated. ``step``: called with lines of progress. Raises InputError if the file cannot be written.
     """
     conditions, known = measuring_conditions(), load_levels((store,))
     runs = list(known.runs) if known is not None and known.measured == conditions else []
     done = {(run.number, run.level) for run in runs}
     jobs = [(n, level) for n in chosen_screws()[:count] for level in LEVELS if (n, level) not in done]
-    found = Runs(conditions, today(), runs)
+    found = StoredLevelRuns(conditions, today(), runs)
     for _, run in parallel.as_done([(solve_level, job) for job in jobs], "joblib", None, cores()):
         runs.append(run)
-        found = Runs(conditions, today(), sorted(runs, key=lambda one: (one.number, one.level)))
+        found = StoredLevelRuns(conditions, today(), sorted(runs, key=lambda one: (one.number, one.level)))
         save_levels(store, found)
         step(f"[{len(runs)}/{count * len(LEVELS)}] drawn screw {run.number}, level {run.level}: {run.seconds:.0f} s")
     return found
 
 
-def save_levels(store: Path, found: Runs) -> None:
+def save_levels(store: Path, found: StoredLevelRuns) -> None:
     """Write runs to a store, one per line; InputError if the file cannot be written."""
     head = json.dumps({**asdict(found.measured), "date": found.date})
     rows = ",\n".join(json.dumps(asdict(run), separators=(",", ":")) for run in found.runs)
     replace_file(store / RUNS, f'{head[:-1]}, "runs": [\n{rows}\n]}}\n')
 
 
-def load_levels(stores: Sequence[Path]) -> Runs | None:
+def load_levels(stores: Sequence[Path]) -> StoredLevelRuns | None:
     """Return the runs in the first store with a valid file; None without one."""
 
-    def read(data: dict[str, object]) -> Runs:
+    def read(data: dict[str, object]) -> StoredLevelRuns:
         measured = Measured(str(data["version"]), str(data["sources"]), str(data["machine"]))
         rows = data["runs"]
         assert isinstance(rows, list)
-        return Runs(measured, str(data["date"]), [LevelRun(**row) for row in rows])
+        return StoredLevelRuns(measured, str(data["date"]), [LevelRun(**row) for row in rows])
 
     return load_first_valid(stores, RUNS, read)
 
@@ -192,7 +193,10 @@ def levels_and_models(runs: Sequence[LevelRun], records: Sequence[survey.Record]
 
 
 def _largest_errors(loads: Sequence[Array], truths: Sequence[LevelRun]) -> tuple[Array, Array]:
-    """Return the largest error of the loads of each screw by the gate's rule [%], and in per cent of the mean load."""
+    """Return the largest load error of each screw by the rule of the gate [%], then in per cent of the mean load.
+
+    ``loads``: contact loads (n, 4) [N] of each screw; ``truths``: run of each screw by which they are judged.
+    """
     found = [
         load_error(load, np.array(truth.load), nominal_contacts(drawn_screw(truth.number)[0]))
         for load, truth in zip(loads, truths, strict=True)

@@ -62,10 +62,10 @@ def screw_name(number: int) -> str:
 
 
 def store_loads(path: Path, runs: Path, count: int) -> int:
-    """Write the 3D contact loads of the first ``count`` drawn screws to a file.
+    """Write the 3D contact loads of the first ``count`` drawn screws to a file, and return the number of screws in it.
 
-    They are taken from runs in a folder, else from the present contents of the file. Returns the number of screws in the
-    file. InputError if it cannot be written.
+    ``path``: the file; ``runs``: folder with runs of the 3D reference. Loads of screws without a run there are kept from
+    the present contents of the file. InputError if it cannot be written.
     """
     before = _read_loads(path)
     for number in range(count):
@@ -100,7 +100,7 @@ def stored_loads() -> dict[int, Row]:
 
 
 def stored_reference(scene: Scene, number: int) -> Reference | None:
-    """Return the 3D reference of a drawn screw from its stored loads; None if none are stored for this screw.
+    """Return the 3D reference of a drawn screw from its stored loads; None if no loads are stored for this screw.
 
     Its uncertainty is that of the mesh level by experience with other scenes.
     """
@@ -230,7 +230,9 @@ def _judge_screws(
 ) -> list[Row]:
     """Return the rows of `judge_model` for a model on several screws, in the order of ``numbers``.
 
-    Raises the model's error if it fails on each of the screws that are tried first.
+    ``numbers``: numbers of the screws; ``workers``: number of parallel processes; ``limit``: largest allowed error [% of
+    the mean load]; ``step``: called with lines of progress. Raises the model's error if it fails on each of the screws that
+    are tried first.
     """
     engine = "compiled" if len(numbers) >= COMPILE_FROM else "interpreted"
     first = [judge_model(model, number, limit, engine) for number in numbers[:FIRST]]
@@ -248,7 +250,10 @@ def _judge_screws(
 
 
 def summary_rows(model: str, rows: Sequence[Row]) -> list[Row]:
-    """Return a row for each kind of error of a model: median, 95th percentile and maximum over the solved screws."""
+    """Return a row for each kind of error of a model: median, 95th percentile and maximum over the solved screws.
+
+    ``rows``: rows of `judge_model` for this model.
+    """
     out = []
     for error, words in ERRORS.items():
         sizes = [abs(r[error]) for r in rows if r["status"] == survey.ANSWERED and r.get(error) is not None]
@@ -271,7 +276,10 @@ WHERE: dict[str, Callable[[Mapping[str, Any]], bool]] = {
 
 
 def median_errors_by_kind(models: Mapping[str, Sequence[Row]]) -> list[Row]:
-    """Return a row for each kind of drawn screw: the median of each model's largest load error [% of the mean load]."""
+    """Return a row for each kind of drawn screw: the median of each model's largest load error [% of the mean load].
+
+    ``models``: rows of `judge_model` for each model by its name.
+    """
     known = {r["number"]: r for r in survey.shipped_survey()["scenes"]}
     out = []
     for words, fits in WHERE.items():
@@ -287,7 +295,10 @@ def median_errors_by_kind(models: Mapping[str, Sequence[Row]]) -> list[Row]:
 
 
 def survey_figure(data: Mapping[str, Any]) -> Figure:
-    """Draw the share of screws below an error, and every screw's error in the order of the first model's errors."""
+    """Draw the share of screws below an error, and every screw's error in the order of the first model's errors.
+
+    ``data``: JSON values of `run_models`.
+    """
     models = {title_of(name): [r for r in rows if r["status"] == survey.ANSWERED] for name, rows in data["models"].items()}
     lines, points = [], []
     main = next(iter(models))
@@ -320,7 +331,8 @@ def survey_figure(data: Mapping[str, Any]) -> Figure:
 def write_screw(number: int, folder: Path) -> tuple[Path, Path]:
     """Write a drawn screw as a scene file, and its stored 3D loads as a reference file for `check` and `compare`.
 
-    InputError for a screw without stored loads, and if a file cannot be written.
+    Returns the path of the scene file, then that of the reference file. InputError for a screw without stored loads, and if
+    a file cannot be written.
     """
     allowed = f"0 to {survey.SCENES - 1}, with a stored reference"
     if not 0 <= number < survey.SCENES or (found := stored_reference(scene := drawn_screw(number), number)) is None:

@@ -148,9 +148,10 @@ def _check_model(scene: Scene | Assembly, model: str, quantities: Sequence[str])
 
 
 def _stiffness_place(given: str | float | None, scene: Scene | Assembly) -> tuple[float | str | None, str]:
-    """Return the place whose stiffness is requested, and a description of the body to which the stiffness belongs.
+    """Return the place whose stiffness is requested, then a description of the body to which the stiffness belongs.
 
-    The place is an axial position [m], the name of a nut or bearing, or None for the default.
+    ``given``: the place as the user wrote it. The returned place is an axial position [m], the name of a nut or bearing, or
+    None for the default. InputError for a place that the shaft does not have.
     """
     names = [x.name for x in scene.sets] if isinstance(scene, Assembly) else []
     if given in names:
@@ -173,16 +174,15 @@ def _stiffness_place(given: str | float | None, scene: Scene | Assembly) -> tupl
 def axial_load_key(raw: dict[str, Any], origin: str) -> str:
     """Return the key of the axial component of a scene's only axial load, such as ``loads[0].force[2]``.
 
-    ArgumentError if the scene has several axial loads or none.
+    ``raw``: TOML tables of the scene; ``origin``: name of its file for messages. ArgumentError if the scene has several
+    axial loads or none.
     """
     named = ((f"{table}[{k}]", row) for table in ("loads", "housings") for k, row in enumerate(raw.get(table, ())))
     forces = {f"{name}.force[2]": row["force"] for name, row in named if isinstance(row.get("force"), list)}
     axial = [key for key, force in forces.items() if len(force) == 3 and _number_without_unit(force[2])] or list(forces)
     if len(axial) != 1:
         advice = 'name the key, such as "loads[0].force[2]"'
-        raise ArgumentError(
-            "over", LOAD, f"only for a scene with one axial load; this one has {len(axial)}", advice, origin
-        )
+        raise ArgumentError("over", LOAD, f"a scene with one axial load, and this one has {len(axial)}", advice, origin)
     return axial[0]
 
 
@@ -203,7 +203,10 @@ def _table_column(vary: Vary) -> Over:
 
 
 def solve_row(asked: TableRequest, values: Sequence[Any], engine: str) -> TableRow:
-    """Solve one combination of the keys' values; if scene or model refuse it, the status of the row gives the reason."""
+    """Solve one combination of the keys' values and return its table row; if it is refused, the status gives the reason.
+
+    ``asked``: checked request; ``values``: a value for each key; ``engine``: kind of kernels, such as "compiled".
+    """
     try:
         raw = with_varied_keys(scene_file.read_toml(asked.text, asked.origin), asked.keys, values)
         scene = scene_file.scene_or_assembly(scene_tables.read_tables(raw, asked.origin), asked.origin)
@@ -215,7 +218,10 @@ def solve_row(asked: TableRequest, values: Sequence[Any], engine: str) -> TableR
 
 
 def _row_of_scene(scene: Scene | Assembly, asked: TableRequest, engine: str) -> TableRow:
-    """Solve a scene and return the table row with the requested quantities."""
+    """Solve a scene and return the table row with the requested quantities.
+
+    ``asked``: checked request; ``engine``: kind of kernels, such as "compiled".
+    """
     names = {name for quantity in asked.quantities for name in QUANTITIES[quantity][1]}
     result, found = sample.solve_case(scene, asked.model, engine, names)
     if not result.converged:
@@ -270,7 +276,7 @@ def _contact_pressures(scene: Scene | Assembly, result: StaticResult | AxisResul
 
 
 def _expected_errors(scene: Scene, result: StaticResult) -> dict[str, Any]:
-    """Return the errors to expect of a result, estimated from compared scenes, by the fields of a table row [%]."""
+    """Return the errors [%] to expect of a static result, estimated from compared scenes, by the fields of a table row."""
     form = estimate(scene, result)
     return {
         "load_error": form.percent,
@@ -317,7 +323,10 @@ def solve_table(asked: TableRequest, engine: Engine, step: Callable[[str], None]
 
 
 def _table_json(asked: TableRequest, rows: Sequence[TableRow]) -> dict[str, Any]:
-    """Return the JSON values of ``rollbench table``; quantities that were not requested have no key."""
+    """Return the JSON values of ``rollbench table``; quantities that were not requested have no key.
+
+    ``asked``: checked request; ``rows``: rows in the order of the combinations of the keys' values.
+    """
     names = {name for quantity in asked.quantities for name in QUANTITIES[quantity][1]}
     without = {name for _, of in QUANTITIES.values() for name in of} - names
     places = product(*(x.values for x in asked.over))

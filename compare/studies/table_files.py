@@ -30,6 +30,7 @@ FORMATS = {".csv": "", ".json": "", ".parquet": "pyarrow", ".nc": "xarray"}
 
 #: Terms of the tangent stiffness that a BearingElement of ROSS takes: name, row and column.
 ROSS_TERMS = {"kxx": (0, 0), "kxy": (0, 1), "kyx": (1, 0), "kyy": (1, 1), "kzz": (2, 2)}
+#: Remark on the terms that ROSS leaves out.
 ROSS_DROPS = (
     "A BearingElement of ROSS (2.3.0) takes 5 of the 36 terms, kxx, kxy, kyx, kyy and kzz, and drops 31: K_ux_uz, K_uy_uz, "
     "K_uz_ux and K_uz_uy, which couple axial with radial displacement, and all 27 with rx, ry or rz: tilting and torsional "
@@ -44,7 +45,7 @@ def check_format(path: Path) -> None:
         raise ArgumentError("out", str(path), f"a name ending in {', '.join(FORMATS)}", "choose one of these endings")
     package = FORMATS[path.suffix]
     if package and (reason := import_fault(package)):
-        raise ArgumentError("out", str(path), f"{package} for {path.suffix} ({reason})", pip_command(package))
+        raise ArgumentError("out", str(path), f"a name ending in .csv or .json, because {reason}", pip_command(package))
 
 
 def write_table(path: Path, table: Table) -> None:
@@ -67,7 +68,10 @@ def write_table(path: Path, table: Table) -> None:
 
 
 def _netcdf_dataset(table: Table, columns: dict[str, list[Any]]) -> Any:
-    """Return the table as an xarray Dataset: one dimension per varied key, and two more for the stiffness matrix."""
+    """Return the table as an xarray Dataset: one dimension per varied key, and two more for the stiffness matrix.
+
+    ``columns``: values of each column by its name.
+    """
     import xarray
 
     dims = [x.column for x in table.over]
@@ -121,7 +125,10 @@ def table_figure(table: Table) -> Figure | None:
 
 
 def _error_bars(table: Table, name: str, at: Sequence[int]) -> tuple[list[float], list[float]] | None:
-    """Return the lower and upper ends of a quantity's error bars in the rows ``at``; None if an error is not known."""
+    """Return the lower ends, then the upper ends of a quantity's error bars; None if an error is not known.
+
+    ``name``: column of the quantity; ``at``: numbers of the rows.
+    """
     errors = [getattr(table.rows[k], ERROR_OF[name]) for k in at]
     if ERROR_OF[name] == "load_error" or None in errors:
         return None
@@ -188,7 +195,7 @@ def _comment_lines(lines: Iterable[str]) -> str:
 
 
 def modelica_text(table: Table) -> tuple[str, list[str]]:
-    """Return a table file for Modelica.Blocks.Tables, and sentences on what it leaves out.
+    """Return the text of a table file for Modelica.Blocks.Tables, then sentences on what it leaves out.
 
     InputError for a table over other than one or two numeric keys, or with too few answers.
     """
@@ -234,6 +241,6 @@ def modelica_text(table: Table) -> tuple[str, list[str]]:
 
 
 def _modelica_block(name: str, values: Array) -> str:
-    """Return a matrix as text of a Modelica table file."""
+    """Return a matrix as text of a Modelica table file; ``name``: its name there; ``values``: the matrix (n, k)."""
     rows: Sequence[str] = ["  ".join(f"{x:.9e}" for x in row) for row in values]
     return f"double {name}({values.shape[0]},{values.shape[1]})\n" + "\n".join(rows) + "\n"

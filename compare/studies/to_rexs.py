@@ -39,10 +39,14 @@ CaseAttributes = dict[int, dict[str, Value]]
 
 
 class RexsWriter:
-    """REXS model of a shaft while it is written, with the ids of components that others refer to."""
+    """REXS model of a shaft while it is written, with the ids of components that others refer to.
+
+    ``model``: the REXS model; ``notes``: sentences on what it does not hold; ``unit``, ``casing`` and ``shaft``: ids of the
+    gear unit, its casing and the shaft; ``steels``: ids of the materials.
+    """
 
     def __init__(self, shaft: Assembly) -> None:
-        """Add the gear unit, its casing and the shaft."""
+        """Begin a model with the gear unit, its casing and the shaft; ``shaft``: scene of the shaft with its bearings."""
         self.model, self.steels = RexsModel(), dict[Material, int]()
         self.notes: list[str] = []
         self.unit = self.model.add("gear_unit", shaft.title)
@@ -59,16 +63,17 @@ class RexsWriter:
         self.rows: list[tuple[int, list[list[int]]]] = []
 
     def assign_material(self, part: int, material: Material) -> None:
-        """Assign a material to a component; the material is added at its first use."""
+        """Assign a material to the component with the id ``part``; the material is added to the model at its first use."""
         if material not in self.steels:
             constants = {"elastic_modulus": 1e-6 * material.youngs_modulus, "poisson_ratio": material.poissons_ratio}
             self.steels[material] = self.model.add("material", f"material {len(self.steels) + 1}", **constants)
         self.model.relate("reference", origin=part, referenced=self.steels[material])
 
     def add_part(self, whole: int, type: str, name: str = "", order: int | None = None, **attributes: Value | None) -> int:
-        """Add a component as a part of the component ``whole``, and return its id.
+        """Add a component as a part of another component, and return its id.
 
-        With ``order`` the part is numbered among its neighbours.
+        ``whole``: id of the other component; ``type`` and ``name``: REXS type and name of the new one; ``order``: its
+        number among its neighbours, None without numbers; ``attributes``: its REXS attributes in their REXS units.
         """
         k = self.model.add(type, name, **attributes)
         self.model.relate("assembly" if order is None else "ordered_assembly", order, assembly=whole, part=k)
@@ -87,7 +92,10 @@ def _to_rpm(speed: float) -> float:
 
 
 def _position_attributes(u: float, unit: int) -> dict[str, Value]:
-    """Return the attributes of a component at a position on the shaft [m], in the coordinates of the gear unit."""
+    """Return the REXS attributes of a component's position, in the coordinates of the gear unit.
+
+    ``u``: position along the shaft [m]; ``unit``: id of the gear unit.
+    """
     vectors: dict[str, Value] = {"support_vector": (1e3 * u, 0.0, 0.0), "u_axis_vector": (1.0, 0.0, 0.0)}
     return vectors | {"w_axis_vector": (0.0, 0.0, 1.0), "reference_component_for_position": unit}
 
@@ -105,7 +113,7 @@ def rexs_text(described: Assembly | DutyCycle, solved: Sequence[SolvedAxis]) -> 
     Returns
     -------
     tuple[str, list[str]]
-        XML, and sentences on what the file does not hold.
+        XML text of the file, and sentences on what the file does not hold.
 
     Raises
     ------
@@ -165,7 +173,10 @@ def _write_sections(writer: RexsWriter, shaft: Assembly) -> None:
 
 
 def _write_bearing(writer: RexsWriter, row: RollingSet, kind: str, **attributes: Value | None) -> int:
-    """Add a bearing with one row between the shaft and the casing, and return its id."""
+    """Add a bearing with one row between the shaft and the casing, and return its id.
+
+    ``kind``: REXS type of the bearing; ``attributes``: further REXS attributes in their REXS units.
+    """
     at, shift = 1e3 * row.position, 1e6 * row.offset * (-1.0 if row.thrust == "+z" else 1.0)
     common: dict[str, Value | None] = {
         "bearing_type": kind,
@@ -186,7 +197,11 @@ def _write_bearing(writer: RexsWriter, row: RollingSet, kind: str, **attributes:
 def _write_elements(
     writer: RexsWriter, row: int, azimuths: Iterable[float], kinds: Sequence[str], material: Material, **size: Value | None
 ) -> list[list[int]]:
-    """Add the rolling elements of a row with their contacts; return for each element the ids of its contacts."""
+    """Add the rolling elements of a row with their contacts; return for each element the ids of its contacts.
+
+    ``row``: id of the bearing row; ``azimuths``: azimuths of the elements [rad]; ``kinds``: REXS types of the contacts of
+    an element; ``size``: REXS attributes of an element's size in mm and degrees.
+    """
     found = []
     for k, azimuth in enumerate(azimuths, 1):
         at: dict[str, Value] = {"angular_position_around_u": degrees(azimuth)}
@@ -198,7 +213,10 @@ def _write_elements(
 
 
 def _write_ball_bearing(writer: RexsWriter, row: RollingSet, parts: Scene) -> tuple[int, list[list[int]]]:
-    """Add a ball bearing; return its id, and for each ball the ids of its contacts."""
+    """Add a ball bearing; return its id, then for each ball the ids of its contacts.
+
+    ``row``: row of the shaft with its position; ``parts``: rings and balls of this row.
+    """
     nut, pitch, found = parts.nut, 2e3 * parts.track.pitch_radius, clearance_of(parts)
     thrust = "axial_" if is_thrust(parts) else ""
     kind = {"deep groove": "radial_grooved_ball_bearing", "both": f"{thrust}four_point_contact_ball_bearing"}
@@ -228,7 +246,10 @@ def _write_ball_bearing(writer: RexsWriter, row: RollingSet, parts: Scene) -> tu
 
 
 def _write_roller_bearing(writer: RexsWriter, row: RollingSet, parts: RollerRow) -> tuple[int, list[list[int]]]:
-    """Add a tapered roller bearing; return its id, and for each roller the ids of its contacts."""
+    """Add a tapered roller bearing; return its id, then for each roller the ids of its contacts.
+
+    ``row``: row of the shaft with its position; ``parts``: rings and rollers of this row.
+    """
     kind = f"{'axial' if is_thrust_row(parts) else 'radial'}_tapered_roller_bearing"
     bearing = _write_bearing(writer, row, kind)
     of_row: dict[str, Value | None] = {
@@ -276,7 +297,7 @@ def _write_supports(writer: RexsWriter, shaft: Assembly) -> None:
 def _write_loads(writer: RexsWriter, shaft: Assembly, solved: Sequence[SolvedAxis]) -> list[CaseAttributes]:
     """Add the loads on the shaft and those exerted by ball nuts; return their attributes in each load case.
 
-    With a single load case the components themselves get these attributes, too.
+    ``solved``: solution of each load case. With a single load case the components themselves get these attributes, too.
     """
     names, acting = list[tuple[str, float]](), list[dict[tuple[str, float], np.ndarray]]()
     for one in solved:
@@ -305,16 +326,19 @@ def _write_loads(writer: RexsWriter, shaft: Assembly, solved: Sequence[SolvedAxi
 
 
 def _wrench_attributes(wrench: np.ndarray) -> dict[str, Value]:
-    """Return force [N] and moment [N m] (6,) as REXS attributes; moments of zero are left out."""
+    """Return a load as REXS attributes; moments of zero are left out.
+
+    ``wrench``: force along x, y, z [N] and moment about x, y, z [N m], (6,).
+    """
     force = {f"force_{axis}_direction": float(F) for axis, F in zip("vwu", wrench[:3], strict=True)}
     moment = {f"torque_around_{axis}_axis": float(M) for axis, M in zip("vwu", wrench[3:], strict=True) if M}
     return {**force, **moment}
 
 
 def _result_attributes(writer: RexsWriter, one: SolvedAxis, speed: float | None) -> CaseAttributes:
-    """Return the results of one load case for shaft, bearings and contacts.
+    """Return the results of one load case as REXS attributes of shaft, bearings and contacts.
 
-    ``speed``: speed of the shaft in the load case [rad/s]; None: that of the scene.
+    ``one``: solution of the load case; ``speed``: speed of the shaft in the load case [rad/s], None for that of the scene.
     """
     result, motion = one.result, one.scene.motion
     assert one.answers is not None
@@ -342,7 +366,8 @@ def _result_attributes(writer: RexsWriter, one: SolvedAxis, speed: float | None)
 def _bearing_results(result: AxisResult, s: SetResult, answers: SetAnswers, speed: float | None) -> dict[str, Value]:
     """Return forces, deflections, stiffness, ratings and life of one bearing as REXS attributes.
 
-    ``speed``: speed of the shaft [rad/s], for the life in hours; None: not known.
+    ``result``: solution of the shaft; ``s``: that of the bearing; ``answers``: ratings, pressures and life of the bearing;
+    ``speed``: speed of the shaft [rad/s] for the life in hours, None if it is not known.
     """
     at = [float(np.interp(s.of.position, result.centreline_z, x)) for x in result.centreline.T]
     relative = np.array(at) - s.outer
@@ -372,7 +397,10 @@ def _bearing_results(result: AxisResult, s: SetResult, answers: SetAnswers, spee
 
 
 def _life_attributes(life: ReferenceLife | None, speed: float | None) -> dict[str, Value]:
-    """Return the rating life by ISO/TS 16281 as REXS attributes, with hours if a speed [rad/s] is given."""
+    """Return the rating life by ISO/TS 16281 as REXS attributes, also in hours if a speed is given.
+
+    ``life``: the rating life, None if there is none; ``speed``: speed of the shaft [rad/s], None if it is not known.
+    """
     if life is None:
         return {}
     name = "nominal_reference_rating_life"
@@ -383,9 +411,10 @@ def _life_attributes(life: ReferenceLife | None, speed: float | None) -> dict[st
 
 
 def _ball_contact_results(contacts: list[list[int]], s: SetResult) -> CaseAttributes:
-    """Return force, contact angle and pressure of each ball contact.
+    """Return force, contact angle and pressure of each ball contact as REXS attributes.
 
-    A groove of a single arc has one contact in REXS but two flanks in the scene: the flank with the larger load is taken.
+    ``contacts``: for each ball the ids of its contacts; ``s``: solution of the bearing. A groove of a single arc has one
+    contact in REXS but two flanks in the scene: the flank with the larger load is taken.
     """
     assert s.balls is not None
     assert isinstance(s.of.parts, Scene)
@@ -406,7 +435,10 @@ def _ball_contact_results(contacts: list[list[int]], s: SetResult) -> CaseAttrib
 
 
 def _roller_contact_results(contacts: list[list[int]], s: SetResult, row: RollerRow) -> CaseAttributes:
-    """Return force, lamina (slice) loads and largest pressure of each roller contact."""
+    """Return force, lamina (slice) loads and largest pressure of each roller contact as REXS attributes.
+
+    ``contacts``: for each roller the ids of its contacts; ``s``: solution of the bearing; ``row``: its rollers.
+    """
     assert s.line_loads is not None
     assert s.roller_load is not None
     places = tuple(1e3 * slice_middles(row.length, row.slices))

@@ -58,7 +58,7 @@ class ExpectedContact:
     ball: int
     #: Flank: number in SL, SR, NL, NR.
     side: int
-    #: Azimuth [rad], axial position [m], flank.
+    #: Azimuth [rad] and axial position [m] of the ball's centre, and the flank.
     at: tuple[float, float, int]
     #: Semi-axes of the contact ellipse across and along the groove [m].
     half: tuple[float, float]
@@ -68,7 +68,7 @@ def unit_load_semi_axes(scene: Scene, side: int) -> tuple[float, float]:
     """Return the semi-axes of the contact ellipse at 1 N, across and along the groove [m/N^(1/3)].
 
     They follow from Hertz's theory on the nominal geometry. The longer one lies across the groove, where ball and groove
-    conform. ``side``: flank.
+    conform. ``side``: number of the flank in SL, SR, NL, NR.
     """
     track, balls = scene.track, scene.balls
     part = scene.screw if side < 2 else scene.nut
@@ -83,9 +83,10 @@ def unit_load_semi_axes(scene: Scene, side: int) -> tuple[float, float]:
 
 
 def contact_places(scene: Scene, load: Array, sides: tuple[int, ...]) -> tuple[list[ExpectedContact], float]:
-    """Return the expected contacts on the flanks ``sides``, and the minor semi-axis of a screw contact of mean load [m].
+    """Return the expected contacts, then the minor semi-axis [m] of a contact with mean load on the first flank.
 
-    ``load``: contact loads of a low-order solution, (N, 4) [N].
+    ``load``: contact loads (N, 4) [N] of a low-order solution, N being the number of balls; ``sides``: numbers of the
+    flanks that may carry load.
     """
     layout, mean = ball_layout(scene), float(load[load > 0.0].mean())
     unit = {s: unit_load_semi_axes(scene, s) for s in sides}
@@ -109,21 +110,29 @@ def groove_face_name(place: ExpectedContact) -> str:
 
 
 def _widened_semi_axes(place: ExpectedContact, fine: float, wide: tuple[float, float]) -> tuple[float, float]:
-    """Return the semi-axes of the zone that holds the contact faces [m].
+    """Return the semi-axes [m] of the zone that holds the contact faces, across and along the groove.
 
-    ``wide``: factor on the semi-axes of the contact, and number of elements of size ``fine`` [m] added to it.
+    ``fine``: element size at the contact [m]; ``wide``: factor on the semi-axes of the contact, and number of elements that
+    are added to each.
     """
     across, along = (wide[0] * x + wide[1] * fine for x in place.half)
     return across, along
 
 
 def refined_zone_points(place: ExpectedContact, fine: float) -> Array:
-    """Return points that fill the refined zone of a contact, (k, 2), across and along the groove [m]."""
+    """Return points (k, 2) [m] that fill the refined zone of a contact, in coordinates across and along the groove.
+
+    ``fine``: element size in the zone [m]; k: number of points.
+    """
     return grid_in_ellipse((FINE * place.half[0], FINE * place.half[1]), 0.7 * fine)
 
 
 def flank_contact_faces(m: GrooveMap, mesh: WholeBody, place: ExpectedContact, fine: float) -> Index:
-    """Return the mesh faces of a groove's flank that may touch the ball at a contact (master faces)."""
+    """Return the mesh faces of a groove's flank that may touch the ball at a contact (master faces), by their node numbers.
+
+    ``m``: geometry of the groove; ``mesh``: mesh of screw or nut; ``place``: expected contact; ``fine``: element size
+    there [m].
+    """
     flank = mesh.named[f"flank {SIDES[place.side]}"]
     x, radius = mesh.points[flank], float(m.radius[place.side])
     xi = socket_coordinates(
@@ -135,9 +144,10 @@ def flank_contact_faces(m: GrooveMap, mesh: WholeBody, place: ExpectedContact, f
 
 
 def ball_contact_faces(m: GrooveMap, mesh: WholeBody, place: ExpectedContact, radius: float, fine: float) -> Index:
-    """Return the mesh faces of a ball that may touch the groove at a contact (slave faces).
+    """Return the mesh faces of a ball that may touch the groove at a contact (slave faces), by their node numbers.
 
-    The ball is meshed in the frame of azimuth zero. ``radius``: radius of the ball [m].
+    ``m``: geometry of the groove; ``mesh``: mesh of the ball in the frame of azimuth zero; ``place``: expected contact;
+    ``radius``: radius of the ball [m]; ``fine``: element size at the contact [m].
     """
     (n, t1, t2), sphere, half = directions(m, place.side), mesh.named["sphere"], _widened_semi_axes(place, fine, SLAVE)
     x = mesh.points[sphere]
@@ -150,12 +160,15 @@ def ball_contact_faces(m: GrooveMap, mesh: WholeBody, place: ExpectedContact, ra
 def _faces_within(mesh: WholeBody, nodes: Index) -> Index:
     """Return the outer faces whose corner nodes are all among ``nodes``, without the faces in the cut plane of a half body.
 
-    ValueError if there is none.
+    ``nodes``: numbers of nodes. ValueError if there is no such face.
     """
     faces = outer_faces(mesh.cells)
     within = faces[np.isin(faces, nodes).all(axis=1) & ~np.isin(faces, mesh.named.get("cut", [])).all(axis=1)]
     if not len(within):
-        raise ValueError("no face of the mesh lies within an expected contact: raise `b_over_h`, or lower `growth`")
+        raise ValueError(
+            "no face of the mesh lies within an expected contact, because the elements are too large: raise `b_over_h`, "
+            "or lower `growth`"
+        )
     return within
 
 
@@ -216,18 +229,19 @@ class MeshedDeck:
 def raise_first_fault(where: str, faults: Iterable[tuple[bool, str, str, str, str]]) -> None:
     """Raise InputError for the first fault that applies.
 
-    ``where``: scene or file. Each fault has condition, key, value, allowed values and advice.
+    ``where``: name of the scene or file. Each fault has: whether it applies, the key, the refused value, the allowed
+    values, and advice.
     """
     for there, key, value, allowed, advice in faults:
         if there:
             raise InputError(where, key, value, allowed, advice)
 
 
-def _refuse_unlike_decks(scene: Scene, half: bool) -> None:
-    """Raise InputError if a deck cannot describe a scene, or the scene has too many balls for meshes of whole bodies.
+def _refuse_unsupported_scene(scene: Scene, half: bool) -> None:
+    """Raise InputError if a deck cannot describe a scene, or if the scene has too many balls for meshes of whole bodies.
 
-    With ``half`` also if y = 0 is no plane of symmetry: because of a helix, balls next to the plane, loads, or a screw that
-    is not fixed along y and about x and z.
+    ``half``: whether only the half y >= 0 is meshed. Then also refused are scenes for which y = 0 is no plane of symmetry:
+    with a helix, balls beside the plane, loads, or a screw that is not fixed along y and about x and z.
     """
     balls, solid = scene.ball_count, scene.solid
     large = f"1 to {MOST_BALLS} balls in a deck of whole bodies"
@@ -270,8 +284,9 @@ def representable_errors(scene: Scene) -> Specimen:
 
 
 def real_groove_map(m: GrooveMap, drawn: Specimen, scene: Scene, screw: bool) -> GrooveMap:
-    """Return the geometry of a groove with its real radius, of screw or nut.
+    """Return the geometry of a groove with its real radius.
 
+    ``m``: nominal geometry; ``drawn``: geometric errors; ``screw``: whether it is the groove of the screw, else of the nut.
     The centres of the arcs stay; the groove radius, and the radius of a ball that would fit, change by the same amount.
     """
     change = drawn.radius - groove_radii(scene)
@@ -313,7 +328,7 @@ def build_deck(scene: Scene, options: DeckOptions | None = None) -> MeshedDeck:
         If the scene is too large, cannot be described by a deck or cannot be meshed.
     """
     options = options or DeckOptions()
-    _refuse_unlike_decks(scene, options.half)
+    _refuse_unsupported_scene(scene, options.half)
     drawn, found, sides = representable_errors(scene), solve_expected_loads(scene), needed_sides(scene)
     m, layout = GrooveMap.of(scene), ball_layout(scene)
     places, short = contact_places(scene, found.load, sides)
@@ -348,7 +363,11 @@ def build_deck(scene: Scene, options: DeckOptions | None = None) -> MeshedDeck:
 
 
 def _deck_refinement(points: list[Array], fine: float, coarse: float, options: DeckOptions) -> Refinement:
-    """Return the element sizes of a body: ``fine`` at the points of the contacts, up to ``coarse`` away from them [m]."""
+    """Return the element sizes of a body, which grow with the distance from its contacts.
+
+    ``points``: points in the refined zone of each contact [m]; ``fine``: element size there [m]; ``coarse``: largest
+    element size [m]; ``options``: options of the deck with the growth of the element size.
+    """
     return Refinement(np.concatenate(points), fine, options.growth, max(coarse, fine))
 
 
@@ -361,7 +380,11 @@ def _mesh_screw_and_nut(
     fine: float,
     options: DeckOptions,
 ) -> list[tuple[DeckBody, float]]:
-    """Mesh the 3D piece of the screw and the nut; return each with the smallest scaled Jacobian of its elements."""
+    """Mesh the 3D piece of the screw and the nut; return each body with the smallest scaled Jacobian of its elements.
+
+    ``dims``: dimensions of the bodies; ``drawn``: geometric errors; ``m``: nominal geometry of the grooves; ``places``:
+    expected contacts; ``fine``: element size at the contacts [m].
+    """
     low, high = dims.ends(scene)
     half, z = scene.nut.length / 2.0, scene.nut.position
     unused = SocketSize(1.0, m.ball, 1.0)
@@ -403,7 +426,11 @@ def _mesh_balls(
     fine: float,
     options: DeckOptions,
 ) -> list[tuple[DeckBody, float]]:
-    """Mesh every ball with its real radius at its position; return each with the smallest scaled Jacobian of its cells."""
+    """Mesh every ball with its real radius at its position; return each with the smallest scaled Jacobian of its elements.
+
+    ``drawn``: geometric errors; ``m``: nominal geometry of the grooves; ``layout``: positions of the balls; ``places``:
+    expected contacts; ``fine``: element size at the contacts [m].
+    """
     bodies, meshed, shared = [], dict[tuple[float, float], WholeBody](), options.half or options.alike
     for i, radius in enumerate(drawn.ball_radius.tolist()):
         on_ball, side = [p for p in places if p.ball == i], float(np.sign(np.cos(layout.azimuth[i])))
@@ -435,8 +462,8 @@ def _mesh_balls(
 def half_ball_turning_constraint(points: Array, pair: Index) -> Index:
     """Return the constraint (1, 3) that keeps a half ball from turning about y: two nodes that move alike along an axis.
 
-    The cut of the half ball stays in the plane y = 0, so that no other rotation is possible. ``pair``: numbers of two
-    nodes.
+    Its entries are the numbers of the two nodes, and that of the axis. The cut of the half ball stays in the plane y = 0,
+    so that no other rotation is possible. ``points``: nodes of the ball (n, 3) [m]; ``pair``: numbers of two nodes.
     """
     arms = [abs(float(np.cross(points[pair[0]] - points[pair[1]], np.eye(3)[k])[1])) for k in range(3)]
     return np.array([(*pair, int(np.argmax(arms)))], dtype=np.int64)
@@ -445,9 +472,12 @@ def half_ball_turning_constraint(points: Array, pair: Index) -> Index:
 def turning_constraints(points: Array, pairs: Index) -> Index:
     """Return constraints (3, 3) that keep a ball from turning: each has two nodes that move alike along an axis.
 
+    The entries of a row are the numbers of the two nodes, and that of the axis.
+
     A rotation theta [rad] moves two nodes at a distance vector d by theta x d relative to each other: along axis k by
     theta . (d x e_k). Three constraints that are as independent as possible allow no rotation. Their forces are couples, so
-    that the balance of forces is not affected. ``pairs``: numbers of nodes (p, 2).
+    that the balance of forces is not affected. ``points``: nodes of the ball (n, 3) [m]; ``pairs``: numbers of the nodes of
+    each pair (p, 2).
     """
     found = [(int(a), int(b), k) for a, b in pairs for k in range(3)]
     arms = np.array([np.cross(points[a] - points[b], np.eye(3)[k]) for a, b, k in found])
@@ -487,7 +517,10 @@ def _rigid_sections(scene: Scene, dims: Dimensions) -> tuple[RigidSection, ...]:
 def _deck_heading(
     scene: Scene, dims: Dimensions, found: StaticResult, fine: float, count: int, options: DeckOptions
 ) -> tuple[str, ...]:
-    """Return the comment lines at the top of a deck: scene, mesh sizes, contact options, expected loads."""
+    """Return the comment lines at the top of a deck: scene, mesh sizes, contact options, expected loads.
+
+    ``found``: result of the low-order model; ``fine``: element size at the contacts [m]; ``count``: number of nodes.
+    """
     load = found.load
     mean = float(load[load > 0.0].mean())
     return (
@@ -509,7 +542,7 @@ def _deck_heading(
 
 
 def _expected_error_clause(scene: Scene, found: StaticResult) -> str:
-    """Return a clause on the error to expect of the low-order contact loads."""
+    """Return a clause on the error to expect of the low-order contact loads; ``found``: result of the low-order model."""
     form = estimate(scene, found)
     if not found.converged or form.percent is None:
         return "no similar scene was compared with the 3D reference"

@@ -76,9 +76,9 @@ class NutCheck:
 
 
 def nut_decks(scene: Scene, options: DeckOptions = MESH) -> tuple[list[Deck], Array]:
-    """Return one deck of the nut for each contact, with a force on that contact only, and the contact normals (k, 3).
+    """Return one deck of the nut for each of k contacts, with a force on that contact only, then the normals (k, 3).
 
-    InputError as `build_deck`.
+    ``options``: mesh sizes of the decks. InputError for the faults that `build_deck` refuses.
     """
     whole = build_deck(scene, options).deck
     nut = next(b for b in whole.bodies if b.name == "NUT")
@@ -107,8 +107,8 @@ def nut_decks(scene: Scene, options: DeckOptions = MESH) -> tuple[list[Deck], Ar
 def section_translations(decks: list[Deck]) -> Array:
     """Return the translations of the rigid sections under each deck's force, (decks, sections, 3) [m].
 
-    They are computed by the elements and the solver of the 3D reference. The decks differ only in loads; they have one
-    body, no contacts, and sections without fixed degrees of freedom.
+    They are computed by the elements and the solver of the 3D reference. ``decks``: decks that differ only in loads; they
+    have one body, no contacts, and sections without fixed degrees of freedom.
     """
     body, sections = decks[0].bodies[0], decks[0].sections
     mesh, number = mesh_of(body.points, body.cells, "P2")
@@ -127,8 +127,8 @@ def _section_transform(
 ) -> sp.csc_array:
     """Return the matrix from the free degrees of freedom of a body with rigid sections to all nodal displacements.
 
-    The last columns are the six degrees of freedom of each section. ``number``: numbers of the nodes in the mesh;
-    ``fixed``: names of fixed node sets.
+    The last columns are the six degrees of freedom of each section. ``number``: number in the mesh of each node of the
+    body; ``fixed``: names of fixed node sets.
     """
     free = np.ones(3 * len(body.points), dtype=bool)
     for name in (*fixed, *(s.nodes for s in sections)):

@@ -152,7 +152,11 @@ def load_results(folder: Path, scene: str) -> CrossData | None:
 
 
 def read_json(path: Path, made: Callable[[dict[str, Any]], T], allowed: str, advice: str) -> T | None:
-    """Return the object that ``made`` makes of a JSON file; None without a file, InputError for a damaged one."""
+    """Return the object that is read from a JSON file; None without a file, InputError for a damaged one.
+
+    ``made``: function that makes the object of the file's JSON values; ``allowed`` and ``advice``: what the error says
+    about the file that is needed, and what to do.
+    """
     try:
         return made(json.loads(path.read_text(encoding="utf-8")))
     except FileNotFoundError:
@@ -233,9 +237,10 @@ def element_error(size: Array, growth: Array, order: float) -> Array:
 
 
 def contact_law_effect(runs: Sequence[CrossRun]) -> Array | None:
-    """Return the factor B of the contact stiffness (see the top of the module), (contacts,) [N Pa/m].
+    """Return the factor B of the contact compliance in the law F = F0 + A e + B / k (top of this module) [N Pa/m].
 
-    It is the mean over pairs of runs on one mesh; None without such a pair.
+    It has an entry for each contact and is the mean over pairs of runs that have the same mesh and differ in the contact
+    stiffness k; None without such a pair.
     """
     pairs = [
         (a, b) for a, b in combinations(runs, 2) if mesh_identity(a) == mesh_identity(b) and a.stiffness != b.stiffness
@@ -248,7 +253,11 @@ def contact_law_effect(runs: Sequence[CrossRun]) -> Array | None:
 
 
 def mesh_identity(run: CrossRun) -> tuple[float, float, bool, bool]:
-    """Return the options that determine a run's mesh: elements across, growth, whether half, whether balls are equal."""
+    """Return the options that determine a run's mesh.
+
+    In this order: elements across the minor semi-axis, growth of the element size, whether only a half was meshed, and
+    whether all balls have the same mesh.
+    """
     return run.b_over_h, run.growth, run.half, run.alike
 
 
@@ -321,10 +330,11 @@ def extrapolate_loads(runs: Sequence[CrossRun]) -> Extrapolation:
 
 
 def _element_errors(h: Array, g: Array, half: Array, order: float, length: float) -> Array:
-    """Return the relative element error e of every mesh and contact, (meshes, contacts).
+    """Return the relative error e of the elements (top of this module) on every mesh for every contact, (m, c).
 
-    ``h``: element size over the minor semi-axis at mean load; ``g``: growth; ``half``: minor semi-axis of a contact over
-    that at mean load.
+    ``h``: element size over the minor semi-axis at mean load (m,); ``g``: growth of the element size (m,); ``half``: minor
+    semi-axis of each contact over that at mean load (c,); ``order``: order p; ``length``: length over which the field
+    changes, over the minor semi-axis. m: number of meshes; c: number of contacts.
     """
     size = h[:, None] / (length * half)
     return element_error(size, np.broadcast_to(g[:, None], size.shape), order)
@@ -332,21 +342,33 @@ def _element_errors(h: Array, g: Array, half: Array, order: float, length: float
 
 @dataclass(frozen=True)
 class _LoadFit:
-    """Weighted least-squares fit of all contact loads over the element error, for one order and length."""
+    """Weighted least-squares fit of all contact loads over the element error, for one order and length.
 
+    m: number of meshes; c: number of contacts.
+    """
+
+    #: Order p of the elements' error.
     order: float
+    #: Length lambda over which the field changes, over the minor semi-axis.
     length: float
+    #: RMS of the weighted residuals of all contacts [N].
     misfit: float
+    #: RMS of the weighted residuals of each contact, (c,) [N].
     residual: Array
+    #: Loads in the limit of zero element size, (c,) [N].
     limit: Array
+    #: Standard errors of these loads, (c,) [N].
     error: Array
+    #: Effects of the finite element size, (m, c) [N].
     elements: Array
 
 
 def _fit_loads(loads: Array, e: Array, weight: Array, order: float, length: float) -> _LoadFit:
-    """Fit each contact's load by a straight line over the element error e.
+    """Fit each contact's load by a straight line over the relative element error, with weights.
 
-    ``loads``: (meshes, contacts) [N]; ``weight``: weights of the residuals relative to the finest mesh.
+    ``loads``: contact loads (m, c) [N]; ``e``: relative element error (m, c); ``weight``: weights of the residuals over
+    those of the finest mesh (m, c); ``order`` and ``length``: parameters with which e was computed. m: number of meshes;
+    c: number of contacts.
     """
     w = weight**2 / (weight**2).sum(axis=0)
     middle, mean = (w * e).sum(axis=0), (w * loads).sum(axis=0)
@@ -423,7 +445,7 @@ def deck_label(run: CrossRun) -> str:
 def contact_rows(data: CrossData, ours: Reference, limit: Extrapolation | None = None) -> list[ContactRow]:
     """Return a row for each contact that carries load in the 3D reference or in CalculiX.
 
-    ``limit``: extrapolated loads of CalculiX, if already known.
+    ``data``: runs of CalculiX; ``ours``: the 3D reference; ``limit``: extrapolated loads of CalculiX, None to compute them.
     """
     limit = limit or extrapolate_loads(data.runs)
     best, mean, rows = ours.load, ours.mean, []
@@ -455,7 +477,10 @@ def mesh_columns(data: CrossData, ours: Reference) -> list[Quantity]:
 
 
 def agreement_sentence(name: str, rows: Sequence[ContactRow]) -> str:
-    """Return a sentence on the worst and RMS difference of contact loads, and whether they exceed both uncertainties."""
+    """Return a sentence on the worst and RMS difference of contact loads between the 3D reference and CalculiX.
+
+    It also says how many contacts differ by more than both uncertainties. ``name``: name of the scene.
+    """
     worst = max(rows, key=lambda r: abs(r.difference))
     rms = float(np.sqrt(np.mean([r.difference**2 for r in rows])))
     met = "within" if abs(worst.difference) <= TARGET else "NOT within"

@@ -95,7 +95,7 @@ def deck_digest(text: str) -> str:
 def run_calculix(text: str, folder: Path) -> CalculixResult:
     """Solve a deck with CalculiX on one thread in a folder, or read the result of the same deck that is already there.
 
-    InputError if CalculiX is missing; ValueError with its last output if it does not converge.
+    ``text``: text of the deck. InputError if CalculiX is missing; ValueError with its last output if it does not converge.
     """
     program, key = find_ccx(), deck_digest(text)
     kept = folder / "run.json"
@@ -140,7 +140,8 @@ def _solve_deck(program: str, text: str, folder: Path) -> dict[str, Any]:
 def read_dat(text: str) -> tuple[dict[str, Triple], dict[str, dict[int, Triple]]]:
     """Return results of the last time step from the text of a .dat file of CalculiX.
 
-    They are contact forces by the name of the ball's faces, and displacements by node set and node.
+    They are first the contact forces along x, y, z by the name of the ball's faces, then the displacements along x, y, z by
+    node set and number of the node, both in the units of the deck.
     """
     forces: dict[str, Triple] = {}
     moved: dict[str, dict[int, Triple]] = {}
@@ -169,7 +170,11 @@ UNIT = "mm"
 
 
 def _deck_options(*rows: tuple[float, float, float], half: bool = False, alike: bool = False) -> list[DeckOptions]:
-    """Return options of decks from rows of elements across, growth and contact stiffness [N/mm3]."""
+    """Return options of decks, one for each row.
+
+    ``rows``: elements across the minor semi-axis, growth of the element size, and contact stiffness [N/mm3]; ``half`` and
+    ``alike``: as in `DeckOptions`, for all rows.
+    """
     return [DeckOptions(b, g, 1e9 * k, half=half, alike=alike) for b, g, k in rows]
 
 
@@ -211,8 +216,8 @@ def studied_scene(name: str) -> Scene:
 def run_study(scene: Scene, work: Path, step: Callable[[str], None], stored: Sequence[CrossRun] = ()) -> CrossData:
     """Solve all decks of a scene with CalculiX one after the other, in separate folders below ``work``.
 
-    A deck with a result there or among the ``stored`` runs (equal digest) is not solved again. InputError if CalculiX is
-    missing or fails.
+    ``step``: called with lines of progress; ``stored``: runs that are known. A deck with a result in its folder or among
+    the stored runs (equal digest) is not solved again. InputError if CalculiX is missing or fails.
     """
     runs, known = [], {r.deck: r for r in stored}
     for options in STUDIES[scene.name]:
@@ -237,14 +242,20 @@ def run_study(scene: Scene, work: Path, step: Callable[[str], None], stored: Seq
 
 
 def run_record(meshed: MeshedDeck, options: DeckOptions, deck: str, outcome: CalculixResult) -> CrossRun:
-    """Return the stored record of a CalculiX run; ValueError if a contact is missing in its results."""
+    """Return the record of a CalculiX run that is stored; ValueError if a contact is missing in its results.
+
+    ``meshed``: the deck with its meshes; ``options``: its options; ``deck``: digest of its text; ``outcome``: results of
+    CalculiX.
+    """
     mirror = np.array([2.0, 0.0, 2.0]) if options.half else np.ones(3)  # with its mirror image
     forces = {slave: mirror * np.array(force) for slave, force in outcome.forces.items()}
     count = len(meshed.expected)
     load, resultant = np.zeros((count, len(SIDES))), np.zeros((count, 3))
     for contact in meshed.deck.contacts:
         if contact.slave not in forces:
-            raise ValueError(f"CalculiX printed no force of {contact.slave}")
+            raise ValueError(
+                f"CalculiX printed no contact force for the faces {contact.slave}: every contact of the deck needs one"
+            )
         ball, side = contact.slave.removeprefix("BALL").split("_")
         load[int(ball) - 1, SIDES.index(side)] = np.linalg.norm(forces[contact.slave])
         resultant[int(ball) - 1] += forces[contact.slave]
@@ -266,7 +277,7 @@ def run_record(meshed: MeshedDeck, options: DeckOptions, deck: str, outcome: Cal
 
 
 def extrapolated_results() -> tuple[str, dict[str, Array]]:
-    """Return the program's name, and its extrapolated contact loads (n, 4) [N] by scene.
+    """Return the program's name, then its extrapolated contact loads by name of the scene, (n, 4) [N] for n balls.
 
     Scenes whose content has changed since the runs are left out.
     """

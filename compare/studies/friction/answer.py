@@ -112,9 +112,10 @@ _OF_KIND = {
 
 
 def neglected_effects_of_kind(kind: str, coupling: str | None = None) -> list[str]:
-    """Return sentences on the effects that the result of a kind of scene neglects.
+    """Return sentences on the effects that the friction computed for a scene of single parts neglects.
 
-    ``coupling``: of a screw, whether friction affects the contact loads, as in the scene file.
+    ``kind``: kind of the scene, such as "bearing ball"; ``coupling``: for a screw, in which balance of loads friction is
+    counted: "none", "ball" or "ball and screw" as in the scene file; None for other kinds.
     """
     return [*_OF_KIND[kind], *(_COUPLING[coupling] if coupling else ()), *_KINDS]
 
@@ -162,9 +163,10 @@ class FrictionAnswer:
 
 
 def common_entries(scene: KindScene, status: str, converged: bool, coupling: str | None = None) -> dict[str, Any]:
-    """Return the JSON entries of answers for every kind of scene: names, status, assumptions, neglected effects.
+    """Return the JSON entries that the answers for all kinds of scenes have: names, status, assumptions, neglected effects.
 
-    ``coupling``: of a screw, whether friction affects the contact loads.
+    ``status``: status in words; ``converged``: whether loads and friction converged; ``coupling``: as in
+    `neglected_effects_of_kind`.
     """
     named = {"scene": scene.name, "title": scene.title, "kind": scene.kind}
     return named | {
@@ -181,29 +183,32 @@ def three_digits(value: float) -> str:
 
 
 def values_by_contact(sides: Sequence[str], values: Array) -> dict[str, Any]:
-    """Return the JSON of values (n,) or vectors (n, k) at a ball's contacts, by the names ``sides`` of the contacts."""
+    """Return values (n,) or vectors (n, k) at a ball's n contacts as JSON, by the names ``sides`` of the contacts."""
     return {side: [number(v) for v in x] if np.ndim(x) else number(x) for side, x in zip(sides, values, strict=True)}
 
 
 def load_json(sides: Sequence[str], force: Array, angle: Array) -> dict[str, Any]:
-    """Return the JSON of a ball's contact loads (n,) [N] and contact angles (n,) [rad]; no angle without load."""
+    """Return a ball's contact loads and contact angles as JSON; a contact without load has no angle.
+
+    ``sides``: names of the n contacts; ``force``: contact loads (n,) [N]; ``angle``: contact angles (n,) [rad].
+    """
     loaded = np.where(force > 0.0, np.degrees(angle), np.nan)
     return {"load_N": values_by_contact(sides, force), "contact_angle_deg": values_by_contact(sides, loaded)}
 
 
 def motion_json(q: Array) -> dict[str, Any]:
-    """Return the JSON of a ball's motion (4,) [rad/s]: orbital speed, then angular velocity about x, y, z."""
+    """Return a ball's motion as JSON; ``q``: orbital speed, then angular velocity about x, y, z (4,) [rad/s]."""
     return {"orbit_rad_s": number(q[0]), "rotation_rad_s": [number(w) for w in q[1:]]}
 
 
 def rubbing_json(
     sides: Sequence[str], motion: Array, force: Array, moment: Array, loss: Array, rest: Mask
 ) -> dict[str, Any]:
-    """Return the JSON of sliding and friction at a ball's contacts.
+    """Return sliding and friction at a ball's contacts as JSON.
 
-    ``motion``: sliding velocity across and along the groove [m/s] and spin [rad/s], (n, 3). ``force``: friction force [N];
-    ``moment``: friction moment about the contact normal [N m]; ``loss``: dissipation [W]; ``rest``: whether a contact
-    sticks.
+    ``sides``: names of the n contacts; ``motion``: sliding velocity across and along the groove [m/s] and spin [rad/s],
+    (n, 3); ``force``: friction force across and along the groove (n, 2) [N]; ``moment``: friction moment about the contact
+    normal (n,) [N m]; ``loss``: dissipation (n,) [W]; ``rest``: whether each contact sticks (n,).
     """
     return {
         "sliding_mm_s": values_by_contact(sides, 1e3 * motion[:, :2]),
@@ -216,34 +221,41 @@ def rubbing_json(
 
 
 def terminal_ball_row(sides: Sequence[str], row: dict[str, Any]) -> dict[str, Any]:
-    """Return the table row of a ball for the terminal, with a column for each contact load and component of rotation."""
+    """Return the table row of a ball for the terminal, with a column for each contact load and component of rotation.
+
+    ``sides``: names of the contacts; ``row``: JSON row of the ball.
+    """
     flat = row | {f"{side} N": row["load_N"][side] for side in sides}
     return flat | {f"omega {n}": w for n, w in zip("xyz", row["rotation_rad_s"], strict=True)}
 
 
 def without_round_off(difference: float, size: float) -> float:
-    """Return the difference of two computed values of a given size; zero if it is round-off."""
+    """Return the difference of two computed values, or zero if it is round-off; ``size``: magnitude of the values."""
     return 0.0 if abs(difference) <= ROUND_OFF * abs(size) else difference
 
 
 def power_balance(power: float, loss: float) -> dict[str, Any]:
-    """Return the JSON of input power, dissipation and their difference [W]."""
+    """Return input power, dissipation and their difference as JSON.
+
+    ``power``: input power [W]; ``loss``: dissipation [W]; a difference that is round-off is zero.
+    """
     left = without_round_off(power - loss, loss)
     return {"input_power_W": number(power), "loss_W": number(loss), "balance_W": number(left)}
 
 
 def power_balance_with_percent(power: float, loss: float, bound: float) -> dict[str, Any]:
-    """Return `power_balance`, and the imbalance in per cent of the loss.
+    """Return input power, dissipation and their difference as `power_balance` does, and the difference in % of the loss.
 
-    No percentage is given if the loss is below ``NOTHING`` times ``bound``, the loss of full sliding [W].
+    ``power``: input power [W]; ``loss``: dissipation [W]; ``bound``: dissipation if all contacts slid fully [W]. The
+    percentage is null if the loss is at most ``NOTHING`` times ``bound``.
     """
     return power_balance(power, loss) | {"balance_percent": loss_increase_percent(power, loss, bound)}
 
 
 def loss_increase_percent(loss: float, before: float, bound: float) -> float | None:
-    """Return the increase of a loss from ``before`` to ``loss`` [%]; zero if it is round-off.
+    """Return the increase of a loss from ``before`` to ``loss`` in per cent of ``before``; zero if it is round-off.
 
-    None if the loss before was below ``NOTHING`` times ``bound``, the loss of full sliding [W].
+    None if ``before`` is at most ``NOTHING`` times ``bound``, the loss if all contacts slid fully [W].
     """
     if not before > NOTHING * bound:
         return None
@@ -251,10 +263,10 @@ def loss_increase_percent(loss: float, before: float, bound: float) -> float | N
 
 
 def ball_contact_effect(power: float, loss: float, apart: float, balls: float, bound: float) -> dict[str, Any]:
-    """Return the JSON of the effect that contact between balls has on losses [W].
+    """Return the effect that contact between balls has on losses as JSON.
 
-    ``power``, ``loss``: input power and loss with touching balls. ``apart``: loss with the balls far apart. ``balls``: loss
-    between balls only. ``bound``: loss if all contacts slid fully.
+    All arguments are in W. ``power`` and ``loss``: input power and loss with touching balls; ``apart``: loss with the balls
+    far apart; ``balls``: loss between balls only; ``bound``: loss if all contacts slid fully.
     """
     return {
         "loss_apart_W": number(apart),
@@ -266,18 +278,24 @@ def ball_contact_effect(power: float, loss: float, apart: float, balls: float, b
 
 
 def solver_line(solver: dict[str, Any], suffix: str = "") -> Line:
-    """Return the line on how far contact loads and friction are out of balance [N]."""
+    """Return a line that says by how much contact loads and friction are out of balance.
+
+    ``solver``: JSON values with both imbalances [N]; ``suffix``: text that is added to the line.
+    """
     loads, friction = solver["load_imbalance_N"], solver["friction_imbalance_N"]
     return "solver", f"loads out of balance by {loads:.1e} N, friction by {friction:.1e} N{suffix}"
 
 
 def hertz_word(hertz: str) -> str:
-    """Return the scene file's word for the kind of Hertz constants."""
+    """Return the scene file's word for a kind of Hertz constants: "nominal" for "right", else the same word."""
     return "nominal" if hertz == "right" else hertz
 
 
 def energy_line(values: dict[str, Any], digits: int = 6) -> Line:
-    """Return the line on input power and loss, and their imbalance."""
+    """Return a line on input power, loss and their imbalance.
+
+    ``values``: JSON values of `power_balance`; ``digits``: number of significant digits of powers.
+    """
     power, loss, left = (float(values[f"{name}_W"]) for name in ("input_power", "loss", "balance"))
     if left == 0.0 or loss == 0.0:
         return "energy", f"{loss:.{digits}g} W are put in and lost"
@@ -312,14 +330,17 @@ def slip_warnings(share: float) -> list[Warned]:
 
 
 def slip_clause(share: float) -> str:
-    """Return a clause on the share of the losses that the neglected Heathcote slip would add."""
+    """Return a clause that says how much the neglected Heathcote slip would add to friction.
+
+    ``share``: losses by Heathcote slip over all losses.
+    """
     return f"their curvature (Heathcote slip, left out) would raise friction by {100.0 * share:.2g} %"
 
 
 def neighbour_json(state: FrictionState) -> dict[str, Any] | None:
-    """Return the JSON of forces between touching balls and of their effect on the torque.
+    """Return the forces between touching balls and their effect on the friction torque as JSON.
 
-    None if forces between neighbours are not computed.
+    None if forces between neighbouring balls are not computed.
     """
     n, t = state.neighbours, state.torque
     if n is None:
@@ -334,9 +355,10 @@ def neighbour_json(state: FrictionState) -> dict[str, Any] | None:
 
 
 def ball_rows(result: StaticResult, state: FrictionState) -> list[dict[str, Any]]:
-    """Return one JSON row per ball, with names as in a static result.
+    """Return one JSON row per ball: place, loads, motion, sliding and friction, and status of the friction.
 
-    The axes x and z of a contact lie across and along its groove.
+    ``result``: static result; ``state``: friction of the balls. The axes x and z of a contact lie across and along its
+    groove.
     """
     at, f, q = state.at, state.balls, state.balls.q
     return [
@@ -351,7 +373,10 @@ def ball_rows(result: StaticResult, state: FrictionState) -> list[dict[str, Any]
 
 
 def terminal_ball_rows(rows: Sequence[dict[str, Any]]) -> list[dict[str, Any]]:
-    """Return the table rows of the balls for the terminal, with loads and losses of the loaded contacts."""
+    """Return the table rows of the balls for the terminal, with loads and losses of the loaded contacts only.
+
+    ``rows``: JSON rows of `ball_rows`.
+    """
     out = []
     for row in rows:
         flat = {k: row[k] for k in ("index", "azimuth_deg", "orbit_rad_s", "closing_mm_s")}
@@ -392,7 +417,10 @@ def loss_rows(state: FrictionState) -> list[dict[str, Any]]:
 
 
 def coefficient_row(friction: Friction, state: FrictionState, drag: float | None) -> dict[str, Any]:
-    """Return torques and efficiencies for one pair of friction coefficients, of the screw's and of the nut's contacts."""
+    """Return a table row with torques and efficiencies for the coefficients of friction of the screw's and nut's contacts.
+
+    ``state``: friction with these coefficients; ``drag``: friction torque without loads [N m], None if it is not known.
+    """
     found = friction_sums_json(state.torque, drag)
     names = (
         "friction_torque_Nmm",
@@ -407,7 +435,7 @@ def coefficient_row(friction: Friction, state: FrictionState, drag: float | None
 
 
 def coefficient_columns(kind: str) -> tuple[Column, ...]:
-    """Return the columns of the table over the coefficient of friction, for a scene of a kind."""
+    """Return the columns of the table over the coefficient of friction; ``kind``: kind of the scene, such as "bearing"."""
     first: tuple[Column, ...] = (
         ("screw", "coefficient", ".4g"),
         ("friction_torque_Nmm", "friction torque N mm", ".5g"),
@@ -436,7 +464,7 @@ def without_pressure_and_size(warnings: Sequence[Warned]) -> list[Warned]:
 def friction_warnings(scene: Scene, friction: Friction, state: FrictionState, static: Sequence[Warned]) -> list[Warned]:
     """Return the warnings on a friction result that is outside its range of validity.
 
-    ``static``: warnings on the contact loads.
+    ``friction``: coefficients of friction; ``state``: the friction result; ``static``: warnings on the contact loads.
     """
     at = state.at
     loaded = at.force > 0.0
@@ -461,7 +489,7 @@ def friction_warnings(scene: Scene, friction: Friction, state: FrictionState, st
 
 
 def _driving_line(t: ScrewTorque, motion: Motion, part: str) -> Line:
-    """Return the line on the torque that a motor or a brake must provide on ``part``, the part that turns."""
+    """Return a line on the torque that a motor or a brake must provide; ``part``: name of the part that turns."""
     needed = 1e3 * t.on_screw * np.sign(t.speed)
     role = "which a motor must give" if needed >= 0.0 else "with which a brake must hold"
     moving = f", which moves {motion_against_load(t)}" if t.translating else ""
@@ -469,7 +497,10 @@ def _driving_line(t: ScrewTorque, motion: Motion, part: str) -> Line:
 
 
 def residual_line(residual: float, left: float) -> Line:
-    """Return the line on the remaining imbalance of contact loads and of friction."""
+    """Return a line on the remaining imbalance of contact loads and of friction.
+
+    ``residual``: residual of the static solution; ``left``: imbalance of friction over its bound.
+    """
     return "solver", f"contact loads with a residual of {residual:.1e}, friction out of balance by {left:.1e} of its bound"
 
 
@@ -477,7 +508,7 @@ def result_lines(motion: Motion, state: FrictionState, drag: tuple[float | None,
     """Return the lines on the friction of a whole screw or bearing, the driving torque first.
 
     Values that depend on the coefficient of friction, which is hardly known to one digit, have three digits. ``drag``:
-    torque without loads [N m] and a remark.
+    friction torque without loads [N m], None if it is not known, and a remark on it.
     """
     t, ring = state.torque, state.torque.ratio == 0.0
     inner, outer = ("inner ring", "outer ring") if ring else ("screw", "nut")

@@ -47,10 +47,10 @@ TOUCHING = 1e-9
 
 
 def full_sliding_loss(groove: ScrewGroove, force: Array) -> float:
-    """Return the loss of a screw's contacts if all of them slid at the full speed [W]; infinite for a screw at rest.
+    """Return the loss [W] of a screw's contacts if all of them slid at the speed of the groove; infinite at rest.
 
-    A loss is compared with it to tell friction from round-off, which is all that a screw at rest has. ``force``: contact
-    loads [N].
+    A loss is compared with it to tell friction from round-off, which is all that a screw at rest has. ``groove``: groove
+    with its coefficient of friction, speed and radius; ``force``: contact loads, of any shape [N].
     """
     if groove.speed == 0.0:
         return np.inf
@@ -58,7 +58,10 @@ def full_sliding_loss(groove: ScrewGroove, force: Array) -> float:
 
 
 def screw_warnings(groove: ScrewGroove, force: Array) -> list[Warned]:
-    """Return warnings on contacts that are large compared with the ball; ``force``: contact loads (..., 4) [N]."""
+    """Return warnings on contact ellipses that are large compared with the ball.
+
+    ``force``: contact loads (..., 4) [N] on the four flanks of each ball.
+    """
     return size_warnings((groove.constants.C_a * np.cbrt(force)).ravel(), groove.ball_radius)
 
 
@@ -66,7 +69,7 @@ def screw_warnings(groove: ScrewGroove, force: Array) -> list[Warned]:
 
 
 def pair_rows(r: PairResult) -> list[dict[str, Any]]:
-    """Return one row per ball and state: two balls far apart, and touching."""
+    """Return the JSON row of each of two balls of a screw, first for balls far apart, then for balls that touch."""
     return [
         {"index": k + 1, "state": state}
         | answer.load_json(SIDES, chain.load.force[k], chain.load.angle[k])
@@ -78,7 +81,7 @@ def pair_rows(r: PairResult) -> list[dict[str, Any]]:
 
 
 def pair_status(r: PairResult) -> str:
-    """Return whether loads and friction of two balls converged, in words."""
+    """Return the status of two balls of a screw: "converged", or what failed of loads and friction."""
     if r.converged:
         return "converged"
     if all(c.load.converged and c.motion.converged for c in (r.free, r.touching)):
@@ -122,7 +125,7 @@ def solve_screw_pair(scene: ScrewPairScene) -> answer.FrictionAnswer:
 
 
 def pair_lines(data: dict[str, Any]) -> list[answer.Line]:
-    """Return the lines on two balls of a ball screw for the terminal."""
+    """Return the lines on two balls of a ball screw for the terminal; ``data``: JSON values of `solve_screw_pair`."""
     (pair,), rise, solver = data["pairs"], data["friction_increase_percent"], data["solver"]
     return [
         (
@@ -138,7 +141,10 @@ def pair_lines(data: dict[str, Any]) -> list[answer.Line]:
 
 
 def law_line(data: dict[str, Any]) -> answer.Line:
-    """Return the line on friction law, Hertz constants, and whether friction affects the contact loads."""
+    """Return a line on friction law, Hertz constants, and whether friction affects the contact loads.
+
+    ``data``: JSON values of an answer with the entries "hertz" and "coupling".
+    """
     return "law", f"coulomb, Hertz constants {data['hertz']}, coupling of friction to loads: {data['coupling']}"
 
 
@@ -156,15 +162,16 @@ PAIR_COLUMNS: tuple[Column, ...] = (
 
 
 def keeps_ball_order(h: History) -> bool:
-    """Return whether no ball of a run ever passes or overlaps the next one on its closed track."""
+    """Return whether no ball of a screw's run in time ever passes or overlaps the next one on its closed track."""
     ahead = np.diff(np.column_stack([h.ends, h.ends[:, 0] + h.setting.ring]), axis=1)
     return bool(ahead.min() >= h.setting.groove.pair.spacing - TOUCHING)
 
 
 def run_summary(h: History) -> dict[str, Any]:
-    """Return a summary of a screw's run in time: nut angles [deg], torques [N mm], gaps [um] and shares [%].
+    """Return a summary of a screw's run in time as JSON values; the name of a number with a unit ends in that unit.
 
-    The share is the torque by contact between balls over the torque by contact with the grooves.
+    "largest_ball_to_groove_percent" is the largest torque by contact between balls over the torque by contact with the
+    grooves.
     """
     s, touch, nut = summarise(h), np.any(h.contact, axis=1), np.degrees(h.nut_angle)
     met = bool(touch.any())
@@ -272,7 +279,7 @@ RUN_LINES = (
 
 
 def ball_motion(scene: BearingBallScene, problem: Problem) -> BallMotion:
-    """Return the motion of one ball of a bearing under the scene's friction law.
+    """Return the motion of one ball of a bearing under the scene's friction law; ``problem``: its balance of friction.
 
     For Coulomb friction it is the motion of least dissipation; for other laws the root of the balance of friction that is
     found from there.
@@ -288,10 +295,10 @@ def ball_motion(scene: BearingBallScene, problem: Problem) -> BallMotion:
 
 
 def ball_status(loaded: bool, balanced: bool, motion: str) -> str:
-    """Return the status of one ball in words.
+    """Return the status of one ball: "converged", or what failed.
 
-    ``loaded``: whether a contact carries load. ``balanced``: whether the loads balance. ``motion``: status of the friction
-    solver.
+    ``loaded``: whether a contact carries load; ``balanced``: whether the contact loads balance; ``motion``: status of the
+    friction solver, which is "failed" if it found no balance.
     """
     if not loaded:
         return "no contact: nothing presses the ball"
@@ -301,9 +308,10 @@ def ball_status(loaded: bool, balanced: bool, motion: str) -> str:
 
 
 def ball_row(load: SettledCell, at: Contacts, motion: BallMotion) -> dict[str, Any]:
-    """Return the JSON row of one ball of a bearing.
+    """Return the JSON row of one ball of a bearing: loads, contact ellipses, motion, friction and losses.
 
-    The axes x and z of a contact lie across and along its groove. Loads and friction lie in planes of symmetry.
+    ``load``: contact loads; ``at``: contact ellipses; ``motion``: motion of the ball with its friction. The axes x and z of
+    a contact lie across and along its groove. Loads and friction lie in planes of symmetry.
     """
     f = motion.friction
     return (
@@ -319,7 +327,7 @@ def ball_row(load: SettledCell, at: Contacts, motion: BallMotion) -> dict[str, A
 
 
 def contact_rows(ball: dict[str, Any]) -> list[dict[str, Any]]:
-    """Return one table row per loaded contact of a ball, for the terminal."""
+    """Return one table row per loaded contact of a ball for the terminal; ``ball``: JSON row of `ball_row`."""
     size = ("load_N", "contact_angle_deg", "semi_axis_across_um", "semi_axis_along_um")
     rows = []
     for side in (s for s in bearing.SIDES if ball["load_N"][s] > 0.0):
@@ -380,7 +388,7 @@ def solve_bearing_ball(scene: BearingBallScene) -> answer.FrictionAnswer:
 
 
 def ball_lines(data: dict[str, Any]) -> list[answer.Line]:
-    """Return the lines on one ball of a bearing for the terminal."""
+    """Return the lines on one ball of a bearing for the terminal; ``data``: JSON values of `solve_bearing_ball`."""
     (ball,), torque = data["balls"], data["torque"]
     by_loss = torque["friction_torque_Nmm"]
     return [
@@ -405,15 +413,19 @@ def ball_lines(data: dict[str, Any]) -> list[answer.Line]:
 # --- two designs of a bearing
 
 
-def dissipates(case: BearingCase, state: BearingState) -> bool:
+def has_friction_loss(case: BearingCase, state: BearingState) -> bool:
     """Return whether the friction loss of a bearing is more than round-off."""
     return float(state.loss.sum()) > answer.NOTHING * full_sliding_loss(case.groove, state.load.force)
 
 
 def bearing_json(case: BearingCase, states: list[BearingState]) -> dict[str, Any]:
-    """Return the friction torques of a bearing over the angle of its load [N mm], and the ratio of largest to smallest."""
+    """Return the friction torques [N mm] of a bearing over the angle of its load, and the largest over the smallest one.
+
+    ``states``: solution for each load angle. The JSON values also have, for each load angle, the number of balls with more
+    than two contacts, and whether the solution converged. The ratio is null if a solution has no friction loss.
+    """
     torque = [1e3 * s.torque for s in states]
-    all_rub = all(dissipates(case, s) for s in states)
+    all_rub = all(has_friction_loss(case, s) for s in states)
     return {
         "friction_torque_Nmm": [number(t) for t in torque],
         "balls_beyond_two_contacts": [int(np.sum(s.points > 2)) for s in states],
@@ -460,13 +472,18 @@ def solve_bearings(scene: BearingPairScene) -> answer.FrictionAnswer:
 
 
 def _bearing_answer(scene: BearingPairScene, common: dict[str, Any]) -> answer.FrictionAnswer:
-    """Return the answer for both bearings; ``common``: its entries that need no solution."""
+    """Return the answer for a four-point and a double-row bearing.
+
+    ``common``: JSON entries that need no solution, such as the load angles.
+    """
     cases = scene.four_point, scene.double_row
     by_case = [bearing_states(case, scene.angle) for case in cases]
     four, double = (bearing_json(case, states) for case, states in zip(cases, by_case, strict=True))
     good = [f and d for f, d in zip(four["converged"], double["converged"], strict=True)]
     status = "converged" if all(good) else f"{good.count(False)} of {len(good)} load angles did not converge"
-    ratios = [number(f.torque / d.torque) if dissipates(cases[1], d) else None for f, d in zip(*by_case, strict=True)]
+    ratios = [
+        number(f.torque / d.torque) if has_friction_loss(cases[1], d) else None for f, d in zip(*by_case, strict=True)
+    ]
     states = [(c, s) for c, one in zip(cases, by_case, strict=True) for s in one]
     power, loss, bound = (
         float(np.mean(v))
@@ -499,7 +516,7 @@ def _bearing_answer(scene: BearingPairScene, common: dict[str, Any]) -> answer.F
 
 
 def bearing_lines(data: dict[str, Any]) -> list[answer.Line]:
-    """Return the lines on both bearings for the terminal."""
+    """Return the lines on a four-point and a double-row bearing for the terminal; ``data``: JSON values of the answer."""
     four, double = (cell(data[name]["largest_over_smallest"], ".5g") for name in ("four_point", "double_row"))
     label, text = answer.energy_line(data["energy"])
     ring = "free to tilt" if data["tilt"] else "kept from tilting"

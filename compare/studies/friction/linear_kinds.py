@@ -80,7 +80,8 @@ def ball_rows(
 ) -> list[dict[str, Any]]:
     """Return one JSON row per ball: contact loads, speed, rotation and loss.
 
-    Speeds are given for balls far apart and for touching balls; rotation and loss are those of touching balls.
+    ``angles``: contact angles (N, 4) [rad]; ``force``: contact loads (N, 4) [N]; ``apart`` and ``near``: solutions with N
+    balls far apart and touching. Speeds are given by both; rotation and loss are those of touching balls.
     """
     rows = []
     for k in range(force.shape[0]):
@@ -97,7 +98,10 @@ def ball_rows(
 
 
 def pair_rows(scene: LinearScene, near: ChainResult) -> list[dict[str, Any]]:
-    """Return one JSON row per pair of neighbouring balls: gap, force and loss between them."""
+    """Return one JSON row per pair of neighbouring balls: gap, force and loss between them.
+
+    ``near``: solution with touching balls.
+    """
     return [
         {
             "balls": f"{k + 1}-{k + 2}",
@@ -149,7 +153,10 @@ def solve_linear(scene: LinearScene) -> answer.FrictionAnswer:
 
 
 def second_state_json(near: ChainResult, second: ChainResult) -> dict[str, Any]:
-    """Return the JSON of a second, jammed state: force on the carriage, and the balls between which forces differ."""
+    """Return a second, jammed state as JSON: force that drives the carriage, and the balls between which forces differ.
+
+    ``near``: the first state with touching balls; ``second``: the second one.
+    """
     apart = np.abs(second.ball_force - near.ball_force)
     other = np.flatnonzero(apart > ANOTHER * apart.max())
     pairs = [{"balls": f"{k + 1}-{k + 2}", "force_N": number(second.ball_force[k])} for k in other]
@@ -157,7 +164,10 @@ def second_state_json(near: ChainResult, second: ChainResult) -> dict[str, Any]:
 
 
 def second_state_sentence(chain: Chain, second: ChainResult | None) -> str:
-    """Return a sentence on whether a second, jammed state of the balls was found."""
+    """Return a sentence on whether a second, jammed state of the balls was found.
+
+    ``chain``: the touching balls; ``second``: their second state, None if none was found.
+    """
     if not may_jam(chain):
         return "one only: no balls in reach of each other, or no friction between them"
     if second is None:
@@ -170,7 +180,10 @@ def second_state_sentence(chain: Chain, second: ChainResult | None) -> str:
 
 
 def jam_warnings(near: ChainResult, second: ChainResult | None) -> list[Warned]:
-    """Return a warning if the balls may also settle in a second, jammed state; else none."""
+    """Return a warning if the balls may also settle in a second, jammed state; else none.
+
+    ``near``: the first state with touching balls; ``second``: the second one, None if none was found.
+    """
     if second is None:
         return []
     most, base = second.ball_force.max(), near.ball_force.max()
@@ -183,7 +196,7 @@ def jam_warnings(near: ChainResult, second: ChainResult | None) -> list[Warned]:
 
 
 def linear_lines(data: dict[str, Any]) -> list[answer.Line]:
-    """Return the lines on the balls of a linear bearing for the terminal."""
+    """Return the lines on the balls of a linear bearing for the terminal; ``data``: JSON values of `solve_linear`."""
     rise, solver = data["friction_increase_percent"], data["solver"]
     return [
         (

@@ -74,10 +74,17 @@ class RunInTime:
 
 
 def solve_run(scene: Scene, friction: Friction, motion: Motion, model: str, member: int) -> RunInTime:
-    """Solve the friction of a scene in time."""
+    """Solve the friction of a screw in time, with an estimate of the error of the time steps.
+
+    ``scene``: scene with a [time] table; ``friction``: coefficients of friction; ``motion``: motion of screw or nut;
+    ``model``: name of the static model; ``member``: number of the specimen. InputError if the model cannot solve moving
+    balls; Refusal if the circuits have no room for the balls.
+    """
     time = scene.time
     if time is None:
-        raise ValueError("the scene has no [time]")
+        raise ValueError(
+            f"friction of {scene.name} cannot be solved in time, because the scene has no [time] table: add one to it"
+        )
     if model not in AGAIN:
         advice = "take another model, or leave [time] out"
         raise ArgumentError("model", model, f"{' or '.join(AGAIN)} for a scene with [time]", advice)
@@ -94,15 +101,21 @@ def solve_run(scene: Scene, friction: Friction, motion: Motion, model: str, memb
 
 
 def step_through_time(setting: Any, motion: Motion, time: Time, name: str) -> tuple[History, StepError | None]:
-    """Compute a run with several step sizes, with a progress bar; return its history and the error of its steps."""
+    """Compute a run in time with several step sizes, with a progress bar; return its history, then its step error.
+
+    ``setting``: the screw with its balls, as the solver in time reads it; ``motion``: motion of screw or nut; ``time``:
+    duration, steps and goal of the run; ``name``: name of the scene for the progress bar. The error is None if it cannot be
+    estimated.
+    """
     with progress_bar(f"{name}, run in time") as progress:
         return run_with_step_errors(setting, time.span(motion), time.steps, time.goal, progress)
 
 
 def judge_history(history: History, error: StepError | None, time: Time) -> RunInTime:
-    """Return the run with its status.
+    """Return a run in time with its status.
 
-    It is not converged if a step failed, or if the error of its steps is not known or above the goal.
+    ``history``: time series; ``error``: estimated error of the time steps, None if not known; ``time``: goal for this
+    error. The run is not converged if a step failed, or if the error is not known or above the goal.
     """
     status = history.status
     if history.good and error is None:
@@ -168,7 +181,10 @@ def run_json(run: RunInTime) -> dict[str, Any]:
 
 
 def step_error_json(e: StepError, goal: float) -> dict[str, Any]:
-    """Return the JSON of the estimated errors of the time steps, with order of convergence and numbers of steps."""
+    """Return the estimated errors of the time steps as JSON, with order of convergence and numbers of steps.
+
+    ``goal``: largest allowed error, as a part of the mean torque.
+    """
     found = e.quantities
     percent = {name: number(100.0 * found[name].error) if name in found else None for name in QUANTITIES}
     return {
@@ -198,7 +214,7 @@ def why_no_step_error(run: RunInTime) -> str | None:
 
 
 def run_energy_json(h: History) -> dict[str, Any]:
-    """Return the JSON of energies over the run [J] and of their imbalances.
+    """Return the energies over a run in time [J] and their imbalances as JSON.
 
     Energies are the work of torque and axial load on the screw, and the losses. Imbalances are the largest of any time
     step, over its losses: of the power that the contacts take in, and of the power of torque and axial load.
@@ -217,7 +233,7 @@ def run_energy_json(h: History) -> dict[str, Any]:
 
 
 def run_torque_json(h: History) -> dict[str, Any]:
-    """Return the JSON of the friction torque over the run [N mm]: mean, extremes, parts of grooves and ball contacts."""
+    """Return the friction torque over a run in time [N mm] as JSON: mean, extremes, parts of grooves and ball contacts."""
     t = h.torques
     return {
         "mean_Nmm": number(1e3 * t["mean"]),
@@ -231,9 +247,9 @@ def run_torque_json(h: History) -> dict[str, Any]:
 
 
 def ball_history_json(h: History, track: ClosedTrack, k: int) -> dict[str, Any]:
-    """Return the JSON of the history of ball ``k``: azimuth in the nut's frame, loads, gap and force to the next ball.
+    """Return the history of one ball as JSON: azimuth in the nut's frame, loads, and spacing and force to the next ball.
 
-    The next ball is that of its circuit ``track``.
+    ``k``: number of the ball from 0; ``track``: its circuit, on which the next ball is.
     """
     ahead = k + 1 if k + 1 < track.balls.stop else track.balls.start
     number_of = int(h.setting.number[k])
@@ -305,13 +321,13 @@ def run_lines(run: RunInTime) -> list[Line]:
 
 
 def significant_digits(error: float | None) -> int:
-    """Return the number of digits to show for a value with a relative error; None: error not known.
+    """Return the number of digits to show for a value, from 3 to 6, so that at most two digits are uncertain.
 
-    At most two digits are uncertain; there are 3 to 6.
+    ``error``: relative error of the value; None if it is not known.
     """
     return 3 if error is None else int(np.clip(np.ceil(-np.log10(max(error, 1e-6))) + 2, 3, 6))
 
 
 def run_table(run: RunInTime) -> list[tuple[str, Sequence[tuple[str, str, str]], Sequence[dict[str, object]]]]:
-    """Return the table of the torque over the angle; empty if no time step was begun."""
+    """Return the table of the torque over the angle: title, columns and rows; empty if no time step was begun."""
     return [("torque over the angle", COLUMNS, run_rows(run.history))] if run.history.begun else []

@@ -95,14 +95,18 @@ def solve_any(scene: Described, choices: Choices, origin: str, say: Say = lambda
     if choices != Choices():
         advice = "leave them out: a scene of single parts states its loads and coefficients of friction"
         given = "model, mu, member, condensed"
-        raise ArgumentError(given, origin, "only for the scene of a whole screw or bearing", advice)
+        raise ArgumentError(given, origin, "the scene of a whole screw or bearing", advice)
     from rollbench.compare.studies.friction.kinds import solve_kind
 
     return solve_kind(scene)
 
 
 def friction_for_library(scene: Described, mu: tuple[float, ...], model: str) -> dict[str, Any]:
-    """Compute friction for `rollbench.friction`, as JSON values; ``mu``: coefficients that replace the scene's."""
+    """Return the friction of a scene as JSON values for `rollbench.friction`.
+
+    ``mu``: coefficients of friction that replace the scene's, empty for those of the scene; ``model``: name of the static
+    model, empty for the default.
+    """
     return answer_json(solve_any(scene, Choices(model, mu), f"a choice of these for {scene.name}"))
 
 
@@ -140,13 +144,13 @@ OVER_COLUMNS: tuple[Column, ...] = (
 )
 
 #: Nuts and ball bearings of a shaft: number from 0, static result and friction.
-Solved = list[tuple[int, SetResult, FrictionState]]
+SolvedSets = list[tuple[int, SetResult, FrictionState]]
 
 
 def solve_axis(assembly: Assembly, choices: Choices) -> FrictionAnswer:
     """Compute the friction of every nut and ball bearing on a shaft; InputError for choices that do not fit the scene."""
     if choices.condensed is not None:
-        allowed = "only for a single nut or bearing, not several sets on a shaft"
+        allowed = "this file only for a scene with a single nut or bearing"
         raise ArgumentError("condensed", str(choices.condensed), allowed, "leave `condensed` out")
     pairs = _friction_coefficients(assembly, choices.mu)
     motion = assembly.motion or ONE_TURN
@@ -162,7 +166,7 @@ def solve_axis(assembly: Assembly, choices: Choices) -> FrictionAnswer:
             head | {"status": f"contact loads: {result.status}", "converged": False} | remarks, [], [], False
         )
     if not pairs:
-        solved: Solved = []
+        solved: SolvedSets = []
         return _axis_answer(head, assembly, result, answers, (Friction(0.0, 0.0), motion, solved, {}))
     each = [_friction_states(result, friction, motion) for friction in pairs]
     found = _axis_answer(
@@ -174,23 +178,26 @@ def solve_axis(assembly: Assembly, choices: Choices) -> FrictionAnswer:
 
 
 def _friction_coefficients(assembly: Assembly, mu: Sequence[float]) -> list[Friction]:
-    """Return the coefficients of friction: those given, else the scene's.
+    """Return the coefficients of friction of screw and nut: those given, else the scene's.
 
-    None are needed for a shaft with bearings only. InputError for a nut without coefficient, and for a coefficient without
-    balls.
+    ``mu``: coefficients that replace the scene's, empty for those of the scene. No coefficients are needed for a shaft with
+    bearings only. InputError for a nut without coefficient, and for a coefficient without balls.
     """
     balls = [s.parts for s in assembly.sets if isinstance(s.parts, Scene)]
     if not mu and (not balls or (assembly.friction is None and not any(parts.track.lead for parts in balls))):
         return []
     if not balls:
-        allowed = "only with a set of balls on the shaft"
-        raise ArgumentError("mu", ", ".join(f"{x:g}" for x in mu), allowed, "leave `mu` out: all bearings have rollers")
+        given = f"{', '.join(f'{x:g}' for x in mu)} for a shaft without balls"
+        raise ArgumentError("mu", given, "a shaft with a set of balls", "leave `mu` out: all bearings have rollers")
     return friction_coefficients(replace(balls[0], name=assembly.name, friction=assembly.friction), mu)
 
 
-def _friction_states(result: AxisResult, friction: Friction, motion: Motion) -> Solved:
-    """Return the friction of every nut and ball bearing on a shaft, with its number from 0."""
-    out: Solved = []
+def _friction_states(result: AxisResult, friction: Friction, motion: Motion) -> SolvedSets:
+    """Return the friction of every nut and ball bearing on a shaft: number from 0, static result, friction.
+
+    ``result``: solution of the shaft; ``friction``: coefficients of friction; ``motion``: motion of the shaft.
+    """
+    out: SolvedSets = []
     for i, s in enumerate(result.sets):
         if s.balls is None or not isinstance(s.of.parts, Scene):
             continue
@@ -199,9 +206,9 @@ def _friction_states(result: AxisResult, friction: Friction, motion: Motion) -> 
 
 
 def _drag_torques(assembly: Assembly, loaded: AxisResult, friction: Friction, motion: Motion) -> dict[int, float]:
-    """Return the friction torques with all loads on shaft and housings removed [N m], by the number of the nut or bearing.
+    """Return the friction torques [N m] with all loads on shaft and housings removed, by the number of the nut or bearing.
 
-    Those that are not solved are left out.
+    ``loaded``: solution under the loads; its model is used. Nuts and bearings without a solution are left out.
     """
     idle = tuple(replace(h, force=(0.0, 0.0, 0.0), moment=(0.0, 0.0, 0.0)) for h in assembly.housings)
     bare = replace(assembly, loads=(), housings=idle)
@@ -211,8 +218,11 @@ def _drag_torques(assembly: Assembly, loaded: AxisResult, friction: Friction, mo
     return {i: state.torque.friction for i, _, state in _friction_states(result, friction, motion) if state.settled}
 
 
-def _set_row(i: int, s: SetResult, state: FrictionState, drag: float | None) -> dict[str, Any]:
-    """Return the JSON row of a nut or ball bearing: its number and name, torques, and loss."""
+def _row_of_nut_or_bearing(i: int, s: SetResult, state: FrictionState, drag: float | None) -> dict[str, Any]:
+    """Return the JSON row of a nut or ball bearing: its number and name, torques, and loss.
+
+    ``i``: number from 0; ``s``: static result; ``drag``: friction torque without loads [N m], None if it is not known.
+    """
     return (
         {"set": i + 1, "name": s.of.name} | friction_sums_json(state.torque, drag) | {"loss_W": number(state.torque.power)}
     )
@@ -223,17 +233,18 @@ def _axis_answer(
     assembly: Assembly,
     result: AxisResult,
     answers: AxisAnswers,
-    found: tuple[Friction, Motion, Solved, dict[int, float]],
+    found: tuple[Friction, Motion, SolvedSets, dict[int, float]],
 ) -> FrictionAnswer:
     """Return the answer for a shaft from static results and friction.
 
-    ``head``: entries on scene and model. ``found``: coefficients of friction, motion, friction of the nuts and ball
-    bearings, drag torques.
+    ``head``: JSON entries on scene and model; ``result``: solution of the shaft; ``answers``: ratings and lives of its nuts
+    and bearings; ``found``: coefficients of friction, motion, friction of the nuts and ball bearings, drag torques [N m] by
+    number.
     """
     friction, motion, solved, drag = found
-    nuts = {i: (friction_sums_json(x.torque, None) if x.settled else None, "") for i, s, x in solved if _set_lead(s)}
+    nuts = {i: (friction_sums_json(x.torque, None) if x.settled else None, "") for i, s, x in solved if _lead_of_nut(s)}
     drive = quantities.as_json(axis_drive(assembly, result, answers, nuts))
-    rows = [_set_row(i, s, state, drag.get(i)) for i, s, state in solved]
+    rows = [_row_of_nut_or_bearing(i, s, state, drag.get(i)) for i, s, state in solved]
     balls = [{"set": i + 1} | row for i, s, state in solved if s.balls for row in answer.ball_rows(s.balls, state)]
     losses = [{"set": i + 1} | row for i, _, state in solved for row in answer.loss_rows(state)]
     good = all(state.settled for _, _, state in solved)
@@ -284,13 +295,13 @@ def _axis_answer(
     return FrictionAnswer(data, [*tables, ("torque that turns the shaft", DRIVE_COLUMNS, whole)], lines, good, every)
 
 
-def _set_lead(s: SetResult) -> float:
+def _lead_of_nut(s: SetResult) -> float:
     """Return the lead of a nut [m]; zero for a bearing."""
     return s.of.parts.track.lead if isinstance(s.of.parts, Scene) else 0.0
 
 
-def _summed_powers(solved: Solved) -> dict[str, Any]:
-    """Return the JSON of powers summed over all nuts and ball bearings of a shaft [W], and the efficiency.
+def _summed_powers(solved: SolvedSets) -> dict[str, Any]:
+    """Return powers [W] summed over all nuts and ball bearings of a shaft, and the efficiency, as JSON.
 
     Powers are input and loss of the contacts, power of the driving torque, and power of the axial loads. The efficiency is
     None unless torque drives the load, or the load drives the torque.
@@ -307,10 +318,10 @@ def _summed_powers(solved: Solved) -> dict[str, Any]:
     }
 
 
-def _summed_torques(solved: Solved, drag: dict[int, float]) -> dict[str, Any]:
+def _summed_torques(solved: SolvedSets, drag: dict[int, float]) -> dict[str, Any]:
     """Return friction, drag and driving torque summed over all nuts and ball bearings of a shaft [N mm].
 
-    The drag torque is None unless it is known for each of them.
+    ``drag``: friction torques without loads [N m] by number. The drag torque is None unless it is known for each of them.
     """
     known = len(drag) == len(solved)
     return {
@@ -334,8 +345,8 @@ COLUMNS = (
 def solve_cycle(cycle: DutyCycle, choices: Choices) -> FrictionAnswer:
     """Compute the friction of every load case of a duty cycle, and the mean torque: work of friction over all revolutions.
 
-    A load case that does not converge leaves the others as they are, and the cycle without a mean. InputError as
-    `solve_scene` and `solve_axis`.
+    A load case that does not converge leaves the others as they are, and the cycle without a mean. InputError for the
+    faults that `solve_scene` and `solve_axis` refuse.
     """
     each = [
         (case, solve_axis(scene, choices) if isinstance(scene := case.scene, Assembly) else solve_scene(scene, choices))

@@ -56,7 +56,11 @@ _friction_state_on_disk = kept(FrictionState)(friction_state)
 def cached_friction_state(
     scene: Scene, result: StaticResult, friction: Friction, motion: Motion, member: int
 ) -> FrictionState:
-    """Return the friction of a screw or bearing (`friction_state`), cached on disk for equal scenes and loads."""
+    """Return the friction of a screw or bearing as `friction_state` computes it, cached on disk for equal scenes and loads.
+
+    ``result``: static result with the contact loads; ``friction``: coefficients of friction; ``motion``: motion of screw or
+    nut; ``member``: number of the specimen.
+    """
     loads = replace(result, solver=replace(result.solver, seconds=0.0, setup_seconds=0.0), warnings=())
     return _friction_state_on_disk(scene, loads, friction, motion, member)
 
@@ -79,9 +83,10 @@ class StaticallySolved:
     bare: StaticResult
 
     def torque(self, result: StaticResult, friction: Friction, scene: Scene | None = None) -> float:
-        """Return the friction torque at the contact loads of ``result`` [N m]; nan if loads or friction did not converge.
+        """Return the friction torque [N m] at the contact loads of a static result; nan if loads or friction fail.
 
-        ``scene``: scene of that result, if it is another one.
+        ``result``: static result with the contact loads; ``friction``: coefficients of friction; ``scene``: scene of the
+        static result, None for the scene of this object.
         """
         if not result.converged:
             return float("nan")
@@ -108,9 +113,10 @@ def makers_drag_torque(scene: Scene, force: float) -> float:
 
 
 def torque_range(solved: StaticallySolved, result: StaticResult) -> dict[str, Any]:
-    """Return friction torques at both coefficients of ``MEASURED``, with and without the scene's loads, as JSON values.
+    """Return friction torques [N mm] at both coefficients of ``MEASURED``, with and without the scene's loads.
 
-    Also the drag torque by the makers' formula; null without preload.
+    ``result``: static result under the loads. The JSON values also have the preload and the drag torque by the makers'
+    formula. Preload and drag torques are null without preload.
     """
     scene, held = solved.scene, preload(solved.scene, solved.bare) if solved.bare.converged else None
     ends = [replace(solved.friction, screw=mu, nut=mu, balls=None) for mu in MEASURED]
@@ -126,7 +132,10 @@ def torque_range(solved: StaticallySolved, result: StaticResult) -> dict[str, An
 
 
 def drag_lines(data: dict[str, Any]) -> list[Line]:
-    """Return the line on the drag torque at both coefficients and by the makers' formula; none without preload."""
+    """Return a line on the drag torque at both coefficients of friction and by the makers' formula.
+
+    The list is empty without preload. ``data``: JSON values of `torque_range`.
+    """
     if data["makers_formula_Nmm"] is None:
         return []
     text = (
@@ -138,7 +147,7 @@ def drag_lines(data: dict[str, Any]) -> list[Line]:
 
 
 def _range_text(values: list[float | None]) -> str:
-    """Return torques [N mm] as text, joined by "to"."""
+    """Return torques [N mm] as text, joined by "to"; None stands for a torque that was not found."""
     return " to ".join("(none found)" if x is None else f"{x:.3g}" for x in values)
 
 
@@ -148,9 +157,10 @@ def states_no_play(scene: Scene) -> bool:
 
 
 def torque_with_play(solved: StaticallySolved, state: FrictionState) -> dict[str, Any] | None:
-    """Return a screw's friction torque with balls smaller by ``SMALLER``, next to the torque as given, as JSON values.
+    """Return a screw's friction torque with balls whose radius is reduced by ``SMALLER``, and that with the given balls.
 
-    None for a scene that states play or preload, or carries no load.
+    The JSON values have the reduction [um] and both torques [N mm]. None for a scene that states play or preload, or whose
+    balls carry no load, or carry load without the scene's loads. ``state``: friction with the given balls.
     """
     scene = solved.scene
     if not states_no_play(scene) or not state.loaded or (solved.bare.load > 0.0).any():
@@ -167,7 +177,10 @@ def torque_with_play(solved: StaticallySolved, state: FrictionState) -> dict[str
 
 
 def play_warning(data: dict[str, Any]) -> Warned:
-    """Return a warning that the scene states neither play nor preload, with the torques with and without play."""
+    """Return a warning that the scene states neither play nor preload, with the friction torques with and without play.
+
+    ``data``: JSON values of `torque_with_play`.
+    """
     value = data["friction_torque_Nmm"]
     other = "none found" if value is None else f"{value:.4g} N mm"
     text = (
@@ -201,9 +214,9 @@ def with_scaled_errors(scene: Scene, factor: float) -> Scene:
 
 
 def onset_of_touching(solved: StaticallySolved, result: StaticResult) -> FrictionOnset | None:
-    """Return when neighbouring balls come to touch at the contact loads of a result, and from which geometric errors on.
+    """Return when neighbouring balls come to touch, and from which multiple of the scene's geometric errors on they do.
 
-    None if balls overlap, or if their circuits are not possible.
+    ``result``: static result with the contact loads. None if balls overlap, or if their circuits are not possible.
     """
 
     def touch_with_errors(factor: float) -> bool:
@@ -243,9 +256,10 @@ def onset_of_touching(solved: StaticallySolved, result: StaticResult) -> Frictio
 
 
 def onset_line(of: FrictionOnset, turns: str, errors: bool) -> Line:
-    """Return the line on neighbouring balls that come to touch.
+    """Return a line that says whether and where neighbouring balls come to touch.
 
-    ``turns``: name of the turning part; ``errors``: whether the scene has geometric errors.
+    ``of``: angles of contact, from `onset_of_touching`; ``turns``: name of the turning part, such as "screw"; ``errors``:
+    whether the scene has geometric errors.
     """
 
     def angle_text(value: float | None) -> str:
@@ -285,6 +299,7 @@ def feedback_warnings(state: FrictionState) -> list[Warned]:
 #: Largest allowed coefficient of friction.
 MOST = 2.0
 
+#: Assumption of a scene without a motion.
 NO_SPEED = (
     "The scene has no [motion]: the screw turns once a second. Losses and speeds are proportional to that, torques and "
     "efficiencies do not depend on it."
@@ -318,7 +333,11 @@ class DragTorque:
 
 
 def friction_coefficients(scene: Scene, mu: Sequence[float]) -> list[Friction]:
-    """Return the pairs of friction coefficients to solve for: those given, else the scene's; InputError without any."""
+    """Return the coefficients of friction of screw and nut to solve for: those given, else those of the scene.
+
+    ``mu``: coefficients that replace the scene's, each for both screw and nut; empty: the scene's. InputError for a scene
+    without friction, and for a coefficient out of range.
+    """
     for value in mu:
         if not 0.0 <= value <= MOST:
             raise ArgumentError("mu", str(value), f"0 to {MOST:g}", "give a smaller coefficient, such as 0.1")
@@ -359,7 +378,7 @@ def solve_scene(scene: Scene, choices: Choices, say: Callable[[str], None] = lam
         raise ArgumentError("member", str(choices.member), "0 to 999999999", "give the specimen's number")
     model = choices.model or (DEFAULT if choices.condensed is None else "condensed")
     if choices.condensed is not None and model != "condensed":
-        allowed = "only together with the model condensed"
+        allowed = "this file only for the model condensed"
         raise ArgumentError("condensed", str(choices.condensed), allowed, "leave `model` out")
     options = Options(member=choices.member, condensed=choices.condensed, discretisation=False)
     begin = monotonic()
@@ -379,16 +398,16 @@ def solve_scene(scene: Scene, choices: Choices, say: Callable[[str], None] = lam
         say(f"friction torque {three_digits(1e3 * states[0].torque.friction)} N mm; drag and band follow")
     bare = result if not has_loads(scene) else run_model(replace(scene, loads=()), model, options)
     drags = drag_torques(scene, states, pairs, bare, options)
-    answer = _whole_answer(
+    answer = _build_friction_answer(
         scene, result, head, (pairs, states, drags), StaticallySolved(scene, model, options, pairs[0], motion, bare)
     )
     if scene.time is None:
         return answer
-    return _with_run(answer, solve_run(scene, pairs[0], motion, model, choices.member))
+    return _add_run_in_time(answer, solve_run(scene, pairs[0], motion, model, choices.member))
 
 
-def _with_run(answer: FrictionAnswer, run: RunInTime) -> FrictionAnswer:
-    """Return the answer for the scene's instant with the run in time added."""
+def _add_run_in_time(answer: FrictionAnswer, run: RunInTime) -> FrictionAnswer:
+    """Return the answer for the scene's instant with the status, tables and lines of the run in time added."""
     data = answer.data | {"run": run_json(run)}
     good = answer.converged and run.converged
     if answer.converged and not good:
@@ -431,7 +450,7 @@ def drag_torques(
     bare, motion = replace(scene, loads=()), scene.motion or ONE_TURN
 
     def friction_of(changed: Scene, result: StaticResult) -> list[FrictionState] | str:
-        """Return the friction of a scene for each pair of coefficients; the status as text without equilibrium."""
+        """Return the friction of ``changed`` for each pair of coefficients; if loads did not converge, their status."""
         if not result.converged:
             return result.status
         return [cached_friction_state(changed, result, pair, motion, options.member) for pair in pairs]
@@ -459,12 +478,15 @@ def without_axial_supports(supports: Sequence[Support]) -> tuple[Support, ...]:
 
 
 def drag_of_state(state: FrictionState) -> DragTorque:
-    """Return the drag torque from the friction of a screw without axial load; none if friction of a ball has no balance."""
+    """Return the drag torque from the friction of a screw without axial load.
+
+    It has a reason instead of a torque if no balance of friction was found.
+    """
     return DragTorque(state.torque.friction) if state.settled else DragTorque(None, "no balance of friction found")
 
 
 def friction_status(state: FrictionState) -> str:
-    """Return the status of the friction of a screw or bearing in words."""
+    """Return the status of the friction of a screw or bearing: "converged", or what failed on which balls."""
     failed = [str(i + 1) for i, word in enumerate(state.balls.status) if word == "failed"]
     if failed:
         return f"no balance of friction found on {count_of(len(failed), 'ball')}: {', '.join(failed[:8])}"
@@ -477,24 +499,26 @@ def friction_status(state: FrictionState) -> str:
 
 
 def _friction_assumptions(scene: Scene, result: StaticResult) -> list[str]:
-    """Return the assumptions of scene and contact loads.
+    """Return the assumptions of the scene and of the contact loads, a sentence each.
 
-    Those of the contact loads are marked, as they are of a model without friction.
+    ``result``: static result. An assumption of the contact loads alone begins with "contact loads:", because they are
+    computed by a model without friction.
     """
     return [line if line in scene.assumed else f"contact loads: {line}" for line in result.assumed]
 
 
-#: Pairs of friction coefficients, and for each the friction and the drag torque.
-States = tuple[list[Friction], list[FrictionState], list[DragTorque]]
+#: Coefficients of friction of screw and nut, then for each pair of them the friction, then the drag torque.
+SolvedPairs = tuple[list[Friction], list[FrictionState], list[DragTorque]]
 
 
-def _whole_answer(
-    scene: Scene, result: StaticResult, head: dict[str, object], solved: States, besides: StaticallySolved
+def _build_friction_answer(
+    scene: Scene, result: StaticResult, head: dict[str, object], solved: SolvedPairs, unloaded: StaticallySolved
 ) -> FrictionAnswer:
     """Return JSON values, tables and lines on the friction of a whole screw or bearing.
 
-    ``head``: entries on scene and model. ``solved``: coefficients, friction and drag torque for each pair of coefficients.
-    ``besides``: static solutions for the effect of inputs that may not be stated.
+    ``result``: static result under the loads; ``head``: JSON entries on scene and model; ``solved``: coefficients of
+    friction, then the friction and the drag torque for each pair of them; ``unloaded``: the scene with its static result
+    without loads, from which the effect of inputs that may not be stated is computed.
     """
     (friction, *_), (state, *_), (drag, *_) = solved
     motion = scene.motion or ONE_TURN
@@ -504,9 +528,9 @@ def _whole_answer(
     rows, losses = output.ball_rows(result, state), output.loss_rows(state)
     over = [output.coefficient_row(f, s, d.torque) for f, s, d in zip(*solved, strict=True)]
     assumed = [*friction.assumed, *(() if scene.motion else (NO_SPEED,)), *_friction_assumptions(scene, result)]
-    wide, played = torque_range(besides, result), torque_with_play(besides, state)
-    near = onset_of_touching(besides, result) if state.loaded else None
-    held = preload(scene, besides.bare).axial if besides.bare.converged else 0.0
+    wide, played = torque_range(unloaded, result), torque_with_play(unloaded, state)
+    near = onset_of_touching(unloaded, result) if state.loaded else None
+    held = preload(scene, unloaded.bare).axial if unloaded.bare.converged else 0.0
     e, slip = state.torque, heathcote_loss_increase(scene, state.at, state.balls, friction, motion)
     data = head | {
         "status": status,

@@ -83,7 +83,11 @@ class EnsembleResult:
 
 
 def is_solved_in_one_pass(scene: Scene) -> bool:
-    """Return whether one pass of the solver on exact arcs finishes each specimen, as batches of specimens need."""
+    """Return whether one pass of the solver on exact arcs solves each specimen, which batches of specimens require.
+
+    This is so if the specimens differ in ball sizes, pitch and roundness only, and Hertz constants do not follow the actual
+    contact angle.
+    """
     return alike_in_shape(scene) and scene.ingredients.hertz != "actual"
 
 
@@ -132,10 +136,14 @@ def work_of_loads(scene: Scene, result: StaticResult) -> float:
 
 
 class _SpecimenBatch:
-    """Specimens of one ensemble: drawn errors, common system of equations, and results."""
+    """Specimens of one ensemble: drawn errors, common system of equations, and results.
+
+    After `solve`, ``loads`` has the contact loads (M, N, 4) [N], ``residuals`` the relative residuals (M,), ``works`` the
+    loads times the displacements of their points of action (M,) [J], and ``solved`` tells which specimens have these.
+    """
 
     def __init__(self, scene: Scene, count: int, first: int, threads: int) -> None:
-        """Draw the errors of ``count`` specimens from number ``first`` on."""
+        """Draw the errors of ``count`` specimens from number ``first`` on; ``threads``: number of threads for `solve`."""
         self.scene, self.threads = scene, threads
         self.layout = ball_layout(scene)
         self.mean = specimen(without_draws(scene), self.layout)
@@ -145,14 +153,14 @@ class _SpecimenBatch:
         self.residuals, self.works = np.full(count, np.nan), np.full(count, np.nan)
 
     def _drawn_errors(self, members: NDArray[np.int64]) -> Specimens:
-        """Return the drawn errors of the specimens with the numbers ``members``."""
+        """Return the drawn errors of the specimens ``members``, numbered from the first one of the batch."""
         centre = self.drawn.centre[members] if len(self.drawn.centre) > 1 else self.drawn.centre
         return Specimens(self.drawn.ball_radius[members], centre, self.drawn.radius)
 
     def solve(self) -> int:
-        """Solve all specimens; return how many were tried with all four flanks.
+        """Solve all specimens, store their loads, and return how many were tried with all four flanks.
 
-        None is solved if the scene cannot carry its loads.
+        No specimen is solved if the scene cannot carry its loads.
         """
         # flanks that carry no load if no ball is too large are left out, which is then verified specimen by specimen
         few = choose_sides(self.scene, replace(self.mean, ball_radius=self.drawn.ball_radius.min(axis=0)))
@@ -167,7 +175,10 @@ class _SpecimenBatch:
         return int(rest.size)
 
     def _problem_with_flanks(self, use: NDArray[np.bool_]) -> Problem | None:
-        """Return the static problem without random errors, with the flanks ``use``; None if the screw can move freely."""
+        """Return the static problem without random errors; None if nothing resists a motion that the loads drive.
+
+        ``use``: whether each of the flanks SL, SR, NL, NR takes part (4,).
+        """
         problem = build(self.scene, self.mean, self.layout, use)
         if scale_of(problem).force == 0.0:  # only the random errors press anything together
             tightest = self._drawn_errors(np.array([centre_distances(self.scene, self.drawn)[1].max(axis=(1, 2)).argmax()]))
@@ -177,16 +188,17 @@ class _SpecimenBatch:
         return None if mechanism.driven else pin(problem, mechanism)
 
     def _solved_system(self, problem: Problem) -> Beam:
-        """Return the common system of equations, solved without random errors."""
+        """Return the system of equations that all specimens share, solved for the problem without random errors."""
         prepared = prepare(problem, pick_engine(ENGINE, self.scene.ball_count))
         prepared.iterate()
         prepared.options = prepared.options._replace(tolerance=ENOUGH)
         return prepared
 
     def _solve_with_flanks(self, problem: Problem | None, members: NDArray[np.int64]) -> None:
-        """Solve specimens with the flanks of a problem.
+        """Solve specimens with the flanks of a problem, and store the accepted solutions.
 
-        A solution counts only if no ball comes near a flank that was left out.
+        ``members``: numbers of the specimens in the batch. A solution is accepted only if no ball comes near a flank that
+        was left out.
         """
         if problem is None:
             return
@@ -201,7 +213,11 @@ class _SpecimenBatch:
             list((map if self.threads == 1 else pool.map)(some, rest))
 
     def _solve_in_kernel(self, prepared: Beam, near: _LeftOutFlankCheck | None, members: NDArray[np.int64]) -> None:
-        """Solve some specimens in the compiled kernel, and store the accepted solutions."""
+        """Solve some specimens in the compiled kernel, and store the accepted solutions.
+
+        ``prepared``: common system of equations; ``near``: check of the flanks that were left out, None if none was;
+        ``members``: numbers of the specimens in the batch.
+        """
         state, k = prepared.state, members.size
         arrays = self._kernel_arrays(prepared.problem, members)
         forces, status, residual = np.empty(arrays.geometry.shape[:3]), np.empty(k, dtype=np.int64), np.empty(k)
@@ -216,7 +232,10 @@ class _SpecimenBatch:
         self.solved[kept] = True
 
     def _kernel_arrays(self, problem: Problem, members: NDArray[np.int64]) -> MemberArrays:
-        """Return the geometry of some specimens as arrays for the kernels."""
+        """Return the geometry of some specimens as arrays for the kernels.
+
+        ``problem``: static problem without random errors; ``members``: numbers of the specimens in the batch.
+        """
         drawn = self._drawn_errors(members)
         offset, closure = centre_distances(self.scene, drawn)
         geometry = np.empty((members.size, *problem.geometry.shape))
@@ -235,20 +254,20 @@ class _LeftOutFlankCheck:
         """Prepare the check for a solved system of equations whose problem leaves some flanks out."""
         problem = prepared.problem
         self.use = problem.use
-        rows = [_flank_motion(problem, layout, s) for s in range(2)]
+        rows = [_flank_motion_matrix(problem, layout, s) for s in range(2)]
         self.rows = np.stack(rows, axis=1).reshape(-1, problem.nodes.size * 6)
 
     def keeps_clear(self, motions: Array, centres: Array, geometry: Array, loads: Array) -> NDArray[np.bool_]:
-        """Return whether each specimen has no flank that was left out near a ball, (k,).
+        """Return for each of k specimens whether no flank that was left out lies near a ball, (k,).
 
         Parameters
         ----------
         motions
-            Displacements of the screw's two flanks in each ball's section, (k, 4 N) [m].
+            Displacements of the screw's two flanks in the section of each of N balls, two components each, (k, 4 N) [m].
         centres
             Ball centres in their sections, (k, N, 2) [m].
         geometry
-            Geometry of the flanks, (k, N, 4, 4 or more).
+            Geometry of each flank of each ball as the kernels read it, (k, N, 4, 4 or more).
         loads
             Contact loads, (k, N, 4) [N].
         """
@@ -258,8 +277,12 @@ class _LeftOutFlankCheck:
         return all_clear(centres, shift, geometry, loads, self.use, MARGIN)
 
 
-def _flank_motion(problem: Problem, layout: BallLayout, side: int) -> Array:
-    """Return the matrix from all nodal displacements to those of a screw flank in each ball's section, (N, 2, 6 n)."""
+def _flank_motion_matrix(problem: Problem, layout: BallLayout, side: int) -> Array:
+    """Return the matrix from all nodal displacements to those of a screw flank in each ball's section, (N, 2, 6 n).
+
+    N: number of balls; n: number of nodes; the two rows of a ball are its radial direction and its binormal. ``side``:
+    flank, 0 for SL and 1 for SR.
+    """
     n, size = layout.z.size, problem.nodes.size * 6
     out = np.zeros((n, 2, size))
     if problem.use[side] or problem.basis is not None:
@@ -278,15 +301,15 @@ def _flank_motion(problem: Problem, layout: BallLayout, side: int) -> Array:
 
 
 def ensemble_of_study(study: Study, name: str) -> EnsembleResult:
-    """Return the loads of the specimens of a shipped scene with random errors, as many as the study states.
+    """Return the contact loads of specimens of a shipped scene with random errors, computed once for each study.
 
-    They are computed once for each study.
+    ``study``: comparison that states the number of specimens; ``name``: name of the scene.
     """
     return study.once(_run_study_ensemble, name)
 
 
 def _run_study_ensemble(study: Study, name: str) -> EnsembleResult:
-    """Solve the specimens of a shipped scene, as many as the study states."""
+    """Solve specimens of the shipped scene ``name``, as many as the study states."""
     return run_ensemble(study.scene(name), study.members)
 
 
@@ -342,10 +365,11 @@ class Block:
 
 
 def raceway_life_sum(load: Array) -> Array:
-    """Return L^(-10/9) of all raceways together, up to a factor, from contact loads (..., N, 4) [N] (ISO/TS 16281).
+    """Return L^(-10/9) of all raceways together, up to a constant factor, by ISO/TS 16281; L is the life.
 
-    L is the life. The screw's grooves turn relative to the load (cubic mean over the balls), the nut's do not (power 10/3).
-    The raceways are taken as equally strong, and every position of a ball as equally frequent.
+    ``load``: contact loads (..., N, 4) [N] of N balls on the flanks SL, SR, NL, NR. The screw's grooves turn relative to
+    the load (cubic mean over the balls), the nut's do not (power 10/3). The raceways are taken as equally strong, and every
+    position of a ball as equally frequent.
     """
     turning = (load[..., :2] ** TURNING).mean(axis=-2) ** (SYSTEM * 3.0 / TURNING)
     standing = (load[..., 2:] ** STANDING).mean(axis=-2) ** (SYSTEM * 3.0 / STANDING)
@@ -353,13 +377,16 @@ def raceway_life_sum(load: Array) -> Array:
 
 
 def relative_life(load: Array, nominal: Array) -> Array:
-    """Return the life under contact loads (..., N, 4) over that under the loads (N, 4) without random errors."""
+    """Return the life with random errors over the life without them, one ratio for each specimen.
+
+    ``load``: contact loads with random errors (..., N, 4) [N]; ``nominal``: contact loads without (N, 4) [N].
+    """
     with np.errstate(divide="ignore", invalid="ignore"):
         return np.asarray((raceway_life_sum(load) / raceway_life_sum(nominal)) ** (-1.0 / SYSTEM))
 
 
 def output_names(scene: Scene | Assembly) -> list[str]:
-    """Return the names of the outputs of a specimen, in the order of its values."""
+    """Return the names of the outputs of a specimen in the order in which `Block` has their values."""
     if isinstance(scene, Scene):
         return [*KEPT]
     return [*WHOLE, *(f"set {i + 1} {key}" for i in range(len(scene.sets)) for key in OF_SET)]
@@ -379,7 +406,10 @@ def ball_slices(scene: Scene | Assembly) -> tuple[slice | None, ...]:
 
 
 def _change_ball_rows(scene: Scene | Assembly, change: Callable[[Scene, int], Scene]) -> Scene | Assembly:
-    """Return a scene with the parts of each nut or ball bearing replaced by ``change(parts, number from 0)``."""
+    """Return a scene with the parts of each nut or ball bearing changed by a function.
+
+    ``change``: function of the parts, and of the number of the nut or bearing from 0, that returns the changed parts.
+    """
     if isinstance(scene, Scene):
         return change(scene, 0)
     sets = (replace(s, parts=change(s.parts, i)) if isinstance(s.parts, Scene) else s for i, s in enumerate(scene.sets))
@@ -401,8 +431,9 @@ def _solve_specimens(
 ) -> tuple[Array, tuple[str, ...], Array, Array]:
     """Solve specimens of one nut or bearing under the scene's loads times a factor.
 
-    Returns contact loads (k, N, 4) [N], statuses, relative residuals (k,), and works of the loads (k,) [J]. With a factor
-    other than 1 the specimens are first solved under the loads themselves.
+    ``engine``: kind of kernels, "interpreted" or "compiled"; ``first``: number of the first specimen; ``count``: number k
+    of specimens. Returns contact loads (k, N, 4) [N], statuses, relative residuals (k,), and works of the loads (k,) [J],
+    in this order. With a factor other than 1 the specimens of an elastic model are first solved under the loads themselves.
     """
     of, scene = scene, scaled(scene, factor) if factor != 1.0 else scene
     if model == "lin" and engine == "compiled":
@@ -422,7 +453,10 @@ def _solve_specimens(
 
 @lru_cache(maxsize=4)
 def _common_system(scene: Scene, model: str, engine: str, factor: float) -> ElasticMembers:
-    """Return the system of equations that all specimens of a scene share, under its loads times a factor; cached."""
+    """Return the system of equations that all specimens of a scene share, from a cache.
+
+    ``engine``: kind of kernels, "interpreted" or "compiled"; ``factor``: factor on the loads of the scene.
+    """
     like = None if factor == 1.0 else _common_system(scene, model, engine, 1.0)
     loaded = scene if like is None else scaled(scene, factor)
     return ElasticMembers(loaded, LADDER[model], kernels(STATICS, compiled=engine == "compiled"), like)
@@ -440,7 +474,7 @@ def solve_block(scene: Scene | Assembly, model: str, engine: str, nominal: Array
     engine
         Kind of kernels: interpreted or compiled.
     nominal
-        Contact loads of all balls without random errors, (N, 4) [N].
+        Contact loads of all N balls without random errors, (N, 4) [N].
     first
         Number of the first specimen.
     count
@@ -473,7 +507,10 @@ def solve_block(scene: Scene | Assembly, model: str, engine: str, nominal: Array
 
 
 def _solve_axis_block(assembly: Assembly, model: str, kernels: str, nominal: Array, first: int, count: int) -> Block:
-    """Solve a block of specimens of a shaft with several nuts and bearings; parameters as `solve_block`."""
+    """Solve a block of specimens of a shaft with several nuts and bearings.
+
+    ``kernels``: kind of kernels, "interpreted" or "compiled"; the other arguments are those of `solve_block`.
+    """
     results = [run_model(assembly, model, Options(engine=kernels, member=m)) for m in range(first, first + count)]
     where = ball_slices(assembly)
     loads = np.stack([contact_loads(r) if r.converged else np.full(nominal.shape, np.nan) for r in results])
@@ -488,7 +525,7 @@ def contact_loads(result: Solved) -> Array:
 
 
 def specimen_outputs(result: AxisResult, nominal: Array, where: Sequence[slice | None]) -> Array:
-    """Return the outputs of one specimen of a shaft, in the order of `output_names`.
+    """Return the outputs of one specimen of a shaft in the order of `output_names`, nan where one does not exist.
 
     ``nominal``: contact loads without random errors, (N, 4) [N]; ``where``: balls of each nut or bearing, by `ball_slices`.
     """

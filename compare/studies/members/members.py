@@ -71,16 +71,17 @@ class LoadDistributions:
     """
 
     def __init__(self, nominal: Array, width: float) -> None:
-        """Begin without specimens."""
+        """Begin without specimens; the parameters are described at the class."""
         self.nominal, self.width = nominal, width
         self._first, self._second = np.zeros(nominal.shape), np.zeros(nominal.shape)
         self._low, self.largest = np.full(nominal.shape, np.inf), np.zeros(nominal.shape)
         self.counts = np.zeros((*nominal.shape, BINS + 2), dtype=np.int64)
 
     def add_loads(self, loads: Array) -> None:
-        """Add the contact loads of a block of specimens, (k, N, 4) [N]; specimens without equilibrium are left out.
+        """Add the contact loads of k specimens; those without equilibrium are left out.
 
-        They are added one after the other in order, so that the sums do not depend on the division into blocks.
+        ``loads``: contact loads (k, N, 4) [N], nan without equilibrium. They are added one after the other in order, so
+        that the sums do not depend on the division into blocks.
         """
         counts, place = self.counts.reshape(-1, BINS + 2), np.arange(self.nominal.size)
         for load in loads[~np.isnan(loads[:, 0, 0])]:
@@ -120,7 +121,7 @@ class LoadDistributions:
         return 1.0 - self.counts[..., 0] / max(self._specimen_count, 1)
 
     def quantile(self, level: float) -> Array:
-        """Return a quantile of each contact load, (N, 4) [N], to within the bin width."""
+        """Return a quantile of each contact load, (N, 4) [N], to within the bin width; ``level``: from 0 to 1."""
         below = np.cumsum(self.counts, axis=-1)
         place = (below < level * below[..., -1:]).sum(axis=-1)
         return np.asarray(np.where(place == 0, 0.0, (place - 0.5) * self.width))
@@ -225,9 +226,11 @@ def _check_request(scene: Scene | Assembly, model: str, count: int) -> None:
 def _solve_blocks(
     arguments: tuple[Scene | Assembly, str, str, Array], count: int, engine: Engine, step: Callable[[str], None]
 ) -> Iterator[tuple[int, Block]]:
-    """Yield the number of the first specimen and the results of each block, in order.
+    """Yield for each block the number of its first specimen, then its results; blocks come in order.
 
-    Blocks may be finished in any order. ``arguments``: those of `solve_block` before ``first``.
+    They may be finished in any order. ``arguments``: the first four arguments of `solve_block`: scene, model, kind of
+    kernels, and loads without random errors (N, 4) [N]; ``count``: number of specimens; ``step``: called with lines of
+    progress.
     """
     least = LEAST if isinstance(arguments[0], Scene) else 1
     size = max(least, min(BLOCK, count // 16))  # depends on the count only, as the division into blocks affects round-off
@@ -245,7 +248,8 @@ def _solve_blocks(
 def _binomial_quantile(p: float, trials: int, chance: float) -> int:
     """Return the smallest count that a binomial variable does not exceed with probability ``p``.
 
-    Probabilities are summed within fifteen deviations of the mean; scipy.special has this too, but takes long to import.
+    ``trials``: number of trials; ``chance``: probability of success of each. Probabilities are summed within about fifteen
+    standard deviations of the mean; scipy.special has this too, but takes long to import.
     """
     mean, reach = trials * chance, 15.0 * (1.0 + np.sqrt(trials * chance * (1.0 - chance)))
     first = max(0, int(mean - reach))
@@ -284,13 +288,20 @@ def sample_statistics(values: Array) -> dict[str, Any] | None:
 def ensemble_for_library(
     described: Described, model: str, count: int, seed: int | None, workers: int | None, step: Callable[[str], None]
 ) -> dict[str, Any]:
-    """Solve an ensemble for `rollbench.ensemble` and return JSON values; InputError as `run_members`."""
+    """Solve an ensemble for `rollbench.ensemble` and return its JSON values.
+
+    ``count``: number of specimens; ``seed``: seed of the random errors, None for that of the scene; ``workers``: number of
+    processes; ``step``: called with lines of progress. InputError for the faults that `run_members` refuses.
+    """
     each, cases = solve_ensemble(described, described.name, model, count, seed, Engine(workers=workers), step)
     return ensemble_json(described, each, cases)
 
 
 def ensemble_json(described: Described, each: Sequence[Members], cases: Sequence[str]) -> dict[str, Any]:
-    """Return the JSON values of an ensemble, for each load case if the scene has several."""
+    """Return the JSON values of an ensemble, for each load case if the scene has several.
+
+    ``each``: results for each load case; ``cases``: names of the load cases, empty for a scene without load cases.
+    """
     data = [members_json(batch) for batch in each]
     by_case = [{"case": case} | x for case, x in zip(cases, data, strict=True)] if cases else []
     return {"scene": described.name, "cases": by_case} if cases else data[0]
@@ -306,10 +317,12 @@ def solve_ensemble(
     step: Callable[[str], None],
     csv_out: Path | None = None,
 ) -> tuple[list[Members], list[str]]:
-    """Solve the specimens of a scene for each of its load cases; return the results and the names of the load cases.
+    """Solve the specimens of a scene for each of its load cases.
 
-    ``name``: file or name of the scene in errors; ``csv_out``: file for the outputs of each specimen. InputError as
-    `run_members`.
+    ``name``: file or name of the scene in error messages; ``count``: number of specimens; ``seed``: seed of the random
+    errors, None for that of the scene; ``step``: called with lines of progress; ``csv_out``: file for the outputs of each
+    specimen, or None. Returns the results for each load case, then the names of the load cases (none for a scene without
+    load cases). InputError for the faults that `run_members` refuses.
     """
     if seed is not None and not 0 <= seed < 2**62:
         raise ArgumentError("seed", str(seed), f"0 to {2**62 - 1}", "leave `seed` out for the seed of the scene")
@@ -324,7 +337,11 @@ def solve_ensemble(
 
 
 def _write_row(write: Callable[[list[Any]], None], head: Sequence[str], member: int, status: str, kept: Array) -> None:
-    """Write one specimen's row of a CSV file: load case if any, number, status, outputs."""
+    """Write one specimen's row of a CSV file: load case if any, number, status, outputs.
+
+    ``write``: function that writes a row; ``head``: name of the load case, or empty; ``member``: number of the specimen;
+    ``kept``: outputs, of which nan becomes an empty cell.
+    """
     write([*head, member, status, *("" if np.isnan(v) else repr(float(v)) for v in kept)])
 
 
@@ -356,7 +373,7 @@ def _open_csv(path: Path | None, names: Sequence[str]) -> Iterator[Callable[[lis
 def members_json(members: Members) -> dict[str, Any]:
     """Return the JSON values of an ensemble: statistics of the outputs, failures, distribution of every loaded contact.
 
-    For a shaft, statistics of each nut or bearing are in ``sets``, and rows of ``balls`` begin with its number.
+    For a shaft, statistics of each nut or bearing are in "sets", and rows of "balls" begin with the number of their set.
     """
     scene, kept = members.scene, members.kept
     counts: dict[str, Any] = {"members": len(kept), "converged": len(kept) - len(members.failed)}
@@ -364,7 +381,7 @@ def members_json(members: Members) -> dict[str, Any]:
     rows = _ball_bands(members.bands)
     if isinstance(scene, Assembly):
         seed: Any = [s.parts.errors.seed if isinstance(s.parts, Scene) else None for s in scene.sets]
-        counts["sets"] = _set_statistics(members, scene)
+        counts["sets"] = _statistics_by_set(members, scene)
         balls = [
             {"set": i + 1, **x, "index": x["index"] - place.start}
             for i, place in enumerate(members.balls)
@@ -380,7 +397,7 @@ def members_json(members: Members) -> dict[str, Any]:
     return {**head, "band_resolution_N": number(members.bands.width), "balls": balls}
 
 
-def _set_statistics(members: Members, assembly: Assembly) -> list[dict[str, Any]]:
+def _statistics_by_set(members: Members, assembly: Assembly) -> list[dict[str, Any]]:
     """Return the statistics of the outputs of each nut or bearing on a shaft."""
     by_set = np.split(members.kept[:, len(WHOLE) :], len(assembly.sets), axis=1)
     return [
@@ -390,7 +407,7 @@ def _set_statistics(members: Members, assembly: Assembly) -> list[dict[str, Any]
 
 
 def _ball_bands(bands: LoadDistributions) -> list[list[dict[str, Any]]]:
-    """Return for every ball the rows of its loaded contacts, with the distribution of their loads [N]."""
+    """Return for every ball a list with a JSON row for each loaded contact, which has the distribution of its load [N]."""
     found = {
         "without_random_errors_N": bands.nominal,
         "mean_N": bands.mean,

@@ -92,7 +92,10 @@ def _refuse_scene(scene: KindScene, key: str, reason: str, advice: str) -> None:
 
 
 def _contact_directions(angles: Array, senses: Array) -> Array:
-    """Return the unit vectors (..., 2) of contact normals at contact angles [rad], with the signs ``senses``."""
+    """Return the unit vectors (..., 2) of contact normals.
+
+    ``angles``: contact angles (...,) [rad]; ``senses``: signs of the components (..., 2).
+    """
     return np.asarray(senses * np.stack([np.sin(angles), np.cos(angles)], axis=-1))
 
 
@@ -127,7 +130,7 @@ def _linear_case(scene: LinearScene) -> RollingCase:
 def _loads_at_given_angles(scene: LinearScene, normals: Array, rho: float) -> Array:
     """Return the contact loads (4,) [N] that balance a ball of a linear bearing at given contact angles.
 
-    ``normals``: contact normals, (4, 2); with the distribution "diagonal" the nominal contact angle is taken instead.
+    ``normals``: contact normals (4, 2); with the distribution "diagonal" the nominal contact angle is taken instead;
     ``rho``: side force over vertical force.
     """
     if scene.distribution == "diagonal":
@@ -140,9 +143,10 @@ def _loads_at_given_angles(scene: LinearScene, normals: Array, rho: float) -> Ar
 def _loads_with_elastic_angles(
     scene: LinearScene, layout: Layout, material: Material, normals: Array, rho: float
 ) -> tuple[Array, Array]:
-    """Return contact normals (4, 2) and loads (4,) [N] of a linear bearing's ball whose contact angles follow the loads.
+    """Return contact normals (4, 2), then loads (4,) [N], of a linear bearing's ball whose contact angles follow the loads.
 
-    ``rho``: side force over vertical force.
+    ``layout``: geometry of the balls; ``normals``: contact normals without load (4, 2); ``rho``: side force over vertical
+    force.
     """
     C = hertz_constants(layout, material)
     pull = scene.vertical * np.array([rho, -1.0])
@@ -161,7 +165,10 @@ def _loads_with_elastic_angles(
 
 
 def _screw_case(scene: ScrewPairScene, choices: Choices) -> RollingCase:
-    """Return two balls of a ball screw for the 3D model; Refusal for constants, couplings or speeds beyond the model."""
+    """Return two balls of a ball screw for the 3D model; Refusal for features that the model does not have.
+
+    These are printed Hertz constants, friction that moves the screw, and a groove at rest. ``choices``: grid of contacts.
+    """
     pair, g = scene.pair, scene.pair.groove
     if g.hertz != "right":
         _refuse_scene(
@@ -177,9 +184,9 @@ def _screw_case(scene: ScrewPairScene, choices: Choices) -> RollingCase:
         _refuse_scene(scene, "motion.speed", "balls at rest do not roll", "let nut or screw turn")
     signs = np.array(SIDE_SIGNS, dtype=float)
     outward = signs[:, 0]
-    ride = np.where(outward < 0.0, g.screw_speed, g.nut_speed)
+    groove_speeds = np.where(outward < 0.0, g.screw_speed, g.nut_speed)
     layout = screw_layout(
-        g.ball_radius, g.groove_radius, g.pitch_radius, g.lead, g.contact_angle, outward, ride, len(pair.theta)
+        g.ball_radius, g.groove_radius, g.pitch_radius, g.lead, g.contact_angle, outward, groove_speeds, len(pair.theta)
     )
     material = Material(g.young, g.poisson, g.mu, g.mu if g.mu_balls is None else g.mu_balls)
     angles = g.contact_angle + np.array(pair.theta)[:, None] * np.array(pair.pattern)
@@ -220,7 +227,10 @@ def _screw_case(scene: ScrewPairScene, choices: Choices) -> RollingCase:
 
 
 def _bearing_case(scene: BearingBallScene) -> RollingCase:
-    """Return one ball of a rotary bearing for the 3D model; Refusal for laws or speeds that it does not cover."""
+    """Return one ball of a rotary bearing for the 3D model; Refusal for features that the model does not have.
+
+    These are friction laws other than Coulomb's, Hertz constants other than the exact ones, and a ring at rest.
+    """
     b = scene.bearing
     if scene.law != "coulomb" or b.hertz != "right":
         _refuse_scene(

@@ -46,7 +46,10 @@ from rollbench.lowfi.friction.screw.run import solve_pair
 
 
 def solve_low_order(scene: KindScene) -> tuple[dict[str, float], float, str]:
-    """Solve a scene by the low-order model; return values by name, seconds of a second solution, and the status."""
+    """Solve a friction scene of rolling balls by the low-order model.
+
+    Returns the values by names that end in the unit, the time of a second solution [s], and the status.
+    """
     kinds: dict[type[KindScene], Callable[[Any], tuple[dict[str, float], str]]]
     kinds = {
         LinearScene: _linear_bearing_values,
@@ -61,7 +64,10 @@ def solve_low_order(scene: KindScene) -> tuple[dict[str, float], float, str]:
 
 
 def _linear_bearing_values(scene: LinearScene) -> tuple[dict[str, float], str]:
-    """Solve the balls of a linear bearing by the low-order model; return values by name with unit, and the status."""
+    """Solve the balls of a linear bearing by the low-order model.
+
+    Returns the values by names that end in the unit, such as "force 1-2 N", then the status.
+    """
     angles, force, _ = linear_loads(scene)
     apart, near = (
         solve_linear_chain(prepare_chain(scene.bearing, angles, force, t), fast=False) for t in (False, scene.gap <= 0.0)
@@ -75,7 +81,10 @@ def _linear_bearing_values(scene: LinearScene) -> tuple[dict[str, float], str]:
 
 
 def _screw_pair_values(scene: ScrewPairScene) -> tuple[dict[str, float], str]:
-    """Solve two balls of a screw by the low-order model; return values by name with unit, and the status."""
+    """Solve two balls of a screw by the low-order model.
+
+    Returns the values by names that end in the unit, such as "force 1-2 N", then the status.
+    """
     found = solve_pair(scene.pair)
     apart, near = found.free.motion, found.touching.motion
     out = {"force 1-2 N": found.force}
@@ -86,7 +95,10 @@ def _screw_pair_values(scene: ScrewPairScene) -> tuple[dict[str, float], str]:
 
 
 def _bearing_ball_values(scene: BearingBallScene) -> tuple[dict[str, float], str]:
-    """Solve one ball of a rotary bearing by the low-order model; return values by name with unit, and the status."""
+    """Solve one ball of a rotary bearing by the low-order model.
+
+    Returns the values by names that end in the unit, such as "torque N mm", then the status.
+    """
     found = solve_ball(scene.bearing, scene.force, scene.displacement)
     q, loss = found.motion.q, found.motion.friction.loss
     out = {"orbit rad/s": float(q[0]), "omega x rad/s": float(q[1]), "omega y rad/s": float(q[2])}
@@ -131,8 +143,11 @@ KNOWN = {
 class RollingRow:
     """One quantity of one scene: low-order value, 3D reference with uncertainty, printed values."""
 
+    #: Name of the scene.
     scene: str
+    #: Name of the quantity, such as "force 1-2" for the force between balls 1 and 2.
     quantity: str
+    #: Unit of the quantity, which is also that of all values below without a unit of their own.
     unit: str
     #: Value of the low-order model; None: it does not have the quantity.
     low: float | None
@@ -158,7 +173,7 @@ class RollingRow:
     seconds: float
     #: Value with half spaces on the finest grid, if the bodies of the reference are finite.
     half_space: float | None = None
-    #: Interpretation of the loads, "plain" or "inferred", if Lin's thesis does not print them.
+    #: Interpretation of contact loads that Lin's thesis does not print, "plain" or "inferred"; None if it prints them.
     load_state: str | None = None
     #: Version and machine with which the run time of the 3D model was measured.
     measured_with: str = ""
@@ -169,7 +184,7 @@ class RollingRow:
 
 
 def split_name_and_unit(name: str) -> tuple[str, str]:
-    """Return quantity and unit of a name such as "torque N mm"; KeyError without a known unit."""
+    """Return first the quantity, then the unit of a name such as "torque N mm"; KeyError without a known unit."""
     for unit in ("N mm", "rad/s", "mW", "N", "%"):
         if name.endswith(f" {unit}"):
             return name.removesuffix(f" {unit}"), unit
@@ -181,9 +196,9 @@ UNSTATED = ": +- is the scatter of the grids, without the uncertainty of the loa
 
 
 def load_state(name: str) -> str | None:
-    """Return how the loads of a scene of Table 3.7, which Lin's thesis does not print, are interpreted: plain or inferred.
+    """Return the interpretation of a scene's contact loads: "plain" or "inferred"; None if Lin's thesis prints them.
 
-    None for other scenes.
+    ``name``: name of the scene. Loads are not printed for the scenes of Table 3.7 of Lin's thesis.
     """
     table = PRINTED.get(name.removesuffix(".toml"))
     if table is None or table[0] != "lin-3.7":
@@ -194,8 +209,8 @@ def load_state(name: str) -> str | None:
 def quantity_uncertainty(runs: Sequence[RollingRun], name: str) -> float:
     """Return the uncertainty of a quantity of the 3D model of rolling, in its unit; infinite with one grid.
 
-    It is the largest difference of a grid from the finest one times `SAFETY`, plus the difference of the quadratures of the
-    rigid limit.
+    It is the largest difference of a grid from the finest one times `SAFETY`, plus the difference of the two quadratures of
+    the rigid limit. ``runs``: runs from coarse to fine; ``name``: name of the quantity with its unit.
     """
     values = [r.values[name] for r in runs]
     if len(values) < 2:
@@ -203,7 +218,7 @@ def quantity_uncertainty(runs: Sequence[RollingRun], name: str) -> float:
     return SAFETY * max(abs(v - values[-1]) for v in values[:-1]) + runs[-1].limit_spread[name]
 
 
-def scene_rows(scene: KindScene, runs: Sequence[RollingRun], beside: RollingRun | None = None) -> list[RollingRow]:
+def scene_rows(scene: KindScene, runs: Sequence[RollingRun], half_space: RollingRun | None = None) -> list[RollingRow]:
     """Return the rows of a scene: each quantity by the low-order model and by the 3D model of rolling.
 
     Parameters
@@ -212,14 +227,14 @@ def scene_rows(scene: KindScene, runs: Sequence[RollingRun], beside: RollingRun 
         Friction scene of rolling balls.
     runs
         Runs of the 3D model from coarse to fine; the last is the reference.
-    beside
-        Run with half spaces on the finest grid, if the runs have finite bodies. The modelling choices of finite bodies then
-        count as uncertainty.
+    half_space
+        Run with half spaces on the finest grid, if the runs have finite bodies, else None. The modelling choices of finite
+        bodies then count as uncertainty.
     """
     low, low_seconds, _ = solve_low_order(scene)
     finest = runs[-1]
     table = PRINTED.get(scene.name.removesuffix(".toml"))
-    by_bodies = 0.0 if beside is None else largest_choice_effect("linear" in scene.kind)
+    by_bodies = 0.0 if half_space is None else largest_choice_effect("linear" in scene.kind)
     out = []
     for name, value in finest.values.items():
         quantity, unit = split_name_and_unit(name)
@@ -248,7 +263,7 @@ def scene_rows(scene: KindScene, runs: Sequence[RollingRun], beside: RollingRun 
                 share if np.isfinite(share) else None,
                 low_seconds,
                 finest.seconds,
-                None if beside is None else beside.values[name],
+                None if half_space is None else half_space.values[name],
                 load_state(scene.name),
                 str(finest.measured),
             )
@@ -267,12 +282,15 @@ def is_within_limit(row: RollingRow) -> bool:
 
 
 def stored_rows(name: str, stores: Sequence[Path], bodies: str = HALF_SPACE) -> list[RollingRow]:
-    """Return the rows of a shipped scene from stored runs of the 3D model on all grids; empty if one is missing."""
+    """Return the rows of a shipped scene from stored runs of the 3D model on all grids; empty if a run is missing.
+
+    ``name``: name of the scene; ``stores``: folders with runs; ``bodies``: kind of the bodies, "half-space" or finite.
+    """
     scene = shipped_case(name, KindScene)
     found = [load_run(scene, level, stores, bodies) for level in LEVELS]
     runs = [run for run in found if run is not None and run.converged]
-    beside = None if bodies == HALF_SPACE else load_run(scene, max(LEVELS), stores)
-    return scene_rows(scene, runs, beside) if len(runs) == len(LEVELS) else []
+    half_space = None if bodies == HALF_SPACE else load_run(scene, max(LEVELS), stores)
+    return scene_rows(scene, runs, half_space) if len(runs) == len(LEVELS) else []
 
 
 # --- rows of the gate: low-order models of rolling balls against the 3D model
@@ -281,8 +299,9 @@ def stored_rows(name: str, stores: Sequence[Path], bodies: str = HALF_SPACE) -> 
 def rolling_rows(study: Study, max_error: float) -> list[GateRow]:
     """Check low-order models of rolling balls against stored runs of the 3D model: ball-to-ball forces and torques.
 
-    A quantity beyond the limit passes if `KNOWN` lists it with the cause. A quantity that is listed there and is within the
-    limit fails.
+    ``max_error``: largest error [%] that the gate allows; the limit is this or `LIMIT`, whichever is smaller. A quantity
+    beyond the limit passes if `KNOWN` lists it with the cause. A quantity that is listed there and is within the limit
+    fails.
     """
     out: list[GateRow] = []
     stores = study.stores or (shipped_store(),)
@@ -395,7 +414,10 @@ def effects_of_choices(
 def _effects_in_scene(
     name: str, stores: Sequence[Path], series: Sequence[RunFromRest], sizes: Sequence[BodyVariant]
 ) -> Iterator[ChoiceEffect]:
-    """Yield the effects of grid, finite bodies, time step and regularisation on the ball-to-ball force in one scene."""
+    """Yield the effects of grid, finite bodies, time step and regularisation on the ball-to-ball force in one scene.
+
+    ``name``: name of the scene; the other arguments are those of `effects_of_choices`.
+    """
     scene = shipped_case(name, KindScene)
     half, finite = (_force_uncertainty_percent(name, stores, *bodies) for bodies in ((), (FINITE,)))
     run = load_run(scene, max(LEVELS), stores)
@@ -420,16 +442,23 @@ def _effects_in_scene(
 
 
 def _ball_to_ball_force(scene: Rolling, choices: Choices, path: tuple[float, ...] = PATH) -> float:
-    """Return the force between the first two balls [N]; nan if the solver does not converge."""
+    """Return the force between the first two balls [N]; nan if the solver does not converge.
+
+    ``choices``: grid and bodies; ``path``: creeping speeds of the regularised friction law over the largest slip, in the
+    order in which the solver steps through them.
+    """
     found = solve_rolling(scene, choices, path=path)
     return float(found.force[0]) if found.converged else np.nan
 
 
 def _largest_error_percent(values: Sequence[float], reference: float) -> float:
-    """Return the largest error of some values against a reference value [%]."""
+    """Return the largest magnitude of the errors of ``values`` against a reference value [%]."""
     return float(np.max([abs(float(error_percent(value, reference))) for value in values]))
 
 
 def _force_uncertainty_percent(name: str, stores: Sequence[Path], *bodies: str) -> float | None:
-    """Return the stated uncertainty of the ball-to-ball force of a scene [%]; None without stored runs."""
+    """Return the stated uncertainty of the ball-to-ball force of a scene [%]; None without stored runs.
+
+    ``bodies``: kind of the bodies; half spaces if left out.
+    """
     return next((row.uncertainty_percent for row in stored_rows(name, stores, *bodies) if row.quantity == FORCE), None)

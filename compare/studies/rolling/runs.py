@@ -119,7 +119,10 @@ class RollingRun:
 
 
 def run_key(scene: KindScene, level: int, bodies: str = HALF_SPACE) -> str:
-    """Return the digest of everything that affects the numbers of a run, 16 hexadecimal digits."""
+    """Return the digest of everything that affects the numbers of a run, 16 hexadecimal digits.
+
+    ``level``: level of the grid; ``bodies``: kind of the bodies, a key of `BODIES`.
+    """
     content = (SCHEMA, scene, level, LEVELS.get(level), SOURCE_SIZE.get(scene.kind), QUADRATURES, balls.NEARLY_RIGID)
     sizes = BODIES[bodies]
     return digest(*content, *(() if sizes is None else (sizes, MESHED)))[:16]
@@ -157,9 +160,9 @@ def save_run(store: Path, scene: KindScene, run: RollingRun) -> Path:
 
 
 def grid_shape(case: RollingCase, level: int) -> tuple[int, int]:
-    """Return the cells of a contact along and across the groove on a level.
+    """Return the numbers of cells of a contact on a level of the grid: along the groove, then across it.
 
-    With the element size of Lin's thesis as many as fit into the largest contact.
+    On `SOURCE_LEVEL` these are as many cells of the element size of Lin's thesis as fit into the largest contact.
     """
     if level != SOURCE_LEVEL:
         return LEVELS[level]
@@ -206,7 +209,10 @@ def compute_run(scene: KindScene, level: int, bodies: str = HALF_SPACE, processe
 
 
 def _solve_on_grid(scene: KindScene, level: int, bodies: str, processes: int) -> RollingRun:
-    """Solve a scene on one grid with elastic, nearly rigid and flat bodies and in the rigid limit, and return the run."""
+    """Solve a scene on one grid with elastic, nearly rigid and flat bodies and in the rigid limit, and return the run.
+
+    The arguments are those of `compute_run`.
+    """
     begin, sizes = process_time(), BODIES[bodies]
     case = rolling_case(scene, balls.Choices(LEVELS.get(level, LEVELS[1])))
     shape = grid_shape(case, level)
@@ -241,7 +247,10 @@ def _solve_on_grid(scene: KindScene, level: int, bodies: str, processes: int) ->
 
 
 def _solve_apart_and_touching(case: RollingCase, choices: balls.Choices) -> tuple[balls.RollingResult, balls.RollingResult]:
-    """Solve a case with balls far apart and touching; one solution serves both where they are the same system."""
+    """Return the solution of a case with balls far apart, then that with touching balls.
+
+    Where both are the same system, one solution serves both. ``choices``: grid and bodies.
+    """
     apart = balls.solve_rolling(case.apart, choices)
     return apart, (apart if case.touching is case.apart else balls.solve_rolling(case.touching, choices))
 
@@ -277,7 +286,7 @@ def _loaded_contacts(scene: Rolling) -> list[int]:
 
 
 def _contact_losses(result: balls.RollingResult | balls.RigidResult) -> list[float]:
-    """Return the loss at each contact [W]."""
+    """Return the friction loss at each contact of a solution [W]."""
     if isinstance(result, balls.RollingResult):
         return [c.loss for c in result.contacts]
     return [float(v) for v in np.asarray(result.contact_loss)]
@@ -325,7 +334,7 @@ def body_variants() -> dict[str, tuple[str, Sizes | None]]:
 
 
 def compute_variant(choice: str) -> BodyVariant:
-    """Compute the forces and losses of the variant with a description."""
+    """Compute the forces and losses of a variant of the finite bodies; ``choice``: its description in `body_variants`."""
     name, sizes = body_variants()[choice]
     scene = shipped_case(name, KindScene)
     case = rolling_case(scene, Choices(SHAPE))
@@ -365,14 +374,14 @@ class StoredVariants:
 
 
 def variants_key() -> str:
-    """Return the digest of source code and scenes, with which stored variants are identified."""
+    """Return the digest of the source code and the scenes on which stored variants of the finite bodies depend."""
     return sources_hash(("hifi", "meshes", "compare/studies/rolling"), "".join(map(catalogue.scene_text, SCENES)))
 
 
 def find_body_variants(stores: Sequence[Path], *, fresh: bool) -> StoredVariants:
     """Return the stored variants of the finite bodies if their digest is valid, else compute them.
 
-    ``fresh``: compute and store them in any case.
+    ``stores``: folders, the first of which takes new variants; ``fresh``: whether to compute and store them in any case.
     """
     kept = None if fresh else _load_variants(stores)
     if kept is None:
@@ -389,7 +398,8 @@ def find_body_variants(stores: Sequence[Path], *, fresh: bool) -> StoredVariants
 def largest_choice_effect(straight: bool) -> float:
     """Return the largest relative change of a force or loss by one modelling choice of finite bodies, as stored.
 
-    ``straight``: by the choices for straight rails (linear bearing); else by those for rings and helices (screw).
+    ``straight``: whether the choices are those for straight rails (linear bearing), else those for rings and helices
+    (screw).
     """
     found = json.loads((shipped_store() / FILE).read_text(encoding="utf-8"))["variants"]
     values = {row["choice"]: row["values"] for row in found}

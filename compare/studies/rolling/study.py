@@ -21,7 +21,11 @@ from rollbench.compare.studies.rolling.runs import SOURCE_LEVEL, SOURCE_SIZE, Ro
 def find_or_compute_runs(
     scene: KindScene, levels: Sequence[int], store: Path, engine: Engine, *, fresh: bool, bodies: str = "half-space"
 ) -> list[RollingRun]:
-    """Return the runs of a scene on several grids, stored ones where they exist; each new run is stored when it is done."""
+    """Return the runs of a scene on several grids, stored ones where they exist; each new run is stored when it is done.
+
+    ``levels``: levels of the grids; ``store``: folder for new runs; ``engine``: where they are computed; ``fresh``: whether
+    stored runs are computed again; ``bodies``: kind of the bodies. Refusal if a run did not converge.
+    """
     stores = (store, shipped_store())
     found = {} if fresh else {k: run for k in levels if (run := runs.load_run(scene, k, stores, bodies)) is not None}
     missing = [k for k in levels if k not in found]
@@ -51,7 +55,8 @@ def rolling_comparison(
 ) -> list[RollingRow]:
     """Compare low-order models of rolling balls with the 3D model; missing runs are computed and stored in the store.
 
-    ``levels``: levels of the grids; None: all. Raises InputError for an unknown level, Refusal if a run did not converge.
+    ``levels``: levels of the grids, None for all; ``fresh``: whether stored runs are computed again; ``bodies``: kind of
+    the bodies. Raises InputError for an unknown level, Refusal if a run did not converge.
     """
     wanted = check_levels(levels or tuple(runs.LEVELS))
     out: list[RollingRow] = []
@@ -69,8 +74,9 @@ def rolling_study(
 ) -> list[dict[str, Any]]:
     """Return every quantity on every grid, with and without the rigid limit, and its uncertainty from all grids.
 
-    ``levels``: number of grids, from the coarsest on; None: all. ``source``: whether the grid with the element size of
-    Lin's thesis is added. Raises as `rolling_comparison`.
+    ``levels``: number of grids from the coarsest on, None for all; ``source``: whether the grid with the element size of
+    Lin's thesis is added; ``fresh``: whether stored runs are computed again; ``bodies``: kind of the bodies. Raises
+    InputError for a number of grids out of range, Refusal if a run did not converge.
     """
     levels = len(runs.LEVELS) if levels is None else levels
     if not 1 <= levels <= len(runs.LEVELS):
@@ -92,7 +98,10 @@ def without_infinity(row: dict[str, Any]) -> dict[str, Any]:
 
 
 def study_row(name: str, run: RollingRun, key: str) -> dict[str, Any]:
-    """Return a table row with one quantity of a run: value, rigid limit, and effect of elasticity on the grid."""
+    """Return a table row with one quantity of a run: value, rigid limit, and effect of elasticity on the grid.
+
+    ``name``: name of the scene; ``key``: name of the quantity with its unit.
+    """
     return {
         "scene": name,
         "load_state": load_state(name),

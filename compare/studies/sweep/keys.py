@@ -23,10 +23,13 @@ from rollbench.compare.errors import ArgumentError
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.units import COMMA, has_comma, number_and_unit, toml_text
 
+#: Pattern of the path of one key.
 _ONE = r"[A-Za-z_]\w*(\[\d+\])*(\.\w+(\[\d+\])*)*"
 
+#: Pattern of the paths of keys that take the same value.
 _PATH = re.compile(rf"{_ONE}(\+{_ONE})*")
 
+#: Forms of the texts that vary a key.
 _FORM = "KEY=A:B, KEY=A:B:N or KEY=v1,v2, units as in the scene"
 
 #: Groups of keys for the same quantity, of which a scene has one: a varied key replaces the others of its group.
@@ -66,7 +69,7 @@ class Vary:
     choices: tuple[Any, ...] = ()
 
     def value_at(self, u: float) -> Any:
-        """Return the value at a coordinate ``u`` from 0 to 1 of the range or list, as a scene file holds it."""
+        """Return the value at a coordinate ``u`` of the range or list as a scene file has it; ``u``: from 0 to 1."""
         if self.choices:
             return self.choices[min(int(u * len(self.choices)), len(self.choices) - 1)]
         if self.whole:
@@ -75,7 +78,10 @@ class Vary:
         return f"{number!r} {self.unit}" if self.unit else number
 
     def as_number(self, value: Any) -> float:
-        """Return a value as a number for plots and means: in the range's unit, or its position in the list from 1."""
+        """Return a value of the key as a number for plots and means.
+
+        For a range it is the number in the range's unit, for a list the position of the value in the list from 1.
+        """
         if self.choices:
             return 1.0 + self.choices.index(value)
         return float(value) if isinstance(value, int | float) else float(_split_quantity(value)[0])
@@ -107,7 +113,9 @@ class Vary:
 def read_over(texts: Sequence[str], argument: str = "over") -> tuple[Vary, ...]:
     """Read the varied keys of a table from texts, each with all its values.
 
-    As `read_vary`, but a range needs a number of values, and no key need be varied. InputError for anything else.
+    ``texts``: a text for each key, such as ``track.contact_angle=40:50:3 deg``; ``argument``: name of the argument in
+    errors. The texts have the form that `read_vary` reads, but a range needs a number of values, and no key need be varied.
+    InputError for anything else.
     """
     try:
         keys = read_vary(texts) if texts else ()
@@ -134,12 +142,15 @@ def read_vary(texts: Sequence[str]) -> tuple[Vary, ...]:
 
 
 def _refused_variation(value: str, allowed: str, advice: str = f"give {_FORM}") -> ArgumentError:
-    """Return the error for a text or value of the argument ``vary`` that cannot be used."""
+    """Return the error for a text or value of the argument ``vary`` that cannot be used.
+
+    ``value``: what the user wrote; ``allowed``: allowed values; ``advice``: how to correct the text.
+    """
     return ArgumentError("vary", toml_text(value), allowed, advice)
 
 
 def _read_varied_key(text: str) -> Vary:
-    """Read one varied key with its list or range of values."""
+    """Read one varied key with its list or range of values from a text such as ``balls.count=20,24``."""
     key, sign, values = (piece.strip() for piece in text.partition("="))
     if not sign or not _PATH.fullmatch(key) or not values:
         advice = 'write for example `vary="errors.balls.oversize=0 um:7 um"` or `vary="loads[0].force[2]=1 kN,5 kN"`'
@@ -155,7 +166,7 @@ def _read_varied_key(text: str) -> Vary:
 
 
 def _read_range(key: str, text: str, values: str) -> Vary:
-    """Read a range ``A:B`` or ``A:B:N`` of a key."""
+    """Read a range ``A:B`` or ``A:B:N`` of a key; ``text``: whole text as the user wrote it; ``values``: its range."""
     if any(map(has_comma, values.split(":"))):
         raise _refused_variation(text, "numbers with a point", COMMA)
     try:
@@ -175,7 +186,11 @@ def _read_range(key: str, text: str, values: str) -> Vary:
 
 
 def _equal_steps(text: str, low: float, high: float, unit: str, count: Sequence[str]) -> tuple[Any, ...]:
-    """Return equally spaced values from low to high, both included, as a scene file holds them."""
+    """Return equally spaced values from ``low`` to ``high``, both included, as a scene file has them.
+
+    ``text``: whole text as the user wrote it, for errors; ``unit``: unit of the values; ``count``: the number of values as
+    text, a list of one.
+    """
     if len(count) != 1 or not re.fullmatch(r"\d{1,4}", count[0]) or not 2 <= int(count[0]) <= MOST_VALUES:
         raise _refused_variation(
             text, f"A:B:N with N from 2 to {MOST_VALUES}", "write for example nut.position=100:900:9 mm"
@@ -187,7 +202,7 @@ def _equal_steps(text: str, low: float, high: float, unit: str, count: Sequence[
 
 
 def _split_quantity(text: str) -> tuple[str, str]:
-    """Return number and unit of a quantity, as written; ValueError for another text."""
+    """Return first the number, then the unit of a quantity such as "5 um", both as written; ValueError for another text."""
     found = number_and_unit(text)
     if found is None:
         raise ValueError(text)
@@ -205,7 +220,8 @@ def _read_scalar(text: str) -> Any:
 def with_varied_keys(raw: dict[str, Any], keys: Sequence[Vary], values: Sequence[Any]) -> dict[str, Any]:
     """Return a copy of a scene's tables with the values of varied keys, without other keys for the same quantities.
 
-    InputError for an entry that a list does not have.
+    ``raw``: TOML tables of the scene; ``keys``: varied keys; ``values``: a value for each key. InputError for an entry that
+    a list does not have.
     """
     out = copy.deepcopy(raw)
     for path in (p for vary in keys for p in vary.paths):
@@ -224,7 +240,7 @@ def replaced_keys(raw: dict[str, Any], keys: Sequence[Vary]) -> list[tuple[str, 
 
 
 def _equivalent_keys(path: str) -> Iterator[str]:
-    """Yield the other keys for the same quantity as the key ``path``, of the same nut or bearing."""
+    """Yield the other keys that a scene may have for the same quantity of the same nut or bearing; ``path``: the key."""
     prefix, key = re.fullmatch(r"(sets\[\d+\]\.)?(.*)", path).groups(default="")  # type: ignore[union-attr]
     for group in _SAME:
         if key in group:
@@ -268,7 +284,10 @@ def _set_key(raw: dict[str, Any], key: str, value: Any) -> None:
 
 
 def _check_entry(node: Any, step: str | int, key: str) -> None:
-    """Raise InputError if a table or list cannot have the entry ``step`` of a key's path."""
+    """Raise InputError if a table or list cannot have the next entry of a key's path.
+
+    ``node``: the table or list; ``step``: name or index of the entry; ``key``: whole path, for the error.
+    """
     allowed = "a key of a table, or an entry [0], [1], ... of a list that the scene has"
     if isinstance(node, dict) and isinstance(step, str):
         return
@@ -282,6 +301,7 @@ def _check_entry(node: Any, step: str | int, key: str) -> None:
 #: Design of a sweep's samples.
 Method = Literal["sobol", "lhs", "grid"]
 
+#: Names of the designs.
 METHODS: tuple[Method, ...] = ("sobol", "lhs", "grid")
 
 #: Largest number of samples of a sweep.
@@ -291,7 +311,8 @@ MOST = 1_000_000
 def base_points(samples: int, keys: int) -> int:
     """Return the number n of base points of a design for Sobol indices.
 
-    It is the power of two for which the number of samples n (keys + 2) is nearest to ``samples`` by ratio, at least 2.
+    ``samples``: requested number of samples; ``keys``: number of varied keys. It is the power of two for which the number
+    of samples n (keys + 2) is nearest to ``samples`` by ratio, at least 2.
     """
     return max(2, 1 << max(0, round(math.log2(max(samples, 1) / (keys + 2)))))
 
@@ -343,7 +364,7 @@ def design_points(method: Method, keys: Sequence[Vary], samples: int, seed: int)
 
 
 def _grid_points(keys: Sequence[Vary], samples: int) -> Array:
-    """Return the coordinates of all combinations of the keys' values, (m, d) in [0, 1].
+    """Return the coordinates of all m combinations of the values of d keys, (m, d) in [0, 1].
 
     InputError if ``samples`` are too few for all values of lists and both ends of ranges.
     """

@@ -131,7 +131,10 @@ def run_samples(sweep: Sweep, folder: Path, engine: Engine, step: Step) -> dict[
 
 
 def _refuse_hopeless_sweep(sweep: Sweep, places: Array) -> None:
-    """Solve the first samples until one is accepted; raise InputError if all are refused for the same reason."""
+    """Solve the first samples until one is accepted; raise InputError if all are refused for the same reason.
+
+    ``places``: coordinates of all samples in the unit cube (m, d).
+    """
     refused: list[InputError] = []
     for place in places[:FIRST]:
         try:
@@ -158,7 +161,8 @@ def _refuse_hopeless_sweep(sweep: Sweep, places: Array) -> None:
 def _solve_missing(sweep: Sweep, folder: Path, engine: Engine, step: Step, work: tuple[str, Array, list[int]]) -> None:
     """Solve the missing samples in batches and store them.
 
-    ``work``: token of the run, coordinates of all samples, numbers of the missing ones.
+    ``folder``: folder of the sweep; ``engine``: where samples are computed; ``step``: called with lines of progress;
+    ``work``: token of the run, coordinates of all samples (m, d), numbers of the missing ones.
     """
     token, places, left = work
     kernels = "compiled" if len(places) >= COMPILE_FROM else "interpreted"

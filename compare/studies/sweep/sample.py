@@ -74,10 +74,11 @@ Makers = dict[str, Callable[[], Any]]
 def sample_outputs(
     scene: Scene, result: StaticResult, model: str, options: Options, wanted: Collection[str] = tuple(OUTPUTS)
 ) -> dict[str, Any]:
-    """Return the wanted `OUTPUTS` of a converged result, and ``at``: ball and flank with the largest load.
+    """Return the wanted `OUTPUTS` of a converged result by name, and "at": ball and flank with the largest load.
 
-    Rigidity (secant, from the unloaded position) and preload need the solution without loads, which is computed only for
-    them. The torque needs [friction] of the scene. An output that does not exist for the scene is None.
+    ``result``: static result of the scene; ``model``: name of the model; ``options``: its options; ``wanted``: names of the
+    outputs. Rigidity (secant, from the unloaded position) and preload need the solution without loads, which is computed
+    only for them. The torque needs a [friction] table in the scene. An output that does not exist for the scene is None.
     """
 
     @cache
@@ -105,7 +106,7 @@ def cycle_outputs(
 ) -> dict[str, Any]:
     """Return the outputs of a duty cycle from results and outputs of its load cases.
 
-    They are those of the load case with the largest contact load, which ``at`` names, with three exceptions. Life is the
+    They are those of the load case with the largest contact load, which "at" names, with three exceptions. Life is the
     shortest life of a nut or bearing over the duty cycle. Torque is the mean over all revolutions. Growth is the largest
     load of a nut or bearing over all load cases over its largest load in the first; the largest and the smallest growth are
     given.
@@ -145,18 +146,19 @@ def cycle_outputs(
 
 
 def _loads_by_set(result: StaticResult | AxisResult) -> list[Array]:
-    """Return the loads of the contacts or rollers of every nut and bearing [N]."""
+    """Return the loads [N] of the contacts or rollers of every nut and bearing, one array for each of them."""
     return [result.load] if isinstance(result, StaticResult) else [s.loads for s in result.sets]
 
 
 def axis_outputs(
     assembly: Assembly, result: AxisResult, engine: str, wanted: Collection[str] = tuple(OUTPUTS)
 ) -> dict[str, Any]:
-    """Return the wanted `OUTPUTS` of a converged result of a shaft with several nuts and bearings.
+    """Return the wanted `OUTPUTS` of a converged result of a shaft with several nuts and bearings, by name.
 
-    Loads are of ball contacts and rollers; ``at`` begins with the name of the nut or bearing. The displacement is axial,
-    from the unloaded position, of the section or housing that the scene names. Approaches and torque are of balls only.
-    Life is the shortest of a nut or bearing; preload the largest axial force on one of them without loads.
+    ``engine``: kind of kernels, "interpreted" or "compiled"; ``wanted``: names of the outputs. Loads are of ball contacts
+    and rollers; "at" begins with the name of the nut or bearing. The displacement is axial and that of the section or
+    housing that the scene names; for the rigidity it counts from the unloaded position. Approaches and torque are of balls
+    only. Life is the shortest life of a nut or bearing; preload is the largest axial force on one of them without loads.
     """
     sets = [(f"{s.of.name}: ", s.of.parts, s.balls) for s in result.sets if s.balls and isinstance(s.of.parts, Scene)]
     force, moved, loads = axial_load(assembly), displacement_of_interest(assembly, result)[2], loads_of(result)
@@ -197,7 +199,7 @@ def _outputs_of_sets(
     contacts: Callable[[], int],
     rollers: Sequence[tuple[str, Array]] = (),
 ) -> dict[str, Any]:
-    """Return the wanted `OUTPUTS` over all nuts and bearings of a scene, and ``at``: place of the largest load.
+    """Return the wanted `OUTPUTS` over all nuts and bearings of a scene by name, and "at": place of the largest load.
 
     Parameters
     ----------
@@ -206,7 +208,7 @@ def _outputs_of_sets(
     scene
         Scene of a nut or bearing, or of a shaft with several.
     whole
-        Functions for displacement [um], rigidity [N/um] and preload [N].
+        Functions that compute displacement [um], rigidity [N/um] and preload [N] of the whole scene, by name of the output.
     options
         Options of the model.
     wanted
@@ -239,9 +241,9 @@ def _outputs_of_sets(
 
 
 def _load_displacement(scene: Scene, result: StaticResult) -> float | None:
-    """Return the displacement of the points of action of the loads along their forces [um]; None without a force.
+    """Return the displacement [um] of the points of action of the loads along their forces; None without a force.
 
-    It is the mean weighted by the forces.
+    It is the mean over the loads, weighted by the magnitudes of their forces.
     """
     work = total = 0.0
     for x in scene.loads:
@@ -257,14 +259,18 @@ def _largest_approach(balls: StaticResult) -> float:
 
 
 def _secant_rigidity(force: float, moved: float) -> float | None:
-    """Return axial force [N] over displacement [m], in N/um; None without a force, or if the displacement opposes it."""
+    """Return an axial force [N] over the displacement [m] that it causes, in N/um.
+
+    ``moved``: the displacement. None without force or displacement, or if they have opposite signs.
+    """
     return 1e-6 * force / moved if force * moved > 0.0 else None
 
 
 def _shortest_life(sets: list[tuple[Scene | RollerRow, Array]]) -> float | None:
     """Return the shortest life of several nuts and bearings [10^6 revolutions].
 
-    None without load, or outside the range of validity of the ratings.
+    ``sets``: parts of each nut or bearing, and its contact or roller loads [N]. None without load, or outside the range of
+    validity of the ratings.
     """
     try:
         found = [roller_life.life(x, load) if isinstance(x, RollerRow) else life(x, load) for x, load in sets]
@@ -278,7 +284,8 @@ def _friction_torque(
 ) -> float | None:
     """Return the friction torque of all nuts and ball bearings [N mm].
 
-    None if friction does not converge, or the friction model does not cover one of them.
+    ``sets``: scene and static result of each of them. None if friction does not converge, or if the friction model does not
+    cover one of them.
     """
     from rollbench.compare.models.friction_sums import torque
 
@@ -297,7 +304,8 @@ Record = dict[str, Any]
 def open_folder(folder: Path, header: Mapping[str, Any]) -> None:
     """Create the folder of a sweep, or check that it holds this sweep.
 
-    Raises InputError if it holds other files or another sweep.
+    ``header``: JSON values that identify the sweep, such as its scene and keys; they are written to a file of the folder.
+    Raises InputError if the folder holds other files or another sweep.
     """
     path = folder / HEADER
     text = json.dumps(header, indent=1, ensure_ascii=False) + "\n"
@@ -305,11 +313,13 @@ def open_folder(folder: Path, header: Mapping[str, Any]) -> None:
     if path.exists():
         if path.read_text(encoding="utf-8") != text:
             raise ArgumentError(
-                "out", "the folder of another sweep", "a new one, or that of this sweep", advice, str(folder)
+                "out", "the folder of another sweep", "a new folder, or that of this sweep", advice, str(folder)
             )
     else:
         if folder.exists() and any(folder.iterdir()):
-            raise ArgumentError("out", "a folder with other files", "a new one, or that of this sweep", advice, str(folder))
+            raise ArgumentError(
+                "out", "a folder with other files", "a new folder, or that of this sweep", advice, str(folder)
+            )
         replace_file(path, text)
     (folder / RECORDS).mkdir(exist_ok=True)
     (folder / LOCKS).mkdir(exist_ok=True)
@@ -329,7 +339,7 @@ def take_folder(folder: Path) -> Iterator[str]:
         except Timeout:
             advice = "wait for that run, or end it"
             raise ArgumentError(
-                "out", "the folder of a sweep that is running", "one run at a time", advice, str(folder)
+                "out", "the folder of a sweep that is running", "a folder in which no run is active", advice, str(folder)
             ) from None
         token = uuid4().hex
         replace_file(folder / TOKEN, token)
@@ -352,13 +362,17 @@ def _wait_for_others(folder: Path) -> None:
         except Timeout:
             advice = "end the processes of the earlier run"
             raise ArgumentError(
-                "out", "a folder in which processes of an earlier run write", "no such process", advice, str(folder)
+                "out",
+                "a folder in which processes of an earlier run write",
+                "a folder in which none of them writes",
+                advice,
+                str(folder),
             ) from None
 
 
 @contextmanager
 def hold_lock(folder: Path) -> Iterator[None]:
-    """Keep a new run waiting while this process solves samples."""
+    """Hold this process's lock in the folder, for which a new run of the sweep waits, while the process solves samples."""
     from filelock import FileLock
 
     with FileLock(folder / LOCKS / _process_name()):
@@ -382,7 +396,7 @@ class RecordWriter:
     """Writer that appends records of samples to a file of this process."""
 
     def __init__(self, folder: Path, token: str) -> None:
-        """Set the file's path; the file is opened with the first record."""
+        """Set the file's path, which has the start of the run's token; the file is opened with the first record."""
         self._path = folder / RECORDS / f"{token[:8]}-{_process_name()}.lines"
 
     def append(self, records: Sequence[Record]) -> None:
@@ -426,8 +440,10 @@ def records_by_sample(folder: Path) -> dict[int, Record]:
     return {int(record["sample"]): record for record in stored_records(folder)}
 
 
+#: Status of a solved sample.
 CONVERGED = "converged"
 
+#: Numbers in the text of a refusal.
 _NUMBER = re.compile(r"[0-9][0-9.]*(e[+-]?[0-9]+)?")
 
 #: Number of balls on a shaft from which on one solution in plain Python takes seconds.
@@ -436,7 +452,7 @@ AXIS_COMPILED = 40
 
 @lru_cache(maxsize=8)
 def _cached_tables(text: str, origin: str) -> dict[str, Any]:
-    """Return the tables of a scene file's text, cached."""
+    """Return the TOML tables of a scene file's text from a cache; ``origin``: name of the file for messages."""
     return scene_file.read_toml(text, origin)
 
 
@@ -449,9 +465,11 @@ def solve_sample(
     engine: str,
     wanted: Collection[str] = tuple(OUTPUTS),
 ) -> dict[str, Any]:
-    """Return status and wanted outputs of one sample.
+    """Return the status of one sample and, if it is solved, its wanted outputs by name.
 
-    If scene or model refuse the sample's values, the status gives the reason.
+    ``text``: TOML text of the scene file; ``origin``: name of that file for messages; ``keys``: varied keys; ``values``:
+    their values in this sample; ``model``: name of the model; ``engine``: kind of kernels, "interpreted" or "compiled";
+    ``wanted``: names of `OUTPUTS`. If scene or model refuse the values, status and "reason" say why.
     """
     try:
         return solve_sample_or_refuse(text, origin, keys, values, model, engine, wanted)
@@ -468,7 +486,10 @@ def solve_sample_or_refuse(
     engine: str,
     wanted: Collection[str] = tuple(OUTPUTS),
 ) -> dict[str, Any]:
-    """Return status and outputs of one sample as `solve_sample`; InputError if scene or model refuse the values."""
+    """Return status and wanted outputs of one sample; InputError if scene or model refuse the sample's values.
+
+    The arguments are those of `solve_sample`.
+    """
     scene = scene_tables.read_tables(with_varied_keys(_cached_tables(text, origin), keys, values), origin)
     if isinstance(scene, DutyCycle):
         return _solve_cases(scene, model, engine, wanted)
@@ -477,12 +498,15 @@ def solve_sample_or_refuse(
 
 
 def refusal_reason(error: InputError) -> str:
-    """Return why the values of a sample are refused, without numbers, since a stated range may differ between samples."""
+    """Return why the values of a sample are refused, with "#" for numbers, since a range may differ between samples."""
     return _NUMBER.sub("#", f"{error.key}: {error.allowed or error.value}")
 
 
 def _solve_cases(cycle: DutyCycle, model: str, engine: str, wanted: Collection[str]) -> dict[str, Any]:
-    """Return status and outputs of a duty cycle; if a load case has no solution, its status."""
+    """Return status and wanted outputs of a duty cycle; if a load case has no solution, only the status of that case.
+
+    ``engine``: kind of kernels, "interpreted" or "compiled"; ``wanted``: names of the outputs.
+    """
     solved = [solve_case(case.scene, model, engine, wanted) for case in cycle.cases]
     for case, (result, _) in zip(cycle.cases, solved, strict=True):
         if not result.converged:
@@ -493,9 +517,10 @@ def _solve_cases(cycle: DutyCycle, model: str, engine: str, wanted: Collection[s
 def solve_case(
     scene: Scene | Assembly, model: str, engine: str, wanted: Collection[str]
 ) -> tuple[StaticResult | AxisResult, dict[str, Any]]:
-    """Return result and outputs of one load case.
+    """Return the static result of one load case, then its wanted outputs by name (empty if it has no solution).
 
-    A shaft with `AXIS_COMPILED` balls or more is solved by compiled kernels.
+    ``engine``: kind of kernels, "interpreted" or "compiled"; a shaft with `AXIS_COMPILED` balls or more is always solved by
+    compiled kernels. ``wanted``: names of the outputs.
     """
     if isinstance(scene, Assembly):
         kernels = "compiled" if scene.ball_count >= AXIS_COMPILED else engine
@@ -512,9 +537,9 @@ def solve_batch(
     sweep: tuple[str, str, tuple[Vary, ...], str, str, tuple[str, ...]],
     batch: list[tuple[int, list[Any]]],
 ) -> tuple[list[Record], bool]:
-    """Return the records of a batch of samples, and whether they were already appended to the sweep's folder.
+    """Return the records of a batch of samples, then whether they were already appended to the sweep's folder.
 
-    A worker that does not see the folder, or whose run is over, does not write there and only returns the records.
+    A worker process that does not see the folder, or whose run is over, does not write there and only returns the records.
 
     Parameters
     ----------
@@ -523,9 +548,10 @@ def solve_batch(
     token
         Token of the run.
     sweep
-        Text and origin of the scene, keys, model, kernels and wanted outputs.
+        TOML text of the scene file, name of that file, varied keys, name of the model, kind of kernels ("interpreted" or
+        "compiled"), and names of the wanted outputs.
     batch
-        Number and values of each sample.
+        Number of each sample, and its values of the keys.
     """
     run_folder = Path(folder)
     text, origin, keys, model, engine, wanted = sweep

@@ -65,12 +65,12 @@ def converged_records(records: Mapping[int, Record]) -> list[Record]:
 
 
 def output_column(rows: Sequence[Record], name: str) -> Array:
-    """Return one output of several samples, (k,); nan for a sample without it."""
+    """Return one output of k samples, (k,); nan for a sample without it. ``name``: a key of `OUTPUTS`."""
     return np.array([np.nan if row[name] is None else row[name] for row in rows], dtype=float)
 
 
 def input_values(keys: Sequence[Vary], rows: Sequence[Record]) -> Array:
-    """Return the values of the varied keys in several samples as numbers, (k, d), see `Vary.as_number`."""
+    """Return the values of d varied keys in k samples as numbers, (k, d), see `Vary.as_number`."""
     found = [[vary.as_number(v) for vary, v in zip(keys, row["values"], strict=True)] for row in rows]
     return np.array(found, dtype=float).reshape(len(rows), len(keys))
 
@@ -78,7 +78,8 @@ def input_values(keys: Sequence[Vary], rows: Sequence[Record]) -> Array:
 def output_statistics(values: Array) -> dict[str, float] | None:
     """Return mean with standard error, standard deviation, extremes and quantiles of an output.
 
-    None with fewer than two finite values.
+    ``values``: the output in k samples, (k,); those that are not finite are left out. None with fewer than two finite
+    values.
     """
     y = values[np.isfinite(values)]
     if y.size < 2:
@@ -92,14 +93,15 @@ def output_statistics(values: Array) -> dict[str, float] | None:
 def main_effects(keys: Sequence[Vary], rows: Sequence[Record]) -> dict[str, list[dict[str, float]]]:
     """Return, for each varied key, the mean of `MAIN` in each part of its range, or at each value of its list.
 
-    Rows have ``at`` (in the key's unit), ``mean``, ``standard_error`` and ``samples``.
+    A row has "at" (mean value of the key, in its unit), "mean" and "standard_error" of the output, and "samples" (their
+    number).
     """
     x, y = input_values(keys, rows), output_column(rows, MAIN)
     return {vary.key: [_group_mean(x[g, k], y[g]) for g in _group_masks(vary, x[:, k])] for k, vary in enumerate(keys)}
 
 
 def _group_masks(vary: Vary, x: Array) -> list[NDArray[np.bool_]]:
-    """Return masks (k,) of the samples in each part of a key's range, or at each of its values.
+    """Return a mask (k,) of k samples for each part of a key's range, or for each of its values.
 
     ``x``: values of the key in the samples, (k,).
     """
@@ -111,7 +113,10 @@ def _group_masks(vary: Vary, x: Array) -> list[NDArray[np.bool_]]:
 
 
 def _group_mean(x: Array, y: Array) -> dict[str, float]:
-    """Return mean key value, mean output with its standard error, and number of samples of one group."""
+    """Return mean key value, mean output with its standard error, and number of samples of one group.
+
+    ``x``: values of the key (k,); ``y``: values of the output (k,).
+    """
     error = float(y.std(ddof=1) / np.sqrt(y.size)) if y.size > 1 else 0.0
     return {"at": float(x.mean()), "mean": float(y.mean()), "standard_error": error, "samples": int(y.size)}
 
@@ -141,7 +146,8 @@ def sobol_indices_by_output(sweep: Sweep, records: Mapping[int, Record]) -> dict
 def _indices_with_intervals(keys: Sequence[Vary], y: Array, seed: int) -> dict[str, dict[str, float]] | None:
     """Return the Sobol indices of one output for each key, with intervals by resampling; None for a constant output.
 
-    ``y``: output at the base points A, at B, and at the mixtures of both, (d + 2, n).
+    ``y``: output (d + 2, n) at the base points A, at the base points B, and for each of d keys at the mixture of both; n:
+    number of base points; ``seed``: seed of the resampling.
     """
     if not np.all(np.isfinite(y)) or y[:2].std() <= CONSTANT * abs(y[:2].mean()):
         return None
@@ -161,7 +167,10 @@ def _indices_with_intervals(keys: Sequence[Vary], y: Array, seed: int) -> dict[s
 
 
 def _sobol_estimates(y: Array) -> tuple[Array, Array]:
-    """Return first-order and total Sobol indices, each (d,), of an output (d + 2, n) at A, at B, and at their mixtures."""
+    """Return the first-order, then the total Sobol indices of an output, each (d,).
+
+    ``y``: output (d + 2, n) at n base points A, at n base points B, and for each of d keys at the mixture of both.
+    """
     d = len(y) - 2
     mixtures = y[2:] if d > 1 else np.repeat(y[2:], 2, axis=0)  # scipy 1.17 fails for a single key: it is given twice
     found = sobol_indices(func={"f_A": y[:1], "f_B": y[1:2], "f_AB": mixtures[:, None, :]}, n=y.shape[1])
@@ -176,7 +185,10 @@ SEED = "errors.seed"
 
 
 def sweep_figures(name: str, keys: Sequence[Vary], found: Mapping[str, Any], rows: Sequence[Record]) -> list[Figure]:
-    """Return the figures of a sweep; none with fewer than two converged samples."""
+    """Return the figures of a sweep; none with fewer than two converged samples.
+
+    ``name``: start of the figures' names; ``found``: summary of the sweep; ``rows``: records of the converged samples.
+    """
     if len(rows) < 2:
         return []
     shown, left = _keys_to_show(keys, found)
@@ -186,7 +198,11 @@ def sweep_figures(name: str, keys: Sequence[Vary], found: Mapping[str, Any], row
 def summary_figures(
     name: str, keys: Sequence[Vary], found: Mapping[str, Any], called: Callable[[Vary], str] = lambda vary: vary.name
 ) -> list[Figure]:
-    """Return the figures that need only the summary of a sweep; ``called``: function for short names of the keys."""
+    """Return the figures that need only the summary of a sweep.
+
+    ``name``: start of the figures' names; ``found``: summary of the sweep; ``called``: function that returns the short name
+    of a key.
+    """
     shown, left = _keys_to_show(keys, found)
     figures = [
         _effects_figure(name, [keys[k] for k in shown], found, left, called),
@@ -197,9 +213,10 @@ def summary_figures(
 
 
 def _keys_to_show(keys: Sequence[Vary], found: Mapping[str, Any]) -> tuple[list[int], str]:
-    """Return the keys with the largest effect, as many as a figure has panels, and a sentence if some are left out.
+    """Return the numbers of the keys with the largest effect, then a sentence if some keys are left out.
 
-    A seed of random errors is not shown, as there is no trend along it.
+    There are at most as many as a figure has panels. ``found``: summary of the sweep. A seed of random errors is not shown,
+    as there is no trend along it.
     """
     ordered = _keys_with_order(keys)
     shown = sorted(ordered, key=lambda k: -_effect_range(found["main_effects"][keys[k].key]))[:PANELS]
@@ -212,7 +229,7 @@ def _keys_with_order(keys: Sequence[Vary]) -> list[int]:
 
 
 def _effect_range(groups: Sequence[Mapping[str, float]]) -> float:
-    """Return the difference between the largest and the smallest mean of a key's groups."""
+    """Return the difference between the largest and the smallest mean output of a key's groups (see `main_effects`)."""
     means = [g["mean"] for g in groups]
     return max(means) - min(means)
 
@@ -220,7 +237,11 @@ def _effect_range(groups: Sequence[Mapping[str, float]]) -> float:
 def _effects_figure(
     name: str, keys: Sequence[Vary], found: Mapping[str, Any], left: str, called: Callable[[Vary], str]
 ) -> Figure:
-    """Draw the main effects: mean of `MAIN` over each key, with its standard error."""
+    """Draw the main effects: mean of `MAIN` over each key, with its standard error.
+
+    ``found``: summary of the sweep; ``left``: sentence on keys that are left out; ``called``: function that returns the
+    short name of a key.
+    """
     panels = []
     for vary in keys:
         groups = found["main_effects"][vary.key]
@@ -236,7 +257,10 @@ def _effects_figure(
 
 
 def _scatter_figure(name: str, keys: Sequence[Vary], shown: Sequence[int], rows: Sequence[Record], left: str) -> Figure:
-    """Draw `MAIN` of single samples over each key."""
+    """Draw `MAIN` of single samples over each shown key.
+
+    ``shown``: numbers of these keys; ``rows``: records of the samples; ``left``: sentence on keys that are left out.
+    """
     some = list(rows[:: max(1, len(rows) // POINTS)])
     x, y = input_values(keys, some), output_column(some, MAIN)
     panels = tuple(
@@ -247,7 +271,10 @@ def _scatter_figure(name: str, keys: Sequence[Vary], shown: Sequence[int], rows:
 
 
 def _worst_figure(name: str, keys: Sequence[Vary], worst: Sequence[Record], called: Callable[[Vary], str]) -> Figure:
-    """Draw the positions of the keys in their ranges for the samples with the largest loads."""
+    """Draw where in its range each key lies in the samples with the largest loads.
+
+    ``worst``: records of these samples; ``called``: function that returns the short name of a key.
+    """
     kept = _keys_with_order(keys)
     x, keys = input_values(keys, worst)[:, kept], [keys[k] for k in kept]
     low = np.array([1.0 if v.choices else v.low for v in keys])
@@ -265,7 +292,10 @@ def _worst_figure(name: str, keys: Sequence[Vary], worst: Sequence[Record], call
 def _indices_figure(
     name: str, keys: Sequence[Vary], indices: Mapping[str, Any], called: Callable[[Vary], str]
 ) -> Figure | None:
-    """Draw the Sobol indices of `MAIN` with their intervals; None without indices."""
+    """Draw the Sobol indices of `MAIN` with their intervals; None without indices.
+
+    ``indices``: those of `sobol_indices_by_output`; ``called``: function that returns the short name of a key.
+    """
     main = indices.get("outputs", {}).get(MAIN)
     if main is None:
         return None
@@ -322,7 +352,11 @@ def make_sweep(
 
 
 def solve_sweep(sweep: Sweep, out: Path, engine: Engine, step: Callable[[str], None]) -> dict[str, Any]:
-    """Solve the missing samples of a sweep, write its summary to the folder and return it; InputError as `run_samples`."""
+    """Solve the missing samples of a sweep, write its summary to the folder and return it.
+
+    ``out``: folder of the sweep; ``engine``: where samples are computed; ``step``: called with lines of progress.
+    InputError for the faults that `run_samples` refuses.
+    """
     records = sweeping.run_samples(sweep, out, engine, step)
     found = summarise_sweep(sweep, records)
     write_results(sweep, records, found, out)
@@ -330,7 +364,10 @@ def solve_sweep(sweep: Sweep, out: Path, engine: Engine, step: Callable[[str], N
 
 
 def write_results(sweep: Sweep, records: Mapping[int, Record], found: Mapping[str, Any], out: Path) -> None:
-    """Write samples.csv, summary.json and the figures of a sweep to its folder."""
+    """Write samples.csv, summary.json and the figures of a sweep to its folder.
+
+    ``records``: records of the samples by number; ``found``: summary of the sweep; ``out``: the folder.
+    """
     replace_file(out / "samples.csv", samples_csv(sweep, records))
     replace_file(out / "summary.json", json.dumps(found, indent=1, ensure_ascii=False, allow_nan=False) + "\n")
     for figure in sweep_figures("sweep", sweep.keys, found, converged_records(records)):
@@ -360,5 +397,8 @@ def sweep_for_library(
     outputs: Sequence[str],
     step: Callable[[str], None],
 ) -> dict[str, Any]:
-    """Solve a sweep for `rollbench.sweep`, write its folder, and return the summary as JSON values."""
+    """Solve a sweep for `rollbench.sweep`, write its folder ``out``, and return the summary as JSON values.
+
+    ``step``: called with lines of progress; the other arguments are those of `make_sweep`.
+    """
     return solve_sweep(make_sweep(scene, vary, samples, method, seed, model, outputs), out, Engine(), step)

@@ -8,7 +8,14 @@ import pytest
 from rollbench.compare.cli import main
 from rollbench.compare.reference.store import measuring_conditions
 from rollbench.compare.studies import survey, survey_levels, survey_models
-from rollbench.compare.studies.survey_levels import LevelRun, Runs, chosen_screws, load_levels, measure_levels, save_levels
+from rollbench.compare.studies.survey_levels import (
+    LevelRun,
+    StoredLevelRuns,
+    chosen_screws,
+    load_levels,
+    measure_levels,
+    save_levels,
+)
 
 
 def runs_of(number):
@@ -40,11 +47,11 @@ def test_level_1_and_the_models_are_judged_by_level_2():
 
 def test_runs_of_the_same_sources_are_not_repeated(tmp_path):
     number = chosen_screws()[0]
-    save_levels(tmp_path, Runs(measuring_conditions(), "2026-01-01", runs_of(number)))
+    save_levels(tmp_path, StoredLevelRuns(measuring_conditions(), "2026-01-01", runs_of(number)))
     before = load_levels((tmp_path,))
     assert measure_levels(tmp_path, lambda text: pytest.fail(text), count=1).runs == before.runs
     old = replace(measuring_conditions(), version="0.1.0")
-    save_levels(tmp_path, Runs(old, "2026-01-01", runs_of(number)))
+    save_levels(tmp_path, StoredLevelRuns(old, "2026-01-01", runs_of(number)))
     assert not measure_levels(tmp_path, lambda text: pytest.fail(text), count=0).runs
 
 
