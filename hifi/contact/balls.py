@@ -559,8 +559,8 @@ class _EnergySystem:
     def state_of_touching_pairs(self, touching: Sequence[Flags]) -> tuple[Array, Array]:
         """Compute modal amplitudes w and rigid motions y as if exactly the expected contact pairs of each ball touched.
 
-        ``touching``: for each ball, whether each pair is expected to touch (n_i,). The results are starting values, in which the forces
-        of some pairs may be negative.
+        ``touching``: for each ball, whether each pair is expected to touch (n_i,). The results are starting values, in
+        which the forces of some pairs may be negative.
         """
         for i, (gap, active) in enumerate(zip(self.gaps, touching, strict=True)):
             factor = self.C.blocks[i].factor(active)
@@ -571,8 +571,9 @@ class _EnergySystem:
     def factor(self, shift: float) -> NewtonFactor:
         """Assemble and factorise Newton's equations at the states of the balls.
 
-        ``shift``: stiffness [N/m] that regularises motions not constrained by contacts. With M = U^T D^-1 U = R R^T, U^T D^-1 N
-        = R T, zero between balls, and w eliminated from
+        ``shift``: stiffness [N/m] that regularises motions not constrained by contacts.
+
+        With M = U^T D^-1 U = R R^T, U^T D^-1 N = R T, zero between balls, and w eliminated from
 
             (I + M G) dw - R T dy = U^T lambda - w,  -T^T R^T G dw + N^T D^-1 N dy = f - N^T lambda,
 

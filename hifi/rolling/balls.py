@@ -257,7 +257,7 @@ def contact_place(scene: kinematics.Rolling, touch: kinematics.Touch) -> tuple[P
     """
     if touch.bottom is None:
         raise ValueError(
-            "the direction from the ball's centre to the groove's bottom is unknown: a contact with a finite groove needs it"
+            "the direction from the ball's centre to the groove's bottom is unknown: the contact of finite bodies needs it"
         )
     angle = float(np.arccos(touch.normal @ touch.bottom))
     return Place(scene.radius, touch.radii, angle, scene.track.curve), touch.bottom

@@ -46,7 +46,7 @@ class Track:
         return float(np.sqrt(self.length**2 - rise**2)), rise
 
     def field(self, at: Array) -> Array:
-        """Compute the velocity field H ``(..., 3)`` per unit of speed, at points ``at`` (..., 3) [m] from the ball's centre.
+        """Compute the velocity field H ``(..., 3)`` per unit of speed, at points (..., 3) [m] from the ball's centre.
 
         The points and the velocities are in the ball's axes.
         """
@@ -197,8 +197,8 @@ def contact_axes(touch: Touch, scene: Rolling) -> Array:
     speed = float(np.linalg.norm(flow))
     if speed <= 1e-12 * track.length * max(abs(touch.ride), abs(scene.orbit), 1e-300):
         raise ValueError(
-            f"a ball and its groove both move along the track at a speed of {touch.ride:.4g}, so that the ball does not roll "
-            "on the groove: their speeds must differ"
+            f"a ball and its groove both move along the track at a speed of {touch.ride:.4g}, so that the ball does not "
+            "roll on the groove: their speeds must differ"
         )
     x = -flow / speed
     return np.stack([x, np.cross(touch.normal, x), touch.normal])

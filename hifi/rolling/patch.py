@@ -167,7 +167,8 @@ MOST = 100
 def _over_rectangle(corner: Array) -> Array:
     """Evaluate a double integral over a rectangle.
 
-    ``corner``: values of a double antiderivative at the corners of the rectangle (2, 2, ...), upper x and y first. The sum is ordered so that places on opposite sides have the same value to the last digit.
+    ``corner``: values of a double antiderivative at the corners of the rectangle (2, 2, ...), upper x and y first. The sum
+    is ordered so that places on opposite sides have the same value to the last digit.
     """
     return np.asarray((corner[0, 0] + corner[1, 1]) - (corner[0, 1] + corner[1, 0]))
 
@@ -209,8 +210,8 @@ def rectangle_influence(x: Array, y: Array, dx: float, dy: float, young: float, 
     Returns
     -------
     (..., 3, 3) Array
-        Relative displacement per unit of traction [m/Pa]; rows: displacement of body 1 past body 2 along x, y, and the separation along the normal; columns:
-        traction on body 1 along x, y, and pressure.
+        Relative displacement per unit of traction [m/Pa]; rows: displacement of body 1 past body 2 along x, y, and the
+        separation along the normal; columns: traction on body 1 along x, y, and pressure.
 
     References
     ----------
@@ -385,8 +386,8 @@ class Patch:
     def transport(self) -> Array:
         """Rate D of the elastic displacement of material that passes the cells, by unit tangential forces ``(2 n, 2 n)``.
 
-        D is a rate per length of rolling [1/N], computed by a backward difference of second order, upstream by `STEP` cells. Displacements are known everywhere, so that
-        nothing is interpolated. The symmetric part of D is positive: the differences dissipate work.
+        D is a rate per length of rolling [1/N], computed by a backward difference of second order, upstream by `STEP` cells.
+        Displacements are known everywhere, so that nothing is interpolated. The symmetric part of D is positive: the differences dissipate work.
         """
         step = STEP * float(self.size[0])
         half_space = _matrix_from_table(self.cells, _backward_difference([self._table(k * step) for k in range(3)], step))
