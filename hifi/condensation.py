@@ -65,7 +65,8 @@ from rollbench.meshes.solid import Dimensions
 #: Length of a submodel beyond its socket, over the ball's radius: the error of the coarse mesh has decayed there.
 BEYOND = 1.5
 
-#: Factors on coordinates by a turn of 180 degrees about the radius through a ball at azimuth 0, left flanks onto right ones.
+#: Factors on coordinates x, y, z by a turn of 180 degrees about the radius through a ball at azimuth 0, which maps left
+#: flanks onto right ones.
 TURN = np.array([1.0, -1.0, -1.0])
 
 SideArguments = tuple[GrooveMap, int, tuple[float, float], tuple[Material, Material], Sockets, Settings]
@@ -144,7 +145,7 @@ def condense_side(
     spread = float(np.abs(ball_normals - normals).max())
     if spread > 1e-9:
         raise ValueError(
-            f"the contact nodes of ball and groove do not match: their normals differ by {spread:.1e}, and may differ by 1e-9"
+            f"the contact nodes of ball and groove do not match: their normals differ by {spread:.1e} instead of at most 1e-9"
         )
     e, b = materials
     groove = condense_patch(
@@ -345,7 +346,7 @@ class BallResponse(ModalBody):
 
     #: Compliance matrix between the modes of its contacts, flank after flank [m/N].
     G: Array
-    #: Modes V ``(c, k)`` of a contact, by flank.
+    #: By flank, the k displacement modes V of a contact of c pressure functions ``(c, k)``.
     modes: dict[int, Array]
     #: Degrees of freedom that were condensed.
     unknowns: int

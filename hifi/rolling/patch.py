@@ -386,8 +386,9 @@ class Patch:
     def transport(self) -> Array:
         """Rate D of the elastic displacement of material that passes the cells, by unit tangential forces ``(2 n, 2 n)``.
 
-        D is a rate per length of rolling [1/N], computed by a backward difference of second order, upstream by `STEP` cells.
-        Displacements are known everywhere, so that nothing is interpolated. The symmetric part of D is positive: the differences dissipate work.
+        D is a rate per length of rolling [1/N], computed by a backward difference of second order, upstream by `STEP`
+        cells. Displacements are known everywhere, so that nothing is interpolated. The symmetric part of D is positive: the
+        differences dissipate work.
         """
         step = STEP * float(self.size[0])
         half_space = _matrix_from_table(self.cells, _backward_difference([self._table(k * step) for k in range(3)], step))
