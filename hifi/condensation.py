@@ -145,7 +145,7 @@ def condense_side(
     spread = float(np.abs(ball_normals - normals).max())
     if spread > 1e-9:
         raise ValueError(
-            f"the contact nodes of ball and groove do not match: their normals differ by {spread:.1e} instead of at most 1e-9"
+            f"the contact nodes of ball and groove do not match: their normals differ by {spread:.1e}, allowed are 1e-9"
         )
     e, b = materials
     groove = condense_patch(

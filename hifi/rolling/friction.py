@@ -165,8 +165,8 @@ def _exact_newton_terms(c: Contact, q: Array, y: Array, grip: Array) -> tuple[Ar
     """Compute the residual of Coulomb's law, eq. (1) of this module, and Newton's step dq = first + rest @ dy.
 
     ``q``: tangential forces (2 n,) [N]; ``y``: motions of all bodies; ``grip``: the parameter r of each cell (n,) [N s/m].
-    Returns the residual (2 n,) [N], first (2 n,) [N] and rest (2 n, m). There is one unknown for each slipping cell, and two
-    for each cell that sticks.
+    Returns the residual (2 n,) [N], first (2 n,) [N] and rest (2 n, m). There is one unknown for each slipping cell, and
+    two for each cell that sticks.
     """
     n = c.bound.size
     s = c.slip(q, y)
@@ -350,8 +350,8 @@ def solve_rigid_friction(
     left = float(np.abs(system.unbalanced(forces, y)).max()) / max(float(c.bound.sum()) for c in contacts)
     if not left <= RIGID:
         raise ValueError(
-            f"the search for the steady rolling of rigid bodies ends without equilibrium: the unbalanced force is {left:.1e} "
-            f"times the largest friction of a contact, and may be {RIGID:.0e} times"
+            "the search for the steady rolling of rigid bodies ends without equilibrium: the unbalanced force is "
+            f"{left:.1e} times the largest friction of a contact, allowed is {RIGID:.0e} times"
         )
     slip = max(float(np.abs(c.motion @ (y - last)[c.columns]).max()) for c in contacts)
     return y, slip / max(float(np.abs(c.rigid_slip(y)).max()) for c in contacts)
