@@ -75,7 +75,8 @@ def symbolic_factor(K: sp.csc_array) -> Supernodes:
 def compressed_graph(K: sp.csc_array) -> tuple[sp.csr_array, Index]:
     """Build the graph of a matrix in which all degrees of freedom with the same pattern of their columns form one vertex.
 
-    The graph has no edge from a vertex to itself. It is symmetric, as elimination needs it, even if round-off left an entry on only one side of the diagonal.
+    The graph has no edge from a vertex to itself. It is symmetric, as elimination needs it, even if round-off
+    left an entry on only one side of the diagonal.
 
     Parameters
     ----------
@@ -389,8 +390,8 @@ def _eliminate_front(
 ) -> tuple[EliminatedFront, FrontUpdate]:
     """Eliminate the pivots of a front, and return its factor and its contribution to the front of its parent.
 
-    ``panel``: columns of the pivots (rows, pivots); ``block``: block of the other rows, overwritten by its Schur complement;
-    ``bordering``: border (columns of B, rows), overwritten; ``rows``: rows of the front, its pivots first; ``border``:
+    ``panel``: columns of the pivots (rows, pivots); ``block``: block of the other rows, overwritten by its Schur
+    complement; ``bordering``: border (columns of B, rows), overwritten; ``rows``: rows of the front, its pivots first; ``border``:
     indices of the columns of B. Raises ArithmeticError if the pivot block is not positive definite.
     """
     count = panel.shape[1]

@@ -303,7 +303,7 @@ def _newton_without_smoothing(system: _FrictionSystem, q: list[Array], y: Array)
     ]
     stick = [p <= c.bound for p, c in zip(pulls, system.contacts, strict=True)]
     good = residual <= 100.0 * TOLERANCE
-    status = "converged" if good else f"not converged after {steps} steps (relative residual {residual:.1e})"
+    status = "converged" if good else f"not converged after {steps} steps (residual {residual:.1e})"
     return Friction(q, slips, y, steps, status, residual, stick)
 
 
