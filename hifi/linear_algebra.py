@@ -391,8 +391,8 @@ def _eliminate_front(
     """Eliminate the pivots of a front, and return its factor and its contribution to the front of its parent.
 
     ``panel``: columns of the pivots (rows, pivots); ``block``: block of the other rows, overwritten by its Schur
-    complement; ``bordering``: border (columns of B, rows), overwritten; ``rows``: rows of the front, its pivots first; ``border``:
-    indices of the columns of B. Raises ArithmeticError if the pivot block is not positive definite.
+    complement; ``bordering``: border (columns of B, rows), overwritten; ``rows``: rows of the front, its pivots first;
+    ``border``: indices of the columns of B. Raises ArithmeticError if the pivot block is not positive definite.
     """
     count = panel.shape[1]
     L, fault = dpotrf(panel[:count], lower=1)

@@ -334,7 +334,8 @@ def solve_rigid_friction(
     y : (k,) Array
         Motions of all bodies.
     remainder : float
-        Error left by the smoothing of Coulomb's law: change of slip by the last tenfold decrease of the creeping speed, over the largest slip.
+        Error left by the smoothing of Coulomb's law: change of slip by the last tenfold decrease of the creeping speed,
+        over the largest slip.
 
     Raises
     ------

@@ -399,8 +399,8 @@ def compare_with_mindlin(cells: int, share: float, balls: Sizes | None = None) -
     """Compare a sphere pressed onto an equal one and pushed sideways with the solution of Cattaneo and Mindlin.
 
     The stick radius is a (1 - Q/(mu P))^(1/3), the shift 3 mu P/(16 a) sum (2 - nu)/G (1 - (1 - Q/(mu P))^(2/3)), here with
-    nu = 0, for which the solution is exact because no traction across the push is neglected. mu p - abs(q) has the shape of half an
-    ellipsoid over the stick circle, so that the radius is sqrt(5) times its standard deviation along an axis.
+    nu = 0, for which the solution is exact because no traction across the push is neglected. mu p - abs(q) has the shape of
+    half an ellipsoid over the stick circle, so that the radius is sqrt(5) times its standard deviation along an axis.
 
     Parameters
     ----------
