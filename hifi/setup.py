@@ -78,8 +78,8 @@ class Setup:
     homogenised: Homogenised | None
     #: Degrees of freedom of the equivalent monolithic mesh.
     unknowns: int
-    #: Number of cells across the contact, smallest scaled Jacobian of each mesh, and largest deviation of the meshed grooves
-    #: from their exact surface [m].
+    #: Number of cells across the contact, smallest scaled Jacobian of each mesh, and largest deviation of the meshed
+    #: grooves from their exact surface [m].
     quality: dict[str, float]
     #: Time of every stage [s]. A cached record counts with the time that its computation took, a parallel stage with its
     #: share of the elapsed time.
@@ -233,8 +233,8 @@ def _patch_jobs(
 def _shaft_jobs(scene: Scene, m: GrooveMap, dims: Dimensions, settings: Settings, stations: tuple[float, ...]) -> list[Job]:
     """List the jobs that compute the section of the shaft beyond the 3D stretch.
 
-    ``stations``: axial positions of all supports and loads [m]. The jobs compute a plain section, or the stiffnesses of the helical section and three meshed shafts for `homogenise`. Their
-    arguments are only those that the result depends on, so that other nuts and loads find them in the cache. If no support
+    ``stations``: axial positions of all supports and loads [m]. The jobs compute a plain section, or the stiffnesses of the
+    helical section and three meshed shafts for `homogenise`. Their arguments are only those that the result depends on, so that other nuts and loads find them in the cache. If no support
     or load lies beyond the stretch, any section will do.
     """
     screw, e, (low, high) = scene.screw, scene.screw.material, dims.ends(scene)

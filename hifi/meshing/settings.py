@@ -158,8 +158,8 @@ class ExpectedContacts:
 class _EstimateModel:
     """Equations of the contact estimate for n balls."""
 
-    #: Stiffness of shaft, housings, supports and soft springs, on all f degrees of freedom: sections of the shaft, housings,
-    #: and two displacements of each ball ``(f, f)``.
+    #: Stiffness of shaft, housings, supports and soft springs ``(f, f)``, on all f degrees of freedom: sections of the
+    #: shaft, housings, and two displacements of each ball.
     K: sp.csc_array
     #: Loads on these degrees of freedom ``(f,)``.
     P: Array
@@ -175,8 +175,8 @@ class _EstimateModel:
     stiffness: float
     #: Stiffness of the soft springs in K on every degree of freedom ``(f,)`` [N/m, N m].
     soft: Array
-    #: Lengths by which the degrees of freedom are multiplied to become displacements ``(f,)``: 1 for displacements, the pitch
-    #: radius [m] for rotations.
+    #: Lengths by which the degrees of freedom are multiplied to become displacements ``(f,)``: 1 for displacements, the
+    #: pitch radius [m] for rotations.
     arm: Array
 
 

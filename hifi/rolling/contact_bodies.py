@@ -81,7 +81,7 @@ class Zone:
 
 
 def _growing_boundaries_to_end(start: float, end: float, step: float, growth: float) -> Array:
-    """Return the boundaries after ``start`` up to ``end`` [m] of growing cells.
+    """Return the boundaries of growing cells after ``start``, up to ``end`` [m].
 
     ``step``: size of the cell before ``start`` [m]; ``growth``: ratio of neighbouring cells. The last cell ends at ``end``; the others do not depend on it.
     """
@@ -241,7 +241,7 @@ def _bend_into_ring(groove: Groove, x: Array, y: Array, z: Array) -> Array:
     radius = pitch + outward * depth
     if radius.min() <= 0.0:
         raise ValueError(
-            "a grooved bar is too thick to be bent into a ring of the track's radius: decrease the size of the bar"
+            "the grooved bar of a contact is thicker than its ring, into which it is bent: decrease the size of the bar"
         )
     middle = pitch + outward * groove.ball * np.cos(groove.angle)
     turn = x / middle
