@@ -166,8 +166,8 @@ def local_compliance_terms(setup: Setup, spreads: dict[int, Array]) -> tuple[Arr
     setup : Setup
         The prepared geometry.
     spreads : dict[int, Array]
-        By flank, the forces on the pressure functions of a contact, whose resultant is 1, with which the compliance matrices
-        were computed.
+        By flank, the forces on the pressure functions of a contact, whose resultant is 1, with which the compliance
+        matrices were computed.
 
     Returns
     -------

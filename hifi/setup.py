@@ -234,8 +234,8 @@ def _shaft_jobs(scene: Scene, m: GrooveMap, dims: Dimensions, settings: Settings
     """List the jobs that compute the section of the shaft beyond the 3D stretch.
 
     ``stations``: axial positions of all supports and loads [m]. The jobs compute a plain section, or the stiffnesses of the
-    helical section and three meshed shafts for `homogenise`. Their arguments are only those that the result depends on, so that other nuts and loads find them in the cache. If no support
-    or load lies beyond the stretch, any section will do.
+    helical section and three meshed shafts for `homogenise`. Their arguments are only those that the result depends on, so
+    that other nuts and loads find them in the cache. If no support or load lies beyond the stretch, any section will do.
     """
     screw, e, (low, high) = scene.screw, scene.screw.material, dims.ends(scene)
     outer, bore = screw.outer_diameter / 2.0, screw.bore / 2.0

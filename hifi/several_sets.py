@@ -32,7 +32,8 @@ NEAR = 1e-6
 #: that find the shifts of the nuts.
 MET, STEPS = 1e-5, 12
 #: Step of the logarithm of a nut's shift in the differences that give the first slopes of the preloads; singular value of
-#: the slopes over the largest one below which it counts as zero, because nuts that press against one another carry one force.
+#: the slopes over the largest one below which it counts as zero, because nuts that press against one another carry one
+#: force.
 DIFFERENCE, NOISE = 0.05, 1e-2
 
 
@@ -99,8 +100,8 @@ def _meshed_bodies_of_set(
 ) -> SetBodies:
     """Describe the 3D bodies of one nut or bearing of an assembly, which are meshed.
 
-    ``room``: length of shaft that is available beyond its faces [m]; ``stations``: axial positions of all supports and loads
-    [m]; ``reach``: lowest and highest axial position at which the shaft is needed [m].
+    ``room``: length of shaft that is available beyond its faces [m]; ``stations``: axial positions of all supports and
+    loads [m]; ``reach``: lowest and highest axial position at which the shaft is needed [m].
     """
     wanted = SHAFT * parts.track.pitch_radius if parts.solid.shaft is None else parts.solid.shaft
     half = parts.nut.length / 2.0 + min(wanted, room)

@@ -375,8 +375,8 @@ def solve_on_mesh(
     result, _ = solve_balls(uncoupled_compliance(matrix), gap, closing, np.array([0.25 * job.load]))  # a quarter
     if not result.converged:
         raise ArithmeticError(
-            f"Hertz contact {job.name} on a mesh of {mesh.element} elements with {b_over_h:g} cells across its short semi-axis: "
-            f"{result.status}"
+            f"Hertz contact {job.name} on a mesh of {mesh.element} elements with {b_over_h:g} cells across its short "
+            f"semi-axis: {result.status}"
         )
     semi, pole, fitted = fit_pressure_ellipsoid(surface.places, surface.areas, result.forces)
     return HertzRun(

@@ -256,8 +256,8 @@ def condense_roller(row: RollerRow, cells: int, load: float) -> CondensedRoller:
 def _distance_from_tangent_plane(along: Array, across: Array, angle: float) -> Array:
     """Return the distance of a cone from its tangent plane [m].
 
-    ``along``: distance from the apex along the line at which cone and plane touch [m]; ``across``: distance from that line in
-    the plane [m]; ``angle``: half angle of the cone [rad].
+    ``along``: distance from the apex along the line at which cone and plane touch [m]; ``across``: distance from that line
+    in the plane [m]; ``angle``: half angle of the cone [rad].
     """
     radius = along * np.sin(angle)
     return np.asarray(radius * np.cos(angle) * (1.0 - np.sqrt(1.0 - (across / radius) ** 2)))
@@ -322,8 +322,8 @@ def race_compliance(body: SweptBody, law: object, half: float) -> Array:
 def _closing_motions(roller: SweptBody, cup: SweptBody, middle: float) -> Array:
     """Return the gap closed by a unit of the cup's approach, of the roller's motion towards the cup, and of its tilt.
 
-    ``middle``: distance of the roller's middle from the apex, along the roller's axis [m]. The result is ``(2 m n, 3)``, the
-    contact with the cup first.
+    ``middle``: distance of the roller's middle from the apex, along the roller's axis [m]. The result is ``(2 m n, 3)``,
+    the contact with the cup first.
     """
     n = -roller.inward.reshape(-1, 3)
     arm = roller.points[roller.contact.ravel()]

@@ -83,7 +83,8 @@ class Zone:
 def _growing_boundaries_to_end(start: float, end: float, step: float, growth: float) -> Array:
     """Return the boundaries of growing cells after ``start``, up to ``end`` [m].
 
-    ``step``: size of the cell before ``start`` [m]; ``growth``: ratio of neighbouring cells. The last cell ends at ``end``; the others do not depend on it.
+    ``step``: size of the cell before ``start`` [m]; ``growth``: ratio of neighbouring cells. The last cell ends at ``end``;
+    the others do not depend on it.
     """
     out, width = [start], step * growth
     while out[-1] + 1.5 * width < end:

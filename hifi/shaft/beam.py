@@ -30,7 +30,7 @@ class ShaftSection:
 
     @property
     def per_length(self) -> Array:
-        """Flexibility of the beam per unit length ``(6, 6)``: three strains and three curvatures by unit forces and moments."""
+        """Flexibility of the beam per unit length ``(6, 6)``: strains, curvatures and twist by unit forces and moments."""
         yielding = [self.kGA, self.kGA, self.EA, self.EI, self.EI, self.GJ]
         return np.asarray(np.diag(1.0 / np.array(yielding)))
 
