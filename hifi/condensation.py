@@ -184,10 +184,10 @@ def condense_side(
         C = fine_compliance(piece, mesh_patch(sockets, socket, points_at, settings), along, *_elastic_constants(material))
         V, rows = reduce_to_modes(condensed, modes)
 
-        def response(scale: float, piece_of=piece_of, condensed=condensed, rows=rows, material=material) -> Array:  # type: ignore[no-untyped-def]
+        def coarse_response(scale: float, piece_of=piece_of, condensed=condensed, rows=rows, material=material) -> Array:  # type: ignore[no-untyped-def]
             return coarse_compliance(piece_of(scale, coarse=True)[0], condensed, rows, *_elastic_constants(material))
 
-        local += local_compliance(C, V, response)
+        local += local_compliance(C, V, coarse_response)
         total += C
     return SidePatches(groove, ball, local, tabulate_grid_wave(m, side, groove, total, b))
 

@@ -575,10 +575,10 @@ def hertz_von_mises(contact: HertzSolution, depth: Array, poisson: float) -> Arr
         R = np.sqrt(r2 + z * z)
         share = r2 / (R * (R + z)) / r2**2  # (1 - z/R) / r^4 without cancellation
 
-        def direct(u: Array, v: Array, z: float = z, R: Array = R, share: Array = share) -> float:
+        def direct_stress(u: Array, v: Array, z: float = z, R: Array = R, share: Array = share) -> float:
             soft = (1.0 - 2.0 * poisson) * (share * (u * u - v * v) + z * v * v / (r2 * R**3))
             return float((P * (soft - 3.0 * z * u * u / R**5)).sum() / (2.0 * np.pi))
 
         axial = -float((P * 3.0 * z**3 / R**5).sum() / (2.0 * np.pi))
-        out[k] = von_mises(np.array([direct(x, y), direct(y, x), axial, 0.0, 0.0, 0.0]))
+        out[k] = von_mises(np.array([direct_stress(x, y), direct_stress(y, x), axial, 0.0, 0.0, 0.0]))
     return out

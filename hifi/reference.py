@@ -345,7 +345,7 @@ class LoadCase:
         """
         if not last.result.converged:
             return last.result.status, 0.0
-        if any(_presses_on_rim(p, forces) for p, forces in zip(self.sets, last.forces, strict=True)):
+        if any(_is_outermost_node_loaded(p, forces) for p, forces in zip(self.sets, last.forces, strict=True)):
             return AT_RIM, 0.0
         if left > SETTLED * _mean_load(last.load):
             left_words = f"loads may still move by {left:.2g} N after {updates} updates of directions and gaps"
@@ -524,7 +524,7 @@ def _contact_loads_and_angles(p: PlacedSet, forces: Array, normals: Array) -> tu
     return load, angle
 
 
-def _presses_on_rim(p: PlacedSet, forces: Array) -> bool:
+def _is_outermost_node_loaded(p: PlacedSet, forces: Array) -> bool:
     """Return whether any ball of a nut or bearing presses on the outermost nodes of a contact zone.
 
     ``forces``: contact forces (balls, n) [N].

@@ -34,7 +34,13 @@ from rollbench.hifi.meshing.part_meshes import Meshes, mesh_recipes
 from rollbench.hifi.meshing.settings import Settings
 from rollbench.hifi.shaft.beam import ShaftSection, round_section, tube_section
 from rollbench.hifi.shaft.mounting import correct_beam_stiffness, subtract_cut_ends
-from rollbench.hifi.shaft.section import Homogenised, helical_stiffness, homogenise, meshed_shaft_flexibility, shaft_lengths
+from rollbench.hifi.shaft.section import (
+    EquivalentBeam,
+    helical_stiffness,
+    homogenise,
+    meshed_shaft_flexibility,
+    shaft_lengths,
+)
 from rollbench.hifi.side_by_side import ComputedRecord, Job, compute_records
 from rollbench.meshes.cache import Cache, StageDone
 from rollbench.meshes.groove_map import GrooveMap
@@ -74,8 +80,8 @@ class Setup:
     ball: BallResponse
     #: Section of the shaft beyond the 3D stretch.
     section: ShaftSection
-    #: Homogenised grooved shaft; None where it is not needed.
-    homogenised: Homogenised | None
+    #: EquivalentBeam grooved shaft; None where it is not needed.
+    homogenised: EquivalentBeam | None
     #: Degrees of freedom of the equivalent monolithic mesh.
     unknowns: int
     #: Number of cells across the contact, smallest scaled Jacobian of each mesh, and largest deviation of the meshed
@@ -282,7 +288,7 @@ def _body_jobs(
 
 def _correct_screw_stiffness(
     screw: ScrewResponse,
-    homogenised: Homogenised | None,
+    homogenised: EquivalentBeam | None,
     m: GrooveMap,
     layout: BallLayout,
     sides: tuple[int, ...],

@@ -25,10 +25,10 @@ from numpy.typing import NDArray
 
 from rollbench.hifi.contact.hertz import hertz
 from rollbench.hifi.rolling import kinematics
-from rollbench.hifi.rolling.bodies import Place, Sizes, contact_kernel, make_kernels
-from rollbench.hifi.rolling.friction import PATH, Contact, Friction, full_slip, solve_friction, solve_rigid_friction
+from rollbench.hifi.rolling.bodies import ContactPosition, Sizes, compute_and_cache_kernels, contact_kernel
+from rollbench.hifi.rolling.friction import PATH, Contact, Friction, full_slip_forces, solve_friction, solve_rigid_friction
 from rollbench.hifi.rolling.kinematics import Rolling, rolling_speed
-from rollbench.hifi.rolling.patch import Patch, Regular, equivalent_radii, hertz_patch
+from rollbench.hifi.rolling.patch import Patch, SmoothKernel, equivalent_radii, hertz_patch
 from rollbench.meshes.arrays import Array
 
 #: Ratio of the tangential compliance of nearly rigid bodies to that of the true bodies.
@@ -138,7 +138,7 @@ class RollingResult:
 
 
 @lru_cache(maxsize=16)
-def unit_patch(radii: tuple[float, float], young: float, poisson: float, shape: tuple[int, int]) -> Patch:
+def unit_load_patch(radii: tuple[float, float], young: float, poisson: float, shape: tuple[int, int]) -> Patch:
     """Solve the contact of half-spaces under 1 N on a grid, with its `Patch.transport` computed.
 
     ``radii``: relative radii along and across the groove [m]; ``shape``: numbers of cells along and across. The contact
@@ -150,8 +150,8 @@ def unit_patch(radii: tuple[float, float], young: float, poisson: float, shape: 
 
 
 @lru_cache(maxsize=64)
-def finite_patch(
-    load: float, radii: tuple[float, float], material: tuple[float, float], shape: tuple[int, int], kernel: Regular
+def finite_body_patch(
+    load: float, radii: tuple[float, float], material: tuple[float, float], shape: tuple[int, int], kernel: SmoothKernel
 ) -> Patch:
     """Solve the contact of finite bodies on a grid under a force.
 
@@ -162,7 +162,7 @@ def finite_patch(
     return hertz_patch(load, radii, *material, shape, kernel)
 
 
-def grid_contact(scene: kinematics.Rolling, touch: kinematics.Touch, choices: Choices) -> Patch:
+def grid_contact(scene: kinematics.Rolling, touch: kinematics.GrooveContact, choices: Choices) -> Patch:
     """Solve the normal contact of a ball with a groove on a grid, under the contact's force.
 
     ``scene``: the rolling balls; ``touch``: the contact; ``choices``: numerical choices. Raises ValueError if the direction
@@ -170,26 +170,28 @@ def grid_contact(scene: kinematics.Rolling, touch: kinematics.Touch, choices: Ch
     """
     kernel = finite_body_kernel(scene, touch, choices.bodies)
     if kernel is None:
-        unit = unit_patch(touch.radii, scene.young, scene.poisson, choices.shape)
+        unit = unit_load_patch(touch.radii, scene.young, scene.poisson, choices.shape)
         return unit.scaled(float(np.cbrt(touch.load)), touch.load)
-    return finite_patch(touch.load, touch.radii, (scene.young, scene.poisson), choices.shape, kernel)
+    return finite_body_patch(touch.load, touch.radii, (scene.young, scene.poisson), choices.shape, kernel)
 
 
-def finite_body_kernel(scene: kinematics.Rolling, touch: kinematics.Touch, bodies: Sizes | None) -> Regular | None:
+def finite_body_kernel(
+    scene: kinematics.Rolling, touch: kinematics.GrooveContact, bodies: Sizes | None
+) -> SmoothKernel | None:
     """Compute the smooth compliance of finite bodies beyond that of half-spaces (kernel) at a contact, in its axes.
 
     Parameters
     ----------
     scene : kinematics.Rolling
         The rolling balls.
-    touch : kinematics.Touch
+    touch : kinematics.GrooveContact
         The contact.
     bodies : Sizes | None
         Meshes of finite bodies; None: half-spaces.
 
     Returns
     -------
-    Regular | None
+    SmoothKernel | None
         The kernel; None for half-spaces.
 
     Raises
@@ -203,13 +205,13 @@ def finite_body_kernel(scene: kinematics.Rolling, touch: kinematics.Touch, bodie
     at, bottom = contact_place(scene, touch)
     kernel = contact_kernel(at, _largest_load(scene), scene.young, scene.poisson, bodies)
     axes = kinematics.contact_axes(touch, scene)
-    return kernel if axes[1] @ bottom > 0.0 else kernel.turned
+    return kernel if axes[1] @ bottom > 0.0 else kernel.rotated_by_half_turn
 
 
-def prepare_bodies(scenes: Sequence[kinematics.Rolling], bodies: Sizes | None, processes: int) -> float:
+def compute_body_kernels(scenes: Sequence[kinematics.Rolling], bodies: Sizes | None, processes: int) -> float:
     """Compute the kernels of finite bodies for several scenes of one material, in several processes, and cache them.
 
-    See `hifi.rolling.bodies.make_kernels`.
+    See `hifi.rolling.bodies.compute_and_cache_kernels`.
 
     Parameters
     ----------
@@ -228,7 +230,7 @@ def prepare_bodies(scenes: Sequence[kinematics.Rolling], bodies: Sizes | None, p
     if bodies is None:
         return 0.0
     contacts = [(contact_place(s, t)[0], _largest_load(s)) for s in scenes for _, _, t in loaded_contacts(s)]
-    return make_kernels(contacts, scenes[0].young, scenes[0].poisson, bodies, processes)
+    return compute_and_cache_kernels(contacts, scenes[0].young, scenes[0].poisson, bodies, processes)
 
 
 def _largest_load(scene: kinematics.Rolling) -> float:
@@ -236,7 +238,7 @@ def _largest_load(scene: kinematics.Rolling) -> float:
     return max(t.load for b in scene.balls for t in b.touches)
 
 
-def contact_place(scene: kinematics.Rolling, touch: kinematics.Touch) -> tuple[Place, Array]:
+def contact_place(scene: kinematics.Rolling, touch: kinematics.GrooveContact) -> tuple[ContactPosition, Array]:
     """Describe the position of a contact on its groove, and the direction to the groove's bottom.
 
     Raises ValueError if that direction is unknown.
@@ -245,12 +247,12 @@ def contact_place(scene: kinematics.Rolling, touch: kinematics.Touch) -> tuple[P
     ----------
     scene : kinematics.Rolling
         The balls.
-    touch : kinematics.Touch
+    touch : kinematics.GrooveContact
         The contact.
 
     Returns
     -------
-    place : Place
+    place : ContactPosition
         Position of the contact, for `hifi.rolling.bodies.contact_kernel`.
     bottom : (3,) Array
         Unit vector from the ball's centre to the bottom of the groove.
@@ -260,10 +262,10 @@ def contact_place(scene: kinematics.Rolling, touch: kinematics.Touch) -> tuple[P
             "the direction from the ball's centre to the groove's bottom is unknown: the contact of finite bodies needs it"
         )
     angle = float(np.arccos(touch.normal @ touch.bottom))
-    return Place(scene.radius, touch.radii, angle, scene.track.curve), touch.bottom
+    return ContactPosition(scene.radius, touch.radii, angle, scene.track.curve), touch.bottom
 
 
-def loaded_contacts(scene: kinematics.Rolling) -> list[tuple[int, int, kinematics.Touch]]:
+def loaded_contacts(scene: kinematics.Rolling) -> list[tuple[int, int, kinematics.GrooveContact]]:
     """List the contacts with grooves that carry load.
 
     Parameters
@@ -273,7 +275,7 @@ def loaded_contacts(scene: kinematics.Rolling) -> list[tuple[int, int, kinematic
 
     Returns
     -------
-    list[tuple[int, int, kinematics.Touch]]
+    list[tuple[int, int, kinematics.GrooveContact]]
         For each contact with more than `NEGLIGIBLE` times the ball's largest force: the index of the ball, the index of
         the contact among those of the ball, and the contact.
     """
@@ -301,7 +303,7 @@ def friction_contacts(scene: kinematics.Rolling, choices: Choices) -> list[Conta
     """
     curved, elastic = choices.curved, choices.elastic
     return [
-        kinematics.ball_contact(t, scene, b, grid_contact(scene, t, choices), curved=curved, elastic=elastic)
+        kinematics.elastic_friction_contact(t, scene, b, grid_contact(scene, t, choices), curved=curved, elastic=elastic)
         for b, _, t in loaded_contacts(scene)
     ]
 
@@ -468,14 +470,14 @@ def without_ball_contacts(scene: kinematics.Rolling) -> kinematics.Rolling:
     return replace(scene, meetings=())
 
 
-def hertz_semi_axes(scene: kinematics.Rolling, touch: kinematics.Touch) -> tuple[float, float]:
+def hertz_semi_axes(scene: kinematics.Rolling, touch: kinematics.GrooveContact) -> tuple[float, float]:
     """Compute the Hertzian semi-axes of a contact along and across the groove [m].
 
     Parameters
     ----------
     scene : kinematics.Rolling
         The balls.
-    touch : kinematics.Touch
+    touch : kinematics.GrooveContact
         The contact.
 
     Returns
@@ -579,7 +581,7 @@ def solve_rigid_rolling(
         contacts = _rigid_contacts(scene, count, curved, bodies)
         path = PATH if count == FIRST else PATH[-2:]
         y, remainder = solve_rigid_friction(contacts, ball_equilibrium(scene, contacts), y, path)
-    loss = np.array([-float(full_slip(c.bound, s) @ s) for c in contacts for s in (c.rigid_slip(y),)])
+    loss = np.array([-float(full_slip_forces(c.bound, s) @ s) for c in contacts for s in (c.rigid_slip(y),)])
     return RigidResult(*split_unknowns(scene, y), loss, ball_contact_losses(scene, y), remainder)
 
 
@@ -597,7 +599,7 @@ def _rigid_contacts(scene: kinematics.Rolling, points: int, curved: bool, bodies
         local = unit * semi
         normal = ellipse.pressure(local[:, 0], local[:, 1]) * weight * semi.prod()
         normal *= touch.load / normal.sum()
-        contacts.append(kinematics.rigid_contact(touch, scene, b, normal, local, curved=curved))
+        contacts.append(kinematics.rigid_friction_contact(touch, scene, b, normal, local, curved=curved))
     return contacts
 
 
@@ -647,7 +649,7 @@ class _ContactWithoutHistory:
     #: The same at the place of the material before the step ``(2 n, 2 n)`` [m/s/N].
     before: Array
 
-    def at(self, forces: Array) -> Contact:
+    def with_history(self, forces: Array) -> Contact:
         """Return the contact of the present step, given the tangential forces ``(2 n,)`` [N] of the last step."""
         return replace(self.contact, elastic=self.present, given=self.contact.given - self.before @ forces)
 
@@ -700,7 +702,7 @@ def _run_steps(scene: Rolling, dt: float, steps: int, gap: float, choices: Choic
     y, gaps, out, status = starting_motions(scene), np.full(len(scene.meetings), gap), [], "converged"
     for step in range(steps):
         meetings = tuple(replace(m, apart=float(g) / dt) for m, g in zip(scene.meetings, gaps, strict=True))
-        contacts = [c.at(q) for c, q in zip(carried, forces, strict=True)]
+        contacts = [c.with_history(q) for c, q in zip(carried, forces, strict=True)]
         balance = ball_equilibrium(replace(scene, meetings=meetings), contacts)
         solution = solve_friction(contacts, balance, y, forces)
         if not solution.converged:

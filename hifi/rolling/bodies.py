@@ -42,7 +42,7 @@ from rollbench.hifi.rolling.contact_bodies import (
     mesh_half_space,
     mesh_whole_ball,
 )
-from rollbench.hifi.rolling.patch import Regular, monomials
+from rollbench.hifi.rolling.patch import SmoothKernel, monomials
 from rollbench.hifi.side_by_side import Job, compute_records
 from rollbench.meshes.arrays import Array, Index
 from rollbench.meshes.ball_body import build_ball
@@ -72,7 +72,7 @@ CUTS, GROOVE_SIZES, BALL_SIZES = (4, 4, 4), (0.216, 1.3), (0.119, 0.27)
 
 
 @dataclass(frozen=True)
-class Curve:
+class BallPath:
     """Path of the balls' centres: helix or ring."""
 
     #: Radius of its cylinder [m].
@@ -100,13 +100,13 @@ class ContactPiece:
 
 
 def mesh_contact_pieces(
-    curve: Curve, ball: float, groove: float, angle: float, zone: Zone, *, outer: bool
+    curve: BallPath, ball: float, groove: float, angle: float, zone: Zone, *, outer: bool
 ) -> tuple[ContactPiece, ContactPiece]:
     """Mesh pieces of groove and ball around one contact, with their fine patches.
 
     Parameters
     ----------
-    curve : Curve
+    curve : BallPath
         Path of the balls' centres.
     ball, groove : float
         Radii [m].
@@ -164,12 +164,12 @@ def mesh_contact_pieces(
     return out[0], out[1]
 
 
-def groove_map(curve: Curve, ball: float, groove: float, angle: float) -> GrooveMap:
+def groove_map(curve: BallPath, ball: float, groove: float, angle: float) -> GrooveMap:
     """Describe the geometry of a track whose grooves are all alike, as the static reference does.
 
     Parameters
     ----------
-    curve : Curve
+    curve : BallPath
         Path of the balls' centres.
     ball, groove : float
         Radii [m].
@@ -414,7 +414,7 @@ def _far_field_at_cut(body: ContactBody, rows: sp.csr_array, young: float, poiss
     return out
 
 
-def matched_half_space(
+def half_space_response_on_equal_nodes(
     body: ContactBody,
     zone: Zone,
     size: float,
@@ -526,7 +526,7 @@ def _store_result(key: tuple[object, ...], value: Any) -> None:
 @cached_result
 def ball_kernel(
     radius: float, zone: Zone, bends: tuple[float, float], young: float, poisson: float, degree: int
-) -> Regular:
+) -> SmoothKernel:
     """Compute the kernel of a whole ball: its compliance at the contact less that of a half-space.
 
     ``radius``: radius of the ball [m]; ``zone``: contact zone; ``bends``: curvatures along x and y of the surface that
@@ -535,13 +535,15 @@ def ball_kernel(
     """
     body = mesh_whole_ball(radius, zone)
     answer = free_response(body, traction_loads(body, zone, degree, bends), young, poisson)
-    return Regular(answer - matched_half_space(body, zone, radius, young, poisson, degree), zone.half, degree)
+    return SmoothKernel(
+        answer - half_space_response_on_equal_nodes(body, zone, radius, young, poisson, degree), zone.half, degree
+    )
 
 
 @cached_result
 def bar_kernel(
     groove: Groove, size: float, zone: Zone, bends: tuple[float, float], young: float, poisson: float, degree: int
-) -> Regular:
+) -> SmoothKernel:
     """Compute the kernel of a grooved bar: its compliance at the contact less that of a half-space.
 
     ``size``: size of the bar [m]; the other arguments are those of `ball_kernel`. Forces and motions are those of a ball on
@@ -549,12 +551,14 @@ def bar_kernel(
     """
     body = mesh_grooved_bar(groove, size, zone)
     answer = fixed_response(body, traction_loads(body, zone, degree, bends), young, poisson)
-    return groove_kernel(answer - matched_half_space(body, zone, groove.ball, young, poisson, degree), zone, degree)
+    return groove_kernel(
+        answer - half_space_response_on_equal_nodes(body, zone, groove.ball, young, poisson, degree), zone, degree
+    )
 
 
 @cached_result
 def patch_kernels(
-    curve: Curve,
+    curve: BallPath,
     radii: tuple[float, float],
     angle: float,
     zone: Zone,
@@ -564,12 +568,12 @@ def patch_kernels(
     degree: int,
     *,
     outer: bool,
-) -> tuple[Regular, Regular]:
+) -> tuple[SmoothKernel, SmoothKernel]:
     """Compute the kernels that the static reference's patches of groove and ball add to a half-space.
 
     Parameters
     ----------
-    curve : Curve
+    curve : BallPath
         Path of the balls' centres.
     radii : tuple[float, float]
         Radii of ball and groove [m].
@@ -590,7 +594,7 @@ def patch_kernels(
 
     Returns
     -------
-    groove, ball : Regular
+    groove, ball : SmoothKernel
         Kernels of the groove and of the ball.
     """
     kernels = []
@@ -598,11 +602,13 @@ def patch_kernels(
         body = ContactBody(cut.patch.mesh, cut.patch.contact, sense, cut.number)
         frame = ContactAxes(cut.centre, cut.axes)
         matrix = piece_compliance(cut.piece, cut.patch, traction_loads(body, zone, degree, bends, frame), young, poisson)
-        kernels.append(matrix - matched_half_space(body, zone, radii[0], young, poisson, degree, frame, cut.cells))
-    return groove_kernel(kernels[0], zone, degree), Regular(kernels[1], zone.half, degree)
+        kernels.append(
+            matrix - half_space_response_on_equal_nodes(body, zone, radii[0], young, poisson, degree, frame, cut.cells)
+        )
+    return groove_kernel(kernels[0], zone, degree), SmoothKernel(kernels[1], zone.half, degree)
 
 
-def groove_kernel(added: Array, zone: Zone, degree: int) -> Regular:
+def groove_kernel(added: Array, zone: Zone, degree: int) -> SmoothKernel:
     """Convert the response of a groove to a kernel of forces on the ball and motions of the ball relative to the groove.
 
     Tangential forces and motions change their signs.
@@ -618,11 +624,11 @@ def groove_kernel(added: Array, zone: Zone, degree: int) -> Regular:
 
     Returns
     -------
-    Regular
+    SmoothKernel
         The kernel.
     """
     signs = np.repeat([-1.0, -1.0, 1.0], len(added) // 3)
-    return Regular(added * np.outer(signs, signs), zone.half, degree)
+    return SmoothKernel(added * np.outer(signs, signs), zone.half, degree)
 
 
 #: Contact angles are rounded to multiples of this angle [rad], and loads to whole powers of two, so that similar contacts
@@ -631,7 +637,7 @@ STEP = 0.1
 
 
 @dataclass(frozen=True)
-class Place:
+class ContactPosition:
     """Position of a ball's contact on a groove: radii, angle and path."""
 
     #: Radius of the ball [m].
@@ -683,7 +689,7 @@ class Place:
         return Zone((sizes.margin * ellipse.semi_x, sizes.margin * ellipse.semi_y), sizes.cells, sizes.growth)
 
 
-def _kernel_calls(at: Place, load: float, young: float, poisson: float, sizes: Sizes) -> list[partial[Any]]:
+def _kernel_calls(at: ContactPosition, load: float, young: float, poisson: float, sizes: Sizes) -> list[partial[Any]]:
     """List the calls that compute the kernels of ball and groove, whose sum is the kernel of the contact.
 
     These are two calls for a whole ball and a grooved bar, or one call for the patches of both. ``at``: position of the
@@ -691,22 +697,22 @@ def _kernel_calls(at: Place, load: float, young: float, poisson: float, sizes: S
     """
     zone, common = at.zone(load, young, poisson, sizes), (at.bends, young, poisson, sizes.degree)
     if sizes.patches and at.curve is not None:
-        curve, radii = Curve(*at.curve), (at.ball, at.arc)
+        curve, radii = BallPath(*at.curve), (at.ball, at.arc)
         return [partial(patch_kernels, curve, radii, at.angle, zone, *common, outer=at.bend > 0.0)]
     groove = Groove(at.ball, at.arc, at.angle, sizes.opening, at.bend)
     return [partial(ball_kernel, at.ball, zone, *common), partial(bar_kernel, groove, sizes.bar * at.ball, zone, *common)]
 
 
 @lru_cache(maxsize=8)
-def _summed_kernel(at: Place, load: float, young: float, poisson: float, sizes: Sizes) -> Regular:
+def _summed_kernel(at: ContactPosition, load: float, young: float, poisson: float, sizes: Sizes) -> SmoothKernel:
     """Compute the sum of the kernels of ball and groove at a contact ``at`` under ``load`` [N]."""
     kernels = [call() for call in _kernel_calls(at, load, young, poisson, sizes)]
     first, second = kernels if len(kernels) == 2 else kernels[0]
-    kernel: Regular = first + second
-    return kernel if len(kernels) == 1 else kernel.even
+    kernel: SmoothKernel = first + second
+    return kernel if len(kernels) == 1 else kernel.symmetric_in_x
 
 
-def _rounded_for_sharing(at: Place, load: float) -> tuple[Place, float]:
+def _rounded_for_sharing(at: ContactPosition, load: float) -> tuple[ContactPosition, float]:
     """Round the position and the load [N] of a contact, so that all similar contacts share one kernel.
 
     Returns the position with a rounded contact angle, and the load rounded up to a power of two [N].
@@ -714,7 +720,7 @@ def _rounded_for_sharing(at: Place, load: float) -> tuple[Place, float]:
     return replace(at, angle=STEP * round(at.angle / STEP)), float(2.0 ** np.ceil(np.log2(load)))
 
 
-def contact_kernel(at: Place, load: float, young: float, poisson: float, sizes: Sizes) -> Regular:
+def contact_kernel(at: ContactPosition, load: float, young: float, poisson: float, sizes: Sizes) -> SmoothKernel:
     """Compute the kernel that ball and groove of a contact add to half-spaces.
 
     y points towards the bottom of the groove, x is right-handed with y and the normal. Other contacts of the ball are not
@@ -722,7 +728,7 @@ def contact_kernel(at: Place, load: float, young: float, poisson: float, sizes: 
 
     Parameters
     ----------
-    at : Place
+    at : ContactPosition
         Position of the contact.
     load : float
         Largest load of the contacts that share the kernel [N].
@@ -735,7 +741,7 @@ def contact_kernel(at: Place, load: float, young: float, poisson: float, sizes: 
 
     Returns
     -------
-    Regular
+    SmoothKernel
         The kernel.
 
     Raises
@@ -746,8 +752,8 @@ def contact_kernel(at: Place, load: float, young: float, poisson: float, sizes: 
     return _summed_kernel(*_rounded_for_sharing(at, load), young, poisson, sizes)
 
 
-def make_kernels(
-    contacts: Iterable[tuple[Place, float]], young: float, poisson: float, sizes: Sizes, processes: int
+def compute_and_cache_kernels(
+    contacts: Iterable[tuple[ContactPosition, float]], young: float, poisson: float, sizes: Sizes, processes: int
 ) -> float:
     """Compute the kernels of several contacts in several processes, and cache them.
 
@@ -755,7 +761,7 @@ def make_kernels(
 
     Parameters
     ----------
-    contacts : Iterable[tuple[Place, float]]
+    contacts : Iterable[tuple[ContactPosition, float]]
         Contacts and their largest loads [N].
     young : float
         Young's modulus [Pa].
@@ -795,7 +801,7 @@ def _compute_uncached(call: partial[Any]) -> tuple[Any, float]:
     return call.func.__wrapped__(*call.args, **call.keywords), process_time() - begin  # type: ignore[attr-defined]
 
 
-def forget_kernels() -> None:
+def clear_kernel_cache() -> None:
     """Clear the cache of kernels."""
     _summed_kernel.cache_clear()
     _KEPT.clear()

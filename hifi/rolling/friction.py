@@ -108,7 +108,7 @@ def _as_vector(v: Array) -> Array:
     return np.asarray(v.T.ravel())
 
 
-def full_slip(bound: Array, slip: Array, eps: float = 0.0) -> Array:
+def full_slip_forces(bound: Array, slip: Array, eps: float = 0.0) -> Array:
     """Compute friction forces opposite to a slip, by Coulomb's law or by a law smoothed by a creeping speed.
 
     Parameters
@@ -127,7 +127,7 @@ def full_slip(bound: Array, slip: Array, eps: float = 0.0) -> Array:
 
     Examples
     --------
-    >>> full_slip(np.array([2.0]), np.array([3.0, 4.0])).round(12).tolist()
+    >>> full_slip_forces(np.array([2.0]), np.array([3.0, 4.0])).round(12).tolist()
     [-1.2, -1.6]
     """
     s = _as_rows(slip)
@@ -150,14 +150,14 @@ def _smoothed_newton_terms(c: Contact, q: Array, y: Array, eps: float, elastic: 
     unit = s / size[:, None]
     D = (c.bound / size)[:, None, None] * (np.eye(2) - unit[:, :, None] * unit[:, None, :])
 
-    def times(A: Array) -> Array:
+    def multiply_by_derivative(A: Array) -> Array:
         two = A.reshape(2, len(s), -1)
         return np.asarray(np.einsum("nij,jnk->ink", D, two).reshape(2 * len(s), -1))
 
-    by_motion = times(c.motion)
+    by_motion = multiply_by_derivative(c.motion)
     if not elastic:
         return left, -left, -by_motion
-    solved = np.linalg.solve(np.eye(q.size) + times(c.elastic), -np.column_stack([left, by_motion]))
+    solved = np.linalg.solve(np.eye(q.size) + multiply_by_derivative(c.elastic), -np.column_stack([left, by_motion]))
     return left, np.asarray(solved[:, 0]), np.asarray(solved[:, 1:])
 
 
@@ -212,7 +212,7 @@ class _FrictionSystem:
     contacts: Sequence[Contact]
     balance: Balance
 
-    def step(self, parts: list[tuple[Array, Array, Array]], q: list[Array], y: Array) -> tuple[list[Array], Array]:
+    def newton_step(self, parts: list[tuple[Array, Array, Array]], q: list[Array], y: Array) -> tuple[list[Array], Array]:
         """Compute Newton's step dq of the forces of every contact ``(2 n,)`` [N], and dy of the motions of all bodies.
 
         ``parts``: for every contact the residual, first and rest with dq = first + rest @ dy; ``q``: tangential forces of
@@ -226,7 +226,7 @@ class _FrictionSystem:
         dy: Array = np.asarray(-np.linalg.solve(S, f)) if y.size else y
         return [first + by_y @ dy[c.columns] for c, (_, first, by_y) in zip(self.contacts, parts, strict=True)], dy
 
-    def unbalanced(self, q: list[Array], y: Array) -> Array:
+    def unbalanced_forces(self, q: list[Array], y: Array) -> Array:
         """Evaluate the unbalanced forces on all motions, the left side of eq. (2) of this module [N].
 
         ``q``: tangential forces of every contact [N]; ``y``: motions of all bodies.
@@ -249,12 +249,12 @@ def _damped_newton(
 
     def size(q: list[Array], y: Array) -> float:
         lefts = [_smoothed_residual(c, v, y, eps, elastic) for c, v in zip(system.contacts, q, strict=True)]
-        return float(sum(v @ v for v in lefts) ** 0.5 + np.linalg.norm(system.unbalanced(q, y)))
+        return float(sum(v @ v for v in lefts) ** 0.5 + np.linalg.norm(system.unbalanced_forces(q, y)))
 
     norm = size(q, y)
     for _ in range(STEPS):
         parts = [_smoothed_newton_terms(c, v, y, eps, elastic) for c, v in zip(system.contacts, q, strict=True)]
-        dq, dy = system.step(parts, q, y)
+        dq, dy = system.newton_step(parts, q, y)
         t = 1.0
         for _ in range(12):
             trial = [v + t * d for v, d in zip(q, dq, strict=True)], y + t * dy
@@ -272,7 +272,7 @@ def _damped_newton(
 
 def _smoothed_residual(c: Contact, q: Array, y: Array, eps: float, elastic: bool) -> Array:
     """Compute the residual of the smoothed friction law ``(2 n,)`` [N]; the arguments are those of `_damped_newton`."""
-    return q - full_slip(c.bound, c.slip(q, y) if elastic else c.rigid_slip(y), eps)
+    return q - full_slip_forces(c.bound, c.slip(q, y) if elastic else c.rigid_slip(y), eps)
 
 
 def _newton_without_smoothing(system: _FrictionSystem, q: list[Array], y: Array) -> Friction:
@@ -286,14 +286,14 @@ def _newton_without_smoothing(system: _FrictionSystem, q: list[Array], y: Array)
     for steps in range(1, MOST + 1):  # noqa: B007
         parts = [_exact_newton_terms(c, v, y, g) for c, v, g in zip(system.contacts, q, grips, strict=True)]
         residual = max(float(np.abs(p[0]).max()) for p in parts) / largest
-        residual = max(residual, float(np.abs(system.unbalanced(q, y)).max(initial=0.0)) / largest)
+        residual = max(residual, float(np.abs(system.unbalanced_forces(q, y)).max(initial=0.0)) / largest)
         if residual <= TOLERANCE or (residual <= 100.0 * TOLERANCE and residual >= best):
             break
         if residual > LOST * max(1.0, best):
             break
         best = min(best, residual)
         try:
-            dq, dy = system.step(parts, q, y)
+            dq, dy = system.newton_step(parts, q, y)
         except np.linalg.LinAlgError:  # an iterate with slipping cells may leave a motion unconstrained
             break
         q, y = [v + d for v, d in zip(q, dq, strict=True)], y + dy
@@ -344,11 +344,11 @@ def solve_rigid_friction(
     """
     system = _FrictionSystem(contacts, balance)
     speed = max(float(np.abs(c.rigid_slip(y)).max()) for c in contacts)
-    forces, last = [full_slip(c.bound, c.rigid_slip(y), speed) for c in contacts], y
+    forces, last = [full_slip_forces(c.bound, c.rigid_slip(y), speed) for c in contacts], y
     for ratio in path:
         last = y
         forces, y = _damped_newton(system, forces, y, ratio * speed, elastic=False)
-    left = float(np.abs(system.unbalanced(forces, y)).max()) / max(float(c.bound.sum()) for c in contacts)
+    left = float(np.abs(system.unbalanced_forces(forces, y)).max()) / max(float(c.bound.sum()) for c in contacts)
     if not left <= RIGID:
         raise ValueError(
             "the search for the steady rolling of rigid bodies ends without equilibrium: the unbalanced force is "
@@ -397,14 +397,14 @@ def solve_friction(
             return solution
     speed = max(float(np.abs(c.rigid_slip(y)).max()) for c in contacts)
     start = y.copy()
-    forces = [full_slip(c.bound, c.rigid_slip(y), speed) for c in contacts]
+    forces = [full_slip_forces(c.bound, c.rigid_slip(y), speed) for c in contacts]
     for ratio in path:
         forces, y = _damped_newton(system, forces, y, ratio * speed, elastic=False)
     solution = _newton_without_smoothing(system, forces, y)
     if solution.converged:
         return solution
     y = start
-    forces = [full_slip(c.bound, c.rigid_slip(y), speed) for c in contacts]
+    forces = [full_slip_forces(c.bound, c.rigid_slip(y), speed) for c in contacts]
     for ratio in path:
         forces, y = _damped_newton(system, forces, y, ratio * speed, elastic=True)
         if ratio > SHARPEST:

@@ -78,7 +78,7 @@ def velocity_matrix(track: Track, radius: float, at: Array) -> Array:
 
 
 @dataclass(frozen=True)
-class Touch:
+class GrooveContact:
     """Contact of a ball with a groove: direction, force, radii and the groove's speed."""
 
     #: Unit vector from the ball's centre to the contact, in the ball's axes ``(3,)``.
@@ -94,7 +94,7 @@ class Touch:
 
 
 @dataclass(frozen=True)
-class Meeting:
+class BallPairContact:
     """Contact of two neighbouring balls."""
 
     #: Index of the first ball.
@@ -144,7 +144,7 @@ class Ball:
     #: Axes of the ball as rows, in common coordinates ``(3, 3)``.
     frame: Array
     #: Contacts of the ball with grooves.
-    touches: tuple[Touch, ...]
+    touches: tuple[GrooveContact, ...]
 
 
 @dataclass(frozen=True)
@@ -168,15 +168,15 @@ class Rolling:
     #: The balls.
     balls: tuple[Ball, ...]
     #: Contacts between neighbouring balls.
-    meetings: tuple[Meeting, ...] = ()
+    meetings: tuple[BallPairContact, ...] = ()
 
 
-def contact_axes(touch: Touch, scene: Rolling) -> Array:
+def contact_axes(touch: GrooveContact, scene: Rolling) -> Array:
     """Compute the local axes of a contact: x against the flow of material, y across it, and the normal.
 
     Parameters
     ----------
-    touch : Touch
+    touch : GrooveContact
         The contact.
     scene : Rolling
         The rolling balls.
@@ -204,12 +204,14 @@ def contact_axes(touch: Touch, scene: Rolling) -> Array:
     return np.stack([x, np.cross(touch.normal, x), touch.normal])
 
 
-def contact_surface(touch: Touch, scene: Rolling, local: Array, *, curved: bool, sunk: float = 0.0) -> tuple[Array, Array]:
+def contact_surface(
+    touch: GrooveContact, scene: Rolling, local: Array, *, curved: bool, sunk: float = 0.0
+) -> tuple[Array, Array]:
     """Compute points and tangents of a contact's surface.
 
     Parameters
     ----------
-    touch : Touch
+    touch : GrooveContact
         The contact.
     scene : Rolling
         Its balls.
@@ -236,12 +238,12 @@ def contact_surface(touch: Touch, scene: Rolling, local: Array, *, curved: bool,
     return points, tangents / np.linalg.norm(tangents, axis=2, keepdims=True)
 
 
-def rolling_speed(touch: Touch, scene: Rolling) -> float:
+def rolling_speed(touch: GrooveContact, scene: Rolling) -> float:
     """Compute the speed at which material passes through the contact.
 
     Parameters
     ----------
-    touch : Touch
+    touch : GrooveContact
         The contact.
     scene : Rolling
         Its balls.
@@ -254,14 +256,14 @@ def rolling_speed(touch: Touch, scene: Rolling) -> float:
     return float(np.linalg.norm((touch.ride - scene.orbit) * scene.track.field(scene.radius * touch.normal)))
 
 
-def rigid_contact(
-    touch: Touch, scene: Rolling, ball: int, normal: Array, local: Array, *, curved: bool, sunk: float = 0.0
+def rigid_friction_contact(
+    touch: GrooveContact, scene: Rolling, ball: int, normal: Array, local: Array, *, curved: bool, sunk: float = 0.0
 ) -> Contact:
     """Prepare the contact of a ball with its groove for the friction solver, for rigid bodies.
 
     Parameters
     ----------
-    touch : Touch
+    touch : GrooveContact
         The contact.
     scene : Rolling
         Its balls.
@@ -287,12 +289,14 @@ def rigid_contact(
     return Contact(scene.mu * normal, np.zeros((0, 0)), rows, MOTIONS * ball + np.arange(MOTIONS), given)
 
 
-def ball_contact(touch: Touch, scene: Rolling, ball: int, patch: Patch, *, curved: bool, elastic: float = 1.0) -> Contact:
+def elastic_friction_contact(
+    touch: GrooveContact, scene: Rolling, ball: int, patch: Patch, *, curved: bool, elastic: float = 1.0
+) -> Contact:
     """Prepare the contact of a ball with its groove for the friction solver, on the grid of an elastic contact.
 
     Parameters
     ----------
-    touch : Touch
+    touch : GrooveContact
         The contact.
     scene : Rolling
         Its balls.
@@ -310,7 +314,7 @@ def ball_contact(touch: Touch, scene: Rolling, ball: int, patch: Patch, *, curve
     Contact
         The contact, for the friction solver.
     """
-    rigid = rigid_contact(touch, scene, ball, patch.normal, patch.at, curved=curved, sunk=elastic * patch.sunk)
+    rigid = rigid_friction_contact(touch, scene, ball, patch.normal, patch.at, curved=curved, sunk=elastic * patch.sunk)
     speed = elastic * rolling_speed(touch, scene)
     return replace(rigid, elastic=speed * patch.transport, given=rigid.given + speed * patch.strain)
 
@@ -323,7 +327,7 @@ def ball_contact(touch: Touch, scene: Rolling, ball: int, patch: Patch, *, curve
 
 def ball_to_ball_contact(
     one: int, two: int, frames: tuple[Array, Array], line: Array, track: Track, radius: float, apart: float = 0.0
-) -> Meeting:
+) -> BallPairContact:
     """Create the contact of two balls from their axes and the line between them.
 
     Parameters
@@ -343,7 +347,7 @@ def ball_to_ball_contact(
 
     Returns
     -------
-    Meeting
+    BallPairContact
         The contact.
     """
     side = np.cross(line, np.eye(3)[int(np.argmin(np.abs(line)))])
@@ -355,7 +359,7 @@ def ball_to_ball_contact(
         at = sign * radius * local[0]
         rows = local @ velocity_matrix(track, radius, at[None])[0]
         parts.append(sign * rows)
-    return Meeting(one, two, np.hstack(parts), axes, apart)
+    return BallPairContact(one, two, np.hstack(parts), axes, apart)
 
 
 @dataclass(frozen=True)

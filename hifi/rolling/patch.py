@@ -68,7 +68,7 @@ def monomials(at: Array, scale: tuple[float, float], degree: int) -> Array:
 
 
 @dataclass(frozen=True, eq=False)
-class Regular:
+class SmoothKernel:
     """Smooth part of the compliance of finite bodies, which is added to that of half-spaces (kernel)."""
 
     #: Coefficients M of the kernel between k monomials ``(3 k, 3 k)`` [m/N]: k along x, then k along y, then k along the
@@ -79,7 +79,7 @@ class Regular:
     #: Degree of the monomials.
     degree: int
 
-    def __add__(self, other: Regular) -> Regular:
+    def __add__(self, other: SmoothKernel) -> SmoothKernel:
         """Add the kernels of two bodies. Raises ValueError if their monomials differ."""
         if (self.scale, self.degree) != (other.scale, other.degree):
             raise ValueError(
@@ -89,20 +89,20 @@ class Regular:
         return replace(self, M=self.M + other.M)
 
     @cached_property
-    def turned(self) -> Regular:
+    def rotated_by_half_turn(self) -> SmoothKernel:
         """Kernel in axes turned by 180 degrees about the contact normal."""
         odd = (-1.0) ** monomial_exponents(self.degree).sum(axis=1)
         signs = np.concatenate([-odd, -odd, odd])
         return replace(self, M=self.M * np.outer(signs, signs))
 
     @cached_property
-    def even(self) -> Regular:
+    def symmetric_in_x(self) -> SmoothKernel:
         """Mean of the kernel and its mirror image in x, for bodies that are symmetric in the rolling direction."""
         odd = (-1.0) ** monomial_exponents(self.degree)[:, 0]
         signs = np.concatenate([-odd, odd, odd])
         return replace(self, M=0.5 * (self.M + self.M * np.outer(signs, signs)))
 
-    def _part(self, rows: slice, columns: slice) -> Array:
+    def _coefficient_block(self, rows: slice, columns: slice) -> Array:
         """Return the coefficients for some directions of displacements (rows) and of forces (columns)."""
         k = len(self.M) // 3
         return self.M[rows.start * k : rows.stop * k, columns.start * k : columns.stop * k]
@@ -128,7 +128,7 @@ class Regular:
         by = monomials(at, self.scale, self.degree)
         left = np.kron(np.eye(rows.stop - rows.start), to)
         right = np.kron(np.eye(columns.stop - columns.start), by)
-        return np.asarray(left @ self._part(rows, columns) @ right.T)
+        return np.asarray(left @ self._coefficient_block(rows, columns) @ right.T)
 
     def slope(self, at: Array, rows: slice, columns: slice) -> Array:
         """Compute the derivative along x of the displacements by unit forces ``(r n, c n)`` [1/N].
@@ -142,7 +142,7 @@ class Regular:
         by = monomials(at, self.scale, self.degree)
         left = np.kron(np.eye(rows.stop - rows.start), to)
         right = np.kron(np.eye(columns.stop - columns.start), by)
-        return np.asarray(left @ self._part(rows, columns) @ right.T)
+        return np.asarray(left @ self._coefficient_block(rows, columns) @ right.T)
 
 
 #: Directions of a kernel: along tangents, and the normal.
@@ -337,7 +337,7 @@ class Patch:
     #: Approach of the bodies [m].
     approach: float
     #: Contribution of finite bodies; None: half-spaces.
-    regular: Regular | None = None
+    regular: SmoothKernel | None = None
 
     @property
     def load(self) -> float:
@@ -464,7 +464,7 @@ def cell_grid(shape: tuple[int, int], size: Array) -> tuple[Index, Array]:
 
 
 def equivalent_radii(
-    load: float, radii: tuple[float, float], young: float, poisson: float, regular: Regular | None
+    load: float, radii: tuple[float, float], young: float, poisson: float, regular: SmoothKernel | None
 ) -> tuple[float, float]:
     """Compute the relative radii of half-spaces whose contact is equivalent to that of finite bodies.
 
@@ -480,7 +480,7 @@ def equivalent_radii(
         Young's modulus [Pa].
     poisson : float
         Poisson's ratio.
-    regular : Regular | None
+    regular : SmoothKernel | None
         Contribution of finite bodies; None: half-spaces.
 
     Returns
@@ -509,7 +509,7 @@ def hertz_patch(
     young: float,
     poisson: float,
     shape: tuple[int, int],
-    regular: Regular | None = None,
+    regular: SmoothKernel | None = None,
     margin: float = MARGIN,
 ) -> Patch:
     """Solve the contact of two bodies of one material on a grid.
@@ -528,7 +528,7 @@ def hertz_patch(
         Poisson's ratio.
     shape : tuple[int, int]
         Numbers of cells along x and y.
-    regular : Regular | None, default None
+    regular : SmoothKernel | None, default None
         Contribution of finite bodies; the tangential displacement by their pressure is in `Patch.strain` only.
     margin : float, default MARGIN
         Width of the grid over that of Hertz's ellipse.

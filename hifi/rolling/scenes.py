@@ -23,7 +23,7 @@ from scipy.optimize import minimize, root
 
 from rollbench.hifi.contact.hertz import hertz
 from rollbench.hifi.rolling.balls import Choices, RollingResult, loaded_contacts, solve_rolling, without_ball_contacts
-from rollbench.hifi.rolling.kinematics import Ball, Meeting, Rolling, Touch, Track, ball_to_ball_contact
+from rollbench.hifi.rolling.kinematics import Ball, BallPairContact, GrooveContact, Rolling, Track, ball_to_ball_contact
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.numerics import brentq
 
@@ -49,7 +49,7 @@ class Layout:
     #: Nominal speed of the balls along the track, in the same unit.
     orbit: float
     #: Contacts between neighbouring balls.
-    meetings: tuple[Meeting, ...]
+    meetings: tuple[BallPairContact, ...]
 
 
 @dataclass(frozen=True)
@@ -88,7 +88,7 @@ def rolling_scene(layout: Layout, material: Material, normals: Array, loads: Arr
     balls = []
     for frame, n, force in zip(layout.frames, normals, loads, strict=True):
         touches = [
-            Touch(
+            GrooveContact(
                 n[k] @ layout.section,
                 float(force[k]),
                 (layout.radii[k, 0], layout.radii[k, 1]),
@@ -303,7 +303,7 @@ POLISH, BALANCED = 30, 1e-9
 
 
 @dataclass(frozen=True)
-class Cell:
+class StaticProblem:
     """Static problem of N balls with k grooves each, and an inner body with m free motions."""
 
     #: Unit vectors from each ball's centre to its unloaded contacts, in the section ``(N, k, 2)``.
@@ -328,7 +328,7 @@ class Cell:
 
 @dataclass(frozen=True)
 class Loads:
-    """Static equilibrium of the balls and the inner body of a `Cell`."""
+    """Static equilibrium of the balls and the inner body of a `StaticProblem`."""
 
     #: Contact forces ``(N, k)`` [N].
     force: Array
@@ -347,12 +347,12 @@ class Loads:
         return self.left <= BALANCED
 
 
-def solve_static_cell(cell: Cell) -> Loads:
+def solve_static_problem(cell: StaticProblem) -> Loads:
     """Solve the static equilibrium of balls and inner body; if there is none, the result has not converged.
 
     Parameters
     ----------
-    cell : Cell
+    cell : StaticProblem
         The static problem.
 
     Returns
@@ -374,16 +374,16 @@ def solve_static_cell(cell: Cell) -> Loads:
         e, g, _ = _energy_derivatives(cell, x * unit)
         return e / (size * unit), g / size
 
-    def bend(x: Array) -> Array:
+    def hessian(x: Array) -> Array:
         return np.asarray(_energy_derivatives(cell, x * unit)[2] * (unit / size)) + 1e-9 * np.eye(x.size)
 
-    x = minimize(energy, start, jac=True, hess=bend, method="trust-exact", options={"gtol": 1e-8, "maxiter": 500}).x
+    x = minimize(energy, start, jac=True, hess=hessian, method="trust-exact", options={"gtol": 1e-8, "maxiter": 500}).x
     best = x
     for _ in range(POLISH):
         g = energy(x)[1]
         if np.linalg.norm(g) < np.linalg.norm(energy(best)[1]):
             best = x
-        x = x - np.linalg.solve(bend(x), g)
+        x = x - np.linalg.solve(hessian(x), g)
     force, normal, _ = _contact_forces(cell, best * unit)
     left = float(np.abs(energy(best)[1]).max()) * size / max(float(force.sum()), 1e-300)
     if np.any((force > 0.0) & ((normal * cell.normals).sum(axis=2) <= 0.0)):  # a ball that left its groove for the far side
@@ -391,7 +391,7 @@ def solve_static_cell(cell: Cell) -> Loads:
     return Loads(force, normal, best[: 2 * N].reshape(N, 2) * unit, best[2 * N :] * unit, left)
 
 
-def _contact_forces(cell: Cell, x: Array) -> tuple[Array, Array, Array]:
+def _contact_forces(cell: StaticProblem, x: Array) -> tuple[Array, Array, Array]:
     """Compute the contact forces of a static problem at given displacements of balls and inner body.
 
     x: displacements of the balls, then free motions of the inner body (2 N + m,) [m]. Returns the forces (N, k) [N], their
@@ -406,7 +406,7 @@ def _contact_forces(cell: Cell, x: Array) -> tuple[Array, Array, Array]:
     return (approach / cell.C) ** 1.5, d / length[:, :, None], length  # F = (approach / C)^(3/2) along d
 
 
-def _energy_derivatives(cell: Cell, x: Array) -> tuple[float, Array, Array]:
+def _energy_derivatives(cell: StaticProblem, x: Array) -> tuple[float, Array, Array]:
     """Compute the energy of a static problem at given displacements of balls and inner body, with two derivatives.
 
     x: displacements of the balls, then free motions of the inner body (2 N + m,) [m]. Returns the energy [J], its gradient
@@ -445,19 +445,19 @@ SEARCH = {"fatol": 0.1 * AGREED, "maxiter": 40, "line_search": None, "jac_option
 COARSE = (10, 10)
 
 
-def fix_inner_body(cell: Cell, loads: Loads) -> Cell:
+def fix_inner_body(cell: StaticProblem, loads: Loads) -> StaticProblem:
     """Return a copy of a static problem with the inner body fixed at its equilibrium.
 
     Parameters
     ----------
-    cell : Cell
+    cell : StaticProblem
         The static problem.
     loads : Loads
         Its equilibrium.
 
     Returns
     -------
-    Cell
+    StaticProblem
         Static problem whose inner body has no free motions.
     """
     moved = cell.rows @ loads.body if cell.pull.size else 0.0
@@ -465,7 +465,7 @@ def fix_inner_body(cell: Cell, loads: Loads) -> Cell:
 
 
 def solve_loads_with_rolling(
-    layout: Layout, material: Material, cell: Cell, choices: Choices, *, meet: bool
+    layout: Layout, material: Material, cell: StaticProblem, choices: Choices, *, meet: bool
 ) -> tuple[Loads, bool]:
     """Solve contact loads and rolling together, with friction that moves the balls across the track.
 
@@ -478,7 +478,7 @@ def solve_loads_with_rolling(
         Places of balls and grooves.
     material : Material
         Elastic material and friction.
-    cell : Cell
+    cell : StaticProblem
         The static problem.
     choices : Choices
         Numerical choices of rolling.
@@ -492,25 +492,25 @@ def solve_loads_with_rolling(
     converged : bool
         Whether loads and friction agree (`AGREED`) and both converged.
     """
-    loads = solve_static_cell(cell)
+    loads = solve_static_problem(cell)
     held = fix_inner_body(cell, loads)
     scale, last = float(loads.force.max()), dict[tuple[int, int], RollingResult]()
 
-    def exerted(push: Array, grid: Choices) -> tuple[Loads, RollingResult, Array]:
-        pushed = solve_static_cell(replace(held, push=cell.push + push))
+    def solve_with_push(push: Array, grid: Choices) -> tuple[Loads, RollingResult, Array]:
+        pushed = solve_static_problem(replace(held, push=cell.push + push))
         rolling = _solve_rolling_under_loads(layout, material, pushed, grid, meet, last.get(grid.shape))
         last[grid.shape] = rolling
         return pushed, rolling, (rolling.wrench[:, :3] + rolling.between) @ layout.section.T
 
-    def missing(push: Array, grid: Choices) -> Array:
+    def push_mismatch(push: Array, grid: Choices) -> Array:
         two = push.reshape(-1, 2) * scale
-        return np.asarray((exerted(two, grid)[2] - two).ravel() / scale)
+        return np.asarray((solve_with_push(two, grid)[2] - two).ravel() / scale)
 
     push = np.zeros(2 * len(cell.push))
     for shape in (COARSE, choices.shape):
         grid = replace(choices, shape=shape)
-        push = root(lambda x, grid=grid: missing(x, grid), push, method="anderson", options=SEARCH).x
-    pushed, rolling, force = exerted(push.reshape(-1, 2) * scale, choices)
+        push = root(lambda x, grid=grid: push_mismatch(x, grid), push, method="anderson", options=SEARCH).x
+    pushed, rolling, force = solve_with_push(push.reshape(-1, 2) * scale, choices)
     agree = np.abs(force / scale - push.reshape(-1, 2)).max() <= AGREED
     return pushed, bool(agree and pushed.converged and rolling.converged)
 

@@ -18,8 +18,8 @@ from rollbench.hifi.contact.hertz import hertz
 from rollbench.hifi.elements.forms import mean_weights
 from rollbench.hifi.rolling.balls import RollingResult, disk_quadrature
 from rollbench.hifi.rolling.bodies import (
-    Curve,
-    Place,
+    BallPath,
+    ContactPosition,
     Sizes,
     ball_kernel,
     contact_kernel,
@@ -29,11 +29,11 @@ from rollbench.hifi.rolling.bodies import (
     traction_loads,
 )
 from rollbench.hifi.rolling.contact_bodies import Zone, mesh_half_space
-from rollbench.hifi.rolling.friction import Contact, Friction, full_slip, solve_friction
+from rollbench.hifi.rolling.friction import Contact, Friction, full_slip_forces, solve_friction
 from rollbench.hifi.rolling.kinematics import MOTIONS, Rolling, velocity_matrix
 from rollbench.hifi.rolling.patch import (
     Patch,
-    Regular,
+    SmoothKernel,
     cell_grid,
     equivalent_radii,
     hertz_patch,
@@ -271,13 +271,13 @@ class NormalContact:
 
 
 def solve_normal_contact_at_rest(
-    at: Place, load: float, young: float, poisson: float, shape: tuple[int, int], sizes: Sizes
+    at: ContactPosition, load: float, young: float, poisson: float, shape: tuple[int, int], sizes: Sizes
 ) -> NormalContact:
     """Solve the normal contact of finite bodies as in the rolling model.
 
     Parameters
     ----------
-    at : Place
+    at : ContactPosition
         Position of the contact on its groove.
     load : float
         Contact load [N].
@@ -301,13 +301,13 @@ def solve_normal_contact_at_rest(
 
 
 def solve_by_static_reference(
-    at: Place, load: float, young: float, poisson: float, cells: tuple[int, int]
+    at: ContactPosition, load: float, young: float, poisson: float, cells: tuple[int, int]
 ) -> NormalContact:
     """Solve a normal contact as in the static reference: finite-element patches of groove and ball, on the exact gap.
 
     Parameters
     ----------
-    at : Place
+    at : ContactPosition
         Position of the contact on its groove.
     load : float
         Contact load [N].
@@ -333,7 +333,7 @@ def solve_by_static_reference(
             "the static reference cannot solve the contact of a straight track: it needs the path of a ring or a helix"
         )
     zone = at.zone(load, young, poisson, replace(Sizes(), cells=cells, growth=2.0, margin=1.2))
-    groove, ball = mesh_contact_pieces(Curve(*at.curve), at.ball, at.arc, at.angle, zone, outer=at.bend > 0.0)
+    groove, ball = mesh_contact_pieces(BallPath(*at.curve), at.ball, at.arc, at.angle, zone, outer=at.bend > 0.0)
     arms = groove.patch.points[groove.patch.contact] - groove.centre
     length = np.linalg.norm(arms, axis=1)
     normals = arms / length[:, None]
@@ -442,7 +442,7 @@ def compare_with_mindlin(cells: int, share: float, balls: Sizes | None = None) -
     return np.array([force, stick / size]), np.array([share, rest ** (1.0 / 3.0)])
 
 
-def two_balls_kernel(radius: float, semi: float, young: float, poisson: float, sizes: Sizes) -> Regular:
+def two_balls_kernel(radius: float, semi: float, young: float, poisson: float, sizes: Sizes) -> SmoothKernel:
     """Compute the kernel of two equal balls: their compliance at the contact less that of half-spaces.
 
     ``radius``: radius of the balls [m]; ``semi``: radius of the contact [m]; ``sizes``: numerical choices.
@@ -499,7 +499,7 @@ def compare_ball_friction_with_point(
         at = sign * (scene.radius - sunk) * axes[0] + local @ axes[1:]
         speeds = velocity_matrix(scene.track, scene.radius, at) @ result.friction.motions[half]
         slide += sign * speeds @ axes[1:].T
-    pull = full_slip(scene.mu_balls * normal, slide.T.ravel())
+    pull = full_slip_forces(scene.mu_balls * normal, slide.T.ravel())
     bound = scene.mu_balls * force
     point = bound * float(np.linalg.norm((m.rows @ result.friction.motions[m.columns])[1:]))
     total = float(np.linalg.norm(pull.reshape(2, -1).sum(axis=1)))
@@ -637,7 +637,7 @@ def full_slip_by_quadrature(
     unit, weight = disk_quadrature(points)
     at = unit * np.array([ellipse.semi_x, ellipse.semi_y])
     normal = ellipse.pressure(at[:, 0], at[:, 1]) * weight * ellipse.semi_x * ellipse.semi_y
-    return _resultant(at, full_slip(mu * normal, creep.slip(at)))
+    return _resultant(at, full_slip_forces(mu * normal, creep.slip(at)))
 
 
 def full_slip_within_cells(patch: Patch, creep: Creep, mu: float) -> tuple[Array, float]:
@@ -665,7 +665,7 @@ def full_slip_within_cells(patch: Patch, creep: Creep, mu: float) -> tuple[Array
     unit = (np.arange(points) + 0.5) / points - 0.5
     inside = np.stack(np.meshgrid(unit, unit, indexing="ij"), axis=-1).reshape(-1, 2) * patch.size
     at = (patch.at[:, None] + inside).reshape(-1, 2)
-    return _resultant(at, full_slip(np.repeat(mu * patch.normal / points**2, points**2), creep.slip(at)))
+    return _resultant(at, full_slip_forces(np.repeat(mu * patch.normal / points**2, points**2), creep.slip(at)))
 
 
 def _resultant(at: Array, forces: Array) -> tuple[Array, float]:

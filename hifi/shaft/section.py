@@ -174,7 +174,7 @@ def _effect_of_both_cuts(m: GrooveMap, length: float, cut: Array) -> Array:
 
 
 @dataclass(frozen=True)
-class Homogenised:
+class EquivalentBeam:
     """Uniform beam equivalent to a grooved shaft."""
 
     #: Stiffnesses of the beam.
@@ -212,7 +212,7 @@ def shaft_lengths(m: GrooveMap) -> tuple[float, float, float]:
 
 def homogenise(
     m: GrooveMap, bore: float, material: Material, section: tuple[Array, float], shafts: Sequence[tuple[float, Array]]
-) -> Homogenised:
+) -> EquivalentBeam:
     """Compute the uniform beam equivalent to a grooved shaft, from its helical section and from three 3D shafts.
 
     Parameters
@@ -230,7 +230,7 @@ def homogenise(
 
     Returns
     -------
-    Homogenised
+    EquivalentBeam
         The uniform beam.
     """
     young, poisson = material.youngs_modulus, material.poissons_ratio
@@ -250,7 +250,7 @@ def homogenise(
     bend = 0.5 * (per_length[3, 3] + per_length[4, 4])
     uniform = np.diag([1.0 / kGA, 1.0 / kGA, per_length[2, 2], bend, bend, per_length[5, 5]])
     uniform[2, 5] = uniform[5, 2] = per_length[2, 5]
-    return Homogenised(ShaftSection(EA, EI, GJ, kGA), radii, coupling, fit_cut_flexibility(m, shafts, uniform))
+    return EquivalentBeam(ShaftSection(EA, EI, GJ, kGA), radii, coupling, fit_cut_flexibility(m, shafts, uniform))
 
 
 def meshed_shaft_flexibility(
