@@ -65,7 +65,8 @@ from rollbench.meshes.solid import Dimensions
 #: Length of a submodel beyond its socket, over the ball's radius: the error of the coarse mesh has decayed there.
 BEYOND = 1.5
 
-#: Turn by 180 degrees about the radius through a ball at azimuth 0: left flanks onto right ones.
+#: Factors on coordinates x, y, z by a turn of 180 degrees about the radius through a ball at azimuth 0, which maps left
+#: flanks onto right ones.
 TURN = np.array([1.0, -1.0, -1.0])
 
 SideArguments = tuple[GrooveMap, int, tuple[float, float], tuple[Material, Material], Sockets, Settings]
@@ -79,8 +80,8 @@ class SidePatches:
     groove: CondensedPatch
     #: Patch of the ball.
     ball: CondensedPatch
-    #: Local compliance of a contact of both, beyond the modes of the coarse bodies ``(c, c)`` [m/N]
-    #: (`hifi.bodies.coarse`).
+    #: Local compliance of the contact of both, beyond the modes of the coarse bodies, between its c pressure functions
+    #: ``(c, c)`` [m/N] (`hifi.bodies.coarse`).
     local: Array
     #: Correction of the gap for the contact's position on its mesh grid; None: no correction.
     wave: GridWave | None
@@ -89,7 +90,11 @@ class SidePatches:
 def condense_side_arguments(
     scene: Scene, m: GrooveMap, dims: Dimensions, meshes: Meshes, side: int, settings: Settings
 ) -> SideArguments:
-    """Collect the arguments of `condense_side` for one flank (0 to 3) of a ball screw or bearing."""
+    """Collect the arguments of `condense_side` for one flank of a ball screw or bearing.
+
+    ``m``: geometry of the track; ``dims``: dimensions of the solid parts; ``meshes``: meshes of the parts; ``side``: flank
+    0 to 3. The result is the geometry of the track, the flank, the radii, the materials, the sockets and the mesh choices.
+    """
     part, inner = (scene.screw, dims.hole) if side < 2 else (scene.nut, dims.land)
     radii, materials = (inner, part.outer_diameter / 2.0), (part.material, scene.balls.material)
     return m, side, radii, materials, meshes.sockets(side), settings
@@ -108,14 +113,14 @@ def condense_side(
     Parameters
     ----------
     m : GrooveMap
-        Track.
+        Geometry of the track.
     side : int
         Flank 0 to 3.
     radii : tuple[float, float]
         Radii of the grooved body's plain surface on the side away from the groove (hole, or land), and of the other
         one [m].
     materials : tuple[Material, Material]
-        Materials of that body and of the ball.
+        Materials of the grooved body and of the ball.
     sockets : Sockets
         Sockets of groove and ball.
     settings : Settings
@@ -124,7 +129,7 @@ def condense_side(
     Returns
     -------
     SidePatches
-        The patches.
+        Condensed patches of groove and ball, and their local compliance.
 
     Raises
     ------
@@ -139,7 +144,9 @@ def condense_side(
     ball_normals = patch_normals(ball_mesh, np.zeros(3))
     spread = float(np.abs(ball_normals - normals).max())
     if spread > 1e-9:
-        raise ValueError(f"contact nodes of ball and groove do not match ({spread:.1e})")
+        raise ValueError(
+            f"the contact nodes of ball and groove do not match: their normals differ by {spread:.1e}, allowed are 1e-9"
+        )
     e, b = materials
     groove = condense_patch(
         mesh, normals, *_elastic_constants(e), mesh_carrier_patch(sockets, sockets.groove, groove_place, settings)
@@ -177,15 +184,16 @@ def condense_side(
         C = fine_compliance(piece, mesh_patch(sockets, socket, points_at, settings), along, *_elastic_constants(material))
         V, rows = reduce_to_modes(condensed, modes)
 
-        def response(scale: float, piece_of=piece_of, condensed=condensed, rows=rows, material=material) -> Array:  # type: ignore[no-untyped-def]
+        def coarse_response(scale: float, piece_of=piece_of, condensed=condensed, rows=rows, material=material) -> Array:  # type: ignore[no-untyped-def]
             return coarse_compliance(piece_of(scale, coarse=True)[0], condensed, rows, *_elastic_constants(material))
 
-        local += local_compliance(C, V, response)
+        local += local_compliance(C, V, coarse_response)
         total += C
     return SidePatches(groove, ball, local, tabulate_grid_wave(m, side, groove, total, b))
 
 
 def _elastic_constants(material: Material) -> tuple[float, float]:
+    """Return Young's modulus [Pa] and Poisson's ratio of a material."""
     return material.youngs_modulus, material.poissons_ratio
 
 
@@ -195,7 +203,7 @@ def is_turned_left_flank(m: GrooveMap, side: int) -> bool:
     Parameters
     ----------
     m : GrooveMap
-        Track.
+        Geometry of the track.
     side : int
         Flank 0 to 3.
 
@@ -256,18 +264,18 @@ NUT_HELD = {
     "flange face": ("seat",),
 }
 
-#: Suffix of ``Dimensions.nut_held`` of a flange whose centring fit is bonded.
+#: End of ``Dimensions.nut_held`` if the flange's centring fit is bonded as well.
 FIT = " and centring"
 
-#: Half the thickness of the slice whose mean motion is that of a cross-section, over the screw's radius; least number of
-#: cells in a slice.
+#: Half the thickness of the slice whose mean motion counts as the motion of a cross-section, over the screw's radius; least
+#: number of cells in such a slice.
 SLICE, LEAST = 0.25, 30
 
 
 class ModalBody:
     """Base of a body condensed to the displacement modes of its contacts, ordered by ball, then by flank."""
 
-    #: Modes V ``(c, k)`` of a contact, by flank.
+    #: By flank, the k displacement modes V of a contact of c pressure functions ``(c, k)``.
     modes: dict[int, Array]
 
     @property
@@ -288,7 +296,7 @@ class ModalBody:
         Returns
         -------
         (k,) Index
-            Rows.
+            Indices of the rows and columns.
         """
         before = sum(V.shape[1] for V in list(self.modes.values())[: list(self.modes).index(side)])
         return np.asarray(ball * self.modes_per_ball + before + np.arange(self.modes[side].shape[1]))
@@ -303,10 +311,10 @@ class ScrewResponse(ModalBody):
 
     #: Flexibility of the stretch.
     stretch: Stretch
-    #: Modes V ``(c, k)`` of a contact, by flank.
+    #: By flank, the k displacement modes V of a contact of c pressure functions ``(c, k)``.
     modes: dict[int, Array]
-    #: Motion of every contact's modes with the screw as a rigid body, about the contact's axial position
-    #: ``(contacts, k, 6)``.
+    #: Displacements of every contact's modes by unit rigid motions of the screw (translations and rotations about the
+    #: contact's axial position) ``(contacts, k, 6)``.
     rigid: Array
     #: Degrees of freedom that were condensed.
     unknowns: int
@@ -323,11 +331,12 @@ class NutResponse(ModalBody):
 
     #: Compliance matrix between the modes of all contacts [m/N].
     G: Array
-    #: Modes V ``(c, k)`` of a contact, by flank.
+    #: By flank, the k displacement modes V of a contact of c pressure functions ``(c, k)``.
     modes: dict[int, Array]
-    #: Degrees of freedom that were condensed.
+    #: Number of degrees of freedom that were condensed.
     unknowns: int
-    #: Motion of the modes with the nut as a rigid body, about the point z = 0 of the axis ``(k, 6)``.
+    #: Displacements of the modes of all contacts by unit rigid motions of the nut (translations and rotations about the
+    #: point z = 0 of the axis) ``(k, 6)``.
     rigid: Array
 
 
@@ -337,7 +346,7 @@ class BallResponse(ModalBody):
 
     #: Compliance matrix between the modes of its contacts, flank after flank [m/N].
     G: Array
-    #: Modes V ``(c, k)`` of a contact, by flank.
+    #: By flank, the k displacement modes V of a contact of c pressure functions ``(c, k)``.
     modes: dict[int, Array]
     #: Degrees of freedom that were condensed.
     unknowns: int
@@ -370,12 +379,12 @@ def stiffness_and_modes(
 
     Returns
     -------
-    K : sparse array
-        Stiffness.
-    rows : sparse array
-        Rows of the modes of all sockets.
-    by_flank : dict
-        Modes V and their rows Q, by flank.
+    K : (n, n) sparse array
+        Stiffness of the body with all its patches, on its n degrees of freedom [N/m].
+    rows : (r, n) sparse array
+        Rows Q of the r modes of all sockets on these degrees of freedom, socket after socket.
+    by_flank : dict[int, tuple[Array, Array]]
+        Modes V and their rows Q in the frame of the patch, by flank.
     """
     K = assemble_body_stiffness(
         mesh_of_order(mesh, body_kind(settings)), sockets, patches, material.youngs_modulus, material.poissons_ratio
@@ -439,7 +448,7 @@ def screw_response(
     ends : tuple[float, float]
         Axial positions of the ends of the stretch [m].
     inside : Sequence[float]
-        Axial positions of supports and loads within it [m].
+        Axial positions of supports and loads within the stretch [m].
     mesh : GroovedBody
         Mesh of the stretch.
     layout : BallLayout
@@ -506,7 +515,7 @@ def section_motion_matrix(mesh: Mesh, z: float) -> sp.csr_array:
     Returns
     -------
     (6, freedoms) sparse array
-        Rows.
+        Rows that give the three translations [m] and three rotations [rad] of the section.
     """
     points, corners = points_of(mesh), mesh.p[2, mesh.t]
     radius = float(np.hypot(points[:, 0], points[:, 1]).max())
@@ -524,7 +533,8 @@ def section_motion_matrix(mesh: Mesh, z: float) -> sp.csr_array:
 def screw_transform(mesh: GroovedBody, dims: Dimensions, high: float) -> sp.csc_array:
     """Return the matrix that maps the free degrees of freedom of the screw's 3D stretch to all of them.
 
-    Fixed is the bore, or else the lower end; then the upper end at ``high`` [m] is a rigid section.
+    ``dims`` says whether the bore of the screw is fixed. If it is not, the lower end is fixed, and the upper end is a rigid
+    section with its reference point at ``high`` [m].
     """
     if dims.screw_held == "bore":
         return free_transform(mesh.mesh, freedoms_on(mesh.mesh, "bore"))
@@ -546,7 +556,7 @@ def points_in_bolt_circles(x: Array, y: Array, seat: tuple[float, float], count:
     Returns
     -------
     (n,) Mask
-        True within a circle.
+        Whether each point lies within a circle.
 
     Examples
     --------
@@ -558,7 +568,10 @@ def points_in_bolt_circles(x: Array, y: Array, seat: tuple[float, float], count:
 
 
 def nut_transform(mesh: GroovedBody, dims: Dimensions) -> sp.csc_array:
-    """Return the matrix that maps the free degrees of freedom of the nut to all; ``dims`` names the fixed surface."""
+    """Return the matrix that maps the free degrees of freedom of the nut to all of them.
+
+    ``dims``: dimensions of the solid parts, which name the fixed surface of the nut.
+    """
     surface, _, bolts = dims.nut_held.partition(", ")
     fit = surface.endswith(FIT) or (surface == "outer surface" and "centring" in (mesh.mesh.boundaries or {}))
     nodes = nodes_on(mesh.mesh, *NUT_HELD[surface.removesuffix(FIT)])

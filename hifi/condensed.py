@@ -33,12 +33,12 @@ SAMPLES = 16
 
 
 def sampled_forces(setup: Setup, side: int) -> Array:
-    """Return the forces at which the approach of a flank's contact is sampled ``(f,)`` [N]."""
+    """Return the forces at which the approach of the contact on a flank (0 to 3) is sampled ``(f,)`` [N]."""
     return resolved_forces(setup.map, side, setup.patches[side].groove, setup.scene.balls.material, SAMPLES)
 
 
 def _unit_hertz_approach(setup: Setup, side: int) -> float:
-    """Return the approach of ball and groove at a flank by Hertz's theory [m] under a force of 1 N."""
+    """Return the approach of ball and groove at a flank (0 to 3) under 1 N by Hertz's theory [m]."""
     return float(unit_hertz(setup.map, side, setup.scene.balls.material).approach)
 
 
@@ -73,12 +73,12 @@ def hertz_nodal_forces(setup: Setup, side: int, load: float) -> Array:
     side : int
         Flank 0 to 3.
     load : float
-        Load that gives the contact ellipse [N].
+        Contact load by which the contact ellipse is computed [N].
 
     Returns
     -------
     (c,) Array
-        Forces on the contact nodes.
+        Fractions of a unit force that act on each pressure function of the contact.
     """
     m, material = setup.map, setup.scene.balls.material
     ellipse = hertz(load, *m.relative_radii(side, m.beta), material.youngs_modulus, material.poissons_ratio)
@@ -99,12 +99,12 @@ def mean_body_compliance(setup: Setup, side: int, force: Array) -> float:
     side : int
         Flank 0 to 3.
     force : (c,) Array
-        Nodal forces of unit resultant.
+        Forces on the pressure functions of the contact, whose resultant is 1, of `hertz_nodal_forces`.
 
     Returns
     -------
     float
-        [m/N]; 0 for a rigid body.
+        Displacement of a contact per unit of its force [m/N]; 0 for a rigid body.
     """
     body = setup.body(side)
     if body is None:
@@ -122,12 +122,12 @@ def ball_compliance_matrix(setup: Setup, spreads: dict[int, Array]) -> Array:
     setup : Setup
         The prepared geometry.
     spreads : dict[int, Array]
-        Nodal forces of unit resultant, by flank.
+        By flank, the forces on the pressure functions of a contact, whose resultant is 1, of `hertz_nodal_forces`.
 
     Returns
     -------
     (k, k) Array
-        [m/N].
+        Compliance between the contacts on the k flanks of the ball [m/N].
     """
     amplitudes = block_diag(*[spreads[s] @ setup.ball.modes[s] for s in setup.sides])
     return np.asarray(amplitudes @ setup.ball.G @ amplitudes.T)
@@ -144,12 +144,12 @@ def compliance_beyond_patches(setup: Setup, spreads: dict[int, Array]) -> Array:
     setup : Setup
         The prepared geometry.
     spreads : dict[int, Array]
-        Nodal forces of unit resultant, by flank.
+        By flank, the forces on the pressure functions of a contact, whose resultant is 1, of `hertz_nodal_forces`.
 
     Returns
     -------
     (k,) Array
-        [m/N].
+        Displacement of the contact on each of k flanks per unit of its force [m/N].
     """
     D = ball_compliance_matrix(setup, spreads)
     order = [setup.sides.index(3 - s) for s in setup.sides]
@@ -166,14 +166,15 @@ def local_compliance_terms(setup: Setup, spreads: dict[int, Array]) -> tuple[Arr
     setup : Setup
         The prepared geometry.
     spreads : dict[int, Array]
-        Nodal forces of unit resultant with which the matrices were computed, by flank.
+        By flank, the forces on the pressure functions of a contact, whose resultant is 1, with which the compliance
+        matrices were computed.
 
     Returns
     -------
     local : (k, f) Array
-        [m/N].
+        Remainder of the approach over the force, on k flanks at f forces [m/N].
     force : (k, f) Array
-        Forces [N].
+        These forces [N].
     """
     loads = np.array([sampled_forces(setup, s) for s in setup.sides])
     extra = np.array(
@@ -199,12 +200,12 @@ def body_compliance_matrix(balls: int, body: ScrewResponse | NutResponse, spread
     body : ScrewResponse | NutResponse
         Screw or nut.
     spreads : dict[int, Array]
-        Nodal forces of unit resultant, by flank.
+        By flank, the forces on the pressure functions of a contact, whose resultant is 1, of `hertz_nodal_forces`.
 
     Returns
     -------
     (N k', N k') Array
-        [m/N].
+        Compliance between the contacts of N balls on the k' flanks of that body [m/N].
     """
     z = np.zeros((balls * len(body.modes), len(body.G)))
     for row, (i, s) in zip(z, product(range(balls), body.modes), strict=True):
@@ -225,7 +226,7 @@ def condensed_bodies(setup: Setup, level: int) -> CondensedBodies:
     Returns
     -------
     CondensedBodies
-        Contents of a file.
+        Compliances of screw, nut and balls, as written to a file.
     """
     spreads = {s: hertz_nodal_forces(setup, s, float(np.median(sampled_forces(setup, s)))) for s in setup.sides}
     local, forces = local_compliance_terms(setup, spreads)

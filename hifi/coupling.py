@@ -70,17 +70,17 @@ def assemble_compliance(
     ----------
     sets : Sequence[PlacedSet]
         Nuts or bearings on the shaft.
-    mounted : Mounted
-        Stretches of the screw and nuts on movable housings, as mounted.
+    mounted : MountedShaft
+        Stretches of the screw and nuts on movable housings, under their supports and loads.
     leave_out : frozenset[str], optional
         Parts of the model that are left out, of `hifi.reference.INGREDIENTS`.
 
     Returns
     -------
     C : Compliance
-        The compliance.
+        Compliance between the contact nodes, with r modes.
     rows : (r,) Index
-        Index of each of its modes among those of all bodies: first those of ``mounted``, then those of the fixed nuts.
+        Index of each of these modes among those of all bodies: first those of ``mounted``, then those of the fixed nuts.
     """
     screw, carried, held = 0, sum(p.setup.screw.stretch.modes for p in sets), len(mounted.G)
     couplings, blocks, modes, rows = [mounted.G], list[BallBlock](), list[Array](), list[Index]()
@@ -123,7 +123,7 @@ def ball_block(setup: Setup, sides: tuple[int, ...], *, rigid: bool) -> BallBloc
     Returns
     -------
     BallBlock
-        The compliance.
+        Compliance between the contact nodes of these flanks.
     """
     local = tuple(setup.patches[s].local for s in sides)
     ball = setup.ball
@@ -141,14 +141,14 @@ def keep_local_response(G: Array, body: ModalBody) -> Array:
     Parameters
     ----------
     G : (m, m) Array
-        Coupling of the elastic body [m/N].
-    body : Modal
-        The body.
+        Compliance between the modes of all contacts of the elastic body [m/N].
+    body : ModalBody
+        The condensed body.
 
     Returns
     -------
     (m, m) Array
-        Block-diagonal coupling [m/N].
+        Compliance with one block for each contact, zero between contacts [m/N].
     """
     out = np.zeros_like(G)
     for s in body.modes:
@@ -175,7 +175,7 @@ def mount_screw(setup: Setup, scene: Scene, leave_out: frozenset[str] = frozense
 
     Returns
     -------
-    Mounted
+    MountedShaft
         The mounted screw.
     """
     full, m = setup.screw.stretch, setup.screw.stretch.modes
@@ -196,12 +196,12 @@ def normal_motion_of_nodes(C: Compliance, z: Array) -> Array:
     C : Compliance
         Compliance of n contact nodes.
     z : (r,) Array
-        Modal motions [m].
+        Displacements of the modes of the compliance [m].
 
     Returns
     -------
     (n,) Array
-        Motions along the normals [m].
+        Motions of the contact nodes along their normals [m].
     """
     return np.concatenate([V @ z[c] for V, c in zip(C.modes, C.columns, strict=True)])
 
@@ -214,12 +214,12 @@ def expected_touching_nodes(p: PlacedSet, gap: Array) -> Array:
     p : PlacedSet
         Nut or bearing at its place on the shaft.
     gap : (balls, n) Array
-        Gaps [m].
+        Gaps at the n contact nodes of each ball [m].
 
     Returns
     -------
     (balls, n) Mask
-        True where the node is expected to touch.
+        Whether each node is expected to touch.
     """
     out = np.zeros(gap.shape, dtype=bool)
     for nodes, _ in p.zones:
@@ -237,12 +237,12 @@ def average_over_pressure_functions(p: PlacedSet, values: Array) -> Array:
     p : PlacedSet
         Nut or bearing at its place on the shaft.
     values : (balls, n, ...) Array
-        Values at the nodes.
+        Values at the n contact nodes of each ball.
 
     Returns
     -------
     Array of that shape
-        Means.
+        Means over the pressure function of each node.
     """
     out = np.empty_like(values)
     for nodes, s in p.zones:
@@ -260,14 +260,14 @@ def grid_gap_corrections(p: PlacedSet, forces: Array, directions: Array) -> Arra
     p : PlacedSet
         Nut or bearing at its place on the shaft.
     forces : (balls, n) Array
-        Contact forces [N].
+        Contact forces at the n contact nodes of each ball [N].
     directions : (balls, n, 3) Array
-        Normals.
+        Contact normals at the nodes.
 
     Returns
     -------
     (balls, n) Array
-        Corrections [m].
+        Corrections to be added to the gaps [m].
     """
     out = np.zeros_like(forces)
     for nodes, s in p.zones:
@@ -291,12 +291,12 @@ def vectors_to_groove_nodes(p: PlacedSet, drawn: Specimen) -> Array:
     p : PlacedSet
         Nut or bearing at its place on the shaft.
     drawn : Specimen
-        Errors of its grooves.
+        Manufacturing errors of the grooves and balls.
 
     Returns
     -------
     (balls, n, 3) Array
-        [m].
+        Vectors to the n contact nodes of each ball [m].
     """
     m = p.setup.map
     x3, _, z3 = m.axes()
@@ -321,14 +321,14 @@ def gap_closing_matrix(directions: Sequence[Array], free_motions: Array) -> sp.c
     Parameters
     ----------
     directions : Sequence[Array]
-        Normals ``(balls, n, 3)`` of every nut or bearing.
+        Contact normals of every nut or bearing ``(balls, n, 3)``.
     free_motions : (pairs, k) Array
-        Motion of the grooves' nodes along their normals by the unconstrained rigid motions of shaft and housings.
+        Motion of the grooves' nodes along their normals by the k unconstrained rigid motions of shaft and housings.
 
     Returns
     -------
-    sparse array
-        Rows: pairs; columns: three displacements of each ball, then the unconstrained motions.
+    (pairs, 3 balls + k) sparse array
+        Gap closed at each contact pair by three unit displacements of each ball, then by the k unconstrained motions.
     """
     balls = sp.block_diag([sp.csr_array(normals) for of_set in directions for normals in of_set])
     return sp.hstack([balls, sp.csr_array(-free_motions)]).tocsr()
@@ -342,7 +342,7 @@ def rigid_body_normal_motion(p: PlacedSet, directions: Array, origin: float, *, 
     p : PlacedSet
         Nut or bearing at its place on the shaft.
     directions : (balls, n, 3) Array
-        Normals.
+        Contact normals at the n nodes of each ball.
     origin : float
         Axial position on the shaft about which the body rotates [m].
     screw : bool
@@ -351,7 +351,7 @@ def rigid_body_normal_motion(p: PlacedSet, directions: Array, origin: float, *, 
     Returns
     -------
     (balls, n, 6) Array
-        Zero for nodes of the other body.
+        Motion of each node along its normal by unit translations and rotations; zero for nodes of the other body.
     """
     layout = p.setup.layout
     out = np.zeros((*directions.shape[:2], 6))
@@ -386,7 +386,7 @@ def ball_motion_relative_to_grooves(p: PlacedSet, balls: Array, along: Array, di
     along : (balls, n) Array
         Motions of the grooves' nodes along their normals, by the bodies' modes and rigid motions [m].
     directions : (balls, n, 3) Array
-        Normals.
+        Contact normals at the nodes.
 
     Returns
     -------
@@ -407,7 +407,10 @@ def ball_motion_relative_to_grooves(p: PlacedSet, balls: Array, along: Array, di
 
 
 def helical_direction(p: PlacedSet) -> Array:
-    """Return the direction ``(n, 3)`` of the track's helical motion at the contact nodes; length 1 at the ball's centre."""
+    """Return the velocity field of the track's helical motion at the n contact nodes of a ball, in its frame ``(n, 3)``.
+
+    The field has length 1 at the ball's centre.
+    """
     m = p.setup.map
     x = np.concatenate([p.setup.patches[s].groove.points for s in p.sides])
     return np.asarray(np.stack([-x[:, 1], x[:, 0], np.full(len(x), m.rg)], axis=1) * (np.cos(m.alpha) / m.R))

@@ -65,9 +65,9 @@ from rollbench.meshes.solid import Dimensions, solid_dimensions
 class SolidField:
     """Displacements and stresses at the nodes of a part of a body."""
 
-    #: Nodes ``(n, 3)`` [m].
+    #: Coordinates of the n nodes ``(n, 3)`` [m].
     points: Array
-    #: Nodes of the cells, in gmsh's order.
+    #: Indices of the nodes of each cell ``(cells, nodes per cell)``, in gmsh's order.
     cells: Index
     #: Kind of the cells: P1, P2, Q1 or Q2.
     kind: str
@@ -127,7 +127,7 @@ def nodal_stress(mesh: Mesh, u: Array, material: Material, elements: Index | Non
     Returns
     -------
     (n, 6) Array
-        Stresses xx, yy, zz, yz, xz, xy [Pa]; not a number at nodes of no cell.
+        Stresses xx, yy, zz, yz, xz, xy [Pa]; not a number at nodes without a cell that counts.
     """
     nodes = mesh.elem.doflocs.T
     basis = forms.cell_basis(mesh, elements=elements, quadrature=(nodes, np.ones(nodes.shape[1])))
@@ -145,19 +145,19 @@ def nodal_stress(mesh: Mesh, u: Array, material: Material, elements: Index | Non
 
 
 def contact_forces(setup: Setup, result: ReferenceResult) -> dict[int, Array]:
-    """Split the normal forces of the pressure functions by flank.
+    """Split the normal forces of the pressure functions of all balls by flank.
 
     Parameters
     ----------
     setup : Setup
         The prepared geometry.
     result : ReferenceResult
-        Solution.
+        Solution of the reference.
 
     Returns
     -------
-    dict of (balls, c) Arrays
-        Forces [N].
+    dict[int, Array]
+        By flank (0 to 3), the forces of each ball's c pressure functions ``(balls, c)`` [N].
     """
     ends = np.cumsum([0] + [len(setup.patches[s].groove.A) for s in result.sides])
     rows = result.contact.forces.reshape(setup.layout.z.size, -1)
@@ -176,7 +176,7 @@ def screw_displacement(setup: Setup, mesh: GroovedBody, forces: dict[int, Array]
     forces : dict[int, Array]
         Normal forces, by `contact_forces`.
     scene : Scene | None, default None
-        Load case; None: that of the set-up.
+        Load case; None: the scene of the prepared geometry.
 
     Returns
     -------
@@ -186,7 +186,7 @@ def screw_displacement(setup: Setup, mesh: GroovedBody, forces: dict[int, Array]
     Raises
     ------
     ValueError
-        The scene supports or loads the screw beyond the low end: then the high end carries an unknown reaction.
+        The scene supports or loads the screw beyond the low end, so that the high end carries an unknown reaction.
     """
     refuse_beyond_low_end(scene or setup.scene, setup.dims)
     high = setup.dims.ends(setup.scene)[1]
@@ -213,7 +213,7 @@ def refuse_beyond_low_end(scene: Scene, dims: Dimensions) -> None:
 
 
 def nut_displacement(setup: Setup, mesh: GroovedBody, forces: dict[int, Array]) -> Array:
-    """Compute the displacements of the coarse mesh of the nut, fixed where the scene says, under all contact loads.
+    """Compute the displacements of the coarse mesh of the nut under all contact loads, with the scene's surface fixed.
 
     Parameters
     ----------
@@ -235,7 +235,11 @@ def nut_displacement(setup: Setup, mesh: GroovedBody, forces: dict[int, Array]) 
 def _coarse_displacement(
     setup: Setup, mesh: GroovedBody, forces: dict[int, Array], T: sp.csc_array, *, screw: bool
 ) -> Array:
-    """Solve K q = Q^T V^T f for a coarse body, on the degrees of freedom that the transform T leaves free."""
+    """Solve K q = Q^T V^T f for the displacements of a coarse body ``(n, 3)`` [m] under its contact loads.
+
+    ``forces``: normal forces by flank, of `contact_forces`; T: matrix that maps the free degrees of freedom to all of them;
+    ``screw``: whether the body is the screw; otherwise it is the nut.
+    """
     material = (setup.scene.screw if screw else setup.scene.nut).material
     patches = {s: p.groove for s, p in setup.patches.items() if (s < 2) == screw}
     sockets = rotated_sockets(mesh, contacts_on_body(setup.layout, setup.sides, screw))
@@ -257,7 +261,7 @@ def mesh_groove_patch(setup: Setup, meshes: Meshes, side: int) -> PatchMesh:
     setup : Setup
         The prepared geometry.
     meshes : Meshes
-        Its meshes.
+        Meshes of the geometry.
     side : int
         Flank 0 to 3.
 
@@ -279,7 +283,7 @@ def mesh_ball_patch(setup: Setup, meshes: Meshes, side: int) -> PatchMesh:
 def groove_patch_field(
     setup: Setup, meshes: Meshes, u: Array, ball: int, side: int, forces: dict[int, Array]
 ) -> SolidField:
-    """Compute displacements and stresses of one groove patch, in the ball's frame: azimuth 0, origin on the axis.
+    """Compute displacements and stresses of one groove patch, in the frame of its ball: azimuth 0, origin on the axis.
 
     Parameters
     ----------
@@ -299,7 +303,7 @@ def groove_patch_field(
     Returns
     -------
     SolidField
-        The field.
+        Displacements and stresses of the patch.
     """
     mesh = mesh_groove_patch(setup, meshes, side)
     body, part = (meshes.screw, setup.scene.screw) if side < 2 else (meshes.nut, setup.scene.nut)
@@ -311,6 +315,11 @@ def groove_patch_field(
 
 
 def _patch_field(mesh: PatchMesh, normals: Array, material: Material, forces: Array, trace: Array) -> SolidField:
+    """Compute displacements and stresses of a patch under its contact loads and the motion of its socket.
+
+    ``normals``: directions of the contact loads (c, 3); ``forces``: contact loads (c,) [N]; ``trace``: displacements of the
+    socket's nodes in the patch's frame (3 k,) [m].
+    """
     u = patch_displacements(mesh, normals, material.youngs_modulus, material.poissons_ratio, forces, trace)
     return SolidField(mesh.points, mesh.cells, mesh.kind, u, nodal_stress(mesh.mesh, u, material))
 
@@ -336,7 +345,7 @@ def coarse_field(setup: Setup, mesh: GroovedBody, u: Array, ball: int, material:
     Returns
     -------
     SolidField
-        The field.
+        Displacements and stresses of the cells near the ball.
     """
     R = rotation_about_z(float(setup.layout.azimuth[ball]))
     points = (mesh.points - np.array([0.0, 0.0, setup.layout.z[ball]])) @ R
@@ -396,12 +405,11 @@ def ball_fields(setup: Setup, meshes: Meshes, ball: int, forces: dict[int, Array
 
 @dataclass(frozen=True)
 class ContactPressure:
-    """Pressure distribution of one contact at its c nodes."""
+    """Pressure distribution of one contact at its c nodes, on the plane that touches the ball at the nominal contact."""
 
-    #: Coordinate of the nodes in the ball's tangent plane at the nominal contact, across the groove (growing with the
-    #: contact angle) ``(c,)`` [m].
+    #: Coordinate of the nodes in that plane across the groove, growing with the contact angle ``(c,)`` [m].
     across: Array
-    #: Coordinate of the nodes along the groove ``(c,)`` [m].
+    #: Coordinate of the nodes in that plane along the groove ``(c,)`` [m].
     along: Array
     #: Pressures ``(c,)`` [Pa].
     pressure: Array
@@ -413,7 +421,7 @@ class ContactPressure:
     hertz: HertzSolution
     #: Areas of the pressure functions ``(c,)`` [m2].
     areas: Array
-    #: Shape of the nodes' grid; None: no grid.
+    #: Numbers of nodes across and along the groove, of a grid of nodes; None: the nodes form no grid.
     shape: tuple[int, int] | None
 
 
@@ -423,9 +431,9 @@ def contact_pressure(scene: Scene, m: GrooveMap, side: int, patch: CondensedPatc
     Parameters
     ----------
     scene : Scene
-        Gives the material.
+        Scene whose balls have the elastic material.
     m : GrooveMap
-        Track.
+        Geometry of the track.
     side : int
         Flank 0 to 3.
     patch : CondensedPatch
@@ -436,7 +444,7 @@ def contact_pressure(scene: Scene, m: GrooveMap, side: int, patch: CondensedPatc
     Returns
     -------
     ContactPressure
-        The pressure.
+        Pressure distribution, its resultant and Hertz's solution.
 
     Raises
     ------
@@ -444,7 +452,7 @@ def contact_pressure(scene: Scene, m: GrooveMap, side: int, patch: CondensedPatc
         The contact carries no load.
     """
     if not forces.sum() > 0.0:
-        raise ValueError("a contact without load has no pressure")
+        raise ValueError(f"the contact on flank {side} carries no load, so that it has no pressure: its force must be > 0")
     arms = patch.points - np.array([m.R, 0.0, 0.0])
     n, t1, t2 = directions(m, side)
     across, along = arms @ t1, arms @ t2
@@ -470,29 +478,29 @@ def ball_contact_pressures(
     Parameters
     ----------
     scene : Scene
-        Parts.
+        Ball screw or bearing.
     settings : Settings
         Mesh choices.
     ball : int
         Number of the ball, from 0.
     loads : (4,) Array
-        Contact loads [N].
+        Contact load on each flank [N].
     angles : (4,) Array
-        Contact angles [rad].
+        Contact angle on each flank [rad].
 
     Returns
     -------
     dict[int, ContactPressure]
-        Pressures, by flank.
+        Pressure distribution of each loaded flank (0 to 3).
 
     Raises
     ------
     ValueError
-        No side is loaded, or the contact does not converge.
+        No flank is loaded, or the contact does not converge.
     """
     sides = tuple(s for s in range(4) if loads[s] > 0.0)
     if not sides:
-        raise ValueError(f"ball {ball + 1} carries no load")
+        raise ValueError(f"ball {ball + 1} carries no load, so that it has no contact pressure: a contact load must be > 0")
     m, all_balls, dims = GrooveMap.of(scene), ball_layout(scene), solid_dimensions(scene)
     row = slice(ball, ball + 1)
     layout = BallLayout(*(getattr(all_balls, x.name)[row] for x in fields(BallLayout)))
@@ -515,7 +523,7 @@ def ball_contact_pressures(
         start = pairs.stop
     result, _ = solve_balls(uncoupled_compliance(block), np.concatenate(gaps), sp.csr_array(N), f)
     if not result.converged:
-        raise ValueError(f"ball {ball + 1}: {result.status}")
+        raise ValueError(f"the contact pressures of ball {ball + 1} cannot be computed: {result.status}")
     ends = np.cumsum([0] + [len(patches[s].groove.A) for s in sides])
     return {
         s: contact_pressure(scene, m, s, patches[s].groove, result.forces[a:b])
@@ -541,7 +549,7 @@ def hertz_von_mises(contact: HertzSolution, depth: Array, poisson: float) -> Arr
     Returns
     -------
     (d,) Array
-        Equivalent stress [Pa].
+        Equivalent stress at each depth [Pa].
 
     References
     ----------
@@ -567,10 +575,10 @@ def hertz_von_mises(contact: HertzSolution, depth: Array, poisson: float) -> Arr
         R = np.sqrt(r2 + z * z)
         share = r2 / (R * (R + z)) / r2**2  # (1 - z/R) / r^4 without cancellation
 
-        def direct(u: Array, v: Array, z: float = z, R: Array = R, share: Array = share) -> float:
+        def direct_stress(u: Array, v: Array, z: float = z, R: Array = R, share: Array = share) -> float:
             soft = (1.0 - 2.0 * poisson) * (share * (u * u - v * v) + z * v * v / (r2 * R**3))
             return float((P * (soft - 3.0 * z * u * u / R**5)).sum() / (2.0 * np.pi))
 
         axial = -float((P * 3.0 * z**3 / R**5).sum() / (2.0 * np.pi))
-        out[k] = von_mises(np.array([direct(x, y), direct(y, x), axial, 0.0, 0.0, 0.0]))
+        out[k] = von_mises(np.array([direct_stress(x, y), direct_stress(y, x), axial, 0.0, 0.0, 0.0]))
     return out

@@ -33,7 +33,7 @@ from scipy.sparse.linalg import splu
 
 from rollbench.meshes.arrays import Array, Index
 
-#: Vertices of a subtree that is eliminated at once, as dense as it then is.
+#: Largest number of vertices of a subtree that is eliminated at once, as a dense matrix.
 LEAF = 32
 
 
@@ -42,16 +42,16 @@ class Supernodes(NamedTuple):
 
     #: Degree of freedom that is eliminated at each step ``(n,)``.
     order: Index
-    #: First columns of the supernodes, and n at the end.
+    #: First column of each supernode, in the elimination order; n comes last.
     first: Index
-    #: Places in ``rows`` at which those of each supernode begin, and their number at the end.
+    #: Index in ``rows`` at which the rows of each supernode begin; the number of all rows comes last.
     start: Index
-    #: Rows of the supernodes, one after another, each sorted, its diagonal block first.
+    #: Rows of each supernode in the elimination order, supernode after supernode; those of its diagonal block come first.
     rows: Index
 
 
 def symbolic_factor(K: sp.csc_array) -> Supernodes:
-    """Compute the elimination order and the supernodes of a matrix of symmetric pattern ``(n, n)``."""
+    """Compute the elimination order and the supernodes of a sparse matrix of symmetric pattern K ``(n, n)``."""
     graph, group = compressed_graph(K)
     dissected = _nested_dissection(graph, group)
     tree = _elimination_tree(graph[dissected][:, dissected])
@@ -73,9 +73,10 @@ def symbolic_factor(K: sp.csc_array) -> Supernodes:
 
 
 def compressed_graph(K: sp.csc_array) -> tuple[sp.csr_array, Index]:
-    """Build the graph of a matrix in which the degrees of freedom of equal columns form one vertex; no diagonal.
+    """Build the graph of a matrix in which all degrees of freedom with the same pattern of their columns form one vertex.
 
-    The graph is symmetric, as elimination needs it, even if round-off left an entry on only one side of the diagonal.
+    The graph has no edge from a vertex to itself. It is symmetric, as elimination needs it, even if round-off
+    left an entry on only one side of the diagonal.
 
     Parameters
     ----------
@@ -85,9 +86,9 @@ def compressed_graph(K: sp.csc_array) -> tuple[sp.csr_array, Index]:
     Returns
     -------
     graph : (v, v) sparse array
-        Adjacency of the vertices.
+        Adjacency matrix of the v vertices.
     group : (n,) Index
-        Vertex of every degree of freedom.
+        Vertex to which each degree of freedom belongs.
     """
     size, pointers = K.shape[0], K.indptr
     weights = np.random.default_rng(0).random(size)
@@ -104,8 +105,9 @@ def compressed_graph(K: sp.csc_array) -> tuple[sp.csr_array, Index]:
 
 
 def _nested_dissection(graph: sp.csr_array, group: Index) -> Index:
-    """Order the vertices of a compressed graph by nested dissection; ``group``: vertex of every degree of freedom.
+    """Order the v vertices of a compressed graph by nested dissection ``(v,)``.
 
+    ``group``: vertex to which each degree of freedom belongs (n,).
     METIS reports the signal SIGTERM as an internal error and leaves the signal blocked. After an error it is therefore
     called a second time. An error that recurs is raised; otherwise the signal is unblocked and raised again.
     """
@@ -125,7 +127,9 @@ def _nested_dissection(graph: sp.csr_array, group: Index) -> Index:
 
 
 def _elimination_tree(graph: sp.csr_array) -> Index:
-    """Return the parent of each vertex in the elimination tree ``(n,)``, for elimination in their order; n for a root.
+    """Return the parent of each of the n vertices of a graph in the elimination tree ``(n,)``; n for a root.
+
+    The vertices are eliminated in their order.
 
     >>> _elimination_tree(sp.csr_array(np.array([[0, 0, 1, 0], [0, 0, 1, 1], [1, 1, 0, 0], [0, 1, 0, 0]])))
     array([2, 2, 3, 4])
@@ -144,26 +148,38 @@ def _elimination_tree(graph: sp.csr_array) -> Index:
 
 
 def _weighted_graph(weights: Array, rows: Index, columns: Index, n: int) -> sp.csr_array:
-    """Make the sparse matrix ``(n, n)`` of a graph, with indices of 32 bits: csgraph of scipy 1.15 takes no others."""
+    """Make the sparse matrix ``(n, n)`` of a graph, with entries ``weights`` at the given rows and columns.
+
+    Its indices have 32 bits, because csgraph of scipy 1.15 takes no others.
+    """
     return sp.csr_array((weights, (rows.astype(np.int32), columns.astype(np.int32))), (n, n))
 
 
 def _postorder(parent: Index) -> Index:
-    """Order the vertices of a tree so that every subtree is contiguous and its root comes last."""
+    """Order the n vertices of a tree so that every subtree is contiguous and its root comes last ``(n,)``.
+
+    ``parent``: parent of each vertex (n,), n for a root.
+    """
     n = parent.size
     down = _weighted_graph(np.ones(n), parent, np.arange(n), n + 1)
     return np.asarray(depth_first_order(down, n, return_predecessors=False)[:0:-1], dtype=np.int64)
 
 
 def _renumbered_parents(parent: Index, order: Index) -> Index:
-    """Renumber the parents of a tree's vertices by the places of the vertices in an order."""
+    """Return the parents of a tree's vertices ``(n,)`` after the vertices are renumbered by their places in an order.
+
+    ``parent``: parent of each vertex (n,), n for a root; ``order``: vertex at each place of the order (n,).
+    """
     place = np.empty(parent.size + 1, dtype=np.int64)
     place[order], place[-1] = np.arange(order.size), order.size
     return np.asarray(place[parent[order]])
 
 
 def _first_columns(parent: Index) -> Index:
-    """Find the first vertex of each supernode of a tree in postorder; the number of all vertices comes last."""
+    """Find the first vertex of each supernode of a tree; the number of all vertices comes last.
+
+    ``parent``: parent of each vertex (n,), n for a root; the vertices are in postorder.
+    """
     n = parent.size
     size = [1] * n + [0]
     for j, above in enumerate(parent.tolist()):
@@ -178,7 +194,10 @@ def _first_columns(parent: Index) -> Index:
 
 
 def _supernode_rows(graph: sp.csr_array, first: Index) -> list[Index]:
-    """List the rows of every supernode: its diagonal block, its edges in the graph, and the rows left by its children."""
+    """List the rows of every supernode: its diagonal block, its edges in the graph, and the rows left by its children.
+
+    ``graph``: adjacency matrix of the vertices in elimination order; ``first``: first vertex of each supernode.
+    """
     owner = np.repeat(np.arange(first.size - 1), np.diff(first))
     left: list[list[Index]] = [[] for _ in first[1:]]
     rows = []
@@ -201,29 +220,29 @@ def _concatenated_ranges(first: Index, count: Index) -> Index:
     return np.arange(ends[-1] if ends.size else 0) + np.repeat(first - ends + count, count)
 
 
-#: Columns of a front that are added at once; half as many rows above the diagonal are added needlessly.
+#: Number of columns of a front that are added at once.
 WIDTH = 64
 
 
 class FrontUpdate(NamedTuple):
     """Contribution of an eliminated front to the front of its parent."""
 
-    #: Rows of the supernode.
+    #: Rows of the matrix that the front changes.
     rows: Index
-    #: Columns of B.
+    #: Indices of the columns of B in its border.
     border: Index
-    #: Schur complement ``(rows, rows)``, of which the lower triangle counts.
+    #: Schur complement ``(rows, rows)``, of which only the lower triangle is used.
     block: Array
-    #: Border ``(columns, rows)``.
+    #: Border of the Schur complement ``(columns of B, rows)``.
     loads: Array
 
 
 class EliminatedFront(NamedTuple):
     """Front of a supernode after its elimination: the factor's columns of its pivots."""
 
-    #: Rows, its pivots first.
+    #: Rows of the front, its pivots first.
     rows: Index
-    #: Columns of B.
+    #: Indices of the columns of B in its border.
     border: Index
     #: Cholesky factor of the pivot block ``(pivots, pivots)``.
     L: Array
@@ -241,7 +260,7 @@ def gram_by_fronts(K: sp.csc_array, B: sp.csr_array, nodes: Supernodes) -> Array
     K : (n, n) sparse array
         Symmetric positive definite matrix, both triangles stored.
     B : (n, m) sparse array
-        Loads.
+        m loads as columns.
     nodes : Supernodes
         Symbolic factor of K.
 
@@ -302,9 +321,9 @@ def factor_by_fronts(K: sp.csc_array, nodes: Supernodes) -> Callable[[Array], Ar
 
 
 def _eliminate_fronts(K: sp.csc_array, B: sp.csr_array, nodes: Supernodes) -> Iterator[EliminatedFront]:
-    """Eliminate the fronts of K, bordered by columns of B, and yield them one by one.
+    """Eliminate the fronts of a matrix K ``(n, n)``, bordered by the columns of B ``(n, m)``, and yield them one by one.
 
-    Raises ArithmeticError if K is not positive definite.
+    ``nodes``: symbolic factor of K. Raises ArithmeticError if K is not positive definite.
     """
     place, local = np.empty((2, K.shape[0]), dtype=np.int64)  # of a freedom in the order, of a row in its front
     place[nodes.order] = np.arange(K.shape[0])
@@ -342,7 +361,11 @@ def _eliminate_fronts(K: sp.csc_array, B: sp.csr_array, nodes: Supernodes) -> It
 
 
 def _sparse_entries(A: sp.csc_array | sp.csr_array, lines: Index) -> tuple[Index, Index, Array]:
-    """List the entries of some columns of a csc matrix, or rows of a csr one: row or column, place in ``lines``, value."""
+    """List the entries of some columns of a csc matrix, or of some rows of a csr matrix.
+
+    ``lines``: indices of these columns or rows. Returns, for each entry, the index of its row (csc) or column (csr), the
+    place of its line in ``lines``, and its value.
+    """
     begin = A.indptr[lines]
     count = A.indptr[lines + 1] - begin
     of = np.repeat(np.arange(lines.size), count)
@@ -351,9 +374,10 @@ def _sparse_entries(A: sp.csc_array | sp.csr_array, lines: Index) -> tuple[Index
 
 
 def _add_lower_triangle(target: Array, places: Index, block: Array) -> None:
-    """Add the lower triangle of the first columns of a child's block to an array in Fortran order.
+    """Add the lower triangle of a child's block to the array ``target`` in Fortran order, which is changed.
 
-    places: rows of the array, and as many of its columns. ``WIDTH`` columns are added at once.
+    ``places``: rows of the array to which the rows of the block are added; its first entries are the columns as well.
+    `WIDTH` columns are added at once.
     """
     flat, start = target.ravel(order="K"), places * target.shape[0]
     for k in range(0, block.shape[1], WIDTH):
@@ -364,9 +388,11 @@ def _add_lower_triangle(target: Array, places: Index, block: Array) -> None:
 def _eliminate_front(
     panel: Array, block: Array, bordering: Array, rows: Index, border: Index
 ) -> tuple[EliminatedFront, FrontUpdate]:
-    """Eliminate the pivots of a front: update the block of its other rows and its border, both in place.
+    """Eliminate the pivots of a front, and return its factor and its contribution to the front of its parent.
 
-    panel: ``(rows, pivots)``; bordering: ``(columns of B, rows)``.
+    ``panel``: columns of the pivots (rows, pivots); ``block``: block of the other rows, overwritten by its Schur
+    complement; ``bordering``: border (columns of B, rows), overwritten; ``rows``: rows of the front, its pivots first;
+    ``border``: indices of the columns of B. Raises ArithmeticError if the pivot block is not positive definite.
     """
     count = panel.shape[1]
     L, fault = dpotrf(panel[:count], lower=1)
@@ -413,7 +439,7 @@ def factor(K: sp.sparray) -> Solve:
     Parameters
     ----------
     K : (n, n) sparse array
-        Stiffness.
+        Stiffness matrix.
 
     Returns
     -------
@@ -443,19 +469,19 @@ def factor(K: sp.sparray) -> Solve:
 
 
 def compliance(K: sp.sparray, rows: sp.sparray) -> Array:
-    """Compute the compliance rows K^-1 rows^T of a constrained body, made exactly symmetric.
+    """Compute the compliance rows K^-1 rows^T between several loads of a constrained body, made exactly symmetric.
 
     Parameters
     ----------
     K : (n, n) sparse array
-        Stiffness.
+        Stiffness matrix.
     rows : (m, n) sparse array
-        Loads as rows.
+        m loads as rows.
 
     Returns
     -------
     (m, m) Array
-        Compliance.
+        Compliance between the loads.
 
     Raises
     ------
@@ -481,9 +507,9 @@ def gram_of_inverse(K: sp.sparray, B: sp.sparray) -> Array:
     Parameters
     ----------
     K : (n, n) sparse array
-        Stiffness.
+        Stiffness matrix.
     B : (n, m) sparse array
-        Loads as columns.
+        m loads as columns.
 
     Returns
     -------
@@ -493,7 +519,7 @@ def gram_of_inverse(K: sp.sparray, B: sp.sparray) -> Array:
     Raises
     ------
     FactorError
-        As `factor`.
+        K is not positive definite, or singular (an unconstrained body).
     """
     inner, columns = sp.csc_array(K), sp.csc_array(B)
     diagonal = _positive_diagonal(inner)
@@ -512,7 +538,7 @@ def gram_of_inverse(K: sp.sparray, B: sp.sparray) -> Array:
 
 
 def _positive_diagonal(matrix: sp.csc_array) -> Array:
-    """Return the diagonal of a matrix; raise FactorError unless all of it is positive."""
+    """Return the diagonal ``(n,)`` of a matrix ``(n, n)``; raise FactorError unless all its entries are positive."""
     diagonal: Array = matrix.diagonal()
     if not np.all(diagonal > 0.0):  # also NaN
         bad = int(np.argmin(np.where(np.isnan(diagonal), -np.inf, diagonal)))
@@ -521,7 +547,10 @@ def _positive_diagonal(matrix: sp.csc_array) -> Array:
 
 
 def _check_response(solve: Solve, diagonal: Array) -> None:
-    """Raise FactorError if the response to a random load shows that the matrix is singular to working precision."""
+    """Raise FactorError if the response to a random load shows that a matrix is singular to working precision.
+
+    ``solve``: function that solves for a right-hand side with the factorised matrix; ``diagonal``: its diagonal (n,).
+    """
     root = np.sqrt(diagonal)
     load = np.random.default_rng(1).standard_normal(len(root))
     with np.errstate(all="ignore"):
@@ -540,6 +569,7 @@ def _run_elimination(eliminate: Callable[[], T]) -> T:
 
 
 def _superlu_solver(matrix: sp.csc_array) -> Solve:
+    """Factorise a matrix by SuperLU and return a function that solves with it; FactorError if a pivot is not positive."""
     try:
         lu = splu(matrix, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
     except RuntimeError as error:

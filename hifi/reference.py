@@ -46,6 +46,7 @@ SETTLED = 1e-5
 ROUNDS = 30
 #: Largest ratio of successive changes from which the remaining change is extrapolated: a slower series does not converge.
 SLOWEST = 0.99
+#: Reason of a solution that does not converge because a contact presses on the outermost nodes of its zone.
 AT_RIM = "a contact reaches the rim of its patch: the expected semi-axes are too small"
 #: Seconds after which every round of a solution is reported.
 SLOW = 5.0
@@ -69,9 +70,9 @@ class ReferenceResult:
     frozen: Array | None
     #: Axial positions at which the centreline's motion is given ``(s,)`` [m].
     stations: Array
-    #: Motion of the centreline ``(s, 6)`` [m, rad].
+    #: Translation and rotation of the centreline at these positions ``(s, 6)`` [m, rad].
     centreline: Array
-    #: Motion of the housings that can move ``(h, 6)`` [m, rad].
+    #: Translation and rotation of the h housings that can move ``(h, 6)`` [m, rad].
     housings: Array
     #: Force of each nut or bearing on the shaft and moment about its centre ``(6,)`` [N, N m].
     on_shaft: tuple[Array, ...]
@@ -157,9 +158,10 @@ class ContactRound(NamedTuple):
     state: SolverState
     #: Contact normals of each nut or bearing ``(balls, n, 3)``.
     directions: list[Array]
-    #: Motion of the nodes along their normals by rigid motions of shaft and housings ``(balls, n, 6 (1 + h))``.
+    #: Motion of the n nodes of each ball along their normals by unit rigid motions of the shaft and of h housings, for each
+    #: nut or bearing ``(balls, n, 6 (1 + h))``.
     rigid_normal_motion: list[Array]
-    #: Motion of all nodes along their normals by the unconstrained rigid motions ``(pairs, k)``.
+    #: Motion of the nodes of all contact pairs along their normals by the k unconstrained rigid motions ``(pairs, k)``.
     by_rigid: Array
     #: Contact forces of each nut or bearing ``(balls, n)`` [N].
     forces: list[Array]
@@ -183,10 +185,10 @@ class LoadCase:
             Nuts or bearings on the shaft.
         frame : Frame
             Supports, loads and housings.
-        mounted : Mounted
-            The stretches of the shaft, mounted.
+        mounted : MountedShaft
+            Stretches of the shaft and nuts on housings, under their supports and loads.
         leave_out : frozenset[str], optional
-            As for `solve_reference`.
+            Parts of the model to leave out, of `INGREDIENTS`.
         """
         self.sets, self.frame, self.mounted = sets, frame, mounted
         self.C, self.rows = assemble_compliance(sets, mounted, leave_out)
@@ -209,14 +211,14 @@ class LoadCase:
 
         Parameters
         ----------
-        last : Round
+        last : ContactRound
             The last round.
         moving : bool
             True: normals and gaps follow the motion; False: only the gaps are corrected for the mesh grid.
 
         Returns
         -------
-        Round
+        ContactRound
             The next round.
         """
         moved = [_NO_MOTION for _ in self.sets]
@@ -229,25 +231,27 @@ class LoadCase:
         return self._solve_round(moved, level, last.state)
 
     def rigid_amplitudes(self, last: ContactRound) -> Array:
-        """Return the amplitudes ``(k,)`` of the unconstrained rigid motions of shaft and housings."""
+        """Return the amplitudes of the k unconstrained rigid motions of shaft and housings in the last round ``(k,)``."""
         return last.result.motions[3 * self.balls :]
 
     def ball_motions(self, last: ContactRound) -> list[Array]:
-        """Return the displacements of the balls of each nut or bearing ``(balls, 3)`` [m]."""
+        """Return the displacements of the balls of each nut or bearing in the last round ``(balls, 3)`` [m]."""
         ends = np.cumsum([p.ball_count for p in self.sets])[:-1]
         return np.split(last.result.motions[: 3 * self.balls].reshape(-1, 3), ends)
 
     def split_by_set(self, pairs: Array) -> list[Array]:
-        """Split values at all contact nodes by nut or bearing, each ``(balls, n)``."""
+        """Split values at the contact nodes of all balls ``(pairs,)`` by nut or bearing, ``(balls, n)`` each."""
         ends = np.cumsum([p.ball_count * p.nodes_per_ball for p in self.sets])[:-1]
         return [of_set.reshape(p.ball_count, -1) for p, of_set in zip(self.sets, np.split(pairs, ends), strict=True)]
 
     def _solve_round(
         self, moved: Iterable[tuple[Array, Array]], level: Sequence[Array], start: SolverState | None
     ) -> ContactRound:
-        """Solve the contacts for motions of the balls from their grooves and for corrections ``level`` of the gaps [m].
+        """Solve the contacts for given motions of the balls relative to their grooves and given corrections of the gaps.
 
-        moved: for each nut or bearing, the motion across and along the track (`ball_motion_relative_to_grooves`).
+        ``moved``: for each nut or bearing, the motion across and along the track, of `ball_motion_relative_to_grooves` [m];
+        ``level``: for each, the corrections of the gaps for the mesh grid (balls, n) [m]; ``start``: state of the last
+        round, or None.
         """
         directions, by_rigid, rests, touching = [], [], [], []
         for k, (p, (shift, slid)) in enumerate(zip(self.sets, moved, strict=True)):
@@ -292,18 +296,18 @@ class LoadCase:
 
         Parameters
         ----------
-        last : Round
+        last : ContactRound
             Round to start from.
         most : int
             Largest number of updates.
         step : Callable[[int], None]
             Called with the number of each round.
         moving : bool
-            As for `solve_next_round`.
+            Whether normals and gaps follow the motion, as for `solve_next_round`.
 
         Returns
         -------
-        last : Round
+        last : ContactRound
             The last round.
         updates : int
             Number of updates.
@@ -325,7 +329,7 @@ class LoadCase:
 
         Parameters
         ----------
-        last : Round
+        last : ContactRound
             The last round.
         updates : int
             Number of updates.
@@ -341,7 +345,7 @@ class LoadCase:
         """
         if not last.result.converged:
             return last.result.status, 0.0
-        if any(_presses_on_rim(p, forces) for p, forces in zip(self.sets, last.forces, strict=True)):
+        if any(_is_outermost_node_loaded(p, forces) for p, forces in zip(self.sets, last.forces, strict=True)):
             return AT_RIM, 0.0
         if left > SETTLED * _mean_load(last.load):
             left_words = f"loads may still move by {left:.2g} N after {updates} updates of directions and gaps"
@@ -353,7 +357,7 @@ class LoadCase:
 
         Parameters
         ----------
-        last : Round
+        last : ContactRound
             The last round.
 
         Returns
@@ -379,17 +383,18 @@ class LoadCase:
 
         Parameters
         ----------
-        last : Round
+        last : ContactRound
             The last round.
 
         Returns
         -------
         ball : float
-            Force on a ball.
+            Largest unbalanced force on a ball, over the largest contact load.
         along : float
-            Force on a ball along its groove.
+            Largest unbalanced force on a ball along its groove, over the largest contact load.
         rigid : float
-            Force on shaft and housings along their unconstrained rigid motions.
+            Largest unbalanced force on shaft and housings along their unconstrained rigid motions, over the largest contact
+            load.
         """
         nets = [(f[..., None] * d).sum(axis=1) for f, d in zip(last.forces, last.directions, strict=True)]
         along = [net @ p.setup.map.axes()[1] for p, net in zip(self.sets, nets, strict=True)]
@@ -416,9 +421,9 @@ class LoadCase:
         report : Callable[[int], None], optional
             Called with the number of each round.
         moving : bool, default True
-            As for `solve_next_round`.
+            Whether normals and gaps follow the motion, as for `solve_next_round`.
         frozen : bool, default False
-            As for `solve_reference`.
+            Whether to compute the contact loads with frozen normals and gaps as well.
 
         Returns
         -------
@@ -458,7 +463,11 @@ class LoadCase:
 
 
 def slow_round_reporter(name: str, begin: float, step: Callable[[str], None]) -> Callable[[int], None]:
-    """Make a callback that reports each round of a solution that takes longer than `SLOW` seconds."""
+    """Make a function that reports the number of each round of a solution that takes longer than `SLOW` seconds.
+
+    ``name``: name of the scene; ``begin``: time at which the solution began, of `perf_counter` [s]; ``step``: function that
+    is called with the progress text.
+    """
 
     def report(number: int) -> None:
         if perf_counter() - begin > SLOW:
@@ -476,12 +485,12 @@ def remaining_load_change(loads: Sequence[Array]) -> float:
     Parameters
     ----------
     loads : Sequence[Array]
-        Loads [N] of the last rounds, of which three count.
+        Contact loads [N] of the last rounds; at most the last three are used.
 
     Returns
     -------
     float
-        [N]; infinite after one round.
+        Largest further change of a load [N]; infinite after one round.
 
     Examples
     --------
@@ -501,7 +510,10 @@ def _mean_load(load: Array) -> float:
 
 
 def _contact_loads_and_angles(p: PlacedSet, forces: Array, normals: Array) -> tuple[Array, Array]:
-    """Compute resultant load [N] and contact angle [rad] of every contact of a nut or bearing, ``(balls, 4)`` each."""
+    """Compute the resultant load [N] and contact angle [rad] of every contact of a nut or bearing, ``(balls, 4)`` each.
+
+    ``forces``: contact forces (balls, n) [N]; ``normals``: contact normals (balls, n, 3).
+    """
     x3, _, z3 = p.setup.map.axes()
     load, angle = np.zeros((p.ball_count, 4)), np.full((p.ball_count, 4), np.nan)
     for nodes, s in p.zones:
@@ -512,7 +524,10 @@ def _contact_loads_and_angles(p: PlacedSet, forces: Array, normals: Array) -> tu
     return load, angle
 
 
-def _presses_on_rim(p: PlacedSet, forces: Array) -> bool:
-    """Return whether any ball of a nut or bearing presses on the outermost nodes of a contact zone."""
+def _is_outermost_node_loaded(p: PlacedSet, forces: Array) -> bool:
+    """Return whether any ball of a nut or bearing presses on the outermost nodes of a contact zone.
+
+    ``forces``: contact forces (balls, n) [N].
+    """
     rim = np.concatenate([p.setup.patches[s].groove.rim for s in p.sides])
     return bool((forces[:, rim] > 0.0).any())

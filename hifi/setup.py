@@ -34,7 +34,13 @@ from rollbench.hifi.meshing.part_meshes import Meshes, mesh_recipes
 from rollbench.hifi.meshing.settings import Settings
 from rollbench.hifi.shaft.beam import ShaftSection, round_section, tube_section
 from rollbench.hifi.shaft.mounting import correct_beam_stiffness, subtract_cut_ends
-from rollbench.hifi.shaft.section import Homogenised, helical_stiffness, homogenise, meshed_shaft_flexibility, shaft_lengths
+from rollbench.hifi.shaft.section import (
+    EquivalentBeam,
+    helical_stiffness,
+    homogenise,
+    meshed_shaft_flexibility,
+    shaft_lengths,
+)
 from rollbench.hifi.side_by_side import ComputedRecord, Job, compute_records
 from rollbench.meshes.cache import Cache, StageDone
 from rollbench.meshes.groove_map import GrooveMap
@@ -74,11 +80,12 @@ class Setup:
     ball: BallResponse
     #: Section of the shaft beyond the 3D stretch.
     section: ShaftSection
-    #: Homogenised grooved shaft; None where it is not needed.
-    homogenised: Homogenised | None
+    #: EquivalentBeam grooved shaft; None where it is not needed.
+    homogenised: EquivalentBeam | None
     #: Degrees of freedom of the equivalent monolithic mesh.
     unknowns: int
-    #: Cells across the contact, smallest scaled Jacobians, largest deviation of the grooves [m].
+    #: Number of cells across the contact, smallest scaled Jacobian of each mesh, and largest deviation of the meshed
+    #: grooves from their exact surface [m].
     quality: dict[str, float]
     #: Time of every stage [s]. A cached record counts with the time that its computation took, a parallel stage with its
     #: share of the elapsed time.
@@ -92,7 +99,10 @@ class Setup:
 
 
 class _StageRunner:
-    """Runs the stages of a set-up, and records their times and the memory of the worker processes."""
+    """Runs the stages of a set-up, and records their times [s] and the memory of the worker processes [MB].
+
+    ``cache``: cache of computed records; ``step``: function that is called with the progress.
+    """
 
     def __init__(self, cache: Cache, step: Step) -> None:
         self.cache, self.step = cache, step
@@ -100,9 +110,10 @@ class _StageRunner:
         self.others: dict[int, float] = {}
 
     def run(self, jobs: Sequence[Job], processes: int) -> list[Any]:
-        """Run jobs, and report each stage with the seconds of its jobs when the last of them is done.
+        """Run jobs in several processes, and return their records in the order of the jobs.
 
-        ``seconds`` records the stage's share of the time that all jobs took together.
+        When the last job of a stage is done, the stage is reported with the time of its jobs. The attribute ``seconds``
+        records the part of the elapsed time that belongs to each stage.
         """
         start = perf_counter()
         by_stage: dict[str, list[ComputedRecord]] = {job.stage: [] for job in jobs}
@@ -160,7 +171,7 @@ def prepare(
     Returns
     -------
     Setup
-        The set-up.
+        The prepared geometry.
 
     Raises
     ------
@@ -226,11 +237,11 @@ def _patch_jobs(
 
 
 def _shaft_jobs(scene: Scene, m: GrooveMap, dims: Dimensions, settings: Settings, stations: tuple[float, ...]) -> list[Job]:
-    """List the jobs that compute the section of the shaft beyond the 3D stretch; ``stations``: supports and loads [m].
+    """List the jobs that compute the section of the shaft beyond the 3D stretch.
 
-    They compute a plain section, or the stiffnesses of the helical section and three meshed shafts for `homogenise`. Their
-    arguments are only those that the result depends on, so that other nuts and loads find them in the cache. If no support
-    or load lies beyond the stretch, any section will do.
+    ``stations``: axial positions of all supports and loads [m]. The jobs compute a plain section, or the stiffnesses of the
+    helical section and three meshed shafts for `homogenise`. Their arguments are only those that the result depends on, so
+    that other nuts and loads find them in the cache. If no support or load lies beyond the stretch, any section will do.
     """
     screw, e, (low, high) = scene.screw, scene.screw.material, dims.ends(scene)
     outer, bore = screw.outer_diameter / 2.0, screw.bore / 2.0
@@ -257,7 +268,10 @@ def _body_jobs(
     patches: dict[int, SidePatches],
     stations: tuple[float, ...],
 ) -> list[Job]:
-    """List the jobs that condense the screw, an elastic nut and a ball; ``stations``: supports and loads [m]."""
+    """List the jobs that condense the screw, an elastic nut and a ball.
+
+    ``stations``: axial positions of all supports and loads [m].
+    """
     screw, nut, ball, ends = scene.screw, scene.nut, scene.balls.material, dims.ends(scene)
     inside = tuple(z for z in stations if ends[0] < z < ends[1])
     on_screw = {s: p.groove for s, p in patches.items() if s < 2}
@@ -274,13 +288,17 @@ def _body_jobs(
 
 def _correct_screw_stiffness(
     screw: ScrewResponse,
-    homogenised: Homogenised | None,
+    homogenised: EquivalentBeam | None,
     m: GrooveMap,
     layout: BallLayout,
     sides: tuple[int, ...],
     stations: tuple[float, ...],
 ) -> ScrewResponse:
-    """Correct the screw's 3D stretch to the stiffness of the shaft's section, and remove the effect of its cut ends."""
+    """Correct the screw's 3D stretch to the stiffness of the shaft's section, and remove the effect of its cut ends.
+
+    ``homogenised``: uniform beam that is equivalent to the grooved shaft, or None for no correction; ``stations``: axial
+    positions of all supports and loads [m].
+    """
     if homogenised is None:
         return screw
     along = np.repeat(layout.z, sum(s < 2 for s in sides))
@@ -289,7 +307,10 @@ def _correct_screw_stiffness(
 
 
 def _mesh_quality(meshes: Meshes, settings: Settings) -> dict[str, float]:
-    """Collect the number of elements across a contact, the lowest quality of each mesh, and the grooves' deviation [m]."""
+    """Collect the number of elements across a contact, the lowest quality of each mesh, and the grooves' deviation.
+
+    The quality is the smallest scaled Jacobian; the deviation is that from the exact surface [m].
+    """
     across = 2.0 * settings.b_over_h if settings.element == "Q2" else 2.0 * settings.semi[1] / settings.tet
     return {
         "elements across 2b": across,

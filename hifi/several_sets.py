@@ -26,12 +26,14 @@ from rollbench.meshes.axis import Assembly
 from rollbench.meshes.parts import Errors, Scene, Support
 from rollbench.meshes.solid import SHAFT
 
-#: Overlap [m] of neighbouring rings that counts as rounding error.
+#: Largest overlap [m] of neighbouring nuts or bearings that counts as rounding error.
 NEAR = 1e-6
-#: Accepted relative error of a preload by force, similar to that of the contact loads; largest number of steps.
+#: Accepted relative error of a preload by force, similar to that of the contact loads; largest number of Newton's steps
+#: that find the shifts of the nuts.
 MET, STEPS = 1e-5, 12
-#: Step of the differences that give the first slopes of a preload by force, in logarithms; singular value of the slopes,
-#: over the largest, below which a direction is noise: nuts that press against one another carry one force.
+#: Step of the logarithm of a nut's shift in the differences that give the first slopes of the preloads; singular value of
+#: the slopes over the largest one below which it counts as zero, because nuts that press against one another carry one
+#: force.
 DIFFERENCE, NOISE = 0.05, 1e-2
 
 
@@ -66,7 +68,7 @@ def meshed_bodies(assembly: Assembly) -> tuple[SetBodies, ...]:
     Raises
     ------
     ValueError
-        There are rollers or an inner ring on a housing, nuts overlap, or the shaft is heated.
+        There are rollers or an inner ring on a housing, two nuts or bearings overlap, or the shaft is heated.
     """
     for s in assembly.sets:
         if not isinstance(s.parts, Scene):
@@ -96,9 +98,10 @@ def meshed_bodies(assembly: Assembly) -> tuple[SetBodies, ...]:
 def _meshed_bodies_of_set(
     parts: Scene, assembly: Assembly, room: float, stations: set[float], reach: tuple[float, float]
 ) -> SetBodies:
-    """Describe the 3D bodies of one nut or bearing; ``room``: shaft available beyond its faces [m].
+    """Describe the 3D bodies of one nut or bearing of an assembly, which are meshed.
 
-    reach: outermost axial positions [m] at which the shaft is needed.
+    ``room``: length of shaft that is available beyond its faces [m]; ``stations``: axial positions of all supports and
+    loads [m]; ``reach``: lowest and highest axial position at which the shaft is needed [m].
     """
     wanted = SHAFT * parts.track.pitch_radius if parts.solid.shaft is None else parts.solid.shaft
     half = parts.nut.length / 2.0 + min(wanted, room)
@@ -137,18 +140,21 @@ def solve_sets(
         The shaft with its nuts and bearings.
     setups : Sequence[Setup]
         Prepared bodies of each nut or bearing (`meshed_bodies`), in order.
-    frozen, step : , default False
-        As for `solve_reference`.
+    frozen : bool, default False
+        Whether to compute the contact loads with frozen normals and gaps as well.
+    step : Callable[[str], None], optional
+        Called with a progress text while a solution takes long.
 
     Returns
     -------
     ReferenceResult
-        The solution; its ``status`` tells whether it converged and all preloads are met.
+        The solution; its ``status`` tells whether it converged and all preloads by force are reached.
 
     Raises
     ------
     ValueError
-        As `meshed_bodies`, and for a rigid nut on a housing that moves.
+        There are rollers or an inner ring on a housing, two nuts or bearings overlap, the shaft is heated, or a rigid nut
+        is on a housing that moves.
     """
     begin, frame = perf_counter(), Frame.from_scene(assembly)
     each = zip(assembly.sets, meshed_bodies(assembly), setups, strict=True)
@@ -161,7 +167,7 @@ def solve_sets(
 
 
 def _mount_assembly(assembly: Assembly, placed: Sequence[PlacedSet], frame: Frame) -> MountedShaft:
-    """Mount the stretches on the shaft, from left to right, and the nuts that movable housings carry."""
+    """Mount the stretches of a shaft and the nuts on movable housings, under the supports and loads of ``frame``."""
     carried = []
     for p in placed:
         if p.housing is None:
@@ -178,7 +184,7 @@ def _mount_assembly(assembly: Assembly, placed: Sequence[PlacedSet], frame: Fram
 def _section_function(assembly: Assembly, placed: Sequence[PlacedSet]) -> Callable[[float], ShaftSection]:
     """Return a function that gives the shaft's section at an axial position [m].
 
-    On plain segments it is that of the segment, elsewhere that of the first thread.
+    On a plain segment of the shaft it is the section of the segment, elsewhere that of the first thread.
     """
     screw, threads = assembly.screw, [p.setup for p in placed if p.setup.map.rg != 0.0]
     known = [setup for setup in threads if setup.homogenised is not None or setup.dims.shaft_radius is not None]
@@ -197,7 +203,8 @@ def _replace_preloads_by_shifts(
     """Replace preloads by force with the shifts of the nuts that cause them, in the absence of other loads.
 
     The shifts come from Newton's method with secants on the logarithms of force and shift, in which a power law is linear.
-    Also returned is a text that says by how much a preload is missed; it is empty if all are met.
+    Returns the nuts or bearings with these shifts, and a text that says by how much a preload is missed; the text is empty
+    if all preloads are reached.
     """
     preloaded = [k for k, s in enumerate(assembly.sets) if s.preload > 0.0]
     if not preloaded:
@@ -207,29 +214,31 @@ def _replace_preloads_by_shifts(
     mounted = _mount_assembly(replace(assembly, loads=()), placed, bare)
     goal = np.log([assembly.sets[k].preload for k in preloaded])
 
-    def shifted(depth: Array) -> tuple[PlacedSet, ...]:
+    def with_shifted_nuts(depth: Array) -> tuple[PlacedSet, ...]:
+        """Return the nuts or bearings with preloaded nuts shifted by exp(depth) [m] against their thrust."""
         out = list(placed)
         for k, x in zip(preloaded, np.exp(depth), strict=True):
             away = -1.0 if assembly.sets[k].thrust == "+z" else 1.0
             out[k] = replace(out[k], offset=out[k].offset + away * float(x))
         return tuple(out)
 
-    def excess(depth: Array) -> Array:
-        found = LoadCase(shifted(depth), bare, mounted).solve(ROUNDS)
+    def logarithm_of_force_ratio(depth: Array) -> Array:
+        """Return the logarithm of the force of each preloaded nut over its preload, for shifts exp(depth) [m]."""
+        found = LoadCase(with_shifted_nuts(depth), bare, mounted).solve(ROUNDS)
         force = np.abs([wrench[2] for wrench in found.on_shaft])[preloaded]
         return np.asarray(np.log(np.maximum(force, 1e-300)) - goal)
 
     depth = np.log([nut_shift_for_axial_force(placed[k].scene, assembly.sets[k].preload) for k in preloaded])
-    value = excess(depth)
-    slope = np.column_stack([(excess(depth + DIFFERENCE * e) - value) / DIFFERENCE for e in np.eye(len(preloaded))])
+    value, steps = logarithm_of_force_ratio(depth), DIFFERENCE * np.eye(len(preloaded))
+    slope = np.column_stack([(logarithm_of_force_ratio(depth + step) - value) / DIFFERENCE for step in steps])
     for _ in range(STEPS):
         if float(np.abs(value).max()) <= MET:
             break
         move = np.clip(np.linalg.lstsq(slope, -value, rcond=NOISE)[0], -1.0, 1.0)
         if not move.any():  # no shift of these nuts moves a force
             break
-        new = excess(depth + move)
+        new = logarithm_of_force_ratio(depth + move)
         slope = slope + np.outer(new - value - slope @ move, move) / float(move @ move)
         depth, value = depth + move, new
     worst = float(np.abs(value).max())
-    return shifted(depth), "" if worst <= MET else f"preloads by force are not met, off by {100.0 * worst:.2g} %"
+    return with_shifted_nuts(depth), "" if worst <= MET else f"preloads by force are not met, off by {100.0 * worst:.2g} %"

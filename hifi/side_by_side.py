@@ -21,9 +21,9 @@ from rollbench.meshes.processes import end_with_parent, one_thread_variables, pe
 class Job(NamedTuple):
     """Record to be computed, or read from the cache; all fields can be pickled."""
 
-    #: Name of its stage.
+    #: Name of the stage of the set-up to which the job belongs.
     stage: str
-    #: Function, as for `Cache.get`.
+    #: Function that computes the record, as for `Cache.get`.
     build: Callable[..., Any]
     #: Arguments of the function.
     arguments: tuple[Any, ...]
@@ -43,11 +43,11 @@ class ComputedRecord:
     cached: bool
     #: Time of computing it, also if it came from the cache [s].
     cold_seconds: float
-    #: Process that computed it.
+    #: Identifier of the process that computed it.
     process: int
     #: Peak memory of that process [MB]; None: not measured.
     peak_MB: float | None
-    #: Why that process no longer writes to the cache; empty if it does.
+    #: Reason why that process no longer writes to the cache; empty if it writes.
     cache_fault: str = ""
 
 
@@ -66,12 +66,12 @@ def compute_records(
         Cache of records.
     processes : int
         Number of processes.
-    report : Callable[[int, Made], None], optional
-        Called with the number of each job and its record, one at a time.
+    report : Callable[[int, ComputedRecord], None], optional
+        Called with the index of each job and its record, one at a time.
 
     Returns
     -------
-    list[Made]
+    list[ComputedRecord]
         Records in the order of the jobs.
 
     Raises
@@ -94,7 +94,7 @@ def compute_records(
     left, done, one_at_a_time = deque(enumerate(jobs)), dict[int, ComputedRecord](), Lock()
 
     def take_jobs(maker: Callable[[Job], ComputedRecord]) -> None:
-        """Take jobs and compute their records until none is left."""
+        """Take jobs and compute their records by the function ``maker`` until none is left."""
         while left:
             try:
                 k, job = left.popleft()
@@ -105,6 +105,7 @@ def compute_records(
                 report(k, done[k])
 
     def run_in_worker(job: Job) -> ComputedRecord:
+        """Compute the record of a job in a worker process."""
         found: ComputedRecord = others.submit(_compute_in_worker, job, cache).result()
         return found
 

@@ -45,22 +45,24 @@ from rollbench.meshes.tet_patch import SUB_TRIANGLES, split_second_order
 class Socket:
     """Socket of a coarse body: the box around one contact that a fine patch fills."""
 
-    #: Nodes of the socket, in the order of the patch of its flank.
+    #: Indices of the socket's nodes in the body's mesh, in the order of the patch of its flank.
     nodes: Index
-    #: Rotation of its local frame ``(3, 3)``.
+    #: Rotation matrix from the frame of the patch to that of the body ``(3, 3)``.
     rotation: Array
     #: Flank 0 to 3.
     side: int
 
 
-#: Sizes of the elliptic pressures that `reduce_to_modes` has to represent, over the contact zone, and their positions along
-#: each of its axes, over the free width around them.
+#: Sizes of the elliptic pressures that `reduce_to_modes` has to represent, over the size of the contact zone, and their
+#: positions along each axis of the zone, over the width by which they can be moved inside it.
 SIZES, SHIFTS = (0.35, 0.5, 0.65, 0.8, 0.95), (-1.0, -0.5, 0.0, 0.5, 1.0)
 
-#: Weight of all other forces against these pressures; strength over the largest that counts as round-off.
+#: Weight of single pressure functions against these pressures; singular value over the largest one that counts as
+#: round-off.
 REST, ROUND_OFF = 1e-3, 1e-13
 
-#: Strength of a resultant, over the largest, that counts as none: forces through the ball's centre have no moment about it.
+#: Singular value of a resultant over the largest one that counts as zero: forces through the ball's centre have no moment
+#: about it.
 NO_RESULTANT = 1e-9
 
 
@@ -87,9 +89,9 @@ def reduce_to_modes(patch: CondensedPatch, count: int) -> tuple[Array, Array]:
     Returns
     -------
     V : (c, k) Array
-        Orthonormal modes.
+        k orthonormal modes of the contact loads.
     Q : (k, 3 nodes) Array
-        Their rows on the socket's degrees of freedom.
+        Rows Q of these modes on the degrees of freedom of the socket's nodes.
     """
     rigid, moved = rigid_motions(patch)
     W, strength, _ = np.linalg.svd(moved, full_matrices=False)
@@ -108,7 +110,10 @@ def reduce_to_modes(patch: CondensedPatch, count: int) -> tuple[Array, Array]:
 
 
 def _strongest_directions(traces: Array, least: float) -> Array:
-    """Find orthonormal directions of traces ``(n, s)``, strongest first, down to the strength ``least``."""
+    """Find the left singular vectors of a matrix ``(n, s)`` whose singular values exceed ``least``, largest first.
+
+    ``traces``: the matrix, with s nodal loads on a socket of n degrees of freedom as columns.
+    """
     U, strength, _ = np.linalg.svd(traces, full_matrices=False)
     return np.asarray(U[:, strength > least])
 
@@ -147,7 +152,7 @@ def contact_pressures(patch: CondensedPatch) -> Array:
     Returns
     -------
     (c, s) Array
-        Forces, one pressure a column.
+        Forces of the c pressure functions [N] for each of s pressures, as columns.
     """
     middle = patch.points - patch.points.mean(axis=0)
     x = middle @ np.linalg.svd(middle, full_matrices=False)[2][:2].T
@@ -203,10 +208,10 @@ def mesh_of_order(mesh: Mesh, kind: str) -> Mesh:
     Raises
     ------
     ValueError
-        Another kind.
+        ``kind`` is neither of them.
     """
     if kind not in ("P1", "P2"):
-        raise ValueError(f"elements of a coarse body must be P1 or P2, not {kind!r}")
+        raise ValueError(f"the element order of a coarse body must be P1 or P2, got {kind!r}")
     if kind == "P2":
         return mesh
     points = points_of(mesh)
@@ -235,7 +240,7 @@ def assemble_body_stiffness(
     Returns
     -------
     (3 n, 3 n) sparse array
-        Stiffness.
+        Stiffness [N/m].
     """
     K = forms.assemble(elasticity(young, poisson), mesh)
     rows, columns, values = [], [], []
@@ -262,14 +267,14 @@ def assemble_mode_rows(sockets: Sequence[Socket], rows: dict[int, Array], size: 
     sockets : Sequence[Socket]
         Sockets of the body.
     rows : dict[int, Array]
-        Rows Q ``(k, 3 nodes)`` of each flank.
+        By flank, the rows Q of the k modes of a patch on its socket's degrees of freedom ``(k, 3 nodes)``.
     size : int
         Number of the body's degrees of freedom.
 
     Returns
     -------
     (r, size) sparse array
-        Rows, socket after socket.
+        Rows Q of the r modes of all sockets, socket after socket.
     """
     data, row, column = [], [], []
     start = 0
@@ -288,14 +293,14 @@ def assemble_mode_rows(sockets: Sequence[Socket], rows: dict[int, Array], size: 
 def isostatic_freedoms(points: Array, avoid: Index) -> Index:
     """Select six degrees of freedom that constrain the rigid motions of a free body without straining it.
 
-    They are the pivoted rows of its rigid motions.
+    They are chosen by a pivoted factorisation of the body's rigid motions.
 
     Parameters
     ----------
     points : (n, 3) Array
-        Nodes [m].
+        Coordinates of the nodes [m].
     avoid : Index
-        Nodes that are not constrained.
+        Indices of nodes that must not be constrained.
 
     Returns
     -------
@@ -312,7 +317,7 @@ def isostatic_freedoms(points: Array, avoid: Index) -> Index:
 
 
 def rigid_loads(mesh: Mesh) -> Array:
-    """Compute the nodal forces of body forces [N/m3] that are distributed like rigid motions.
+    """Compute the nodal forces of six fields of body forces that are distributed like the rigid motions.
 
     Parameters
     ----------
@@ -322,7 +327,7 @@ def rigid_loads(mesh: Mesh) -> Array:
     Returns
     -------
     (6, 3 n) Array
-        Nodal forces [N], in the order of `rigid_modes`.
+        Nodal forces of each field [N], in the order of the motions of `rigid_modes`.
     """
     V = forms.cell_basis(mesh)
     volume = nodal_share_form().assemble(V)
@@ -343,8 +348,8 @@ def free_transform(mesh: Mesh, held: Index) -> sp.csc_array:
 
     Returns
     -------
-    sparse array
-        C, one column for each free degree of freedom.
+    (3 n, f) sparse array
+        Transformation matrix with one column for each of the f free degrees of freedom.
     """
     size = mesh.doflocs.size
     return sp.eye_array(size, format="csc")[:, np.setdiff1d(np.arange(size), held)]
@@ -365,8 +370,8 @@ def end_transform(mesh: Mesh, high: float) -> sp.csc_array:
 
     Returns
     -------
-    sparse array
-        C; the six degrees of freedom of the section come last.
+    (3 n, f + 6) sparse array
+        Transformation matrix C from f free degrees of freedom and the six of the section, which come last.
     """
     upper = nodes_on(mesh, "high end")
     slaves = freedoms_of_nodes(upper)
@@ -379,6 +384,7 @@ def end_transform(mesh: Mesh, high: float) -> sp.csc_array:
 #: scatter of unstructured meshes (some ten thousandths of an approach) does not enter all contacts of a flank.
 REALISATIONS = 3
 
+#: Relative difference of the element sizes of these meshes.
 STEP = 0.01
 
 
@@ -386,13 +392,13 @@ STEP = 0.01
 class BodyPiece:
     """Short piece of a body around one contact: the submodel that gives the contact's local compliance."""
 
-    #: The mesh.
+    #: Mesh of the piece.
     mesh: Mesh
-    #: Nodes of its socket, in the order of the side's socket mesh.
+    #: Indices of its socket's nodes, in the order of the socket mesh of the flank.
     socket: Index
-    #: Rotation of the patch's frame ``(3, 3)``.
+    #: Rotation matrix from the frame of the patch to that of the piece ``(3, 3)``.
     rotation: Array
-    #: Fixed boundaries; none: inertia relief, loads are balanced by a rigid field of body forces.
+    #: Names of the fixed boundaries; if there are none, body forces distributed like rigid motions balance the loads.
     held: tuple[str, ...]
 
 
@@ -401,12 +407,12 @@ def fine_compliance(piece: BodyPiece, patch: PatchMesh, normals: Array, young: f
 
     Parameters
     ----------
-    piece : Piece
+    piece : BodyPiece
         Piece of the body.
     patch : PatchMesh
         Patch in its socket.
     normals : (c, 3) Array
-        Directions of the contact loads.
+        Directions of the contact loads at the c contact nodes.
     young : float
         Young's modulus [Pa].
     poisson : float
@@ -415,7 +421,7 @@ def fine_compliance(piece: BodyPiece, patch: PatchMesh, normals: Array, young: f
     Returns
     -------
     (c, c) Array
-        Mean displacement along the normals per unit force [m/N].
+        Mean displacement over each pressure function along the normals per unit force [m/N].
 
     Raises
     ------
@@ -432,12 +438,12 @@ def piece_compliance(piece: BodyPiece, patch: PatchMesh, rows: sp.csr_array, you
 
     Parameters
     ----------
-    piece : Piece
+    piece : BodyPiece
         Piece of the body.
     patch : PatchMesh
         Patch of n nodes.
     rows : (m, 3 n) sparse array
-        Loads on the patch.
+        Nodal forces on the patch in m load cases.
     young : float
         Young's modulus [Pa].
     poisson : float
@@ -446,7 +452,7 @@ def piece_compliance(piece: BodyPiece, patch: PatchMesh, rows: sp.csr_array, you
     Returns
     -------
     (m, m) Array
-        Displacements that do work on the loads [m/N].
+        Compliance between the load cases: displacements on which the loads do work, per unit of load [m/N].
 
     Raises
     ------
@@ -480,12 +486,12 @@ def coarse_compliance(piece: BodyPiece, patch: CondensedPatch, rows: Array, youn
 
     Parameters
     ----------
-    piece : Piece
+    piece : BodyPiece
         Piece of the body.
     patch : CondensedPatch
         Condensed patch in its socket.
     rows : (k, 3 nodes) Array
-        Rows Q of the modes.
+        Rows Q of the k modes on the degrees of freedom of the socket's nodes.
     young : float
         Young's modulus [Pa].
     poisson : float
@@ -494,7 +500,7 @@ def coarse_compliance(piece: BodyPiece, patch: CondensedPatch, rows: Array, youn
     Returns
     -------
     (k, k) Array
-        [m/N].
+        Compliance G_coarse between the modes [m/N].
 
     Raises
     ------
@@ -515,11 +521,11 @@ def local_compliance(fine: Array, V: Array, coarse: Callable[[float], Array]) ->
     Parameters
     ----------
     fine : (c, c) Array
-        C_fine [m/N].
+        Compliance C_fine between the pressure functions in the finely meshed piece [m/N].
     V : (c, k) Array
-        Modes.
+        Modes of the contact that the coarse body represents.
     coarse : Callable[[float], Array]
-        G_coarse ``(k, k)`` [m/N] of meshes whose sizes are scaled by a factor.
+        Function that returns G_coarse ``(k, k)`` [m/N] of a mesh whose element sizes are scaled by its argument.
 
     Returns
     -------
@@ -532,9 +538,9 @@ def local_compliance(fine: Array, V: Array, coarse: Callable[[float], Array]) ->
 
 
 def _free_and_balancing_loads(piece: BodyPiece) -> tuple[Index, sp.csr_array]:
-    """Return the free degrees of freedom of a piece, and the body forces ``(6, 3 n)`` that balance its loads.
+    """Return the free degrees of freedom of a piece, and the nodal forces ``(6, 3 n)`` that balance its loads.
 
-    The body forces are rigid fields; there are none if the piece is fixed.
+    They are the forces of body forces that are distributed like rigid motions; there are none if the piece is fixed.
     """
     size = piece.mesh.doflocs.size
     if piece.held:
@@ -550,9 +556,11 @@ def _rigid_modes_in_patch_frame(patch: PatchMesh, piece: BodyPiece) -> Array:
 
 
 def _balance_by_body_forces(F: Array, count: int, rigid: Array, loads: sp.csr_array, piece: BodyPiece) -> Array:
-    """Balance the responses F of ``count`` loads by body forces that are rigid fields (inertia relief).
+    """Compute the compliance ``(count, count)`` [m/N] of loads that are balanced by body forces like rigid motions.
 
-    rigid ``(count, 6)``: work of the loads on rigid motions.
+    F: compliance between the loads and, after them, the six fields of body forces [m/N]; ``count``: number of loads;
+    ``rigid``: work of the loads on the rigid motions (count, 6); ``loads``: nodal forces of the body forces (6, 3 n), or
+    none for a fixed piece, whose F is returned.
     """
     if loads.shape[0] == 0:
         return F

@@ -34,13 +34,14 @@ Flags = NDArray[np.bool_]
 #: Numbers of positions in a cell across and along the groove, and of forces, at which the grid wave is tabulated. The long
 #: axis of the ellipse lies across the groove, and its pointed ends pass rows of nodes more suddenly.
 ACROSS, ALONG, FORCES = 12, 8, 24
-#: Numbers of positions in a cell across and along for a mean.
+#: Numbers of positions in a cell, across and along the groove, over which an approach is averaged.
 MEAN = (8, 8)
-#: Powers of the force in the approach over Hertz's: second-order cells at the edge of the ellipse (-2/3), Hertz's law (0),
-#: the body around the contact, in proportion to the force (1/3), curvatures that change over the ellipse (2/3).
+#: Powers of the force in the ratio of the approach to Hertz's. They represent second-order cells at the edge of the ellipse
+#: (-2/3), Hertz's law (0), the body around the contact, in proportion to the force (1/3), and curvatures that change over
+#: the ellipse (2/3).
 POWERS = (-2.0 / 3.0, 0.0, 1.0 / 3.0, 2.0 / 3.0)
-#: Size of the largest ellipse over its contact zone; smallest short semi-axis over the cell size; smallest size over the
-#: largest one, on grids too coarse for that.
+#: Size of the largest contact ellipse over that of the contact zone; smallest short semi-axis over the cell size; size of
+#: the smallest ellipse over that of the largest one, on grids that are too coarse for that semi-axis.
 FILLED, COARSEST, LEAST = 0.85, 1.0, 0.6
 
 
@@ -52,7 +53,7 @@ def unit_hertz(m: GrooveMap, side: int, material: Material) -> HertzSolution:
     Parameters
     ----------
     m : GrooveMap
-        Track.
+        Geometry of the track.
     side : int
         Flank 0 to 3.
     material : Material
@@ -61,7 +62,7 @@ def unit_hertz(m: GrooveMap, side: int, material: Material) -> HertzSolution:
     Returns
     -------
     HertzSolution
-        The contact.
+        Approach, semi-axes and pressure under 1 N.
     """
     return hertz(1.0, *m.relative_radii(side, m.beta), material.youngs_modulus, material.poissons_ratio)
 
@@ -72,16 +73,16 @@ def cell_sizes(m: GrooveMap, side: int, patch: CondensedPatch) -> Array:
     Parameters
     ----------
     m : GrooveMap
-        Track.
+        Geometry of the track.
     side : int
         Flank 0 to 3.
     patch : CondensedPatch
-        Condensed patch.
+        Condensed patch of the groove.
 
     Returns
     -------
     (2,) Array
-        Sizes [m], with the sign of the grid's direction.
+        Cell sizes [m], negative where the grid's indices fall in that direction.
 
     Raises
     ------
@@ -89,7 +90,10 @@ def cell_sizes(m: GrooveMap, side: int, patch: CondensedPatch) -> Array:
         The patch has no grid.
     """
     if patch.shape is None:
-        raise ValueError("cell sizes need a grid, which only a patch of hexahedra has")
+        raise ValueError(
+            "the cell sizes of a contact zone cannot be computed for a patch without a grid of contact nodes: "
+            "it must consist of hexahedra"
+        )
     _, tangent, forward = directions(m, side)
     n, k = (count // 2 for count in patch.shape)
     x = patch.points.reshape(*patch.shape, 3)
@@ -104,11 +108,11 @@ def resolved_forces(m: GrooveMap, side: int, patch: CondensedPatch, material: Ma
     Parameters
     ----------
     m : GrooveMap
-        Track.
+        Geometry of the track.
     side : int
         Flank 0 to 3.
     patch : CondensedPatch
-        Condensed patch.
+        Condensed patch of the groove.
     material : Material
         Material of ball and groove.
     count : int
@@ -140,31 +144,31 @@ def approaches_at(
     Parameters
     ----------
     m : GrooveMap
-        Track.
+        Geometry of the track.
     side : int
         Flank 0 to 3.
     patch : CondensedPatch
-        Condensed patch.
+        Condensed patch of the groove.
     compliance : (c, c) Array
-        Compliance of the contact [m/N].
+        Compliance between the c pressure functions of the contact [m/N].
     loads : (f,) Array
         Forces [N].
     place : tuple[float, float]
-        Distance from the nominal contact, across and along, in cells.
-    start : Flags | None, default None
-        Closed pairs of a neighbouring place.
+        Distance of the contact from the nominal one across and along the groove, in cells.
+    start : (f, c) Mask, optional, default None
+        Whether each contact pair is closed at a neighbouring position, to start from; None: unknown.
 
     Returns
     -------
     approach : (f,) Array
-        Approaches [m].
+        Approach under each force [m].
     closed : (f, c) Mask
-        Closed pairs.
+        Whether each contact pair is closed under each force.
 
     Raises
     ------
     ValueError
-        As `unilateral_approaches`.
+        The set of closed pairs does not converge.
     """
     W = mean_weights(patch.weights)
     normal, tangent, forward = directions(m, side)
@@ -195,23 +199,23 @@ def unilateral_approaches(
     gap : (c,) Array
         Gaps of the undeformed bodies [m].
     close : (c,) Array
-        Gap closed per approach.
+        Gap closed at each contact pair by a unit of the approach.
     loads : (f,) Array
         Loads [N].
-    start : Flags | None, default None
-        Closed pairs ``(f, c)`` to start from; None: those of the load before.
+    start : (f, c) Mask, optional, default None
+        Whether each pair is closed under each load, to start from; None: start from the pairs of the load before.
 
     Returns
     -------
     approach : (f,) Array
-        Approaches [m].
+        Approach under each load [m].
     closed : (f, c) Mask
-        Closed pairs.
+        Whether each pair is closed under each load.
 
     Raises
     ------
     ValueError
-        The active set does not converge.
+        The set of closed pairs does not converge.
     """
     active = gap / close <= np.quantile(gap / close, 0.3)
     columns = np.column_stack([close, gap])
@@ -229,7 +233,7 @@ def unilateral_approaches(
                 break
             active = after
         else:
-            raise ValueError(f"the contact of a patch under {load:.4g} N does not converge")
+            raise ValueError(f"the set of closed pairs of a contact under {load:.4g} N does not converge in 200 changes")
         closed[k] = active
     return out, closed
 
@@ -272,24 +276,24 @@ def periodic_approaches(
     Parameters
     ----------
     m : GrooveMap
-        Track.
+        Geometry of the track.
     side : int
         Flank 0 to 3.
     patch : CondensedPatch
-        Condensed patch.
+        Condensed patch of the groove.
     C : (c, c) Array
-        Compliance of the contact [m/N].
+        Compliance between the c pressure functions of the contact [m/N].
     loads : (f,) Array
         Forces [N].
     counts : tuple[int, int]
-        Numbers of places across and along, both even.
+        Numbers of positions in a cell across and along the groove, both even.
 
     Returns
     -------
     table : (across, along, f) Array
-        Approaches [m], from the middle of the zone on.
+        Approach at each position and force [m]; the first position is the middle of the zone.
     trend : (2, f) Array
-        Slope across and along [m per cell].
+        Change of the approach across and along the groove [m per cell].
     """
 
     def at(x: float, y: float, start: Flags | None) -> tuple[Array, Flags]:
@@ -313,13 +317,13 @@ def mean_approaches(m: GrooveMap, side: int, patch: CondensedPatch, compliance: 
     Parameters
     ----------
     m : GrooveMap
-        Track.
+        Geometry of the track.
     side : int
         Flank 0 to 3.
     patch : CondensedPatch
-        Condensed patch.
+        Condensed patch of the groove.
     compliance : (c, c) Array
-        Compliance of the contact [m/N].
+        Compliance between the c pressure functions of the contact [m/N].
     loads : (f,) Array
         Forces [N].
 
@@ -337,14 +341,14 @@ class GridWave:
 
     #: Tabulated forces ``(f,)`` [N].
     loads: Array
-    #: Corrections ``(p, q, f)`` [m] at evenly spaced places in a cell across and along the groove, from the middle node
-    #: on.
+    #: Corrections of the gap at p positions across and q along the groove, evenly spaced in a cell ``(p, q, f)`` [m]; the
+    #: first position is the middle node.
     table: Array
-    #: Cell sizes ``(2,)`` [m].
+    #: Cell sizes across and along the groove ``(2,)`` [m].
     cell: Array
-    #: The middle node ``(3,)`` [m].
+    #: Position of the middle node in the ball's frame ``(3,)`` [m].
     middle: Array
-    #: Directions across and along the groove ``(2, 3)``.
+    #: Unit vectors across and along the groove ``(2, 3)``.
     directions: Array
 
     def at(self, loads: Array, centres: Array) -> Array:
@@ -363,7 +367,7 @@ class GridWave:
         Returns
         -------
         (n,) Array
-            Corrections of the gaps [m].
+            Corrections to be added to the gaps of each contact [m].
         """
         place = (centres - self.middle) @ self.directions.T / self.cell
         force = np.clip(loads, self.loads[0], self.loads[-1])
@@ -374,7 +378,10 @@ class GridWave:
 
 
 def _interpolate_periodic(values: Array, place: Array) -> Array:
-    """Interpolate values ``(p, ..., n)`` at even positions in a period of 1, each of the n columns at its own position."""
+    """Interpolate a periodic function for each of n contacts at its own position ``(..., n)``.
+
+    ``values``: values at p evenly spaced positions in a period of length 1 (p, ..., n); ``place``: positions (n,).
+    """
     grid = np.linspace(0.0, 1.0, len(values) + 1)
     around = CubicSpline(grid, np.concatenate([values, values[:1]]), bc_type="periodic")(np.mod(place, 1.0))
     return np.asarray(np.einsum("n...n->...n", around))
@@ -386,20 +393,20 @@ def tabulate_grid_wave(m: GrooveMap, side: int, patch: CondensedPatch, C: Array,
     Parameters
     ----------
     m : GrooveMap
-        Track.
+        Geometry of the track.
     side : int
         Flank 0 to 3.
     patch : CondensedPatch
-        Condensed patch.
+        Condensed patch of the groove.
     C : (c, c) Array
-        Compliance of the contact [m/N].
+        Compliance between the c pressure functions of the contact [m/N].
     material : Material
         Material of ball and groove.
 
     Returns
     -------
     GridWave
-        The correction.
+        Table of the corrections.
     """
     loads = resolved_forces(m, side, patch, material, FORCES)
     table = periodic_approaches(m, side, patch, C, loads, (ACROSS, ALONG))[0]

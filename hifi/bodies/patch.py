@@ -56,13 +56,13 @@ class PatchMesh(Meshed):
     xi: Array
     #: Nodes of the contact zone ``(c,)``.
     contact: Index
-    #: Shape of their grid; None: no grid.
+    #: Numbers of nodes of their grid across and along the groove; None: they form no grid.
     contact_shape: tuple[int, int] | None
-    #: Which of them are the outermost ``(c,)``.
+    #: Whether each of them is one of the outermost ``(c,)``.
     rim: Flags
     #: Nodes of the interface to the body.
     interface: Index
-    #: Interpolation from the socket's nodes ``(interface nodes, socket nodes)``.
+    #: Weights that interpolate the interface nodes from the socket's nodes ``(interface nodes, socket nodes)``.
     tie: sp.csr_array
     #: Weights W ``(c, c)`` [m2] of the pressure functions (rows) at displacements (columns), by
     #: `hifi.elements.forms.contact_weights`.
@@ -85,7 +85,8 @@ class PatchMesh(Meshed):
 class CondensedPatch:
     """Fine patch condensed to its c contact nodes and the k nodes of its socket: u_c = A f + H q, r = S q - H^T f.
 
-    f: contact loads; u_c: mean displacements of the contact; q: displacements of the socket; r: forces on the socket.
+    f: contact loads (c,) [N]; u_c: mean displacements of the contact over the pressure functions (c,) [m]; q: displacements
+    of the socket (3 k,) [m]; r: forces on the socket (3 k,) [N].
     """
 
     #: Mean displacement per contact load with the socket fixed ``(c, c)`` [m/N].
@@ -100,9 +101,9 @@ class CondensedPatch:
     normals: Array
     #: Areas of the pressure functions ``(c,)`` [m2].
     areas: Array
-    #: Which contact nodes are the outermost ``(c,)``.
+    #: Whether each contact node is one of the outermost ``(c,)``.
     rim: Flags
-    #: Shape of their grid; None: no grid.
+    #: Numbers of contact nodes across and along the groove, of their grid; None: they form no grid.
     shape: tuple[int, int] | None
     #: Weights W ``(c, c)`` [m2] of the pressure functions (rows) at displacements (columns).
     weights: sp.csr_array
@@ -118,16 +119,16 @@ def graded_boundaries(inner: float, step: float, growth: float) -> Array:
     Parameters
     ----------
     inner : float
-        Half of the equally divided part.
+        Half the length of the equally divided part.
     step : float
-        Steps there, about.
+        Approximate step in that part.
     growth : float
-        Ratio of neighbouring steps beyond, about.
+        Approximate ratio of neighbouring steps beyond that part.
 
     Returns
     -------
     Array
-        Ascending boundaries.
+        Boundaries of the steps, ascending from -1 to 1.
 
     Examples
     --------
@@ -147,14 +148,14 @@ def growing_boundaries(start: float, end: float, first: float, ratio: float) -> 
     start, end : float
         First and last boundary.
     first : float
-        Step before the first one, about.
+        Approximate step that would precede the first one.
     ratio : float
         Ratio of neighbouring steps.
 
     Returns
     -------
     Array
-        Ascending boundaries.
+        Boundaries of the steps, ascending from ``start`` to ``end``.
 
     Examples
     --------
@@ -178,12 +179,12 @@ def build_patch(
 
     Parameters
     ----------
-    lines : Lines
+    lines : PatchLines
         Cell boundaries in local coordinates.
     zone : tuple[float, float]
-        Half widths of the contact zone in local units.
+        Half widths of the contact zone across and along the groove, in local coordinates.
     place : Callable[[Array], Array]
-        Points ``(n, 3)`` [m] of local coordinates ``(n, 3)``.
+        Function that maps local coordinates ``(n, 3)`` to points ``(n, 3)`` [m].
     socket : SocketMesh
         Mesh of the socket's faces.
 
@@ -219,14 +220,14 @@ def build_patch(
 def build_tet_patch(local: LocalTets, place: Callable[[Array], Array], socket: SocketMesh) -> PatchMesh:
     """Fit a box of first-order tetrahedra into its socket in a body of first or second order.
 
-    Tributary areas are thirds of the triangles around a node. See `build_patch` for hexahedra.
+    The area of a contact node is a third of the area of the triangles around it. See `build_patch` for hexahedra.
 
     Parameters
     ----------
     local : LocalTets
         Tetrahedra in local coordinates.
     place : Callable[[Array], Array]
-        Points ``(n, 3)`` [m] of local coordinates ``(n, 3)``.
+        Function that maps local coordinates ``(n, 3)`` to points ``(n, 3)`` [m].
     socket : SocketMesh
         Mesh of the socket's faces.
 
@@ -243,7 +244,10 @@ def build_tet_patch(local: LocalTets, place: Callable[[Array], Array], socket: S
     points, interface, tie, nodes = _place_nodes(local.xi, place, socket, linear=True)
     volumes = signed_volumes(points, local.tets)
     if not (np.all(volumes > 0.0) or np.all(volumes < 0.0)):
-        raise ValueError("tetrahedra of a patch are turned inside out by the map to space: make the far edge shorter")
+        raise ValueError(
+            "tetrahedra of a patch are turned inside out by the map of the patch into space: make the edges of the "
+            "tetrahedra at its rim shorter"
+        )
     cells = local.tets if volumes[0] > 0.0 else local.tets[:, [0, 2, 1, 3]]  # a left-handed map: mirror every cell
     mesh, _ = mesh_of(points, cells, "P1")
     top = np.zeros(len(points), dtype=bool)
@@ -268,8 +272,8 @@ def _named_patch(
 ) -> PatchMesh:
     """Collect the data of a patch, and name its boundaries.
 
-    A face belongs to the surface, the contact or the interface if all its corners do. xi: local coordinates of the nodes
-    ``(n, 3)``.
+    A face belongs to the surface, the contact or the interface if all its corners do. ``xi``: local coordinates of the
+    nodes (n, 3); ``top``: whether each node lies on the surface (n,); the other arguments are the fields of `PatchMesh`.
     """
     outer = mesh.boundary_facets()
     corners = mesh.facets[:, outer]
@@ -289,7 +293,7 @@ def pressure_mean_rows(mesh: PatchMesh, normals: Array, carrier: PatchMesh | Non
     mesh : PatchMesh
         The patch.
     normals : (c, 3) Array
-        Directions.
+        Directions of the displacements at the c contact nodes.
     carrier : PatchMesh, optional, default None
         Another patch in the same socket, to whose degrees of freedom the rows refer; its displacements at the contact
         nodes are averaged.
@@ -297,7 +301,7 @@ def pressure_mean_rows(mesh: PatchMesh, normals: Array, carrier: PatchMesh | Non
     Returns
     -------
     (c, 3 n) sparse array
-        Rows.
+        Weights of the patch's degrees of freedom in each mean displacement.
 
     Raises
     ------
@@ -315,12 +319,14 @@ def pressure_mean_rows(mesh: PatchMesh, normals: Array, carrier: PatchMesh | Non
 
 
 def _interpolate_on_grid(mesh: PatchMesh, xi: Array) -> sp.csr_array:
-    """Interpolate displacements at points on the surface from the nodes of a patch's grid.
+    """Return the weights ``(p, n)`` that interpolate p points on the surface from the n nodes of a patch with a grid.
 
-    xi: local coordinates ``(p, 3)`` of the points. Returned are the weights ``(p, n)``.
+    ``xi``: local coordinates of the points (p, 3).
     """
     if mesh.contact_shape is None:
-        raise ValueError("interpolation needs a grid, which only a patch of hexahedra has")
+        raise ValueError(
+            "displacements cannot be interpolated on a patch without a grid of contact nodes: it must consist of hexahedra"
+        )
     top = np.flatnonzero(np.abs(mesh.xi[:, 1]) < 1e-12)
     axes = [np.unique(np.round(mesh.xi[top, axis], 12)) for axis in (0, 2)]
     number = np.empty([a.size for a in axes], dtype=np.int64)
@@ -336,9 +342,10 @@ def _interpolate_on_grid(mesh: PatchMesh, xi: Array) -> sp.csr_array:
 
 
 def _quadratic_line_shapes(nodes: Array, at: Array) -> tuple[list[Index], list[Array]]:
-    """Evaluate the shape functions of second-order cells on a line at points ``at``.
+    """Evaluate the shape functions of second-order cells on a line at p points.
 
-    Returned are three node numbers and three values ``(p,)`` for p points.
+    ``nodes``: coordinates of the nodes of all cells, ascending; ``at``: coordinates of the points (p,). Returned are, for
+    each of the three nodes of a point's cell, the index of the node (p,) and the value of its shape function (p,).
     """
     cell = np.clip((np.searchsorted(nodes[::2], at, side="right") - 1), 0, (nodes.size - 3) // 2)
     local = (at - nodes[2 * cell]) / (nodes[2 * cell + 2] - nodes[2 * cell])
@@ -351,7 +358,9 @@ def _place_nodes(
 ) -> tuple[Array, Index, sp.csr_array, Array]:
     """Map the nodes of a patch into space, those of the interface onto the socket's triangles.
 
-    Returned are the points, the interface nodes, their interpolation from the socket's nodes, and the socket's nodes.
+    ``xi``: local coordinates of the nodes (n, 3); ``place``: function that maps them to points [m]; ``linear``: as for
+    `tie_matrix`. Returned are the points (n, 3) [m], the indices of the interface nodes, the weights that interpolate them
+    from the socket's k nodes, and the points of the socket's nodes (k, 3) [m].
     """
     on_face = np.any([np.abs(xi[:, axis] - value) < 1e-9 for axis, value in PLANES], axis=0)
     interface = np.flatnonzero(on_face)
@@ -362,7 +371,7 @@ def _place_nodes(
 
 
 def tie_matrix(xi: Array, socket: SocketMesh, *, linear: bool = False) -> sp.csr_array:
-    """Interpolate points on a socket's inner faces from the socket's nodes.
+    """Return the matrix that interpolates points on a socket's inner faces from the socket's nodes.
 
     Parameters
     ----------
@@ -376,12 +385,12 @@ def tie_matrix(xi: Array, socket: SocketMesh, *, linear: bool = False) -> sp.csr
     Returns
     -------
     (n, k) sparse array
-        Weights.
+        Weights of the socket's nodes at each point.
 
     Raises
     ------
     ValueError
-        A point lies on no triangle.
+        A point lies on no triangle of the socket.
     """
     rows, columns, values = [], [], []
     done = np.zeros(len(xi), dtype=bool)
@@ -403,7 +412,9 @@ def tie_matrix(xi: Array, socket: SocketMesh, *, linear: bool = False) -> sp.csr
         values.append((_linear_triangle_shapes(w) if linear else _quadratic_triangle_shapes(w)).ravel())
         done[points[found]] = True
     if not done.all():
-        raise ValueError("a patch node lies on no triangle of its socket")
+        raise ValueError(
+            "a node on the inner faces of a patch lies on no triangle of its socket: both must have the same size"
+        )
     matrix = sp.coo_array(
         (np.concatenate(values), (np.concatenate(rows), np.concatenate(columns))), (len(xi), len(socket.xi))
     )
@@ -423,28 +434,30 @@ def _linear_triangle_shapes(w: Array) -> Array:
 
 @dataclass(frozen=True)
 class _StiffnessBlocks:
-    """Blocks of a patch's stiffness, split into inner and interface degrees of freedom.
+    """Stiffness of a patch, split into i inner degrees of freedom, those of the interface, and those of the socket."""
 
-    The blocks are the stiffness of the i inner degrees of freedom, their coupling with the socket's, and the stiffness of
-    the interface. Also given are unit contact loads on the inner ones, the interpolation of the interface from the socket,
-    and the numbers ``(i,)`` of the inner ones.
-    """
-
+    #: Stiffness of the inner degrees of freedom ``(i, i)`` [N/m].
     inner_stiffness: sp.csc_array
+    #: Stiffness between the inner degrees of freedom and those of the socket ``(i, 3 k)`` [N/m].
     coupling: sp.csc_array
+    #: Stiffness of the interface's degrees of freedom [N/m].
     outer_stiffness: sp.csc_array
+    #: Unit contact loads on the inner degrees of freedom ``(i, c)``.
     forces: sp.csc_array
+    #: Weights that interpolate the interface's degrees of freedom from those of the socket.
     tie: sp.csc_array
+    #: Indices of the inner degrees of freedom among all ``(i,)``.
     inner: Index
 
 
 def _stiffness_blocks(
     mesh: PatchMesh, normals: Array, young: float, poisson: float, carrier: PatchMesh | None = None
 ) -> _StiffnessBlocks:
+    """Assemble the stiffness blocks of a patch; the arguments are those of `condense_patch`."""
     base = mesh if carrier is None else carrier
     K = assemble(elasticity(young, poisson), base.mesh)
     if np.isin(mesh.contact, mesh.interface).any():
-        raise ValueError("the contact zone of a patch reaches its rim: make the zone smaller than the socket")
+        raise ValueError("the contact zone of a patch reaches the patch's edge: make the zone smaller than the socket")
     inner = np.setdiff1d(np.arange(K.shape[0]), freedoms_on(base.mesh, "interface"))
     outer = (3 * base.interface[:, None] + np.arange(3)).ravel()
     T = sp.kron(base.tie, sp.eye_array(3), format="csc")
@@ -472,7 +485,7 @@ def condense_patch(
     poisson : float
         Poisson's ratio.
     carrier : PatchMesh, optional, default None
-        The coarser patch.
+        A coarser patch of the same socket that replaces the mesh; None: the patch's own mesh.
 
     Returns
     -------
@@ -482,7 +495,7 @@ def condense_patch(
     Raises
     ------
     ValueError
-        The contact zone reaches the patch's rim.
+        The contact zone reaches the edge of the patch.
     """
     blocks = _stiffness_blocks(mesh, normals, young, poisson, carrier)
     boundary = (blocks.tie.T @ (blocks.outer_stiffness @ blocks.tie)).toarray()
@@ -507,7 +520,7 @@ def condense_patch(
 def patch_displacements(
     mesh: PatchMesh, normals: Array, young: float, poisson: float, forces: Array, trace: Array
 ) -> Array:
-    """Compute the displacements of all nodes of a patch, by one more solution.
+    """Compute the displacements of all nodes of a patch, by one more solution of its equations.
 
     Their means over the pressure functions, along the normals, are A f + H q.
 
@@ -515,8 +528,12 @@ def patch_displacements(
     ----------
     mesh : PatchMesh
         Patch of n nodes.
-    normals, young, poisson
-        As for `condense_patch`.
+    normals : (c, 3) Array
+        Directions of the contact loads.
+    young : float
+        Young's modulus [Pa].
+    poisson : float
+        Poisson's ratio.
     forces : (c,) Array
         Contact forces f [N].
     trace : (3 k,) Array

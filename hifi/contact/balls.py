@@ -52,11 +52,11 @@ class BallBlock:
     Its factorisation costs sum n_s^3 instead of (sum n_s)^3 operations.
     """
 
-    #: Compliance A_s of each flank ``(n_s, n_s)`` [m/N], symmetric positive definite.
+    #: Compliance A_s between the n_s contact pairs of each flank ``(n_s, n_s)`` [m/N], symmetric positive definite.
     local: tuple[Array, ...]
     #: Smooth modes V_s ``(n_s, k_s)`` that couple a flank to the ball's other flanks.
     modes: tuple[Array, ...]
-    #: G ``(k, k)`` [m/N], k = sum k_s, symmetric positive semidefinite.
+    #: Compliance G between the modes of all flanks ``(k, k)`` [m/N], k = sum k_s, symmetric positive semidefinite.
     coupling: Array
 
     @cached_property
@@ -74,7 +74,7 @@ class BallBlock:
         return sum(len(a) for a in self.local)
 
     def apply(self, forces: Array) -> Array:
-        """Compute the gaps D f ``(n,)`` [m] that contact forces f ``(n,)`` [N] open."""
+        """Compute the gaps D f ``(n,)`` [m] that the contact forces f ``(n,)`` [N] of the ball's n pairs open."""
         alone = np.concatenate([a @ forces[pairs] for a, pairs in zip(self.local, self.sides, strict=True)])
         return np.asarray(alone + self._all_modes @ (self.coupling @ (forces @ self._all_modes)))
 
@@ -88,7 +88,7 @@ class BallBlock:
         Parameters
         ----------
         active : (n,) Mask
-            Active pairs.
+            Whether each contact pair is active, that is in contact.
         known : BlockFactor | None, default None
             Factor of another active set; the factors of flanks on which both sets agree are reused.
 
@@ -114,7 +114,7 @@ class BallBlock:
 
 
 def cholesky_of_selection(matrix: Array, pick: Indices) -> Array:
-    """Compute the lower Cholesky factor of selected rows and columns of a symmetric matrix. Raises as `cholesky_in_place`.
+    """Compute the lower Cholesky factor of selected rows and columns of a symmetric matrix.
 
     Parameters
     ----------
@@ -127,6 +127,11 @@ def cholesky_of_selection(matrix: Array, pick: Indices) -> Array:
     -------
     (k, k) Array
         Lower factor; entries above the diagonal are arbitrary.
+
+    Raises
+    ------
+    numpy.linalg.LinAlgError
+        The selected part of the matrix is not positive definite.
     """
     return cholesky_in_place(matrix[pick[:, None], pick].T)
 
@@ -153,7 +158,9 @@ def cholesky_in_place(matrix: Array) -> Array:
     """
     L, fault = dpotrf(matrix, lower=1, clean=0, overwrite_a=1)
     if fault:
-        raise np.linalg.LinAlgError(f"{fault}-th leading minor of a compliance is not positive definite")
+        raise np.linalg.LinAlgError(
+            f"leading minor {fault} of a compliance matrix is not positive: its factor needs a positive definite matrix"
+        )
     return np.asarray(L)
 
 
@@ -162,7 +169,7 @@ class SideFactor(NamedTuple):
 
     #: Active pairs of the flank.
     pairs: Indices
-    #: Cholesky factor of A_aa; None where no pair is active.
+    #: Lower Cholesky factor of A_aa, the compliance between the active pairs; None where no pair is active.
     cholesky: Array | None
     #: A_aa^-1 V ``(active, k_s)``.
     inner: Array
@@ -179,9 +186,9 @@ class BlockFactor:
 
     #: Active pairs ``(n,)``.
     active: Flags
-    #: Factors of the flanks.
+    #: Factors of each flank.
     sides: tuple[SideFactor, ...]
-    #: (I + G V^T A_aa^-1 V)^-1 G ``(k, k)``.
+    #: Matrix of Woodbury's formula, (I + G V^T A_aa^-1 V)^-1 G ``(k, k)``.
     answer: Array
 
     def solve(self, rhs: Array) -> Array:
@@ -190,12 +197,12 @@ class BlockFactor:
         Parameters
         ----------
         rhs : (n,) or (n, m) Array
-            Right-hand sides.
+            One or m right-hand sides: gaps to be closed [m].
 
         Returns
         -------
         Array of that shape
-            Solution; zero on inactive rows.
+            Contact forces [N]; zero on inactive pairs.
         """
         out = np.zeros(rhs.shape)
         for side in self.sides:
@@ -221,11 +228,11 @@ class Compliance:
     Create it with `uncoupled_compliance` or `coupled_compliance`, which check the matrices.
     """
 
-    #: D_p of n_p pairs, one for each ball.
+    #: Compliance D_p between the n_p contact pairs of each ball p.
     blocks: tuple[BallBlock, ...]
-    #: U_p ``(n_p, r_p)``.
+    #: Modes U_p of each ball ``(n_p, r_p)`` by which its contacts are coupled to those of other balls.
     modes: tuple[Array, ...]
-    #: G ``(r, r)`` [m/N], symmetric, r = sum r_p.
+    #: Compliance G between the modes of all balls ``(r, r)`` [m/N], symmetric, r = sum r_p.
     coupling: Array
 
     @cached_property
@@ -239,7 +246,7 @@ class Compliance:
         return _consecutive_slices([modes.shape[1] for modes in self.modes])
 
     def amplitude(self, forces: Array) -> Array:
-        """Compute the modal amplitudes U^T lambda ``(r,)`` of contact forces lambda ``(n,)`` [N]."""
+        """Compute the modal amplitudes U^T lambda ``(r,)`` [N] of the contact forces lambda ``(n,)`` [N] of all n pairs."""
         return np.concatenate([modes.T @ forces[pairs] for pairs, modes in zip(self.pairs, self.modes, strict=True)])
 
 
@@ -254,17 +261,17 @@ def uncoupled_compliance(block: Array | BallBlock) -> Compliance:
     Parameters
     ----------
     block : BallBlock or (n, n) Array
-        D [m/N].
+        Compliance D between n contact pairs [m/N].
 
     Returns
     -------
     Compliance
-        The compliance.
+        The compliance, without coupling to other balls.
 
     Raises
     ------
     ValueError
-        As `coupled_compliance`.
+        A matrix is not finite, or not symmetric to 1e-8 of its largest entry.
     """
     return coupled_compliance([block], [np.zeros((len(block), 0))], np.zeros((0, 0)))
 
@@ -275,11 +282,11 @@ def coupled_compliance(blocks: Sequence[Array | BallBlock], modes: Sequence[Arra
     Parameters
     ----------
     blocks : BallBlocks or (n_p, n_p) Arrays
-        D_p [m/N].
+        Compliance D_p between the n_p contact pairs of each ball [m/N].
     modes : (n_p, r_p) Arrays
-        U_p.
+        Modes U_p of each ball by which its contacts are coupled to those of other balls.
     coupling : (r, r) Array
-        G [m/N].
+        Compliance G between the modes of all balls [m/N], r = sum r_p.
 
     Returns
     -------
@@ -303,35 +310,42 @@ def coupled_compliance(blocks: Sequence[Array | BallBlock], modes: Sequence[Arra
 
 
 def _checked_symmetric(name: str, matrix: Array) -> Array:
-    """Check that a matrix is finite and symmetric up to round-off, and make it exactly symmetric."""
+    """Check that a matrix is finite and symmetric up to round-off, and return it exactly symmetric.
+
+    ``name``: name of the matrix for the error message. Raises ValueError.
+    """
     if not np.isfinite(matrix).all():
-        raise ValueError(f"{name} contains values that are not finite")
+        raise ValueError(f"the compliance matrix of {name} contains values that are not finite: all must be finite")
     skew = np.abs(matrix - matrix.T).max(initial=0.0)
     if skew > 1e-8 * np.abs(matrix).max(initial=0.0):
-        raise ValueError(f"{name} is not symmetric: entries differ from the transposed by up to {skew:.3g}")
+        raise ValueError(
+            f"the compliance matrix of {name} is not symmetric: it differs from its transpose by up to {skew:.3g} m/N"
+        )
     return np.asarray(0.5 * (matrix + matrix.T))
 
 
 #: Largest number of Newton iterations over all balls.
 MOST = 60
 
-#: Stiffness [N/m] that regularises, far from equilibrium, motions without contact: a ten thousandth of a contact's.
+#: Stiffness [N/m] that regularises, far from equilibrium, motions that no contact resists: a ten thousandth of the
+#: stiffness of a contact.
 HOLD = 1e4
 
-#: Factorised Newton equations are reused as long as each step reduces the residual below this share of the last one.
+#: Factorised Newton equations are reused as long as each step reduces the residual below this fraction of the last one.
 KEPT = 0.2
 
-#: Compliance of the bodies for a pattern of forces, over the local compliance, below which Newton's step neglects it.
+#: Ratio of the coupled compliance of the bodies to the local compliance of the contacts, for one distribution of forces,
+#: below which Newton's step neglects the coupled compliance.
 FEEBLE = 1e-4
 
 
 @dataclass(frozen=True)
 class ContactResult:
-    """Solution of the contact problem (1), or the last state and the reason why it did not converge."""
+    """Solution of eq. (1) of this module, or the last state and the reason why it did not converge."""
 
     #: Contact forces ``(n,)`` [N].
     forces: Array
-    #: Gaps ``(n,)`` [m]; round-off on closed pairs.
+    #: Gaps ``(n,)`` [m]; zero up to round-off on closed pairs.
     gaps: Array
     #: Rigid motions y ``(k,)`` [m, rad].
     motions: Array
@@ -344,7 +358,7 @@ class ContactResult:
 
     @property
     def converged(self) -> bool:
-        """Whether (1) is satisfied."""
+        """Whether eq. (1) of this module is satisfied."""
         return self.status == "converged"
 
 
@@ -354,11 +368,11 @@ class BallContacts:
 
     #: Contact forces ``(n,)`` [N].
     forces: Array
-    #: Active pairs ``(n,)``.
+    #: Whether each pair is active, that is in contact ``(n,)``.
     active: Flags
-    #: Factor of their compliance.
+    #: Factor of the compliance between the active pairs; None: not yet computed.
     factor: BlockFactor | None
-    #: psi of the ball [J].
+    #: Contact energy psi of the ball [J], as defined in this module.
     energy: float
 
 
@@ -370,18 +384,18 @@ def press_ball(block: BallBlock, gap: Array, start: BallContacts | Flags, most: 
     Parameters
     ----------
     block : BallBlock
-        Compliance D.
+        Compliance D between the n contact pairs of the ball.
     gap : (n,) Array
-        Gaps g without forces [m].
-    start : Ball | Flags
+        Gaps g without contact forces of this ball [m].
+    start : BallContacts | Flags
         Active pairs to start from, or a state, whose factors of unchanged flanks are reused.
     most : int, default 60
         Largest number of changes of the active set.
 
     Returns
     -------
-    Ball
-        State at the minimum.
+    BallContacts
+        Contact state at the minimum.
     """
     known = start.factor if isinstance(start, BallContacts) else None
     active = (start.active if isinstance(start, BallContacts) else start).copy()
@@ -408,13 +422,14 @@ def press_ball(block: BallBlock, gap: Array, start: BallContacts | Flags, most: 
 
 
 class NewtonFactor(NamedTuple):
-    """Factorised Newton equations of all balls, in the amplitudes that couple contacts and bodies."""
+    """Factorised Newton equations of all balls, in the modal amplitudes w and the rigid motions y of this module."""
 
-    #: Traces of every ball in contact, its columns c of w and R ``(c, rank)`` with M = U^T D^-1 U = R R^T.
+    #: For every ball in contact: the slice c of its amplitudes in w, and the low-rank factor R ``(c, rank)`` with
+    #: M = U^T D^-1 U = R R^T.
     traces: list[tuple[slice, Array]]
-    #: Index of the first column of each trace among those of all balls.
+    #: Index of the first column of each ball's R among the columns of all balls.
     starts: list[int]
-    #: T ``(ranks, motions)`` with U^T D^-1 N = R T.
+    #: T ``(sum of ranks, number of rigid motions)`` with U^T D^-1 N = R T.
     loads: Array
     #: Lower Cholesky factor of I + R^T G R.
     inner: Array
@@ -426,17 +441,19 @@ class NewtonFactor(NamedTuple):
 
         Parameters
         ----------
-        back : Array
-            U^T lambda - w.
-        moved : Array
-            G back.
-        balance : Array
-            f - N^T lambda.
+        back : (r,) Array
+            Residual U^T lambda - w of the modal amplitudes [N].
+        moved : (r,) Array
+            Modal displacements G (U^T lambda - w) of that residual [m].
+        balance : (k,) Array
+            Unbalanced loads f - N^T lambda on the k rigid motions [N, N m].
 
         Returns
         -------
-        dw, dy : Array
-            Steps of w and y.
+        dw : (r,) Array
+            Step of the modal amplitudes w [N].
+        dy : (k,) Array
+            Step of the rigid motions y [m, rad].
         """
         answer = self._solve_inner(np.concatenate([np.zeros(0), *(R.T @ moved[c] for c, R in self.traces)]))
         dy = lu_solve(self.outer, balance + self.loads.T @ answer, check_finite=False)
@@ -447,30 +464,31 @@ class NewtonFactor(NamedTuple):
         return dw, dy
 
     def _solve_inner(self, rhs: Array) -> Array:
-        """Multiply a vector by (I + R^T G R)^-1."""
+        """Multiply a vector of one entry per column of R by (I + R^T G R)^-1."""
         return dpotrs(self.inner, rhs, lower=1)[0].ravel() if rhs.size else rhs
 
 
 def low_rank_factors(matrix: Array, loads: Array, scale: Array) -> tuple[Array, Array]:
-    """Factorise a matrix and its loads as matrix = R R^T and loads = R T, of low rank.
+    """Factorise a matrix as R R^T and several vectors as R T, with R of low rank.
 
-    R is the pivoted Cholesky factor, up to a remainder that is less than `FEEBLE` when scaled from both sides.
+    R is the pivoted Cholesky factor. The remainder of the matrix is less than `FEEBLE` after multiplication of its rows and
+    columns by ``scale``.
 
     Parameters
     ----------
     matrix : (n, n) Array
-        Positive semidefinite.
+        Positive semidefinite matrix.
     loads : (n, k) Array
-        In the range of the matrix.
+        k vectors in the range of the matrix.
     scale : (n,) Array
-        Scale of rows and columns.
+        Factors on the rows and columns of the matrix.
 
     Returns
     -------
     R : (n, rank) Array
-        Root of the matrix.
+        Low-rank factor of the matrix.
     T : (rank, k) Array
-        Loads.
+        Coefficients of the vectors, in the columns of R.
     """
     packed, order, rank, _ = dpstrf(matrix * np.outer(scale, scale), tol=FEEBLE, lower=1)
     L, order = np.tril(packed)[:, :rank], order - 1
@@ -484,18 +502,22 @@ def low_rank_factors(matrix: Array, loads: Array, scale: Array) -> tuple[Array, 
 class SolverState:
     """State of all balls at the end of a solution, from which another one may start."""
 
-    #: Amplitudes.
+    #: Modal amplitudes w of the contact forces ``(r,)`` [N].
     w: Array
-    #: Rigid motions.
+    #: Rigid motions y ``(k,)`` [m, rad].
     y: Array
-    #: States of the balls, for the same compliance.
+    #: Contact states of the balls, valid for the same compliance; None: not yet computed.
     balls: list[BallContacts] | None = None
-    #: Factor of the last step.
+    #: Factorised equations of the last Newton step; None: not yet computed.
     factor: NewtonFactor | None = None
 
 
 class _EnergySystem:
-    """Evaluates the energy Phi of all balls and its Newton step."""
+    """Energy Phi of all balls, its residuals and its Newton equations; symbols as in the docstring of this module.
+
+    C: compliance of n contact pairs; ``gap``: gaps of the undeformed bodies (n,) [m]; N: gaps closed by a unit of each of k
+    rigid motions (n, k); f: loads on them (k,) [N, N m]; ``balls``: contact states to start from, or None.
+    """
 
     def __init__(self, C: Compliance, gap: Array, N: sp.csr_array, f: Array, balls: list[BallContacts] | None) -> None:
         self.C, self.f = C, f
@@ -508,7 +530,10 @@ class _EnergySystem:
         self.balls = list(balls or (BallContacts(np.zeros(g.size), g < np.quantile(g, 0.2), None, 0.0) for g in self.gaps))
 
     def evaluate(self, w: Array, y: Array) -> tuple[float, Array, Array]:
-        """Evaluate Phi, U^T lambda - w and f - N^T lambda, and store the states of the balls."""
+        """Evaluate the energy Phi [J] at amplitudes w and rigid motions y, and store the contact states of the balls.
+
+        Returns Phi and the two residuals U^T lambda - w ``(r,)`` [N] and f - N^T lambda ``(k,)`` [N, N m].
+        """
         phi = 0.5 * float(w @ (self.C.coupling @ w)) - float(self.f @ y)
         for i, gap in enumerate(self.gaps_without_local(w, y)):
             self.balls[i] = press_ball(self.C.blocks[i], gap, self.balls[i])
@@ -516,22 +541,26 @@ class _EnergySystem:
         return phi, *self.residuals(w)
 
     def gaps_without_local(self, w: Array, y: Array) -> list[Array]:
-        """Compute the gaps of each ball ``(n_i,)`` [m] from amplitudes w and rigid motions y, without local compliance."""
+        """Compute the gaps of the pairs of each ball ``(n_i,)`` [m] without the displacements by its own compliance D_i.
+
+        w: modal amplitudes (r,) [N]; y: rigid motions (k,) [m, rad].
+        """
         z = self.C.coupling @ w
         each = zip(self.gaps, self.C.modes, self.C.columns, self.rows, strict=True)
         return [gap + U @ z[c] - n @ y[columns] for gap, U, c, (columns, n) in each]
 
     def residuals(self, w: Array) -> tuple[Array, Array]:
-        """Compute the residuals U^T lambda - w and f - N^T lambda of the balls' contact forces."""
+        """Compute the residuals U^T lambda - w ``(r,)`` and f - N^T lambda ``(k,)`` of the balls' contact forces lambda."""
         balance = self.f.copy()
         for ball, (columns, n) in zip(self.balls, self.rows, strict=True):
             balance[columns] -= n.T @ ball.forces
         return self.C.amplitude(np.concatenate([ball.forces for ball in self.balls])) - w, balance
 
     def state_of_touching_pairs(self, touching: Sequence[Flags]) -> tuple[Array, Array]:
-        """Compute amplitudes and rigid motions as if exactly the contact pairs ``touching`` of each ball touched.
+        """Compute modal amplitudes w and rigid motions y as if exactly the expected contact pairs of each ball touched.
 
-        They are starting values; some pairs may pull.
+        ``touching``: for each ball, whether each pair is expected to touch (n_i,). The results are starting values, in
+        which the forces of some pairs may be negative.
         """
         for i, (gap, active) in enumerate(zip(self.gaps, touching, strict=True)):
             factor = self.C.blocks[i].factor(active)
@@ -542,8 +571,9 @@ class _EnergySystem:
     def factor(self, shift: float) -> NewtonFactor:
         """Assemble and factorise Newton's equations at the states of the balls.
 
-        shift: stiffness [N/m] that regularises motions not constrained by contacts. With M = U^T D^-1 U = R R^T, U^T D^-1 N
-        = R T, zero between balls, and w eliminated from
+        ``shift``: stiffness [N/m] that regularises motions not constrained by contacts.
+
+        With M = U^T D^-1 U = R R^T, U^T D^-1 N = R T, zero between balls, and w eliminated from
 
             (I + M G) dw - R T dy = U^T lambda - w,  -T^T R^T G dw + N^T D^-1 N dy = f - N^T lambda,
 
@@ -590,7 +620,7 @@ def solve_balls(
     touching: Sequence[Flags] = (),
     tolerance: float = 1e-10,
 ) -> tuple[ContactResult, SolverState]:
-    """Solve the contact problem (1) of all balls: forces, gaps and rigid motions.
+    """Solve eq. (1) of this module for all balls: contact forces, gaps and rigid motions.
 
     The residual is the unbalanced force (and the mismatch of w) over the largest force on a ball. If there is no
     equilibrium, the status says that the solution did not converge.
@@ -605,19 +635,19 @@ def solve_balls(
         Gap closed by a unit of each rigid motion.
     f : (k,) Array
         Loads on the rigid motions [N, N m].
-    start : State | None, default None
-        State of a neighbouring solution.
-    touching : sequence of (n_i,) Masks, optional, optional
+    start : SolverState | None, default None
+        State of a similar problem's solution to start from.
+    touching : sequence of (n_i,) Masks, optional
         Contact pairs of each ball that are expected to touch; used if there is no ``start``.
     tolerance : float, default 1e-10
-        Largest residual.
+        Largest relative residual of a converged solution.
 
     Returns
     -------
     result : ContactResult
         The solution, or the last state and the reason why it did not converge.
-    state : State
-        State from which a neighbouring solution may start.
+    state : SolverState
+        State from which the solution of a similar problem may start.
     """
     begin = SolverState(np.zeros(C.coupling.shape[0]), np.zeros(f.size)) if start is None else start
     system = _EnergySystem(C, gap, N, f, begin.balls)

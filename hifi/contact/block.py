@@ -31,11 +31,12 @@ from rollbench.meshes.arrays import Array
 from rollbench.meshes.block import BlockMesh, Influence, hexahedral_block, tetrahedral_block
 from rollbench.meshes.fem import freedoms_on, nodes_on
 
-#: Right-hand sides solved at once.
+#: Number of right-hand sides that are solved at once.
 CHUNK = 128
-#: Edge of the block over the long semi-axis. The far field makes the result independent of it.
+#: Edge of the block over the long semi-axis of the contact. The far field makes the result independent of it.
 SIZE = 3.0
-#: Ratio of neighbouring hexahedra outside the contact, and edge per distance of tetrahedra there, at b/h = 4.
+#: Ratio of the sizes of neighbouring hexahedra outside the contact, and edge of tetrahedra there over their distance from
+#: the contact, both for a mesh of four cells across the short semi-axis.
 GROWTH, GRADING = 1.8, 0.5
 #: Tetrahedra of Lin's thesis (section 2.4.1) [m]: first order, edge within the body of influence and elsewhere. The size
 #: and shape of that body are not printed: a sphere of this radius, with edges growing by a fifth of the distance beyond.
@@ -50,9 +51,9 @@ class SurfaceCompliance:
     places: Array
     #: Area of the quarter's surface that each node carries ``(m,)`` [m2]; pressure = force / area.
     areas: Array
-    #: Displacement into the body per force ``(m, m)`` [m/N].
+    #: Displacement of each node into the body by unit forces, in the half-space ``(m, m)`` [m/N].
     matrix: Array
-    #: Compliance with the cut fixed ``(m, m)`` [m/N].
+    #: The same with the cut faces of the block fixed ``(m, m)`` [m/N].
     held: Array
     #: Largest difference of the matrix from its transpose over its largest entry, before the two were averaged.
     asymmetry: float
@@ -66,7 +67,7 @@ def boussinesq(points: Array, sources: Array, young: float, poisson: float) -> A
     """Compute the displacements of the half-space z > 0 under unit normal forces on its surface, by Boussinesq.
 
     u_r = (1 + nu)/(2 pi E) (r z/R^3 - (1 - 2 nu) r/(R (R + z))), u_z = (1 + nu)/(2 pi E) (z^2/R^3 + 2 (1 - nu)/R), where R
-    is the distance from the force and r its part along the surface. Infinite at a force.
+    is the distance from the force and r its part along the surface. The displacement is infinite at the place of a force.
 
     Parameters
     ----------
@@ -117,7 +118,7 @@ def nodal_contact_areas(mesh: BlockMesh) -> Array:
     Returns
     -------
     (n,) Array
-        Areas [m2]; zero off the plane.
+        Areas of the n nodes of the mesh [m2]; zero for nodes that do not lie on the contact plane.
     """
     areas = nodal_areas(mesh.mesh, "contact")
     return np.where(areas > 1e-6 * areas.max(initial=0.0), areas, 0.0)
@@ -140,7 +141,7 @@ def surface_compliance(mesh: BlockMesh, reach: tuple[float, float], young: float
     Returns
     -------
     SurfaceCompliance
-        The compliance.
+        Compliance between these nodes.
 
     Raises
     ------
@@ -180,7 +181,10 @@ def surface_compliance(mesh: BlockMesh, reach: tuple[float, float], young: float
 
 
 def _far_field_at_cut(mesh: BlockMesh, sources: Array, young: float, poisson: float) -> Array:
-    """Compute displacements (3 cut nodes, m) [m/N] of the cut faces by a unit force at each source and its images."""
+    """Compute the displacements of the cut faces by unit forces at m sources and their images ``(3 cut nodes, m)`` [m/N].
+
+    ``sources``: coordinates x, y of the forces in the quarter (m, 2) [m]; the images lie in the other three quarters.
+    """
     points = mesh.points[nodes_on(mesh.mesh, "cut")]
     images = [np.array(signs) for signs in product((1.0, -1.0), repeat=2)]
     total = sum(boussinesq(points, sources * signs, young, poisson) for signs in images)
@@ -225,9 +229,9 @@ class HertzRun:
 
     #: Name of the contact.
     job: str
-    #: P1, P2, Q1 or Q2.
+    #: Element type: P1, P2, Q1 or Q2.
     element: str
-    #: Cells across the short semi-axis.
+    #: Number of cells across the short semi-axis.
     b_over_h: float
     #: Number of free degrees of freedom.
     unknowns: int
@@ -242,15 +246,15 @@ class HertzRun:
     #: Semi-axis along x [m] of the pressure ellipsoid with the load and the second moments of the nodal forces, semi^2 =
     #: 5 sum(f x^2) / sum(f), which is exact for Hertz's pressure.
     semi_x: float
-    #: Semi-axis along y [m], likewise.
+    #: Semi-axis of that ellipsoid along y [m].
     semi_y: float
-    #: Force over area of the contact node nearest the pole [Pa], divided by that ellipsoid's height there (1 where the
-    #: node is at the pole, as in all meshes but P2).
+    #: Force over area of the contact node nearest the pole [Pa], divided by the ratio of that ellipsoid's pressure there to
+    #: its pole pressure (1 where the node is at the pole, as in all meshes but P2).
     pole_pressure: float
     #: Pole pressure of the ellipsoid on these semi-axes that is fitted to all nodal pressures by least squares over the
     #: area [Pa].
     pole_fitted: float
-    #: The closed form.
+    #: Hertz's closed-form solution of the contact.
     exact: HertzSolution
 
     @property
@@ -277,7 +281,7 @@ def solve_hertz_contact(
     size : float, default SIZE
         Edge of the block over the long semi-axis.
     far_field : bool, default True
-        False to fix the cut instead.
+        True: the cut faces of the block move as in the half-space; False: they are fixed.
     aim : float, default 1.0
         Semi-axes for which the mesh is made, over those of the contact, to move the contact's edge against the mesh.
 
@@ -289,9 +293,9 @@ def solve_hertz_contact(
     Raises
     ------
     ValueError
-        Unknown element.
+        ``element`` is none of these.
     ArithmeticError
-        Contact or factor fails; the message says why.
+        The contact does not converge, or the stiffness cannot be factored.
     """
     start = perf_counter()
     a, b = aim * job.exact.semi_x, aim * job.exact.semi_y
@@ -305,7 +309,7 @@ def solve_hertz_contact(
         influence = Influence(b / b_over_h, (1.15 * a, 1.15 * b, 0.5 * b), GRADING / refinement, size * a)
         mesh = tetrahedral_block(int(element[1]), influence, size * a)
     else:
-        raise ValueError(f"element {element!r}: must be one of P1, P2, Q1, Q2")
+        raise ValueError(f"the element type of a block must be one of P1, P2, Q1, Q2, got {element!r}")
     return solve_on_mesh(job, mesh, b_over_h, perf_counter() - start, far_field=far_field)
 
 
@@ -344,11 +348,11 @@ def solve_on_mesh(
     mesh : BlockMesh
         Quarter block.
     b_over_h : float
-        Its cells across the short semi-axis.
+        Number of cells of the mesh across the short semi-axis.
     seconds : float, default 0.0
         Time that the mesh took [s].
     far_field : bool, default True
-        False to fix the cut instead.
+        True: the cut faces of the block move as in the half-space; False: they are fixed.
 
     Returns
     -------
@@ -358,7 +362,7 @@ def solve_on_mesh(
     Raises
     ------
     ArithmeticError
-        The contact fails.
+        The contact does not converge.
     """
     margin = 1.0 + 1.5 / (int(mesh.element[1]) * b_over_h)  # the contact may end one node too far
     reach = (margin * job.exact.semi_x, margin * job.exact.semi_y)
@@ -370,7 +374,10 @@ def solve_on_mesh(
     closing = sp.csr_array(np.ones((len(gap), 1)))
     result, _ = solve_balls(uncoupled_compliance(matrix), gap, closing, np.array([0.25 * job.load]))  # a quarter
     if not result.converged:
-        raise ArithmeticError(f"job {job.name}, {mesh.element}, b/h = {b_over_h:g}: {result.status}")
+        raise ArithmeticError(
+            f"Hertz contact {job.name} on a mesh of {mesh.element} elements with {b_over_h:g} cells across its short "
+            f"semi-axis: {result.status}"
+        )
     semi, pole, fitted = fit_pressure_ellipsoid(surface.places, surface.areas, result.forces)
     return HertzRun(
         job=job.name,
@@ -390,25 +397,25 @@ def solve_on_mesh(
 
 
 def fit_pressure_ellipsoid(places: Array, areas: Array, forces: Array) -> tuple[tuple[float, float], float, float]:
-    """Fit a Hertzian pressure ellipsoid to nodal forces: semi-axes and pole pressures, as `HertzRun` defines them.
+    """Fit a Hertzian pressure ellipsoid to nodal forces.
 
     Parameters
     ----------
     places : (n, 2) Array
-        Places of the nodes from the contact's centre [m].
+        Coordinates of the nodes from the contact's centre [m].
     areas : (n,) Array
-        Areas that they carry [m2].
+        Area of the surface that each node carries [m2].
     forces : (n,) Array
         Nodal forces [N].
 
     Returns
     -------
-    semi : tuple of 2 floats
-        Semi-axes [m].
+    semi : tuple[float, float]
+        Semi-axes along both coordinates, from the second moments of the forces [m].
     pole : float
-        Pressure at the pole [Pa].
+        Pole pressure from the node nearest the pole, as `HertzRun.pole_pressure` [Pa].
     fitted : float
-        Fitted pole pressure [Pa].
+        Pole pressure fitted to all nodal pressures by least squares, as `HertzRun.pole_fitted` [Pa].
     """
     pressure = forces / areas
     squares = 5.0 * (forces @ places**2) / forces.sum()

@@ -13,7 +13,7 @@ import numpy as np
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.numerics import brentq
 
-#: Thinnest ellipse the quadrature is meant for, b/a.
+#: Smallest axis ratio b/a of the contact ellipse for which the quadrature is accurate.
 THINNEST = 1e-3
 
 
@@ -43,7 +43,7 @@ class HertzSolution:
         Returns
         -------
         Array
-            p0 sqrt(1 - (x/a)^2 - (y/b)^2).
+            Pressure p0 sqrt(1 - (x/a)^2 - (y/b)^2) [Pa].
         """
         inside = np.maximum(1.0 - (x / self.semi_x) ** 2 - (y / self.semi_y) ** 2, 0.0)
         return np.asarray(self.pole_pressure * np.sqrt(inside))
@@ -89,7 +89,10 @@ def hertz(load: float, radius_x: float, radius_y: float, young: float, poisson: 
     '9.24316 um, 0.160242 mm, 4183.80 MPa'
     """
     if min(load, radius_x, radius_y, young) <= 0.0:
-        raise ValueError("load, radii and Young's modulus must be > 0")
+        raise ValueError(
+            "load, relative radii and Young's modulus of a Hertzian contact must be > 0, "
+            f"got {load:.4g} N, {radius_x:.4g} m, {radius_y:.4g} m and {young:.4g} Pa"
+        )
     if radius_x < radius_y:
         turned = hertz(load, radius_y, radius_x, young, poisson)
         return HertzSolution(turned.approach, turned.semi_y, turned.semi_x, turned.pole_pressure, load)
@@ -108,18 +111,19 @@ def _axis_ratio(curvature_ratio: float) -> float:
     if curvature_ratio > 1.0 - 1e-15:
         return 1.0
 
-    def mismatch(log_ratio: float) -> float:
+    def mismatch_of_curvatures(log_ratio: float) -> float:
+        """Return the logarithm of D/H over the given ratio of curvatures, at the logarithm of b/a."""
         _, d, h = _hertz_integrals(float(np.exp(log_ratio)))
         return float(np.log(d / h / curvature_ratio))
 
     thinnest = float(np.log(THINNEST))
-    if mismatch(thinnest) > 0.0:
+    if mismatch_of_curvatures(thinnest) > 0.0:
         raise ValueError(f"the contact ellipse is thinner than b/a = {THINNEST}: treat it as a line contact")
-    return float(np.exp(brentq(mismatch, thinnest, 0.0, xtol=1e-15, rtol=1e-15)))
+    return float(np.exp(brentq(mismatch_of_curvatures, thinnest, 0.0, xtol=1e-15, rtol=1e-15)))
 
 
 def _hertz_integrals(ratio: float) -> tuple[float, float, float]:
-    """Compute Hertz's integrals K, D, H for an ellipse of axis ratio b/a = ``ratio``.
+    """Compute Hertz's integrals K, D, H for a contact ellipse of axis ratio b/a = ``ratio``, with m = 1 - b^2/a^2.
 
     They are the integrals over (0, pi/2) of 1/q, sin^2/q and sin^2/q^3 with q^2 = 1 - m sin^2, m = 1 - ratio^2; D = (K -
     E)/m and H = (E/(1 - m) - K)/m are then free of cancellation at m = 0. The trapezoidal rule converges exponentially on

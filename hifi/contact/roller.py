@@ -61,22 +61,27 @@ class CondensedRoller:
 
     #: Row of the roller.
     row: RollerRow
-    #: Distances of the zone's nodes from the roller's middle ``(m,)`` [m], and across it ``(n,)`` [m].
+    #: Coordinates of the contact zone's nodes along the roller, from its middle ``(m,)`` [m].
     along: Array
+    #: Coordinates of the contact zone's nodes across the roller, from the plane of symmetry ``(n,)`` [m].
     across: Array
-    #: Compliance between the pressures of cup, then cone ``(2 m n, 2 m n)`` [m/N].
+    #: Compliance between the pressure functions of the contact with the cup, then of that with the cone
+    #: ``(2 m n, 2 m n)`` [m/N].
     matrix: Array
-    #: Gaps of the undeformed bodies ``(2 m n,)`` [m].
+    #: Gaps of the undeformed bodies at the cup, then at the cone ``(2 m n,)`` [m].
     gap: Array
-    #: Gap closed by the approach of the cup, the roller's motion towards it and its tilt ``(2 m n, 3)``.
+    #: Gap closed by a unit of the approach of the cup, of the roller's motion towards the cup, and of the roller's tilt
+    #: ``(2 m n, 3)``.
     closing: Array
-    #: Areas of the pressure's basis functions ``(m, n)`` [m2], in the half that is meshed.
+    #: Areas of the pressure functions ``(m, n)`` [m2], in the half that is meshed.
     areas: Array
-    #: Number of cells and of degrees of freedom of all meshes.
+    #: Number of cells of all meshes.
     cells: int
+    #: Number of degrees of freedom of all meshes.
     unknowns: int
-    #: Wall and processor time [s].
+    #: Elapsed time [s].
     seconds: float
+    #: Processor time [s].
     cpu_seconds: float
 
 
@@ -86,17 +91,19 @@ class RollerState:
 
     #: Force of each race on the roller [N].
     load: float
-    #: Approach of the bases of cup and cone along the cup's normal [m], and the stiffness d load/d approach [N/m].
+    #: Approach of the bases of cup and cone along the cup's normal [m].
     approach: float
+    #: Stiffness: derivative of the load by the approach [N/m].
     stiffness: float
-    #: Pressures of cup and cone ``(2, m, n)`` [Pa].
+    #: Pressures on cup and cone at the nodes of `CondensedRoller.along` and `CondensedRoller.across` ``(2, m, n)`` [Pa].
     pressure: Array
-    #: Load per length of cup and cone ``(2, m)`` [N/m], over the distances of `Bodies.along`.
+    #: Loads per length on cup and cone at the nodes of `CondensedRoller.along` ``(2, m)`` [N/m].
     line_load: Array
-    #: Largest difference of the sum of a race's pressures from the load, over the load.
+    #: Largest difference between the resultant of a race's pressures and the load, over the load.
     imbalance: float
-    #: Wall and processor time [s].
+    #: Elapsed time [s].
     seconds: float
+    #: Processor time [s].
     cpu_seconds: float
 
     @property
@@ -111,21 +118,24 @@ class RollerState:
 
 
 def contact_half_width(row: RollerRow, load: float) -> float:
-    """Return the half width of the wider contact under an even line load q [m], b^2 = 4 q R/(pi E*), to size a mesh."""
+    """Compute the half width of the wider of a roller's two contacts [m], to size a mesh: b^2 = 4 q R/(pi E*).
+
+    ``row``: row of rollers; ``load``: force of a race on the roller [N], evenly distributed over its length as q [N/m].
+    """
     modulus = 0.5 * row.material.youngs_modulus / (1.0 - row.material.poissons_ratio**2)
     r, cup = np.tan([row.roller_angle, row.cup_angle]) * _distance_from_apex(row)
     return float(np.sqrt(4.0 * load / row.length / (1.0 / r - 1.0 / cup) / (np.pi * modulus)))
 
 
 def _distance_from_apex(row: RollerRow) -> float:
-    """Return the distance of the middle of the contact line from the common apex of the cones [m]."""
+    """Return the distance of the middle of a roller's contact line from the common apex of the cones of its races [m]."""
     return float(0.5 * row.diameter / np.sin(row.roller_angle))
 
 
 def profile_depths(row: RollerRow, x: Array) -> tuple[Array, Array]:
-    """Return the depth of the roller's profile below a straight line at distances x from its middle [m].
+    """Return the depths [m] of a roller's crown and of the rounding of its ends below a straight line.
 
-    Two depths are returned: that of the crown, and that of the rounding of the ends.
+    ``x``: distances from the roller's middle [m].
     """
     beyond = np.maximum(np.abs(x) - 0.5 * row.length, 0.0)
     r = row.edge_radius
@@ -134,9 +144,10 @@ def profile_depths(row: RollerRow, x: Array) -> tuple[Array, Array]:
 
 
 def _cell_boundaries(row: RollerRow, cells: int, load: float) -> tuple[Array, float, Array]:
-    """Return boundaries of the cells along the roller, end of the contact zone, and boundaries on the race beyond.
+    """Compute the cell boundaries along a roller and its races, as distances from the roller's middle [m].
 
-    All are distances from the roller's middle [m].
+    ``cells``: cells along half of the roller; ``load``: force of a race on the roller [N]. Returns the boundaries on the
+    roller, the end of the contact zone, and the boundaries on the races beyond the roller.
     """
     half, r = 0.5 * row.length, row.edge_radius
     if r is None:
@@ -155,7 +166,10 @@ def _cell_boundaries(row: RollerRow, cells: int, load: float) -> tuple[Array, fl
 
 
 def _growing_boundaries(first: float, length: float, cells: int) -> Array:
-    """Return boundaries ``(cells + 1,)`` from 0 to ``length`` of cells that grow by a constant ratio from ``first`` on."""
+    """Return the boundaries ``(cells + 1,)`` from 0 to ``length`` [m] of cells that grow by a constant ratio.
+
+    ``first``: size of the first cell [m]; ``cells``: number of cells.
+    """
     if first * cells >= length:
         return np.linspace(0.0, length, cells + 1)
     low, high = 1.0, (length / first) ** (1.0 / (cells - 1)) + 1.0
@@ -176,7 +190,12 @@ def condense_roller(row: RollerRow, cells: int, load: float) -> CondensedRoller:
     cells
         Cells across half of the zone and along half of the roller, an even number (`LEVELS`).
     load
-        Force of a race on a roller [N].
+        Largest force of a race on a roller [N].
+
+    Returns
+    -------
+    CondensedRoller
+        Compliance, gaps and closing motions of both contact zones.
 
     Raises
     ------
@@ -235,13 +254,17 @@ def condense_roller(row: RollerRow, cells: int, load: float) -> CondensedRoller:
 
 
 def _distance_from_tangent_plane(along: Array, across: Array, angle: float) -> Array:
-    """Return the distance [m] of a cone with half angle ``angle`` [rad] from its tangent plane along a generator."""
+    """Return the distance of a cone from its tangent plane [m].
+
+    ``along``: distance from the apex along the line at which cone and plane touch [m]; ``across``: distance from that line
+    in the plane [m]; ``angle``: half angle of the cone [rad].
+    """
     radius = along * np.sin(angle)
     return np.asarray(radius * np.cos(angle) * (1.0 - np.sqrt(1.0 - (across / radius) ** 2)))
 
 
 def _pressure_loads(body: SweptBody) -> sp.csr_array:
-    """Assemble the nodal forces of a unit force on each pressure function of the contact zone, into the body, as rows."""
+    """Assemble the nodal forces of a unit force into the body on each pressure function of the contact zone, as rows."""
     contact = body.contact.ravel()
     W = mean_weights(contact_weights(body.mesh, contact)).tocoo()
     normal = body.inward.reshape(-1, 3)[W.col]
@@ -250,7 +273,11 @@ def _pressure_loads(body: SweptBody) -> sp.csr_array:
 
 
 def roller_compliance(body: SweptBody, law: object, *, even: bool) -> Array:
-    """Compute the compliance of a quarter roller's contact zone, for loads even or odd about its second symmetry plane."""
+    """Compute the compliance between the pressure functions of a quarter roller ``(m n, m n)`` [m/N].
+
+    ``law``: bilinear form of linear elasticity; ``even``: whether the loads are even about the roller's second plane of
+    symmetry; otherwise they are odd.
+    """
     K, rows = assemble(law, body.mesh), _pressure_loads(body)
     side, points = nodes_on(body.mesh, "side"), body.points
     axis = np.intersect1d(side, nodes_on(body.mesh, "y = 0"))
@@ -274,7 +301,10 @@ def roller_compliance(body: SweptBody, law: object, *, even: bool) -> Array:
 
 
 def race_compliance(body: SweptBody, law: object, half: float) -> Array:
-    """Compute the compliance of the contact zone of one race, on a sector between azimuths 0 and ``half`` [rad]."""
+    """Compute the compliance between the pressure functions of one race ``(m n, m n)`` [m/N].
+
+    ``law``: bilinear form of linear elasticity; ``half``: azimuth of the end of the meshed sector [rad], which begins at 0.
+    """
     K, rows = assemble(law, body.mesh), _pressure_loads(body)
     side = nodes_on(body.mesh, "side")
     turn = np.ones((2, len(side))) * np.array([[np.cos(half)], [np.sin(half)]])
@@ -290,7 +320,11 @@ def race_compliance(body: SweptBody, law: object, half: float) -> Array:
 
 
 def _closing_motions(roller: SweptBody, cup: SweptBody, middle: float) -> Array:
-    """Return the gap closed by a unit of the cup's approach, of the roller's motion towards the cup, and of its tilt."""
+    """Return the gap closed by a unit of the cup's approach, of the roller's motion towards the cup, and of its tilt.
+
+    ``middle``: distance of the roller's middle from the apex, along the roller's axis [m]. The result is ``(2 m n, 3)``,
+    the contact with the cup first.
+    """
     n = -roller.inward.reshape(-1, 3)
     arm = roller.points[roller.contact.ravel()]
     moves = np.column_stack([n[:, 0], n[:, 0] * (arm[:, 2] - middle) - n[:, 2] * arm[:, 0]])
@@ -313,14 +347,19 @@ def press_roller(bodies: CondensedRoller, load: float) -> RollerState:
     Parameters
     ----------
     bodies
-        The bodies.
+        Roller, cup and cone, condensed.
     load
-        Force of each race on the roller [N], at most that of the mesh.
+        Force of each race on the roller [N], at most the load for which the bodies were meshed.
+
+    Returns
+    -------
+    RollerState
+        Approach, stiffness and pressures.
 
     Raises
     ------
     RollerError
-        Contact fails, or reaches a sharp end of the roller or the end of its zone.
+        The contact does not converge, or reaches a sharp end of the roller or the end of the contact zone.
     """
     wall, cpu = perf_counter(), process_time()
     C, N = uncoupled_compliance(bodies.matrix), sp.csr_array(bodies.closing)

@@ -61,7 +61,7 @@ def hooke(young: float, poisson: float) -> Stress:
     Returns
     -------
     callable
-        Stress tensor [Pa] of a strain tensor, as scikit-fem has them.
+        Function that returns the stress tensor [Pa] of a strain tensor, both in scikit-fem's representation.
 
     Raises
     ------
@@ -69,7 +69,9 @@ def hooke(young: float, poisson: float) -> Stress:
         E > 0 and -1 < nu < 0.5 do not both hold.
     """
     if not (young > 0.0 and -1.0 < poisson < 0.5):
-        raise ValueError(f"Young's modulus {young}, Poisson's ratio {poisson}: need E > 0 and -1 < nu < 0.5")
+        raise ValueError(
+            f"linear elasticity needs Young's modulus > 0 and -1 < Poisson's ratio < 0.5, got {young} Pa and {poisson}"
+        )
     law: Stress = linear_stress(*lame_parameters(young, poisson))
     return law
 
@@ -92,7 +94,7 @@ def elasticity(young: float, poisson: float) -> Any:
     Raises
     ------
     ValueError
-        As `hooke`.
+        Young's modulus is not positive, or Poisson's ratio not between -1 and 0.5.
     """
     C = hooke(young, poisson)
 
@@ -126,6 +128,7 @@ CHUNK_BYTES = 32e6
 
 """Memory of one chunk of element matrices [bytes]."""
 
+#: Degree of the quadrature of the stiffness, by the element of the mesh.
 _DEGREE = {ElementTetP1: 1, ElementHex1: 3, ElementHex2: 5}
 
 #: Degree of the quadrature on faces, by their number of corners.
@@ -146,14 +149,17 @@ class CurvedMap(MappingIsoparametric):  # type: ignore[misc]
         self._cached: dict[str, tuple[Any, Any, Any]] = {}
 
     def _cached_result(self, name: str, X: Any, entities: Any, compute: Callable[[], Any]) -> Any:
-        """Return a cached result for the points X in the cells or faces ``entities``; compute it if they changed."""
+        """Return a cached result for the points X in the cells or faces ``entities``; compute it if they changed.
+
+        ``name``: key of the result; ``compute``: function that computes it.
+        """
         known = self._cached.get(name)
         if known is None or known[0] is not X or not (known[1] is entities or np.array_equal(known[1], entities)):
             known = self._cached[name] = (X, entities, compute())
         return known[2]
 
     def _shape_values(self, X: Array) -> tuple[Array, Array]:
-        """Evaluate the shape functions ``(n, ...)`` and their reference gradients ``(n, 3, ...)`` at X."""
+        """Evaluate the n shape functions ``(n, ...)`` and their reference gradients ``(n, 3, ...)`` at the points X."""
 
         def compute() -> tuple[Array, Array]:
             functions = [self.elem.lbasis(X, k) for k in range(len(self.elem.doflocs))]
@@ -163,9 +169,9 @@ class CurvedMap(MappingIsoparametric):  # type: ignore[misc]
         return found
 
     def _interpolate_nodes(self, i: int, table: Array, tind: Any) -> Array:
-        """Multiply coordinate i of the nodes of the cells tind by a table of shape functions.
+        """Interpolate coordinate i of the nodes of the cells tind at q points in each cell ``(cells, q)``.
 
-        The table has the shape ``(n, q)`` or ``(n, cells, q)``, the result ``(cells, q)``.
+        ``table``: values of the n shape functions at the points (n, q), or (n, cells, q) if they differ between cells.
         """
         nodes = self.mesh.dofs.element_dofs
         x = self.mesh.doflocs[i, nodes if tind is None else nodes[:, tind]]
@@ -227,11 +233,14 @@ class CurvedMap(MappingIsoparametric):  # type: ignore[misc]
         """Return the reference coordinates of points on faces, computed before by `G`, in the faces' first cells tind."""
         known, find, X = self._cached.get("faces", (None, None, None))
         if known is not x or not np.array_equal(tind, self.mesh.f2t[0, find]):
-            raise ValueError("only points of faces have a place in a cell, in the face's first one")
+            raise ValueError(
+                "the reference coordinates of points are known only on faces, in the first cell of each face: "
+                "compute the points by G first"
+            )
         return self._reference_points(X, find)
 
     def detDG(self, X: Array, find: Any = None) -> Array:
-        """Compute the area of the faces find at X over that of the reference face."""
+        """Compute the ratio of the area of the faces find to that of the reference face, at its coordinates X."""
         tind, corners = self.mesh.f2t[0, find], self._face_corners(find)
         sides = np.broadcast_to(corners[:, [1, -1]] - corners[:, :1], (3, 2, len(tind)))
         u, v = np.einsum("ijfq,jaf->aifq", self.DF(self._reference_points(X, find), tind), sides)
@@ -253,9 +262,9 @@ def stiffness_quadrature(mesh: Mesh) -> tuple[Array, Array]:
     Returns
     -------
     points : (3, q) Array
-        Reference coordinates.
+        Reference coordinates of the q quadrature points.
     weights : (q,) Array
-        Positive weights.
+        Weights of the points, all positive.
     """
     if mesh.elem is not ElementTetP2:
         points, weights = get_quadrature(mesh.elem.refdom, _DEGREE[mesh.elem])
@@ -290,16 +299,16 @@ def cell_basis(mesh: Mesh, **options: Any) -> Basis:
 
 
 def face_basis(mesh: Mesh, name: str, *, element: Any = None, **options: Any) -> FacetBasis:
-    """Create the finite-element space on a named boundary of a mesh; scalar, on the mesh's element unless another is given.
+    """Create the scalar finite-element space on a named boundary of a mesh.
 
     Parameters
     ----------
     mesh : Mesh
         The mesh.
     name : str
-        Boundary.
+        Name of the boundary.
     element : Any, default None
-        Another element.
+        Element of the space; None: the element of the mesh.
     **options
         Further arguments of `skfem.FacetBasis`.
 
@@ -320,12 +329,12 @@ def mass_matrix(u: FacetBasis, v: FacetBasis) -> sp.csr_array:
     Parameters
     ----------
     u, v : FacetBasis
-        The spaces.
+        The spaces of the shape functions u_j and v_i.
 
     Returns
     -------
     (v.N, u.N) sparse array
-        Rows i, columns j.
+        Mass matrix with rows i and columns j [m2].
     """
     left, right = (np.stack([np.asarray(phi[0]) for phi in space.basis], axis=1) for space in (v, u))  # (face, function, q)
     local = (left * v.dx[:, None]) @ right.transpose(0, 2, 1)
@@ -345,7 +354,7 @@ def nodal_areas(mesh: Mesh, name: str) -> Array:
     mesh : Mesh
         The mesh.
     name : str
-        Boundary.
+        Name of the boundary.
 
     Returns
     -------
@@ -366,7 +375,7 @@ def form_coefficients(form: Any) -> Array:
     Returns
     -------
     (3, 3, 3, 3) Array
-        c[i, k, j, l].
+        Coefficients c[i, k, j, l].
 
     Raises
     ------
@@ -416,7 +425,10 @@ def assemble(form: Any, mesh: Mesh, mapping: Any = None) -> sp.csc_array:
         volume = basis.mapping.detDF(basis.X, basis.tind)
         if not np.all(volume > 0.0):
             bad = first + int(volume.min(axis=1).argmin())
-            raise ValueError(f"cell {bad} of {len(nodes)} is turned inside out (det J {volume.min():.3g} m3)")
+            raise ValueError(
+                f"cell {bad} of {len(nodes)} of a mesh is turned inside out: its Jacobian is {volume.min():.3g} m3 and "
+                "must be > 0"
+            )
         slopes = np.stack([phi[0].grad for phi in basis.basis], axis=2) * np.sqrt(basis.dx)[:, None]  # (k, cell, a, q)
         product = slopes[:, None] @ slopes.swapaxes(2, 3)  # int N_a,k N_b,l
         cell_nodes = nodes[chunk]
@@ -429,7 +441,10 @@ def assemble(form: Any, mesh: Mesh, mapping: Any = None) -> sp.csc_array:
 
 
 def _node_graph(nodes: Index, count: int) -> sp.csr_array:
-    """Build the graph of nodes that share a cell; its entries are numbered row by row in ascending columns."""
+    """Build the graph of nodes that share a cell; its entries are numbered row by row in ascending columns.
+
+    ``nodes``: indices of the nodes of each cell (cells, n); ``count``: number of all nodes.
+    """
     n = nodes.shape[1]
     incidence = sp.csr_array(
         (np.ones(nodes.size, dtype=np.int32), nodes.ravel(), np.arange(0, nodes.size + 1, n)), shape=(len(nodes), count)
@@ -470,9 +485,9 @@ def quarter_square_quadrature(refdom: Any, degree: int) -> tuple[Array, Array]:
     Returns
     -------
     points : (2, q) Array
-        Coordinates.
+        Coordinates of the q quadrature points in the unit square.
     weights : (q,) Array
-        Weights.
+        Weights of the points, whose sum is 1.
     """
     points, weights = get_quadrature(refdom, degree)
     shifts = [(i, j) for i in (0.0, 0.5) for j in (0.0, 0.5)]
@@ -497,7 +512,7 @@ def contact_weights(mesh: Mesh, contact: Index) -> sp.csr_array:
     Returns
     -------
     (c, c) sparse array
-        W [m2].
+        Weights W: pressure functions as rows, shape functions of the displacement as columns [m2].
     """
     if mesh.elem is not ElementHex2:
         return sp.csr_array(sp.diags_array(nodal_share_form().assemble(face_basis(mesh, "contact"))[contact]))
@@ -514,11 +529,11 @@ def mean_weights(weights: sp.csr_array) -> sp.csr_array:
     Parameters
     ----------
     weights : (c, c) sparse array
-        Weights of c pressure functions (rows).
+        Weights of c pressure functions (rows) at nodal displacements (columns) [m2], of `contact_weights`.
 
     Returns
     -------
     (c, c) sparse array
-        The same with rows of sum one.
+        The weights with rows of sum one.
     """
     return sp.csr_array(sp.diags_array(1.0 / np.asarray(weights.sum(axis=1)).ravel()) @ weights)

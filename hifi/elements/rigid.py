@@ -13,14 +13,14 @@ def rigid_modes(points: Array, centre: Array | None = None) -> Array:
     Parameters
     ----------
     points : (n, 3) Array
-        Nodes [m].
+        Coordinates of the n nodes [m].
     centre : (3,) Array, optional, default None
         Centre of the rotations [m]; None: the origin.
 
     Returns
     -------
     (3 n, 6) Array
-        Three translations, then three small rotations, as columns.
+        Displacements of the nodes by three unit translations, then by three small unit rotations, as columns.
 
     Examples
     --------

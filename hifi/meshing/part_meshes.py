@@ -60,10 +60,10 @@ def choose_patch_lines(
 
     Returns
     -------
-    lines : Lines
+    lines : PatchLines
         Cell boundaries in local coordinates.
-    zone : tuple of 2 floats
-        Half widths of the contact zone in local units.
+    zone : tuple[float, float]
+        Half widths of the contact zone across and along the groove, over those of the socket.
     """
     a, b = settings.semi
     wide, long = settings.reach  # the long axis lies across the groove, where ball and groove conform
@@ -88,9 +88,9 @@ def choose_socket_size(
     Parameters
     ----------
     scene : Scene
-        Parts.
+        Ball screw or bearing.
     m : GrooveMap
-        Track.
+        Geometry of the track.
     layout : BallLayout
         Places of the balls.
     sides : tuple[int, ...]
@@ -126,11 +126,11 @@ def contact_reach_along(m: GrooveMap, side: int, angle: Array, across: Array, al
     Parameters
     ----------
     m : GrooveMap
-        Track.
+        Geometry of the track.
     side : int
         Flank 0 to 3.
     angle : (n,) Array
-        Contact angles [rad].
+        Contact angles of n contacts [rad].
     across, along : (n,) Array
         Semi-axes across and along the groove [m].
 
@@ -156,20 +156,20 @@ def ball_socket_and_map(
     Parameters
     ----------
     m : GrooveMap
-        Track.
+        Geometry of the track.
     size : SocketSize
-        Socket of the groove.
+        Size of the groove's socket.
     side : int
         Flank 0 to 3.
     zone : tuple[float, float]
-        Half widths of the contact zone in local units.
+        Half widths of the contact zone across and along the groove, over those of the socket.
 
     Returns
     -------
     socket : BallSocket
         Socket of the ball.
     place : callable
-        Points ``(n, 3)`` [m] of local coordinates ``(n, 3)``.
+        Function that maps local coordinates ``(n, 3)`` to points ``(n, 3)`` [m] in the ball's frame.
     """
     socket = BallSocket(side, size, ball_depth(m, size, side), zone[1])
     return socket, partial(ball_points, m, socket)
@@ -198,7 +198,7 @@ class Sockets:
     ball: SocketMesh
     #: Size of the groove's socket.
     size: SocketSize
-    #: Half widths of the contact zone in local units.
+    #: Half widths of the contact zone across and along the groove, over those of the socket.
     zone: tuple[float, float]
     #: Half widths of the socket across and along the groove [m].
     widths: tuple[float, float]
@@ -216,7 +216,7 @@ class Meshes:
     ball: BallBody
     #: Size of the grooves' sockets.
     size: SocketSize
-    #: Half widths of the contact zone in local units.
+    #: Half widths of the contact zone across and along the groove, over those of the socket.
     zone: tuple[float, float]
     #: Half widths of the sockets across and along the groove [m].
     widths: tuple[float, float]
@@ -241,9 +241,9 @@ def mesh_parts(
     Parameters
     ----------
     scene : Scene
-        Parts.
+        Ball screw or bearing.
     m : GrooveMap
-        Track.
+        Geometry of the track.
     layout : BallLayout
         Places of the balls.
     dims : Dimensions
@@ -277,15 +277,25 @@ def mesh_recipes(
 
     Parameters
     ----------
-    scene, m, layout, dims, sides, settings
-        As for `mesh_parts`.
+    scene : Scene
+        Ball screw or bearing.
+    m : GrooveMap
+        Geometry of the track.
+    layout : BallLayout
+        Places of the balls.
+    dims : Dimensions
+        Dimensions of the solid parts.
+    sides : tuple[int, ...]
+        Flanks 0 to 3 that carry contacts.
+    settings : Settings
+        Mesh choices.
 
     Returns
     -------
     recipes : list of Recipe
-        Function, arguments and class of each mesh.
+        Function, arguments and class of the meshes of screw, nut and ball.
     gather : callable
-        One record of the three meshes.
+        Function that returns the `Meshes` of these three meshes.
     """
     size = choose_socket_size(scene, m, layout, sides, dims, settings)
     widths = (size.gamma * float(m.radius.mean()), size.phi * m.R)
@@ -314,7 +324,7 @@ def contacts_on_body(layout: BallLayout, sides: tuple[int, ...], screw: bool) ->
     sides : tuple[int, ...]
         Flanks 0 to 3 that carry contacts.
     screw : bool
-        Whether on the screw.
+        True: contacts on the screw; False: contacts on the nut.
 
     Returns
     -------
@@ -326,12 +336,12 @@ def contacts_on_body(layout: BallLayout, sides: tuple[int, ...], screw: bool) ->
 
 
 def rotation_about_z(phi: float) -> Array:
-    """Return the matrix of a rotation about z by the angle phi [rad].
+    """Return the matrix of a rotation about z.
 
     Parameters
     ----------
     phi : float
-        Angle [rad].
+        Angle of the rotation [rad].
 
     Returns
     -------
@@ -361,12 +371,17 @@ def rotated_sockets(mesh: GroovedBody, places: tuple[Place, ...]) -> list[Socket
 
 
 def body_kind(settings: Settings) -> Literal["P1", "P2"]:
-    """Return the element order of the coarse bodies ("P1" or "P2"), which is that of the patches.
+    """Return the element order of the coarse bodies, which is that of the patches.
 
     Parameters
     ----------
-    settings
-        Mesh settings.
+    settings : Settings
+        Mesh choices.
+
+    Returns
+    -------
+    "P1" or "P2"
+        First-order or second-order tetrahedra.
     """
     return "P2" if settings.element == "Q2" else "P1"
 
@@ -374,17 +389,23 @@ def body_kind(settings: Settings) -> Literal["P1", "P2"]:
 def mesh_carrier_patch(
     meshes: Meshes | Sockets, socket: SocketMesh, place: Callable[[Array], Array], settings: Settings
 ) -> PatchMesh | None:
-    """Mesh a coarser patch of hexahedra, which only transfers loads to the body; None for tetrahedra.
+    """Mesh a coarser patch of hexahedra, which only transfers loads from a contact to its body.
 
     Parameters
     ----------
-    meshes, socket, place, settings
-        As for `mesh_patch`.
+    meshes : Meshes | Sockets
+        Size of the sockets and their contact zone.
+    socket : SocketMesh
+        Mesh of the socket's faces.
+    place : Callable[[Array], Array]
+        Function that maps local coordinates ``(n, 3)`` to points ``(n, 3)`` [m].
+    settings : Settings
+        Mesh choices of the contact's patch.
 
     Returns
     -------
     PatchMesh | None
-        The patch.
+        The coarser patch; None for tetrahedra.
     """
     coarse = replace(settings, b_over_h=CARRIER * settings.b_over_h)
     return mesh_patch(meshes, socket, place, coarse) if settings.element == "Q2" else None
@@ -398,11 +419,11 @@ def mesh_patch(
     Parameters
     ----------
     meshes : Meshes | Sockets
-        Size and contact zone.
+        Size of the sockets and their contact zone.
     socket : SocketMesh
         Mesh of the socket's faces.
     place : Callable[[Array], Array]
-        Points ``(n, 3)`` [m] of local coordinates ``(n, 3)``.
+        Function that maps local coordinates ``(n, 3)`` to points ``(n, 3)`` [m].
     settings : Settings
         Mesh choices.
 

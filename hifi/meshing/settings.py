@@ -101,19 +101,20 @@ def round_up_lengths(lengths: tuple[float, float]) -> tuple[float, float]:
     return a, b
 
 
-#: Largest number of Newton steps, and the imbalance over the largest force at which they end.
+#: Largest number of Newton steps of the contact estimate, and unbalanced force over the largest force at which they end.
 STEPS, BALANCED = 200, 1e-6
 
-#: Stiffness of soft springs on unloaded balls and unsupported screws, and of supports, over that of a loaded contact.
+#: Stiffness of soft springs on unloaded balls and unsupported screws, and stiffness of supports, both over that of a
+#: loaded contact.
 SOFT, HELD = 1e-7, 1e4
 
-#: Largest force of the soft springs over the largest contact load: if it is larger, nothing else supports the screw.
+#: Largest force of the soft springs over the largest contact load. If it is larger, nothing else supports the screw.
 CARRIED = 1e-2
 
-#: Contacts that carry less than this share of the largest load do not count towards the mean.
+#: Balls that carry less than this fraction of the largest load are left out of the mean contact size.
 LOADED = 0.05
 
-#: Gaps below this share of the largest approach count as nearly closed.
+#: Gaps below this fraction of the largest approach count as nearly closed.
 NEAR = 0.2
 
 
@@ -121,7 +122,7 @@ NEAR = 0.2
 class ExpectedContacts:
     """Estimated contacts of n balls with the flanks SL, SR (screw left, right), NL, NR (nut left, right)."""
 
-    #: Loads ``(n, 4)`` [N].
+    #: Contact loads ``(n, 4)`` [N].
     load: Array
     #: Contact angles ``(n, 4)`` [rad]; nominal where open.
     angle: Array
@@ -157,36 +158,39 @@ class ExpectedContacts:
 class _EstimateModel:
     """Equations of the contact estimate for n balls."""
 
-    #: Stiffness of the shaft's sections, the housings and their supports.
+    #: Stiffness of shaft, housings, supports and soft springs ``(f, f)``, on all f degrees of freedom: sections of the
+    #: shaft, housings, and two displacements of each ball.
     K: sp.csc_array
-    #: Loads on shaft and housings.
+    #: Loads on these degrees of freedom ``(f,)``.
     P: Array
-    #: Change of all vectors from groove to ball centre ``(8 n,)`` by all degrees of freedom.
+    #: Change of all vectors from groove to ball centre by unit degrees of freedom ``(8 n, f)``.
     A: sp.csr_array
-    #: Vectors in the unloaded state ``(n, 4, 2)`` [m].
+    #: Vectors from groove to ball centre in the unloaded state, in the section ``(n, 4, 2)`` [m].
     arms: Array
     #: Lengths of these vectors at which ball and groove touch ``(n, 4)`` [m].
     touch: Array
-    #: Hertz's F / approach^(3/2) ``(n, 4)``; zero on flanks that cannot touch.
+    #: Hertz's constant F / approach^(3/2) ``(n, 4)`` [N/m^(3/2)]; zero on flanks that cannot touch.
     constant: Array
     #: Stiffness of a typical contact [N/m].
     stiffness: float
-    #: Soft springs in K on every degree of freedom [N/m, N m].
+    #: Stiffness of the soft springs in K on every degree of freedom ``(f,)`` [N/m, N m].
     soft: Array
-    #: Lever arms of the freedoms: 1, or the pitch radius for rotations.
+    #: Lengths by which the degrees of freedom are multiplied to become displacements ``(f,)``: 1 for displacements, the
+    #: pitch radius [m] for rotations.
     arm: Array
 
 
 @dataclass(frozen=True)
 class _NutOnShaft:
-    """One nut or bearing on the shaft, as the contact estimate needs it.
+    """One nut or bearing on the shaft: the input of the contact estimate."""
 
-    Its flanks ``(4,)`` that can touch, the shift of its nut [m], and the index of the nut's housing.
-    """
-
+    #: Parts of the nut or bearing.
     scene: Scene
+    #: Whether each of the four flanks can touch.
     sides: tuple[bool, ...]
+    #: Shift of the nut along the shaft [m].
     offset: float = 0.0
+    #: Index of the movable housing that carries the nut; None: the nut is fixed.
     housing: int | None = None
 
 
@@ -231,7 +235,7 @@ def expected_by_set(assembly: Assembly) -> tuple[ExpectedContacts, ...]:
     Raises
     ------
     ValueError
-        As `expected_contacts`.
+        There is no equilibrium, or an ellipse is too thin for Hertz's formulas.
     """
     frame, sets = Frame.from_scene(assembly), []
     for s in assembly.sets:
@@ -257,7 +261,7 @@ def contacts_under_assumed_load(scene: Scene, idle: ExpectedContacts, load: floa
     Returns
     -------
     ExpectedContacts
-        The contacts.
+        Estimated contacts under that load.
     """
     nearest = int(idle.gap.min(axis=0).argmin())
     on = np.isin(np.arange(4), (nearest, 3 - nearest)) & np.ones_like(idle.load, dtype=bool)
@@ -274,7 +278,7 @@ def nut_shift_for_axial_force(scene: Scene, force: float) -> float:
     Parameters
     ----------
     scene : Scene
-        Parts.
+        Parts of the nut or bearing.
     force : float
         Axial force [N].
 
@@ -288,13 +292,17 @@ def nut_shift_for_axial_force(scene: Scene, force: float) -> float:
 
 
 def _touchable_flanks(scene: Scene, thrust: Thrust) -> tuple[bool, ...]:
-    """Return which flanks ``(4,)`` can touch under a direction of thrust; a single-arc groove has one on each body."""
+    """Return whether each of the four flanks can touch under thrust in a given direction.
+
+    A groove of a single arc has one flank on each body.
+    """
     if (sides := sides_of_arc(scene)) and thrust in ("both", "deep groove"):
         return tuple(s in sides for s in range(4))
     return thrust != "-z", thrust != "+z", thrust != "+z", thrust != "-z"
 
 
 def _estimate_contacts(sets: tuple[_NutOnShaft, ...], frame: Frame) -> tuple[ExpectedContacts, ...]:
+    """Estimate the contacts of each nut or bearing on a shaft with the supports and loads of ``frame``."""
     model = _build_estimate(sets, frame)
     load, vectors = _solve_equilibrium(model)
     gap = model.touch - np.linalg.norm(vectors, axis=2)
@@ -315,12 +323,12 @@ def hertz_units(scene: Scene) -> tuple[HertzSolution, ...]:
     Parameters
     ----------
     scene : Scene
-        Parts.
+        Parts of the nut or bearing.
 
     Returns
     -------
     tuple[HertzSolution, ...]
-        With the normal curvatures of the helix.
+        Contact of each of the four flanks, with the curvatures of the helical grooves.
     """
     m, units = GrooveMap.of(scene), []
     for side, part in ((0, scene.screw), (2, scene.nut)):
@@ -336,6 +344,7 @@ def _contact_modulus(first: Material, second: Material) -> float:
 
 
 def _build_estimate(sets: tuple[_NutOnShaft, ...], frame: Frame) -> _EstimateModel:
+    """Assemble the equations of the contact estimate for all nuts or bearings on a shaft."""
     layouts, count = [ball_layout(s.scene) for s in sets], len(frame.housings)
     first, n = sets[0].scene, sum(x.z.size for x in layouts)
     rigid = any(s.scene.ingredients.screw == "rigid" or solid_dimensions(s.scene).screw_held == "bore" for s in sets)
@@ -401,7 +410,11 @@ def _build_estimate(sets: tuple[_NutOnShaft, ...], frame: Frame) -> _EstimateMod
 
 
 def _energy_and_loads(model: _EstimateModel, x: Array) -> tuple[float, Array, Array, Array, Array]:
-    """Evaluate energy [J], loads and their slopes ``(n, 4)``, vectors ``(n, 4, 2)`` and their lengths at the state x."""
+    """Evaluate the energy and the contacts of the estimate at given degrees of freedom x ``(f,)`` [m, rad].
+
+    Returns the energy [J], the contact loads (n, 4) [N], their derivatives by the approach (n, 4) [N/m], the vectors from
+    groove to ball centre (n, 4, 2) [m] and the lengths of these vectors (n, 4) [m].
+    """
     vectors = model.arms + (model.A @ x).reshape(model.arms.shape)
     length = np.linalg.norm(vectors, axis=2)
     closed = np.maximum(length - model.touch, 0.0)
@@ -410,7 +423,10 @@ def _energy_and_loads(model: _EstimateModel, x: Array) -> tuple[float, Array, Ar
 
 
 def _solve_equilibrium(model: _EstimateModel) -> tuple[Array, Array]:
-    """Find the loads ``(n, 4)`` [N] and the vectors from groove to ball centre ``(n, 4, 2)`` [m] of least energy."""
+    """Find the contact loads ``(n, 4)`` [N] and vectors from groove to ball centre ``(n, 4, 2)`` [m] of least energy.
+
+    Raises ValueError if there is no equilibrium.
+    """
     x = np.zeros(model.P.size)
     energy, load, slope, vectors, length = _energy_and_loads(model, x)
     for step in range(STEPS):

@@ -25,19 +25,20 @@ from numpy.typing import NDArray
 
 from rollbench.hifi.contact.hertz import hertz
 from rollbench.hifi.rolling import kinematics
-from rollbench.hifi.rolling.bodies import Place, Sizes, contact_kernel, make_kernels
-from rollbench.hifi.rolling.friction import PATH, Contact, Friction, full_slip, solve_friction, solve_rigid_friction
+from rollbench.hifi.rolling.bodies import ContactPosition, Sizes, compute_and_cache_kernels, contact_kernel
+from rollbench.hifi.rolling.friction import PATH, Contact, Friction, full_slip_forces, solve_friction, solve_rigid_friction
 from rollbench.hifi.rolling.kinematics import Rolling, rolling_speed
-from rollbench.hifi.rolling.patch import Patch, Regular, equivalent_radii, hertz_patch
+from rollbench.hifi.rolling.patch import Patch, SmoothKernel, equivalent_radii, hertz_patch
 from rollbench.meshes.arrays import Array
 
-#: Tangential compliance over the true one that represents rigid bodies where grids are compared.
+#: Ratio of the tangential compliance of nearly rigid bodies to that of the true bodies.
 NEARLY_RIGID = 0.01
 
 #: Contact forces below this share of a ball's largest one count as zero.
 NEGLIGIBLE = 1e-9
 
-#: Points of the quadrature of the rigid limit along each axis of the ellipse, first and last.
+#: Points of the quadrature along each axis of the contact ellipse of rigid bodies: of the first solution, which gives
+#: starting values, and of the last one.
 FIRST, POINTS = 40, 300
 
 
@@ -47,9 +48,9 @@ class Choices:
 
     #: Cells of every contact's grid along and across the groove.
     shape: tuple[int, int] = (24, 24)
-    #: Share of the tangential compliance: 1, or `NEARLY_RIGID`.
+    #: Factor on the tangential compliance of the bodies: 1, or `NEARLY_RIGID`.
     elastic: float = 1.0
-    #: Contacts on the surface that ball and groove share, not on its tangent plane.
+    #: Whether contacts lie on the curved surface that ball and groove share; otherwise they lie on its tangent plane.
     curved: bool = True
     #: Meshes of finite bodies; None: half-spaces.
     bodies: Sizes | None = None
@@ -61,7 +62,7 @@ class ContactOut:
 
     #: Index of the ball.
     ball: int
-    #: Index of its contact.
+    #: Index of the contact among those of the ball.
     touch: int
     #: Centres of the cells ``(n, 2)`` [m].
     at: Array
@@ -73,33 +74,34 @@ class ContactOut:
     tangential: Array
     #: Slips ``(n, 2)`` [m/s].
     slip: Array
-    #: Which cells stick ``(n,)``.
+    #: Whether each cell sticks ``(n,)``.
     stick: NDArray[np.bool_]
-    #: Local axes ``(3, 3)``.
+    #: Axes of the contact as rows, in the ball's axes: x, y and the normal ``(3, 3)``.
     axes: Array
     #: Power of friction [W].
     loss: float
-    #: Power that the differences along the flow dissipate [W].
+    #: Power dissipated by the error of the finite differences along the flow of material [W].
     upwind: float
 
 
 @dataclass(frozen=True)
 class RollingResult:
-    """Steady rolling of N balls: motions, friction forces and losses."""
+    """Steady rolling of N balls with M contacts between balls: motions, friction forces and losses."""
 
-    #: Speeds of the balls along the track ``(N,)``.
+    #: Speeds of the balls along the track ``(N,)`` [m/s on a straight track, rad/s on a ring or helix].
     speed: Array
     #: Rotations about their axes ``(N, 3)`` [rad/s].
     rotation: Array
-    #: Forces between balls in touch [N].
+    #: Normal forces between balls ``(M,)`` [N].
     force: Array
-    #: Losses between balls in touch [W].
+    #: Losses between balls ``(M,)`` [W].
     ball_loss: Array
-    #: Wrench of friction at the grooves on every ball ``(N, 6)`` [N, N m], in its axes.
+    #: Force and moment about its centre that friction at the grooves exerts on every ball, in the ball's axes ``(N, 6)``
+    #: [N, N m].
     wrench: Array
-    #: Force of its neighbours on every ball ``(N, 3)`` [N], in its axes.
+    #: Force that its neighbours exert on every ball, in the ball's axes ``(N, 3)`` [N].
     between: Array
-    #: Power put in by the bodies [W].
+    #: Power that the moving grooves put in [W].
     power: float
     #: The solved contacts.
     contacts: tuple[ContactOut, ...]
@@ -107,7 +109,7 @@ class RollingResult:
     status: str
     #: Residual of the friction solver.
     residual: float
-    #: Newton steps.
+    #: Number of Newton steps of the friction solver.
     steps: int
     #: Processor time [s].
     seconds: float
@@ -131,15 +133,16 @@ class RollingResult:
 
     @property
     def upwind(self) -> float:
-        """Power that the differences along the flow dissipate [W]."""
+        """Power dissipated by the error of the finite differences along the flow of material, in all contacts [W]."""
         return sum(c.upwind for c in self.contacts)
 
 
 @lru_cache(maxsize=16)
-def unit_patch(radii: tuple[float, float], young: float, poisson: float, shape: tuple[int, int]) -> Patch:
+def unit_load_patch(radii: tuple[float, float], young: float, poisson: float, shape: tuple[int, int]) -> Patch:
     """Solve the contact of half-spaces under 1 N on a grid, with its `Patch.transport` computed.
 
-    The contact under any other force is similar, with lengths in proportion to the cube root of the force.
+    ``radii``: relative radii along and across the groove [m]; ``shape``: numbers of cells along and across. The contact
+    under any other force is similar, with lengths in proportion to the cube root of the force.
     """
     patch = hertz_patch(1.0, radii, young, poisson, shape)
     assert patch.transport.size
@@ -147,61 +150,73 @@ def unit_patch(radii: tuple[float, float], young: float, poisson: float, shape: 
 
 
 @lru_cache(maxsize=64)
-def finite_patch(
-    load: float, radii: tuple[float, float], material: tuple[float, float], shape: tuple[int, int], kernel: Regular
+def finite_body_patch(
+    load: float, radii: tuple[float, float], material: tuple[float, float], shape: tuple[int, int], kernel: SmoothKernel
 ) -> Patch:
-    """Solve the contact of finite bodies under a force [N]; material: Young's modulus [Pa] and Poisson's ratio."""
+    """Solve the contact of finite bodies on a grid under a force.
+
+    ``load``: contact force [N]; ``radii``: relative radii along and across the groove [m]; ``material``: Young's modulus
+    [Pa] and Poisson's ratio; ``shape``: numbers of cells along and across; ``kernel``: compliance of the finite bodies
+    beyond that of half-spaces.
+    """
     return hertz_patch(load, radii, *material, shape, kernel)
 
 
-def grid_contact(scene: kinematics.Rolling, touch: kinematics.Touch, choices: Choices) -> Patch:
-    """Compute the grid contact of a ball with a groove under its force. Raises ValueError as `finite_body_kernel`."""
+def grid_contact(scene: kinematics.Rolling, touch: kinematics.GrooveContact, choices: Choices) -> Patch:
+    """Solve the normal contact of a ball with a groove on a grid, under the contact's force.
+
+    ``scene``: the rolling balls; ``touch``: the contact; ``choices``: numerical choices. Raises ValueError if the direction
+    to the groove's bottom is unknown, or a finite body has no room for the contact zone.
+    """
     kernel = finite_body_kernel(scene, touch, choices.bodies)
     if kernel is None:
-        unit = unit_patch(touch.radii, scene.young, scene.poisson, choices.shape)
+        unit = unit_load_patch(touch.radii, scene.young, scene.poisson, choices.shape)
         return unit.scaled(float(np.cbrt(touch.load)), touch.load)
-    return finite_patch(touch.load, touch.radii, (scene.young, scene.poisson), choices.shape, kernel)
+    return finite_body_patch(touch.load, touch.radii, (scene.young, scene.poisson), choices.shape, kernel)
 
 
-def finite_body_kernel(scene: kinematics.Rolling, touch: kinematics.Touch, bodies: Sizes | None) -> Regular | None:
-    """Compute the smooth compliance of finite bodies (kernel) at a contact, in the contact's axes.
+def finite_body_kernel(
+    scene: kinematics.Rolling, touch: kinematics.GrooveContact, bodies: Sizes | None
+) -> SmoothKernel | None:
+    """Compute the smooth compliance of finite bodies beyond that of half-spaces (kernel) at a contact, in its axes.
 
     Parameters
     ----------
     scene : kinematics.Rolling
-        The balls.
-    touch : kinematics.Touch
+        The rolling balls.
+    touch : kinematics.GrooveContact
         The contact.
     bodies : Sizes | None
         Meshes of finite bodies; None: half-spaces.
 
     Returns
     -------
-    Regular | None
+    SmoothKernel | None
         The kernel; None for half-spaces.
 
     Raises
     ------
     ValueError
-        As `contact_place` and `hifi.rolling.bodies.contact_kernel`.
+        The direction to the groove's bottom is unknown, or the groove, ring or nut has no room for the contact zone or for
+        a patch.
     """
     if bodies is None:
         return None
     at, bottom = contact_place(scene, touch)
     kernel = contact_kernel(at, _largest_load(scene), scene.young, scene.poisson, bodies)
     axes = kinematics.contact_axes(touch, scene)
-    return kernel if axes[1] @ bottom > 0.0 else kernel.turned
+    return kernel if axes[1] @ bottom > 0.0 else kernel.rotated_by_half_turn
 
 
-def prepare_bodies(scenes: Sequence[kinematics.Rolling], bodies: Sizes | None, processes: int) -> float:
-    """Compute the kernels of finite bodies for several scenes of one material, in several processes.
+def compute_body_kernels(scenes: Sequence[kinematics.Rolling], bodies: Sizes | None, processes: int) -> float:
+    """Compute the kernels of finite bodies for several scenes of one material, in several processes, and cache them.
 
-    See `hifi.rolling.bodies.make_kernels`.
+    See `hifi.rolling.bodies.compute_and_cache_kernels`.
 
     Parameters
     ----------
     scenes : Sequence[kinematics.Rolling]
-        Scenes.
+        Rolling balls of each scene.
     bodies : Sizes | None
         Meshes of finite bodies; None: half-spaces, for which nothing is computed.
     processes : int
@@ -215,15 +230,15 @@ def prepare_bodies(scenes: Sequence[kinematics.Rolling], bodies: Sizes | None, p
     if bodies is None:
         return 0.0
     contacts = [(contact_place(s, t)[0], _largest_load(s)) for s in scenes for _, _, t in loaded_contacts(s)]
-    return make_kernels(contacts, scenes[0].young, scenes[0].poisson, bodies, processes)
+    return compute_and_cache_kernels(contacts, scenes[0].young, scenes[0].poisson, bodies, processes)
 
 
 def _largest_load(scene: kinematics.Rolling) -> float:
-    """Return the largest contact force of all balls [N]."""
+    """Return the largest contact force of all balls with grooves [N]."""
     return max(t.load for b in scene.balls for t in b.touches)
 
 
-def contact_place(scene: kinematics.Rolling, touch: kinematics.Touch) -> tuple[Place, Array]:
+def contact_place(scene: kinematics.Rolling, touch: kinematics.GrooveContact) -> tuple[ContactPosition, Array]:
     """Describe the position of a contact on its groove, and the direction to the groove's bottom.
 
     Raises ValueError if that direction is unknown.
@@ -232,34 +247,37 @@ def contact_place(scene: kinematics.Rolling, touch: kinematics.Touch) -> tuple[P
     ----------
     scene : kinematics.Rolling
         The balls.
-    touch : kinematics.Touch
+    touch : kinematics.GrooveContact
         The contact.
 
     Returns
     -------
-    place : Place
-        The contact as the kernels need it.
+    place : ContactPosition
+        Position of the contact, for `hifi.rolling.bodies.contact_kernel`.
     bottom : (3,) Array
         Unit vector from the ball's centre to the bottom of the groove.
     """
     if touch.bottom is None:
-        raise ValueError("the contact with a finite groove needs the direction to the groove's bottom")
+        raise ValueError(
+            "the direction from the ball's centre to the groove's bottom is unknown: the contact of finite bodies needs it"
+        )
     angle = float(np.arccos(touch.normal @ touch.bottom))
-    return Place(scene.radius, touch.radii, angle, scene.track.curve), touch.bottom
+    return ContactPosition(scene.radius, touch.radii, angle, scene.track.curve), touch.bottom
 
 
-def loaded_contacts(scene: kinematics.Rolling) -> list[tuple[int, int, kinematics.Touch]]:
-    """List the contacts that carry load: index of the ball, index of the contact on the ball, and the contact.
+def loaded_contacts(scene: kinematics.Rolling) -> list[tuple[int, int, kinematics.GrooveContact]]:
+    """List the contacts with grooves that carry load.
 
     Parameters
     ----------
     scene : kinematics.Rolling
-        The balls.
+        The rolling balls.
 
     Returns
     -------
-    list[tuple[int, int, kinematics.Touch]]
-        Contacts with more than `NEGLIGIBLE` of the ball's largest force.
+    list[tuple[int, int, kinematics.GrooveContact]]
+        For each contact with more than `NEGLIGIBLE` times the ball's largest force: the index of the ball, the index of
+        the contact among those of the ball, and the contact.
     """
     out = []
     for b, ball in enumerate(scene.balls):
@@ -285,7 +303,7 @@ def friction_contacts(scene: kinematics.Rolling, choices: Choices) -> list[Conta
     """
     curved, elastic = choices.curved, choices.elastic
     return [
-        kinematics.ball_contact(t, scene, b, grid_contact(scene, t, choices), curved=curved, elastic=elastic)
+        kinematics.elastic_friction_contact(t, scene, b, grid_contact(scene, t, choices), curved=curved, elastic=elastic)
         for b, _, t in loaded_contacts(scene)
     ]
 
@@ -302,8 +320,8 @@ def ball_equilibrium(scene: kinematics.Rolling, contacts: Sequence[Contact]) -> 
 
     Returns
     -------
-    kinematics.Together
-        Forces on the motions and complementarity of the balls in touch.
+    kinematics.BallEquilibrium
+        Equations of the forces on the balls' motions, and of the complementarity of ball-to-ball contacts.
     """
     bound = max(float(c.bound.sum()) for c in contacts)
     return kinematics.BallEquilibrium(scene, bound / max(float(np.abs(c.given).max()) for c in contacts))
@@ -315,18 +333,19 @@ def split_unknowns(scene: kinematics.Rolling, y: Array) -> tuple[Array, Array, A
     Parameters
     ----------
     scene : kinematics.Rolling
-        The balls.
-    y : Array
-        The unknowns.
+        The N rolling balls, with M contacts between balls.
+    y : (4 N + M,) Array
+        Unknowns of `hifi.rolling.kinematics.BallEquilibrium`: the motions of each ball as speeds [m/s], then the forces
+        between balls [N].
 
     Returns
     -------
     speed : (N,) Array
-        Speeds of the balls along the track.
+        Speeds of the balls along the track [m/s on a straight track, rad/s on a ring or helix].
     rotation : (N, 3) Array
-        Rotations [rad/s].
+        Rotations of the balls about their axes [rad/s].
     force : (M,) Array
-        Forces between balls in touch [N].
+        Normal forces between balls [N].
     """
     count = kinematics.MOTIONS * len(scene.balls)
     motions = y[:count].reshape(-1, kinematics.MOTIONS)
@@ -334,13 +353,20 @@ def split_unknowns(scene: kinematics.Rolling, y: Array) -> tuple[Array, Array, A
 
 
 def ball_contact_losses(scene: kinematics.Rolling, y: Array) -> Array:
-    """Compute the losses of sliding friction between touching balls ``(M,)`` [W]."""
+    """Compute the losses of sliding friction at the M contacts between balls ``(M,)`` [W].
+
+    ``y``: motions of all balls and forces between them, as in `split_unknowns`.
+    """
     pairs = zip(split_unknowns(scene, y)[2], scene.meetings, strict=True)
     return np.array([scene.mu_balls * f * float(np.linalg.norm((m.rows @ y[m.columns])[1:])) for f, m in pairs])
 
 
 def starting_motions(scene: kinematics.Rolling) -> Array:
-    """Estimate starting motions: each ball moves at its nominal speed and rotates so that its contacts slide least."""
+    """Estimate the unknowns of `split_unknowns` ``(4 N + M,)`` [m/s, N] as starting values for N balls with M contacts.
+
+    Each ball moves at its nominal speed along the track and rotates so that its contacts with grooves slide least; the
+    forces between balls are zero.
+    """
     y = np.zeros(kinematics.MOTIONS * len(scene.balls) + len(scene.meetings))
     for b, ball in enumerate(scene.balls):
         y[kinematics.MOTIONS * b] = scene.orbit * scene.track.length
@@ -374,7 +400,7 @@ def solve_rolling(
     near : RollingResult | None, default None
         Solution on the same grid to start from.
     path : tuple[float, ...], default PATH
-        Creeping speeds, as for `hifi.rolling.friction.solve_friction`.
+        Creeping speeds that smooth Coulomb's law, one after the other, as for `hifi.rolling.friction.solve_friction`.
 
     Returns
     -------
@@ -388,7 +414,7 @@ def solve_rolling(
     """
     begin, choices = process_time(), choices or Choices()
     if any(max((t.load for t in b.touches), default=0.0) <= 0.0 for b in scene.balls):
-        raise ValueError("every ball needs a loaded contact: without one it has no steady motion")
+        raise ValueError("a ball has no loaded contact, and so no steady motion: every ball needs a contact force > 0")
     contacts = friction_contacts(scene, choices)
     balance = ball_equilibrium(scene, contacts)
     y = starting_motions(scene) if near is None else near.friction.motions
@@ -399,6 +425,10 @@ def solve_rolling(
 def _collect_result(
     scene: kinematics.Rolling, choices: Choices, contacts: Sequence[Contact], solution: Friction, seconds: float
 ) -> RollingResult:
+    """Collect the motions, forces and losses of all balls from the solution of the friction solver.
+
+    ``seconds``: processor time of the solution [s].
+    """
     speed, rotation, force = split_unknowns(scene, solution.motions)
     outs, power, wrench = [], 0.0, np.zeros((len(scene.balls), 6))
     for (b, i, t), c, q, s, stick in zip(
@@ -429,20 +459,25 @@ def without_ball_contacts(scene: kinematics.Rolling) -> kinematics.Rolling:
 
     Parameters
     ----------
-    scene
-        Rolling balls.
+    scene : kinematics.Rolling
+        The rolling balls.
+
+    Returns
+    -------
+    kinematics.Rolling
+        The same balls without contacts between them.
     """
     return replace(scene, meetings=())
 
 
-def hertz_semi_axes(scene: kinematics.Rolling, touch: kinematics.Touch) -> tuple[float, float]:
+def hertz_semi_axes(scene: kinematics.Rolling, touch: kinematics.GrooveContact) -> tuple[float, float]:
     """Compute the Hertzian semi-axes of a contact along and across the groove [m].
 
     Parameters
     ----------
     scene : kinematics.Rolling
         The balls.
-    touch : kinematics.Touch
+    touch : kinematics.GrooveContact
         The contact.
 
     Returns
@@ -456,29 +491,29 @@ def hertz_semi_axes(scene: kinematics.Rolling, touch: kinematics.Touch) -> tuple
 
 # --- the rigid limit: no tangential compliance, Coulomb friction under Hertz's pressure by fine quadrature
 #
-# The effect of a grid's cells, its staircase edge and a spin
-# pole within a cell on a solution is nearly the same for nearly rigid bodies, so that
+# The effects of a grid's cells, of its staircase edge and of a spin pole within a cell on a solution are nearly the same
+# for nearly rigid bodies as for elastic ones, so that
 #
 #     result = grid(elastic) - grid(nearly rigid) + limit
 #
-# keeps of them only what they do to the effect of elasticity.
+# keeps of these effects only that on the difference between elastic and nearly rigid bodies.
 
 
 @dataclass(frozen=True)
 class RigidResult:
-    """Steady rolling of N rigid balls: motions, forces and losses."""
+    """Steady rolling of N rigid balls with M contacts between balls: motions, forces and losses."""
 
-    #: Speeds of the balls along the track ``(N,)``.
+    #: Speeds of the balls along the track ``(N,)`` [m/s on a straight track, rad/s on a ring or helix].
     speed: Array
-    #: Rotations ``(N, 3)`` [rad/s].
+    #: Rotations about the balls' axes ``(N, 3)`` [rad/s].
     rotation: Array
-    #: Forces between balls in touch [N].
+    #: Normal forces between balls ``(M,)`` [N].
     force: Array
-    #: Losses at every loaded contact [W].
+    #: Losses at every loaded contact with a groove, in the order of `loaded_contacts` [W].
     contact_loss: Array
-    #: Losses between balls in touch [W].
+    #: Losses between balls ``(M,)`` [W].
     ball_loss: Array
-    #: Slip left by the smoothing, relative to the largest slip.
+    #: Slip that the smoothing of Coulomb's law leaves where bodies stick, over the largest slip.
     remainder: float
 
     @property
@@ -488,7 +523,7 @@ class RigidResult:
 
 
 def disk_quadrature(points: int) -> tuple[Array, Array]:
-    """Build a quadrature rule of the unit disk, by midpoints in angles.
+    """Build a rule for integrals over the unit disk, by midpoints in angles.
 
     Parameters
     ----------
@@ -498,9 +533,9 @@ def disk_quadrature(points: int) -> tuple[Array, Array]:
     Returns
     -------
     at : (points^2, 2) Array
-        Places.
+        Coordinates x, y of the quadrature points.
     weights : (points^2,) Array
-        Weights.
+        Weights of the points; their sum is the area of the disk.
 
     Examples
     --------
@@ -526,10 +561,10 @@ def solve_rigid_rolling(
     points : int, default POINTS
         Points of the quadrature along each axis of an ellipse.
     curved : bool, default True
-        As for `Choices`.
+        Whether contacts lie on the curved surface that ball and groove share; otherwise they lie on its tangent plane.
     bodies : Sizes | None, default None
-        Finite bodies, replaced by the half-spaces that touch as they do (`hifi.rolling.patch.equivalent_radii`); None:
-        half-spaces.
+        Meshes of finite bodies, which are replaced by half-spaces with the same contact
+        (`hifi.rolling.patch.equivalent_radii`); None: half-spaces.
 
     Returns
     -------
@@ -539,18 +574,23 @@ def solve_rigid_rolling(
     Raises
     ------
     ValueError
-        No balance is found.
+        The solver finds no equilibrium of the balls.
     """
     y = starting_motions(scene)
     for count in (FIRST, points):
         contacts = _rigid_contacts(scene, count, curved, bodies)
         path = PATH if count == FIRST else PATH[-2:]
         y, remainder = solve_rigid_friction(contacts, ball_equilibrium(scene, contacts), y, path)
-    loss = np.array([-float(full_slip(c.bound, s) @ s) for c in contacts for s in (c.rigid_slip(y),)])
+    loss = np.array([-float(full_slip_forces(c.bound, s) @ s) for c in contacts for s in (c.rigid_slip(y),)])
     return RigidResult(*split_unknowns(scene, y), loss, ball_contact_losses(scene, y), remainder)
 
 
 def _rigid_contacts(scene: kinematics.Rolling, points: int, curved: bool, bodies: Sizes | None) -> list[Contact]:
+    """Prepare the loaded contacts of rigid bodies for the friction solver, with Hertz's pressure by quadrature.
+
+    ``points``: number of quadrature points along each axis of an ellipse; the other arguments are those of
+    `solve_rigid_rolling`.
+    """
     (unit, weight), material, contacts = disk_quadrature(points), (scene.young, scene.poisson), []
     for b, _, touch in loaded_contacts(scene):
         radii = equivalent_radii(touch.load, touch.radii, *material, finite_body_kernel(scene, touch, bodies))
@@ -559,7 +599,7 @@ def _rigid_contacts(scene: kinematics.Rolling, points: int, curved: bool, bodies
         local = unit * semi
         normal = ellipse.pressure(local[:, 0], local[:, 1]) * weight * semi.prod()
         normal *= touch.load / normal.sum()
-        contacts.append(kinematics.rigid_contact(touch, scene, b, normal, local, curved=curved))
+        contacts.append(kinematics.rigid_friction_contact(touch, scene, b, normal, local, curved=curved))
     return contacts
 
 
@@ -573,19 +613,19 @@ class TransientResult:
 
     #: Ends of the steps ``(T,)`` [s].
     time: Array
-    #: Speeds of the balls along the track ``(T, N)``.
+    #: Speeds of the balls along the track ``(T, N)`` [m/s on a straight track, rad/s on a ring or helix].
     speed: Array
-    #: Rotations ``(T, N, 3)`` [rad/s].
+    #: Rotations about the balls' axes ``(T, N, 3)`` [rad/s].
     rotation: Array
-    #: Forces between balls ``(T, M)`` [N].
+    #: Normal forces between balls ``(T, M)`` [N].
     force: Array
     #: Gaps between balls ``(T, M)`` [m].
     gap: Array
     #: Losses of friction, and of closing balls in the step in which they meet ``(T,)`` [W].
     loss: Array
-    #: Power put in ``(T,)`` [W].
+    #: Power that the moving grooves put in ``(T,)`` [W].
     power: Array
-    #: The part of it that elastic displacements store, or lose by the steps ``(T,)`` [W].
+    #: Part of that power which elastic displacements store, or which is lost by the error of the time steps ``(T,)`` [W].
     stored: Array
     #: Processor time [s].
     seconds: float
@@ -600,18 +640,17 @@ class TransientResult:
 
 @dataclass(frozen=True)
 class _ContactWithoutHistory:
-    """Contact without its history.
+    """Contact for one time step, to which the displacements by the forces of the last step are yet to be added."""
 
-    Tangential displacements per force over the step: at the present place of the material (``present``), and at its place
-    before the step (``before``).
-    """
-
+    #: Contact of rigid bodies, for the friction solver.
     contact: Contact
+    #: Tangential displacements by unit forces over the step, at the present place of the material ``(2 n, 2 n)`` [m/s/N].
     present: Array
+    #: The same at the place of the material before the step ``(2 n, 2 n)`` [m/s/N].
     before: Array
 
-    def at(self, forces: Array) -> Contact:
-        """Add the history to the contact: the displacements by the last step's ``forces`` (2 n,) [N]."""
+    def with_history(self, forces: Array) -> Contact:
+        """Return the contact of the present step, given the tangential forces ``(2 n,)`` [N] of the last step."""
         return replace(self.contact, elastic=self.present, given=self.contact.given - self.before @ forces)
 
 
@@ -636,7 +675,7 @@ def run_from_rest(
     Returns
     -------
     TransientResult
-        Histories.
+        Motions, forces and losses at the end of every step.
 
     Raises
     ------
@@ -645,18 +684,25 @@ def run_from_rest(
         of finite bodies.
     """
     if not duration > 0.0 or steps < 1 or gap < 0.0:
-        raise ValueError("the duration must be > 0, the number of steps at least 1, and the gap not negative")
+        raise ValueError(
+            f"the run from rest got a duration of {duration} s, {steps} steps and a gap of {gap} m: "
+            "the duration must be > 0, the number of steps at least 1, and the gap not negative"
+        )
     return _run_steps(scene, duration / steps, steps, gap, choices or Choices())
 
 
 def _run_steps(scene: Rolling, dt: float, steps: int, gap: float, choices: Choices) -> TransientResult:
+    """Compute the motion of balls from rest in ``steps`` steps of ``dt`` [s], with ``gap`` [m] between neighbours at first.
+
+    The run ends before the first step that does not converge.
+    """
     begin = process_time()
     carried = _contacts_without_history(scene, choices, dt)
     forces = [np.zeros(c.contact.given.size) for c in carried]
     y, gaps, out, status = starting_motions(scene), np.full(len(scene.meetings), gap), [], "converged"
     for step in range(steps):
         meetings = tuple(replace(m, apart=float(g) / dt) for m, g in zip(scene.meetings, gaps, strict=True))
-        contacts = [c.at(q) for c, q in zip(carried, forces, strict=True)]
+        contacts = [c.with_history(q) for c, q in zip(carried, forces, strict=True)]
         balance = ball_equilibrium(replace(scene, meetings=meetings), contacts)
         solution = solve_friction(contacts, balance, y, forces)
         if not solution.converged:
@@ -674,13 +720,15 @@ def _run_steps(scene: Rolling, dt: float, steps: int, gap: float, choices: Choic
 
 
 def _contacts_without_history(scene: Rolling, choices: Choices, dt: float) -> list[_ContactWithoutHistory]:
+    """Prepare the loaded contacts for time steps of ``dt`` [s], without the displacements by the last step's forces."""
     out = []
     for (_, _, touch), contact in zip(loaded_contacts(scene), friction_contacts(scene, choices), strict=True):
         patch = grid_contact(scene, touch, choices)
         shift = rolling_speed(touch, scene) * dt
         if patch.regular is not None and float(patch.at[:, 0].max()) + shift > REACH * patch.regular.scale[0]:
             raise ValueError(
-                "a time step moves material in from beyond the zone of finite bodies: use shorter steps, or half-spaces"
+                "in a time step, material enters a contact from beyond the zone in which the compliance of finite bodies "
+                "is known: use shorter steps, or half-spaces"
             )
         share = choices.elastic / dt
         out.append(_ContactWithoutHistory(contact, share * patch.tangential(), share * patch.tangential(shift)))
@@ -695,9 +743,11 @@ def _step_results(
     y: Array,
     gaps: Array,
 ) -> tuple[Array, Array, Array, Array, float, float, float]:
-    """Collect speeds, rotations, forces, gaps, loss, power put in and power stored at the end of a time step.
+    """Collect the results at the end of a time step.
 
-    forces: tangential contact forces before and after the step.
+    ``forces``: tangential forces of each contact [N] before and after the step; ``slips``: slips [m/s] of each contact;
+    ``y``: unknowns of `split_unknowns`; ``gaps``: gaps between balls [m]. Returns the balls' speeds along the track, their
+    rotations [rad/s], the forces between balls [N], the gaps [m], the loss, the power put in and the power stored [W].
     """
     old, new = forces
     speed, rotation, press = split_unknowns(scene, y)

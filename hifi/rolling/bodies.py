@@ -42,7 +42,7 @@ from rollbench.hifi.rolling.contact_bodies import (
     mesh_half_space,
     mesh_whole_ball,
 )
-from rollbench.hifi.rolling.patch import Regular, monomials
+from rollbench.hifi.rolling.patch import SmoothKernel, monomials
 from rollbench.hifi.side_by_side import Job, compute_records
 from rollbench.meshes.arrays import Array, Index
 from rollbench.meshes.ball_body import build_ball
@@ -59,20 +59,20 @@ from rollbench.meshes.sockets import SocketSize, fitted_socket, local_points, so
 #: Left flanks of screw or inner ring, and of nut or outer ring; right flanks are these turned.
 INNER, OUTER = 0, 2
 
-#: Land beyond the pitch circle, wall behind the groove at most and solid core of a screw, over the ball's radius, the
-#: ball's radius and the pitch radius.
+#: Largest distances of the land and of the surface behind the groove from the pitch circle, both over the ball's radius;
+#: smallest inner radius of a piece over the pitch radius.
 LAND, WALL, CORE = 0.18, 2.7, 1.0 / 11.0
 
 #: Fixed boundaries of the pieces of grooved bodies.
 ENDS = ("low end", "high end")
 
-#: Subdivisions of the sockets' edges; element sizes near and away from the socket over the ball's radius, of grooves and of
-#: balls: level 1 of the static reference (`compare.reference.levels`).
+#: Subdivisions of the sockets' edges; element sizes near the socket and away from it, over the ball's radius, for grooves
+#: and for balls. These are the sizes of level 1 of the static reference (`compare.reference.levels`).
 CUTS, GROOVE_SIZES, BALL_SIZES = (4, 4, 4), (0.216, 1.3), (0.119, 0.27)
 
 
 @dataclass(frozen=True)
-class Curve:
+class BallPath:
     """Path of the balls' centres: helix or ring."""
 
     #: Radius of its cylinder [m].
@@ -83,30 +83,30 @@ class Curve:
 
 @dataclass(frozen=True)
 class ContactPiece:
-    """Patch of groove or ball, with the piece of its body around it."""
+    """Fine mesh (patch) of a groove or ball at one contact, with the coarse mesh of the body's piece around it."""
 
-    #: The patch.
+    #: Fine mesh at the contact.
     patch: PatchMesh
-    #: The piece.
+    #: Coarse mesh of the piece of the body around the patch.
     piece: BodyPiece
     #: Centre of the ball in the patch's frame ``(3,)`` [m].
     centre: Array
     #: Rows along the track, across it towards the bottom of the groove, and into the body ``(3, 3)``.
     axes: Array
-    #: Boundaries of the patch's cells in that order [m].
+    #: Boundaries of the patch's cells along the track, across it and into the body [m].
     cells: tuple[Array, Array, Array]
-    #: Indices of the contact nodes in the zone's grid along the first two axes ``(c, 2)``.
+    #: Indices of the c contact nodes in the zone's grid along and across the track ``(c, 2)``.
     number: Index
 
 
 def mesh_contact_pieces(
-    curve: Curve, ball: float, groove: float, angle: float, zone: Zone, *, outer: bool
+    curve: BallPath, ball: float, groove: float, angle: float, zone: Zone, *, outer: bool
 ) -> tuple[ContactPiece, ContactPiece]:
     """Mesh pieces of groove and ball around one contact, with their fine patches.
 
     Parameters
     ----------
-    curve : Curve
+    curve : BallPath
         Path of the balls' centres.
     ball, groove : float
         Radii [m].
@@ -119,13 +119,13 @@ def mesh_contact_pieces(
 
     Returns
     -------
-    groove, ball : Cut
-        The pieces.
+    groove, ball : ContactPiece
+        Meshes of groove and ball.
 
     Raises
     ------
     ValueError
-        A socket has no room, or a mesh cannot be built.
+        The body has no room for the socket (the hole for a patch), or a mesh cannot be built.
     """
     side = OUTER if outer else INNER
     m = groove_map(curve, ball, groove, angle)
@@ -164,12 +164,12 @@ def mesh_contact_pieces(
     return out[0], out[1]
 
 
-def groove_map(curve: Curve, ball: float, groove: float, angle: float) -> GrooveMap:
+def groove_map(curve: BallPath, ball: float, groove: float, angle: float) -> GrooveMap:
     """Describe the geometry of a track whose grooves are all alike, as the static reference does.
 
     Parameters
     ----------
-    curve : Curve
+    curve : BallPath
         Path of the balls' centres.
     ball, groove : float
         Radii [m].
@@ -189,7 +189,11 @@ def groove_map(curve: Curve, ball: float, groove: float, angle: float) -> Groove
 
 
 def _patch_lines_and_zone(m: GrooveMap, size: SocketSize, side: int, zone: Zone) -> tuple[PatchLines, tuple[float, float]]:
-    """Compute the cell boundaries of a patch with the zone's cells, and the zone in the patch's coordinates."""
+    """Compute the cell boundaries of a patch that contains the cells of the contact zone.
+
+    Also returns the half lengths of the zone across and along the track, over those of the patch. ``m``: geometry of the
+    track; ``size``: dimensions of the patch; ``side``: index of the flank.
+    """
     along = size.phi * float(np.hypot(socket_centre(m, side)[0], m.rg))
     width = size.gamma * float(m.radius[side])
     local = (zone.half[1] / width, zone.half[0] / along)
@@ -199,9 +203,10 @@ def _patch_lines_and_zone(m: GrooveMap, size: SocketSize, side: int, zone: Zone)
 
 
 def _contact_normal_and_axes(m: GrooveMap, side: int) -> tuple[Array, Array]:
-    """Compute the normal from ball to groove, and the directions along the groove and across it towards its bottom.
+    """Compute the contact normal from ball to groove ``(3,)``, and the tangential axes of the contact ``(2, 3)``.
 
-    They are right-handed with the normal, at the contact point.
+    ``m``: geometry of the track; ``side``: index of the flank. The rows of the second result are unit vectors along the
+    groove and across it towards its bottom; with the normal they are right-handed.
     """
     radial, binormal = np.array([1.0, 0.0, 0.0]), np.array([0.0, -np.sin(m.alpha), np.cos(m.alpha)])
     sx, sz = m.signs[side]
@@ -215,7 +220,10 @@ def _contact_normal_and_axes(m: GrooveMap, side: int) -> tuple[Array, Array]:
 
 
 def _grid_numbers(patch: PatchMesh, axes: Array, centre: Array) -> Index:
-    """Return the numbers of a patch's contact nodes along the rows of ``axes`` in their grid, ``(c, 2)``, from zero."""
+    """Return the indices, from zero, of a patch's c contact nodes in their grid ``(c, 2)``.
+
+    The indices grow along the rows of ``axes`` (2, 3); ``centre``: centre of the ball (3,) [m].
+    """
     assert patch.contact_shape is not None  # a grid
     places = np.stack(np.unravel_index(np.arange(patch.contact.size), patch.contact_shape)[::-1], axis=1)
     at = (patch.points[patch.contact] - centre) @ axes.T
@@ -228,7 +236,7 @@ def _grid_numbers(patch: PatchMesh, axes: Array, centre: Array) -> Index:
 def cerruti(points: Array, sources: Array, shear: float, poisson: float) -> Array:
     """Compute the displacements of the half-space z > 0 under unit forces along x on its surface, by Cerruti.
 
-    Infinite at a force.
+    The displacement is infinite at the place of a force. n: number of points; m: number of forces.
 
     Parameters
     ----------
@@ -279,7 +287,7 @@ class ContactAxes:
 
 
 def zone_coordinates(body: ContactBody, frame: ContactAxes) -> Array:
-    """Return the coordinates of the contact zone's nodes along x and y ``(c, 2)`` [m]."""
+    """Return the coordinates of the c nodes of the contact zone along the axes x and y of ``frame``, ``(c, 2)`` [m]."""
     return np.asarray(((points_of(body.mesh)[body.contact] - frame.centre) @ frame.axes.T)[:, :2])
 
 
@@ -301,13 +309,13 @@ def traction_loads(
         Degree of the monomials, k of them.
     bends : tuple[float, float]
         Curvatures along x and y of the surface that ball and groove share [1/m], positive towards the ball.
-    frame : Frame | None, default None
-        Contact axes in the mesh; None: the same.
+    frame : ContactAxes | None, default None
+        Axes of the contact in the body's mesh; None: they are the axes of the mesh.
 
     Returns
     -------
     (3 k, 3 n) sparse array
-        Loads, directions slowest.
+        Nodal forces, one row for each traction: k rows along x, then k along y, then k into the body.
     """
     frame = frame or ContactAxes()
     at = zone_coordinates(body, frame)
@@ -328,14 +336,16 @@ def traction_loads(
 
 
 def free_response(body: ContactBody, rows: sp.csr_array, young: float, poisson: float) -> Array:
-    """Compute the response of a free body: loads are balanced by body forces, and rigid motions are removed.
+    """Compute the response of a free body to several load cases: motions that the loads do work on, per unit of load.
+
+    The loads are balanced by body forces, and rigid motions are removed from the response.
 
     Parameters
     ----------
     body : ContactBody
-        The body.
+        The body, with n nodes.
     rows : (m, 3 n) sparse array
-        Loads.
+        Nodal forces of m load cases, as from `traction_loads`.
     young : float
         Young's modulus [Pa].
     poisson : float
@@ -344,7 +354,7 @@ def free_response(body: ContactBody, rows: sp.csr_array, young: float, poisson: 
     Returns
     -------
     (m, m) Array
-        [m/N].
+        Compliance between the load cases [m/N].
     """
     K, points = forms.assemble(elasticity(young, poisson), body.mesh), points_of(body.mesh)
     relief, rigid = rigid_loads(body.mesh), rigid_modes(points)
@@ -354,25 +364,31 @@ def free_response(body: ContactBody, rows: sp.csr_array, young: float, poisson: 
 
 
 def _response_with_fixed(K: sp.csr_array, held: Index, rows: sp.sparray) -> Array:
-    """Compute the response ``(m, m)`` [m/N] of a body to the loads ``rows``, with the degrees of freedom ``held`` fixed."""
+    """Compute the compliance ``(m, m)`` [m/N] between m load cases of a body some of whose degrees of freedom are fixed.
+
+    ``K``: stiffness matrix (n, n) [N/m]; ``held``: indices of the fixed degrees of freedom; ``rows``: nodal forces (m, n).
+    """
     free = np.setdiff1d(np.arange(K.shape[0]), held)
     return compliance(K[free][:, free], rows.tocsr()[:, free])
 
 
 def fixed_response(body: ContactBody, rows: sp.csr_array, young: float, poisson: float) -> Array:
-    """Compute the response ``(m, m)`` [m/N] of a body fixed at its boundary "held"; arguments as in `free_response`."""
+    """Compute the compliance ``(m, m)`` [m/N] between m load cases of a body that is fixed at its boundary "held".
+
+    The arguments are those of `free_response`.
+    """
     return _response_with_fixed(forms.assemble(elasticity(young, poisson), body.mesh), freedoms_on(body.mesh, "held"), rows)
 
 
 def half_space_response(body: ContactBody, rows: sp.csr_array, young: float, poisson: float) -> Array:
     """Compute the response of a block of a half-space whose cut faces move as in the half-space.
 
-    The method is that of `hifi.contact.block`; arguments as in `free_response`.
+    The method is that of `hifi.contact.block`. The arguments are those of `free_response`; ``body`` is the block.
 
     Returns
     -------
     (m, m) Array
-        [m/N].
+        Compliance between the m load cases [m/N].
     """
     K, cut = forms.assemble(elasticity(young, poisson), body.mesh), freedoms_on(body.mesh, "held")
     by_cut = sp.csr_array(-(K[cut].T @ _far_field_at_cut(body, rows, young, poisson)).T)
@@ -382,7 +398,10 @@ def half_space_response(body: ContactBody, rows: sp.csr_array, young: float, poi
 
 
 def _far_field_at_cut(body: ContactBody, rows: sp.csr_array, young: float, poisson: float) -> Array:
-    """Compute the motion ``(3 cut nodes, m)`` [m/N] of the cut faces under the loads ``rows`` on the zone's nodes."""
+    """Compute the motion of a block's cut faces in the half-space under m load cases, ``(3 cut nodes, m)`` [m/N].
+
+    ``rows``: nodal forces of the load cases on the nodes of the contact zone (m, 3 n).
+    """
     points = points_of(body.mesh)
     cut, sources = points[nodes_on(body.mesh, "held")], points[body.contact, :2]
     shear = 0.5 * young / (1.0 + poisson)
@@ -395,7 +414,7 @@ def _far_field_at_cut(body: ContactBody, rows: sp.csr_array, young: float, poiss
     return out
 
 
-def matched_half_space(
+def half_space_response_on_equal_nodes(
     body: ContactBody,
     zone: Zone,
     size: float,
@@ -424,15 +443,15 @@ def matched_half_space(
         Poisson's ratio.
     degree : int
         Degree of the monomials, k of them.
-    frame : Frame | None, default None
-        Contact axes in the body's mesh.
+    frame : ContactAxes | None, default None
+        Axes of the contact in the body's mesh; None: they are the axes of the mesh.
     near : tuple[Array, Array, Array] | None, default None
-        Cell boundaries, as for `hifi.rolling.contact_bodies.mesh_half_space`.
+        Cell boundaries near the contact along x, y and z [m], as for `hifi.rolling.contact_bodies.mesh_half_space`.
 
     Returns
     -------
     (3 k, 3 k) Array
-        [m/N].
+        Compliance between the smooth tractions of `traction_loads` [m/N].
     """
     block = mesh_half_space(size, zone, near)
     cells = np.array(zone.cells)
@@ -451,15 +470,15 @@ def matched_half_space(
 class Sizes:
     """Numerical choices for the kernels of finite bodies."""
 
-    #: Cells of the contact zone along and across.
+    #: Numbers of cells of the contact zone along and across the groove.
     cells: tuple[int, int] = usual((4, 4))
-    #: Ratio of neighbouring cells outside it.
+    #: Ratio of the sizes of neighbouring cells outside the zone.
     growth: float = usual(2.5)
-    #: Zone over the contact's semi-axes.
+    #: Semi-axes of the zone over those of the contact ellipse.
     margin: float = usual(1.1)
-    #: Degree of the kernel.
+    #: Degree of the polynomials of the kernel.
     degree: int = usual(4)
-    #: Size of bars over the ball's radius.
+    #: Size of grooved bars over the ball's radius.
     bar: float = usual(5.0)
     #: Half of the opening angle of the grooves of bars [rad].
     opening: float = usual(1.4)
@@ -471,14 +490,15 @@ P = ParamSpec("P")
 
 T = TypeVar("T")
 
-#: Cached kernels by function and arguments, computed here or by other processes; and the largest number of them.
+#: Cached kernels by function and arguments, computed here or by other processes.
 _KEPT: dict[tuple[object, ...], Any] = {}
 
+#: Largest number of cached kernels.
 MOST = 32
 
 
 def cached_result(make: Callable[P, T]) -> Callable[P, T]:
-    """Decorate a function so that its results are cached by its arguments."""
+    """Decorate the function ``make`` so that its results are cached by its arguments."""
 
     @wraps(make)
     def cached(*arguments: P.args, **named: P.kwargs) -> T:
@@ -492,10 +512,12 @@ def cached_result(make: Callable[P, T]) -> Callable[P, T]:
 
 
 def _call_key(call: partial[Any]) -> tuple[object, ...]:
+    """Return the key of a call in the cache: the function's name and its arguments."""
     return call.func.__name__, call.args, *call.keywords.items()
 
 
 def _store_result(key: tuple[object, ...], value: Any) -> None:
+    """Cache a result, and remove the oldest results above the largest number."""
     _KEPT[key] = value
     while len(_KEPT) > MOST:
         del _KEPT[next(iter(_KEPT))]
@@ -504,26 +526,39 @@ def _store_result(key: tuple[object, ...], value: Any) -> None:
 @cached_result
 def ball_kernel(
     radius: float, zone: Zone, bends: tuple[float, float], young: float, poisson: float, degree: int
-) -> Regular:
-    """Compute the kernel that a whole ball of ``radius`` [m] adds to a half-space."""
+) -> SmoothKernel:
+    """Compute the kernel of a whole ball: its compliance at the contact less that of a half-space.
+
+    ``radius``: radius of the ball [m]; ``zone``: contact zone; ``bends``: curvatures along x and y of the surface that
+    ball and groove share [1/m]; ``young``: Young's modulus [Pa]; ``poisson``: Poisson's ratio; ``degree``: degree of the
+    kernel's polynomials.
+    """
     body = mesh_whole_ball(radius, zone)
     answer = free_response(body, traction_loads(body, zone, degree, bends), young, poisson)
-    return Regular(answer - matched_half_space(body, zone, radius, young, poisson, degree), zone.half, degree)
+    return SmoothKernel(
+        answer - half_space_response_on_equal_nodes(body, zone, radius, young, poisson, degree), zone.half, degree
+    )
 
 
 @cached_result
 def bar_kernel(
     groove: Groove, size: float, zone: Zone, bends: tuple[float, float], young: float, poisson: float, degree: int
-) -> Regular:
-    """Compute the kernel that a grooved bar of ``size`` [m] adds to a half-space, for the motion of a ball past the bar."""
+) -> SmoothKernel:
+    """Compute the kernel of a grooved bar: its compliance at the contact less that of a half-space.
+
+    ``size``: size of the bar [m]; the other arguments are those of `ball_kernel`. Forces and motions are those of a ball on
+    the bar, as in `groove_kernel`.
+    """
     body = mesh_grooved_bar(groove, size, zone)
     answer = fixed_response(body, traction_loads(body, zone, degree, bends), young, poisson)
-    return groove_kernel(answer - matched_half_space(body, zone, groove.ball, young, poisson, degree), zone, degree)
+    return groove_kernel(
+        answer - half_space_response_on_equal_nodes(body, zone, groove.ball, young, poisson, degree), zone, degree
+    )
 
 
 @cached_result
 def patch_kernels(
-    curve: Curve,
+    curve: BallPath,
     radii: tuple[float, float],
     angle: float,
     zone: Zone,
@@ -533,12 +568,12 @@ def patch_kernels(
     degree: int,
     *,
     outer: bool,
-) -> tuple[Regular, Regular]:
+) -> tuple[SmoothKernel, SmoothKernel]:
     """Compute the kernels that the static reference's patches of groove and ball add to a half-space.
 
     Parameters
     ----------
-    curve : Curve
+    curve : BallPath
         Path of the balls' centres.
     radii : tuple[float, float]
         Radii of ball and groove [m].
@@ -559,25 +594,29 @@ def patch_kernels(
 
     Returns
     -------
-    groove, ball : Regular
-        The kernels.
+    groove, ball : SmoothKernel
+        Kernels of the groove and of the ball.
     """
     kernels = []
     for cut, sense in zip(mesh_contact_pieces(curve, *radii, angle, zone, outer=outer), (1, -1), strict=True):
         body = ContactBody(cut.patch.mesh, cut.patch.contact, sense, cut.number)
         frame = ContactAxes(cut.centre, cut.axes)
         matrix = piece_compliance(cut.piece, cut.patch, traction_loads(body, zone, degree, bends, frame), young, poisson)
-        kernels.append(matrix - matched_half_space(body, zone, radii[0], young, poisson, degree, frame, cut.cells))
-    return groove_kernel(kernels[0], zone, degree), Regular(kernels[1], zone.half, degree)
+        kernels.append(
+            matrix - half_space_response_on_equal_nodes(body, zone, radii[0], young, poisson, degree, frame, cut.cells)
+        )
+    return groove_kernel(kernels[0], zone, degree), SmoothKernel(kernels[1], zone.half, degree)
 
 
-def groove_kernel(added: Array, zone: Zone, degree: int) -> Regular:
-    """Convert the response of a groove to a kernel: forces on it and its tangential motion change sign.
+def groove_kernel(added: Array, zone: Zone, degree: int) -> SmoothKernel:
+    """Convert the response of a groove to a kernel of forces on the ball and motions of the ball relative to the groove.
+
+    Tangential forces and motions change their signs.
 
     Parameters
     ----------
     added : (3 k, 3 k) Array
-        Response of the groove less that of the half-space [m/N].
+        Response of the groove less that of the half-space [m/N]; k: number of monomials of the kernel.
     zone : Zone
         Contact zone.
     degree : int
@@ -585,20 +624,20 @@ def groove_kernel(added: Array, zone: Zone, degree: int) -> Regular:
 
     Returns
     -------
-    Regular
+    SmoothKernel
         The kernel.
     """
     signs = np.repeat([-1.0, -1.0, 1.0], len(added) // 3)
-    return Regular(added * np.outer(signs, signs), zone.half, degree)
+    return SmoothKernel(added * np.outer(signs, signs), zone.half, degree)
 
 
-#: Zones are made for loads of whole powers of two, and grooves for whole tenths of a radian, so that like contacts share
-#: their kernel.
+#: Contact angles are rounded to multiples of this angle [rad], and loads to whole powers of two, so that similar contacts
+#: share their kernel.
 STEP = 0.1
 
 
 @dataclass(frozen=True)
-class Place:
+class ContactPosition:
     """Position of a ball's contact on a groove: radii, angle and path."""
 
     #: Radius of the ball [m].
@@ -607,7 +646,8 @@ class Place:
     radii: tuple[float, float]
     #: Angle from the groove's bottom to the contact [rad].
     angle: float
-    #: Radius and rise of the path; None: straight (`hifi.rolling.kinematics.Track.curve`).
+    #: Radius [m] and rise [m/rad] of the path of the balls' centres, as in `hifi.rolling.kinematics.Track.curve`; None: the
+    #: path is straight.
     curve: tuple[float, float] | None
 
     @property
@@ -622,7 +662,7 @@ class Place:
 
     @property
     def bends(self) -> tuple[float, float]:
-        """Curvatures of the surface that ball and groove share [1/m]."""
+        """Curvatures along and across the groove of the surface that ball and groove share [1/m]."""
         one, two = (1.0 / self.ball - 0.5 / r for r in self.radii)
         return one, two
 
@@ -649,30 +689,38 @@ class Place:
         return Zone((sizes.margin * ellipse.semi_x, sizes.margin * ellipse.semi_y), sizes.cells, sizes.growth)
 
 
-def _kernel_calls(at: Place, load: float, young: float, poisson: float, sizes: Sizes) -> list[partial[Any]]:
-    """List the calls that compute the kernels whose sum is a contact's: ball and bar, or both patches at once."""
+def _kernel_calls(at: ContactPosition, load: float, young: float, poisson: float, sizes: Sizes) -> list[partial[Any]]:
+    """List the calls that compute the kernels of ball and groove, whose sum is the kernel of the contact.
+
+    These are two calls for a whole ball and a grooved bar, or one call for the patches of both. ``at``: position of the
+    contact; ``load``: contact load [N].
+    """
     zone, common = at.zone(load, young, poisson, sizes), (at.bends, young, poisson, sizes.degree)
     if sizes.patches and at.curve is not None:
-        curve, radii = Curve(*at.curve), (at.ball, at.arc)
+        curve, radii = BallPath(*at.curve), (at.ball, at.arc)
         return [partial(patch_kernels, curve, radii, at.angle, zone, *common, outer=at.bend > 0.0)]
     groove = Groove(at.ball, at.arc, at.angle, sizes.opening, at.bend)
     return [partial(ball_kernel, at.ball, zone, *common), partial(bar_kernel, groove, sizes.bar * at.ball, zone, *common)]
 
 
 @lru_cache(maxsize=8)
-def _summed_kernel(at: Place, load: float, young: float, poisson: float, sizes: Sizes) -> Regular:
+def _summed_kernel(at: ContactPosition, load: float, young: float, poisson: float, sizes: Sizes) -> SmoothKernel:
+    """Compute the sum of the kernels of ball and groove at a contact ``at`` under ``load`` [N]."""
     kernels = [call() for call in _kernel_calls(at, load, young, poisson, sizes)]
     first, second = kernels if len(kernels) == 2 else kernels[0]
-    kernel: Regular = first + second
-    return kernel if len(kernels) == 1 else kernel.even
+    kernel: SmoothKernel = first + second
+    return kernel if len(kernels) == 1 else kernel.symmetric_in_x
 
 
-def _rounded_for_sharing(at: Place, load: float) -> tuple[Place, float]:
-    """Round the position and the load [N] of a contact, so that all similar contacts share one kernel."""
+def _rounded_for_sharing(at: ContactPosition, load: float) -> tuple[ContactPosition, float]:
+    """Round the position and the load [N] of a contact, so that all similar contacts share one kernel.
+
+    Returns the position with a rounded contact angle, and the load rounded up to a power of two [N].
+    """
     return replace(at, angle=STEP * round(at.angle / STEP)), float(2.0 ** np.ceil(np.log2(load)))
 
 
-def contact_kernel(at: Place, load: float, young: float, poisson: float, sizes: Sizes) -> Regular:
+def contact_kernel(at: ContactPosition, load: float, young: float, poisson: float, sizes: Sizes) -> SmoothKernel:
     """Compute the kernel that ball and groove of a contact add to half-spaces.
 
     y points towards the bottom of the groove, x is right-handed with y and the normal. Other contacts of the ball are not
@@ -680,8 +728,8 @@ def contact_kernel(at: Place, load: float, young: float, poisson: float, sizes: 
 
     Parameters
     ----------
-    at : Place
-        The contact.
+    at : ContactPosition
+        Position of the contact.
     load : float
         Largest load of the contacts that share the kernel [N].
     young : float
@@ -693,19 +741,19 @@ def contact_kernel(at: Place, load: float, young: float, poisson: float, sizes: 
 
     Returns
     -------
-    Regular
+    SmoothKernel
         The kernel.
 
     Raises
     ------
     ValueError
-        Groove, ring or nut have no room for the zone, the bar or a socket.
+        The groove, ring or nut has no room for the contact zone or for a patch.
     """
     return _summed_kernel(*_rounded_for_sharing(at, load), young, poisson, sizes)
 
 
-def make_kernels(
-    contacts: Iterable[tuple[Place, float]], young: float, poisson: float, sizes: Sizes, processes: int
+def compute_and_cache_kernels(
+    contacts: Iterable[tuple[ContactPosition, float]], young: float, poisson: float, sizes: Sizes, processes: int
 ) -> float:
     """Compute the kernels of several contacts in several processes, and cache them.
 
@@ -713,7 +761,7 @@ def make_kernels(
 
     Parameters
     ----------
-    contacts : Iterable[tuple[Place, float]]
+    contacts : Iterable[tuple[ContactPosition, float]]
         Contacts and their largest loads [N].
     young : float
         Young's modulus [Pa].
@@ -727,12 +775,12 @@ def make_kernels(
     Returns
     -------
     float
-        Their processor time [s].
+        Processor time of all kernels [s].
 
     Raises
     ------
     ValueError
-        As `contact_kernel`.
+        The groove, ring or nut of a contact has no room for the contact zone or for a patch.
     """
     calls = [
         call for at, load in contacts for call in _kernel_calls(*_rounded_for_sharing(at, load), young, poisson, sizes)
@@ -753,7 +801,7 @@ def _compute_uncached(call: partial[Any]) -> tuple[Any, float]:
     return call.func.__wrapped__(*call.args, **call.keywords), process_time() - begin  # type: ignore[attr-defined]
 
 
-def forget_kernels() -> None:
+def clear_kernel_cache() -> None:
     """Clear the cache of kernels."""
     _summed_kernel.cache_clear()
     _KEPT.clear()

@@ -20,11 +20,11 @@ from rollbench.meshes.fem import points_of, tensor_grid, with_boundaries, with_p
 class Zone:
     """Rectangular contact zone with its cells."""
 
-    #: Half lengths along x and y [m].
+    #: Half lengths of the zone along x and y [m].
     half: tuple[float, float]
-    #: Cells along x and y.
+    #: Numbers of cells of the zone along x and y.
     cells: tuple[int, int]
-    #: Ratio of neighbouring cells outside.
+    #: Ratio of the sizes of neighbouring cells outside the zone.
     growth: float
 
     def lines(self, axis: int, low: float, high: float) -> Array:
@@ -35,7 +35,7 @@ class Zone:
         axis : int
             0 for x, 1 for y.
         low, high : float
-            Ends [m], low < 0 < high.
+            First and last boundary [m], low < 0 < high.
 
         Returns
         -------
@@ -45,11 +45,14 @@ class Zone:
         Raises
         ------
         ValueError
-            The zone does not fit between them.
+            The zone does not fit between the first and the last boundary.
         """
         half = self.half[axis]
         if not (low < -half and half < high):
-            raise ValueError(f"a contact zone of {half:.3g} m does not fit between {low:.3g} and {high:.3g} m")
+            raise ValueError(
+                f"a contact zone from {-half:.3g} to {half:.3g} m does not fit on a body from {low:.3g} to {high:.3g} m: "
+                "decrease the load"
+            )
         core = np.linspace(-half, half, self.cells[axis] + 1)
         step = float(core[1] - core[0])
         return np.concatenate(
@@ -61,20 +64,27 @@ class Zone:
         )
 
     def number(self, at: Array) -> Index:
-        """Find the grid indices ``(n, 2)``, from zero, of the zone's nodes that are nearest to points ``(n, 2)`` [m]."""
+        """Find the grid indices of the zone's nodes that are nearest to points ``(n, 2)``, from zero.
+
+        ``at``: coordinates x, y of the points (n, 2) [m].
+        """
         cells = np.array(self.cells)
         return np.asarray(np.clip(np.rint((at / np.array(self.half) + 1.0) * cells), 0, 2 * cells).astype(np.int64))
 
     def depths(self, deep: float) -> Array:
-        """Return cell boundaries from the surface to a depth [m]; the first cell is as large as the zone's smaller ones."""
+        """Return the boundaries of cells from the surface to the depth ``deep`` [m].
+
+        The first cell is as large as the smaller side of the zone's cells.
+        """
         first = min(2.0 * h / n for h, n in zip(self.half, self.cells, strict=True))
         return np.concatenate([[0.0, first], _growing_boundaries_to_end(first, deep, first, self.growth)])
 
 
 def _growing_boundaries_to_end(start: float, end: float, step: float, growth: float) -> Array:
-    """Return the boundaries after ``start`` up to ``end`` of cells that grow from ``step`` by the ratio ``growth``.
+    """Return the boundaries of growing cells after ``start``, up to ``end`` [m].
 
-    The last cell ends at ``end``; the others do not depend on it.
+    ``step``: size of the cell before ``start`` [m]; ``growth``: ratio of neighbouring cells. The last cell ends at ``end``;
+    the others do not depend on it.
     """
     out, width = [start], step * growth
     while out[-1] + 1.5 * width < end:
@@ -90,9 +100,9 @@ class ContactBody:
     A ball has no boundary "held".
     """
 
-    #: The mesh.
+    #: Mesh of the body.
     mesh: Mesh
-    #: Nodes of the zone ``(c,)``.
+    #: Indices of the nodes of the contact zone ``(c,)``.
     contact: Index
     #: Sense of z along the normal from ball to groove: -1 for the ball, 1 for a groove.
     sense: int
@@ -103,9 +113,10 @@ class ContactBody:
 def _named_contact_body(
     zone: Zone, x: Array, y: Array, z: Array, points: Array, held: list[tuple[int, float]], sense: int
 ) -> ContactBody:
-    """Move the nodes of a tensor grid to ``points``, and name its boundaries.
+    """Make a body from a tensor grid whose nodes are moved, and name its boundaries.
 
-    held: (axis, value) of the grid's faces that are fixed.
+    ``x``, ``y``, ``z``: cell boundaries of the grid [m]; ``points``: places to which its n nodes are moved (n, 3) [m];
+    ``held``: axis and coordinate of each face of the grid that is fixed; ``sense``: 1 for a groove, -1 for the ball.
     """
     flat = tensor_grid(x, y, z, "Q2")
     xi = points_of(flat)
@@ -125,12 +136,12 @@ def _named_contact_body(
 
 
 def mesh_whole_ball(radius: float, zone: Zone) -> ContactBody:
-    """Mesh a free ball of ``radius`` [m] as a cube whose faces are mapped onto the sphere.
+    """Mesh a free ball as a cube whose faces are mapped onto the sphere.
 
     Parameters
     ----------
     radius : float
-        Radius [m].
+        Radius of the ball [m].
     zone : Zone
         Contact zone.
 
@@ -170,9 +181,9 @@ class Groove:
     bend: float
 
     def surface(self, theta: Array) -> Array:
-        """Compute the distance [m] of the groove's surface from the ball's centre at angles ``theta`` [rad].
+        """Compute the distance of the groove's surface from the ball's centre [m].
 
-        theta counts from the contact to the bottom of the groove.
+        ``theta``: angles at the ball's centre from the contact towards the bottom of the groove [rad].
         """
         c = self.arc - self.ball
         cos = np.cos(np.where(theta > self.angle, 2.0 * self.angle - theta, theta))
@@ -202,7 +213,7 @@ def mesh_grooved_bar(groove: Groove, size: float, zone: Zone) -> ContactBody:
     Raises
     ------
     ValueError
-        The groove's opening leaves no room for the zone, or a ring none for the bar.
+        The groove's opening leaves no room for the contact zone, or the bar is thicker than its ring.
     """
     R = groove.ball
     low, high = groove.angle - groove.opening, groove.angle + groove.opening
@@ -218,7 +229,10 @@ def mesh_grooved_bar(groove: Groove, size: float, zone: Zone) -> ContactBody:
 
 
 def _bend_into_ring(groove: Groove, x: Array, y: Array, z: Array) -> Array:
-    """Map points x, y, z of a straight bar to one along the track, which may be bent into a ring; x [m]: path along it."""
+    """Map n points of a straight bar to a bar along the track, which may be bent into a ring ``(n, 3)`` [m].
+
+    ``x``: coordinates along the track; ``y``, ``z``: coordinates in its section [m].
+    """
     if groove.bend == 0.0:
         return np.column_stack([x, y, z])
     down = np.array([np.sin(groove.angle), np.cos(groove.angle)])  # to the bottom of the groove, in the section
@@ -227,7 +241,9 @@ def _bend_into_ring(groove: Groove, x: Array, y: Array, z: Array) -> Array:
     depth = np.column_stack([y, z + groove.ball]) @ down
     radius = pitch + outward * depth
     if radius.min() <= 0.0:
-        raise ValueError("the bar is thicker than its ring: decrease the bar's size")
+        raise ValueError(
+            "the grooved bar of a contact is thicker than its ring, into which it is bent: decrease the size of the bar"
+        )
     middle = pitch + outward * groove.ball * np.cos(groove.angle)
     turn = x / middle
     lost = outward * radius * (1.0 - np.cos(turn))  # towards the axis
@@ -270,5 +286,8 @@ def mesh_half_space(size: float, zone: Zone, near: tuple[Array, Array, Array] | 
 
 
 def _continued_boundaries(lines: Array, size: float, growth: float) -> Array:
-    """Continue cell boundaries ``lines`` up to ``size`` [m], growing by the ratio ``growth``."""
+    """Return the cell boundaries that continue ascending boundaries up to ``size`` [m].
+
+    ``lines``: the boundaries to be continued [m]; ``growth``: ratio of neighbouring cells beyond them.
+    """
     return _growing_boundaries_to_end(float(lines[-1]), size, float(lines[-1] - lines[-2]), growth)

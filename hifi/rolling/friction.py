@@ -22,88 +22,94 @@ from numpy.typing import NDArray
 from rollbench.meshes.arrays import Array, Index
 
 Flags = NDArray[np.bool_]
-#: Value and derivative of f at y.
+#: Function that returns f ``(k,)`` [N] of eq. (2) of this module and df/dy ``(k, k)``, at motions y ``(k,)``.
 Balance = Callable[[Array], tuple[Array, Array]]
 
-#: Creeping speeds of the path over the largest slip, and Newton's steps at each.
+#: Creeping speeds over the largest slip by which Coulomb's law is smoothed one after the other, and number of Newton's
+#: steps at each.
 PATH, STEPS = tuple(10.0**-k for k in range(7)), 25
-#: Creeping speed on the path with elasticity from which the sharp law is tried.
+#: Creeping speed over the largest slip from which on, with elasticity, Coulomb's law without smoothing is tried.
 SHARPEST = 0.02
-#: Most steps without smoothing, and remainder at which they end, over the largest bound and slip.
+#: Largest number of Newton's steps without smoothing, and residual over the largest bound at which they end.
 MOST, TOLERANCE = 60, 1e-11
-#: r over the stiffness of one cell: from 0.3 on, stiff stick zones of many cells make Newton's method cycle.
+#: Parameter r of the projection over the stiffness of one cell. From 0.3 on, stiff stick zones of many cells make Newton's
+#: method cycle.
 SOFT = 0.03
-#: Force out of balance over the bound of a contact up to which rigid bodies balance.
+#: Unbalanced force over the largest friction of a contact up to which rigid bodies count as in equilibrium.
 RIGID = 1e-8
-#: Growth of the remainder at which they are given up.
+#: Growth of the residual at which Newton's steps without smoothing are given up.
 LOST = 1e4
 
 
 @dataclass(frozen=True)
 class Contact:
-    """Contact of n cells as the friction solver needs it."""
+    """Contact of n cells and m rigid motions: the input of the friction solver."""
 
-    #: Largest tangential force g ``(n,)`` [N].
+    #: Largest tangential force g of each cell ``(n,)`` [N].
     bound: Array
-    #: Slip by tangential forces M ``(2 n, 2 n)`` [m/s/N].
+    #: Slip M by unit tangential forces, from elastic displacements ``(2 n, 2 n)`` [m/s/N].
     elastic: Array
-    #: Slip by the motions J ``(2 n, m)``.
+    #: Slip J by unit rigid motions ``(2 n, m)``.
     motion: Array
-    #: Which of all motions y these are ``(m,)``.
+    #: Indices of these m motions in the vector y of all motions ``(m,)``.
     columns: Index
     #: Prescribed slip w ``(2 n,)`` [m/s].
     given: Array
 
     def slip(self, q: Array, y: Array) -> Array:
-        """Compute the slip ``(2 n,)`` [m/s] of body 1 past body 2 by tangential forces q [N] and motions y."""
+        """Compute the slip of body 1 past body 2 ``(2 n,)`` [m/s], all x and then all y.
+
+        ``q``: tangential forces on body 1 (2 n,) [N]; ``y``: motions of all bodies.
+        """
         return np.asarray(self.elastic @ q + self.motion @ y[self.columns] + self.given)
 
     def rigid_slip(self, y: Array) -> Array:
-        """Compute the slip ``(2 n,)`` [m/s] of the bodies by the motions y, without elasticity."""
+        """Compute the slip ``(2 n,)`` [m/s] of the bodies by the motions y of all bodies, without elasticity."""
         return np.asarray(self.motion @ y[self.columns] + self.given)
 
 
 @dataclass(frozen=True)
 class Friction:
-    """Solution of the friction laws (1) in all contacts and of the equilibrium (2)."""
+    """Solution of the friction law in all contacts and of the equilibrium, eqs. (1) and (2) of this module."""
 
     #: Tangential forces q of every contact ``(2 n,)`` [N].
     forces: list[Array]
     #: Slips s of every contact ``(2 n,)`` [m/s].
     slips: list[Array]
-    #: Motions y.
+    #: Rigid motions y of all bodies.
     motions: Array
-    #: Newton steps.
+    #: Number of Newton's steps.
     steps: int
     #: "converged", or why not.
     status: str
-    #: Largest violation of (1) and (2), over the largest bound or slip.
+    #: Largest violation of eqs. (1) and (2) of this module, over the largest bound.
     residual: float
-    #: Which cells of every contact stick ``(n,)``.
+    #: For every contact, whether each cell sticks ``(n,)``.
     stick: list[Flags]
 
     @property
     def converged(self) -> bool:
-        """Whether the equations (1) and (2) are satisfied."""
+        """Whether eqs. (1) and (2) of this module are satisfied."""
         return self.status == "converged"
 
 
 def zero_balance(y: Array) -> tuple[Array, Array]:
-    """Return zero balance f and a unit derivative, for motions y that are prescribed and not solved for."""
+    """Return f = 0 and a unit matrix as its derivative, for motions y that are prescribed and not solved for."""
     return np.zeros(y.size), np.eye(y.size)
 
 
 def _as_rows(v: Array) -> Array:
-    """Rearrange a vector ``(2 n,)``, all x first, into rows ``(n, 2)``."""
+    """Rearrange a vector ``(2 n,)`` of all x and then all y into rows x, y ``(n, 2)``."""
     return v.reshape(2, -1).T
 
 
 def _as_vector(v: Array) -> Array:
+    """Rearrange rows x, y ``(n, 2)`` into a vector ``(2 n,)`` of all x and then all y."""
     return np.asarray(v.T.ravel())
 
 
-def full_slip(bound: Array, slip: Array, eps: float = 0.0) -> Array:
-    """Compute friction forces opposite to a slip, smoothed by a creeping speed.
+def full_slip_forces(bound: Array, slip: Array, eps: float = 0.0) -> Array:
+    """Compute friction forces opposite to a slip, by Coulomb's law or by a law smoothed by a creeping speed.
 
     Parameters
     ----------
@@ -121,7 +127,7 @@ def full_slip(bound: Array, slip: Array, eps: float = 0.0) -> Array:
 
     Examples
     --------
-    >>> full_slip(np.array([2.0]), np.array([3.0, 4.0])).round(12).tolist()
+    >>> full_slip_forces(np.array([2.0]), np.array([3.0, 4.0])).round(12).tolist()
     [-1.2, -1.6]
     """
     s = _as_rows(slip)
@@ -133,28 +139,34 @@ def full_slip(bound: Array, slip: Array, eps: float = 0.0) -> Array:
 
 
 def _smoothed_newton_terms(c: Contact, q: Array, y: Array, eps: float, elastic: bool) -> tuple[Array, Array, Array]:
-    """Compute the residual, and dq by the smoothed law; the elasticity is left out unless ``elastic``."""
+    """Compute the residual of the smoothed friction law, and Newton's step dq = first + rest @ dy.
+
+    ``q``: tangential forces (2 n,) [N]; ``y``: motions of all bodies; ``eps``: creeping speed [m/s]; ``elastic``: whether
+    the slip by elastic displacements is included. Returns the residual (2 n,) [N], first (2 n,) [N] and rest (2 n, m).
+    """
     s = _as_rows(c.slip(q, y) if elastic else c.rigid_slip(y))
     size = np.sqrt((s**2).sum(axis=1) + eps * eps)
     left = q + _as_vector((c.bound / size)[:, None] * s)
     unit = s / size[:, None]
     D = (c.bound / size)[:, None, None] * (np.eye(2) - unit[:, :, None] * unit[:, None, :])
 
-    def times(A: Array) -> Array:
+    def multiply_by_derivative(A: Array) -> Array:
         two = A.reshape(2, len(s), -1)
         return np.asarray(np.einsum("nij,jnk->ink", D, two).reshape(2 * len(s), -1))
 
-    by_motion = times(c.motion)
+    by_motion = multiply_by_derivative(c.motion)
     if not elastic:
         return left, -left, -by_motion
-    solved = np.linalg.solve(np.eye(q.size) + times(c.elastic), -np.column_stack([left, by_motion]))
+    solved = np.linalg.solve(np.eye(q.size) + multiply_by_derivative(c.elastic), -np.column_stack([left, by_motion]))
     return left, np.asarray(solved[:, 0]), np.asarray(solved[:, 1:])
 
 
 def _exact_newton_terms(c: Contact, q: Array, y: Array, grip: Array) -> tuple[Array, Array, Array]:
-    """Compute the residual, and dq by Coulomb's law (1) without smoothing; grip ``(n,)``: the parameter r of each cell.
+    """Compute the residual of Coulomb's law, eq. (1) of this module, and Newton's step dq = first + rest @ dy.
 
-    There is one unknown for each slipping cell, and two for each cell that sticks.
+    ``q``: tangential forces (2 n,) [N]; ``y``: motions of all bodies; ``grip``: the parameter r of each cell (n,) [N s/m].
+    Returns the residual (2 n,) [N], first (2 n,) [N] and rest (2 n, m). There is one unknown for each slipping cell, and
+    two for each cell that sticks.
     """
     n = c.bound.size
     s = c.slip(q, y)
@@ -195,11 +207,17 @@ def _exact_newton_terms(c: Contact, q: Array, y: Array, grip: Array) -> tuple[Ar
 
 @dataclass
 class _FrictionSystem:
+    """Friction of several contacts with the equilibrium of their bodies."""
+
     contacts: Sequence[Contact]
     balance: Balance
 
-    def step(self, parts: list[tuple[Array, Array, Array]], q: list[Array], y: Array) -> tuple[list[Array], Array]:
-        """Compute Newton's dq of every contact and dy."""
+    def newton_step(self, parts: list[tuple[Array, Array, Array]], q: list[Array], y: Array) -> tuple[list[Array], Array]:
+        """Compute Newton's step dq of the forces of every contact ``(2 n,)`` [N], and dy of the motions of all bodies.
+
+        ``parts``: for every contact the residual, first and rest with dq = first + rest @ dy; ``q``: tangential forces of
+        every contact [N]; ``y``: motions of all bodies.
+        """
         f, S = self.balance(y)
         f, S = f.copy(), S.copy()
         for c, force, (_, first, by_y) in zip(self.contacts, q, parts, strict=True):
@@ -208,8 +226,11 @@ class _FrictionSystem:
         dy: Array = np.asarray(-np.linalg.solve(S, f)) if y.size else y
         return [first + by_y @ dy[c.columns] for c, (_, first, by_y) in zip(self.contacts, parts, strict=True)], dy
 
-    def unbalanced(self, q: list[Array], y: Array) -> Array:
-        """Evaluate the left side of the equilibrium (2)."""
+    def unbalanced_forces(self, q: list[Array], y: Array) -> Array:
+        """Evaluate the unbalanced forces on all motions, the left side of eq. (2) of this module [N].
+
+        ``q``: tangential forces of every contact [N]; ``y``: motions of all bodies.
+        """
         f = self.balance(y)[0].copy()
         for c, force in zip(self.contacts, q, strict=True):
             f[c.columns] += c.motion.T @ force
@@ -219,17 +240,21 @@ class _FrictionSystem:
 def _damped_newton(
     system: _FrictionSystem, q: list[Array], y: Array, eps: float, *, elastic: bool
 ) -> tuple[list[Array], Array]:
-    """Run Newton's method at one creeping speed, damped where the residual would grow."""
+    """Run Newton's method on the smoothed friction law, damped where the residual would grow.
+
+    ``q``: tangential forces of every contact [N] and ``y``: motions of all bodies, to start from; ``eps``: creeping speed
+    [m/s]; ``elastic``: whether the slip by elastic displacements is included. Returns the forces and the motions.
+    """
     scale = max(float(c.bound.max()) for c in system.contacts)
 
     def size(q: list[Array], y: Array) -> float:
         lefts = [_smoothed_residual(c, v, y, eps, elastic) for c, v in zip(system.contacts, q, strict=True)]
-        return float(sum(v @ v for v in lefts) ** 0.5 + np.linalg.norm(system.unbalanced(q, y)))
+        return float(sum(v @ v for v in lefts) ** 0.5 + np.linalg.norm(system.unbalanced_forces(q, y)))
 
     norm = size(q, y)
     for _ in range(STEPS):
         parts = [_smoothed_newton_terms(c, v, y, eps, elastic) for c, v in zip(system.contacts, q, strict=True)]
-        dq, dy = system.step(parts, q, y)
+        dq, dy = system.newton_step(parts, q, y)
         t = 1.0
         for _ in range(12):
             trial = [v + t * d for v, d in zip(q, dq, strict=True)], y + t * dy
@@ -246,25 +271,29 @@ def _damped_newton(
 
 
 def _smoothed_residual(c: Contact, q: Array, y: Array, eps: float, elastic: bool) -> Array:
-    return q - full_slip(c.bound, c.slip(q, y) if elastic else c.rigid_slip(y), eps)
+    """Compute the residual of the smoothed friction law ``(2 n,)`` [N]; the arguments are those of `_damped_newton`."""
+    return q - full_slip_forces(c.bound, c.slip(q, y) if elastic else c.rigid_slip(y), eps)
 
 
 def _newton_without_smoothing(system: _FrictionSystem, q: list[Array], y: Array) -> Friction:
-    """Run Newton's method on (1) and (2) without smoothing."""
+    """Run Newton's method on eqs. (1) and (2) of this module, without smoothing.
+
+    ``q``: tangential forces of every contact [N] and ``y``: motions of all bodies, to start from.
+    """
     grips = [_projection_parameter(c) for c in system.contacts]
     largest = max(float(c.bound.max()) for c in system.contacts)
     residual, best, steps = np.inf, np.inf, 0
     for steps in range(1, MOST + 1):  # noqa: B007
         parts = [_exact_newton_terms(c, v, y, g) for c, v, g in zip(system.contacts, q, grips, strict=True)]
         residual = max(float(np.abs(p[0]).max()) for p in parts) / largest
-        residual = max(residual, float(np.abs(system.unbalanced(q, y)).max(initial=0.0)) / largest)
+        residual = max(residual, float(np.abs(system.unbalanced_forces(q, y)).max(initial=0.0)) / largest)
         if residual <= TOLERANCE or (residual <= 100.0 * TOLERANCE and residual >= best):
             break
         if residual > LOST * max(1.0, best):
             break
         best = min(best, residual)
         try:
-            dq, dy = system.step(parts, q, y)
+            dq, dy = system.newton_step(parts, q, y)
         except np.linalg.LinAlgError:  # an iterate with slipping cells may leave a motion unconstrained
             break
         q, y = [v + d for v, d in zip(q, dq, strict=True)], y + dy
@@ -274,12 +303,12 @@ def _newton_without_smoothing(system: _FrictionSystem, q: list[Array], y: Array)
     ]
     stick = [p <= c.bound for p, c in zip(pulls, system.contacts, strict=True)]
     good = residual <= 100.0 * TOLERANCE
-    status = "converged" if good else f"not converged after {steps} steps (remainder {residual:.1e})"
+    status = "converged" if good else f"not converged after {steps} steps (residual {residual:.1e})"
     return Friction(q, slips, y, steps, status, residual, stick)
 
 
 def _projection_parameter(c: Contact) -> Array:
-    """Choose the parameter r of each cell ``(n,)`` [N s/m]: a fraction of its stiffness over speed."""
+    """Choose the projection parameter r of each cell ``(n,)`` [N s/m]: a fraction of force over slip speed of the cell."""
     compliance = 0.5 * np.diag(c.elastic).reshape(2, -1).sum(axis=0)
     return np.asarray(SOFT / compliance)
 
@@ -294,33 +323,37 @@ def solve_rigid_friction(
     contacts : Sequence[Contact]
         The contacts.
     balance : Balance
-        f(y) and its derivative.
-    y : Array
-        Motions to start from.
+        Function that returns f of eq. (2) of this module and its derivative at the motions y.
+    y : (k,) Array
+        Motions of all bodies to start from.
     path : tuple[float, ...], default PATH
         Creeping speeds over the largest slip, descending.
 
     Returns
     -------
-    y : Array
-        Motions.
+    y : (k,) Array
+        Motions of all bodies.
     remainder : float
-        Error left by smoothing: change of slip by the last tenfold decrease of the creeping speed, over the largest slip.
+        Error left by the smoothing of Coulomb's law: change of slip by the last tenfold decrease of the creeping speed,
+        over the largest slip.
 
     Raises
     ------
     ValueError
-        The search ends out of balance.
+        The search ends without equilibrium.
     """
     system = _FrictionSystem(contacts, balance)
     speed = max(float(np.abs(c.rigid_slip(y)).max()) for c in contacts)
-    forces, last = [full_slip(c.bound, c.rigid_slip(y), speed) for c in contacts], y
+    forces, last = [full_slip_forces(c.bound, c.rigid_slip(y), speed) for c in contacts], y
     for ratio in path:
         last = y
         forces, y = _damped_newton(system, forces, y, ratio * speed, elastic=False)
-    left = float(np.abs(system.unbalanced(forces, y)).max()) / max(float(c.bound.sum()) for c in contacts)
+    left = float(np.abs(system.unbalanced_forces(forces, y)).max()) / max(float(c.bound.sum()) for c in contacts)
     if not left <= RIGID:
-        raise ValueError(f"the rigid bodies are not in equilibrium: the unbalanced force is {left:.1e} of the friction")
+        raise ValueError(
+            "the search for the steady rolling of rigid bodies ends without equilibrium: the unbalanced force is "
+            f"{left:.1e} times the largest friction of a contact, allowed is {RIGID:.0e} times"
+        )
     slip = max(float(np.abs(c.motion @ (y - last)[c.columns]).max()) for c in contacts)
     return y, slip / max(float(np.abs(c.rigid_slip(y)).max()) for c in contacts)
 
@@ -332,21 +365,22 @@ def solve_friction(
     q: list[Array] | None = None,
     path: tuple[float, ...] = PATH,
 ) -> Friction:
-    """Solve (1) and (2) for the tangential forces, slips and motions of several contacts.
+    """Solve eqs. (1) and (2) of this module for the tangential forces, slips and motions of several contacts.
 
-    If the exact law does not converge from the starting values, the smoothed one provides better ones. `Friction.status`
+    If Coulomb's law does not converge from the starting values, the smoothed law provides better ones. `Friction.status`
     tells whether the solution converged.
 
     Parameters
     ----------
     contacts : Sequence[Contact]
         The contacts.
-    balance : Balance, default no_balance
-        f(y) and its derivative; by default the motions are prescribed.
-    y : Array | None, default None
-        Motions to start from; None: no motions.
+    balance : Balance, default zero_balance
+        Function that returns f of eq. (2) of this module and its derivative at the motions y; by default the motions are
+        prescribed.
+    y : (k,) Array, optional, default None
+        Motions of all bodies to start from; None: no motions.
     q : list[Array] | None, default None
-        Tangential forces of a neighbouring solution.
+        Tangential forces of every contact ``(2 n,)`` [N] of a similar solution to start from.
     path : tuple[float, ...], default PATH
         Creeping speeds over the largest slip, descending.
 
@@ -363,14 +397,14 @@ def solve_friction(
             return solution
     speed = max(float(np.abs(c.rigid_slip(y)).max()) for c in contacts)
     start = y.copy()
-    forces = [full_slip(c.bound, c.rigid_slip(y), speed) for c in contacts]
+    forces = [full_slip_forces(c.bound, c.rigid_slip(y), speed) for c in contacts]
     for ratio in path:
         forces, y = _damped_newton(system, forces, y, ratio * speed, elastic=False)
     solution = _newton_without_smoothing(system, forces, y)
     if solution.converged:
         return solution
     y = start
-    forces = [full_slip(c.bound, c.rigid_slip(y), speed) for c in contacts]
+    forces = [full_slip_forces(c.bound, c.rigid_slip(y), speed) for c in contacts]
     for ratio in path:
         forces, y = _damped_newton(system, forces, y, ratio * speed, elastic=True)
         if ratio > SHARPEST:

@@ -16,22 +16,25 @@ from rollbench.hifi.rolling.friction import Contact
 from rollbench.hifi.rolling.patch import Patch
 from rollbench.meshes.arrays import Array, Index
 
-#: Number of motions of a ball: along the track, and about its three axes; all as speeds [m/s].
+#: Number of motions of a ball: along the track, and rotation about its three axes times its radius; all are speeds [m/s].
 MOTIONS = 4
 
 
 @dataclass(frozen=True)
 class Track:
-    """Screw motion of a track as seen from a ball."""
+    """Screw motion of a track as seen from a ball.
+
+    The speed by which it is multiplied is in m/s on a straight track, and in rad/s on a ring or helix.
+    """
 
     #: Axis of rotation ``(3,)``, zero or of unit length.
     axis: Array
-    #: Velocity of the ball's centre per unit of speed ``(3,)`` [m].
+    #: Velocity of the ball's centre per unit of speed ``(3,)`` [1 on a straight track, m on a ring or helix].
     forward: Array
 
     @property
     def length(self) -> float:
-        """Path of the ball's centre per unit of speed [m]."""
+        """Speed of the ball's centre per unit of the track's speed [1 on a straight track, m on a ring or helix]."""
         return float(np.linalg.norm(self.forward))
 
     @property
@@ -43,7 +46,10 @@ class Track:
         return float(np.sqrt(self.length**2 - rise**2)), rise
 
     def field(self, at: Array) -> Array:
-        """Compute the velocity field H ``(..., 3)`` at points ``(..., 3)`` [m] from the ball's centre."""
+        """Compute the velocity field H ``(..., 3)`` per unit of speed, at points (..., 3) [m] from the ball's centre.
+
+        The points and the velocities are in the ball's axes.
+        """
         return np.asarray(self.forward + np.cross(self.axis, at))
 
 
@@ -53,16 +59,16 @@ def velocity_matrix(track: Track, radius: float, at: Array) -> Array:
     Parameters
     ----------
     track : Track
-        Track.
+        Screw motion of the track.
     radius : float
         Radius of the ball [m].
     at : (n, 3) Array
-        Points from the ball's centre [m].
+        Points relative to the ball's centre, in the ball's axes [m].
 
     Returns
     -------
     (n, 3, 4) Array
-        Velocities.
+        Velocities of each point along the ball's axes, by 1 m/s of each motion.
     """
     rows = np.empty((*at.shape, MOTIONS))
     rows[..., 0] = track.field(at) / track.length
@@ -72,35 +78,36 @@ def velocity_matrix(track: Track, radius: float, at: Array) -> Array:
 
 
 @dataclass(frozen=True)
-class Touch:
+class GrooveContact:
     """Contact of a ball with a groove: direction, force, radii and the groove's speed."""
 
-    #: Direction from the ball's centre ``(3,)``.
+    #: Unit vector from the ball's centre to the contact, in the ball's axes ``(3,)``.
     normal: Array
     #: Contact force [N].
     load: float
     #: Relative radii along and across the groove [m].
     radii: tuple[float, float]
-    #: Speed of the groove's body along the track.
+    #: Speed of the groove's body along the track [m/s on a straight track, rad/s on a ring or helix].
     ride: float
-    #: Direction from the ball's centre to the bottom of the groove ``(3,)``; None: unknown, which half-spaces do not
-    #: need.
+    #: Unit vector from the ball's centre to the bottom of the groove ``(3,)``; None: unknown (half-spaces do not need it).
     bottom: Array | None = None
 
 
 @dataclass(frozen=True)
-class Meeting:
+class BallPairContact:
     """Contact of two neighbouring balls."""
 
     #: Index of the first ball.
     one: int
     #: Index of the second ball.
     two: int
-    #: Closing speed and sliding of ball one past ball two, per motions of both ``(3, 8)``.
+    #: Closing speed (first row) and two sliding speeds of the first ball past the second, by 1 m/s of each of the four
+    #: motions of both balls ``(3, 8)``.
     rows: Array
-    #: Directions of these, in common axes ``(3, 3)``.
+    #: Directions of these three speeds as rows, in common axes ``(3, 3)``: from the first ball to the second, and two
+    #: tangents.
     axes: Array
-    #: Speed at which they may close without touching [m/s].
+    #: Closing speed up to which the balls do not touch [m/s].
     apart: float
 
     def forces(self, force: float, mu: float, slide: Array) -> Array:
@@ -113,12 +120,12 @@ class Meeting:
         mu : float
             Coefficient of friction.
         slide : (2,) Array
-            Sliding speed [m/s].
+            Sliding speed of the first ball past the second, along the two tangents [m/s].
 
         Returns
         -------
         (3,) Array
-            [N].
+            Force on the first ball [N].
         """
         size = float(np.linalg.norm(slide))
         rub = mu * force / size * slide if size > 0.0 else np.zeros(2)
@@ -126,7 +133,7 @@ class Meeting:
 
     @property
     def columns(self) -> Index:
-        """Indices of the motions of both balls."""
+        """Indices ``(8,)`` of the motions of both balls among those of all balls."""
         return np.concatenate([MOTIONS * k + np.arange(MOTIONS) for k in (self.one, self.two)])
 
 
@@ -137,14 +144,14 @@ class Ball:
     #: Axes of the ball as rows, in common coordinates ``(3, 3)``.
     frame: Array
     #: Contacts of the ball with grooves.
-    touches: tuple[Touch, ...]
+    touches: tuple[GrooveContact, ...]
 
 
 @dataclass(frozen=True)
 class Rolling:
     """Rolling balls on a track, of the same material as their grooves."""
 
-    #: Screw motion.
+    #: Screw motion of the track.
     track: Track
     #: Radius of the balls [m].
     radius: float
@@ -156,66 +163,72 @@ class Rolling:
     mu: float
     #: Coefficient of friction between balls.
     mu_balls: float
-    #: Nominal speed of the balls along the track.
+    #: Nominal speed of the balls along the track [m/s on a straight track, rad/s on a ring or helix].
     orbit: float
     #: The balls.
     balls: tuple[Ball, ...]
-    #: Which balls touch.
-    meetings: tuple[Meeting, ...] = ()
+    #: Contacts between neighbouring balls.
+    meetings: tuple[BallPairContact, ...] = ()
 
 
-def contact_axes(touch: Touch, scene: Rolling) -> Array:
-    """Compute the local axes of a contact: x against the flow of material, y, and the normal.
+def contact_axes(touch: GrooveContact, scene: Rolling) -> Array:
+    """Compute the local axes of a contact: x against the flow of material, y across it, and the normal.
 
     Parameters
     ----------
-    touch : Touch
+    touch : GrooveContact
         The contact.
     scene : Rolling
-        Its balls.
+        The rolling balls.
 
     Returns
     -------
     (3, 3) Array
-        Axes as rows.
+        Unit vectors x, y and normal as rows, in the ball's axes.
 
     Raises
     ------
     ValueError
-        The groove's body moves as the ball does: nothing rolls.
+        The groove's body moves at the ball's speed along the track, so that nothing rolls.
     """
     ride, track = touch.ride - scene.orbit, scene.track
     flow = ride * track.field(scene.radius * touch.normal)
     flow = flow - (flow @ touch.normal) * touch.normal
     speed = float(np.linalg.norm(flow))
     if speed <= 1e-12 * track.length * max(abs(touch.ride), abs(scene.orbit), 1e-300):
-        raise ValueError("a ball that moves at the speed of its groove does not roll on the groove")
+        raise ValueError(
+            f"a ball and its groove both move along the track at a speed of {touch.ride:.4g}, so that the ball does not "
+            "roll on the groove: their speeds must differ"
+        )
     x = -flow / speed
     return np.stack([x, np.cross(touch.normal, x), touch.normal])
 
 
-def contact_surface(touch: Touch, scene: Rolling, local: Array, *, curved: bool, sunk: float = 0.0) -> tuple[Array, Array]:
+def contact_surface(
+    touch: GrooveContact, scene: Rolling, local: Array, *, curved: bool, sunk: float = 0.0
+) -> tuple[Array, Array]:
     """Compute points and tangents of a contact's surface.
 
     Parameters
     ----------
-    touch : Touch
+    touch : GrooveContact
         The contact.
     scene : Rolling
         Its balls.
     local : (n, 2) Array
-        Local x, y [m].
+        Coordinates of n points along the contact's axes x and y [m].
     curved : bool
-        On the surface that ball and groove share, its curvature the mean of both; otherwise on the tangent plane.
+        Whether the points lie on the surface that ball and groove share, whose curvature is the mean of both; otherwise
+        they lie on the tangent plane.
     sunk : float, default 0.0
         Depth of the contact's centre inside the undeformed ball [m].
 
     Returns
     -------
     points : (n, 3) Array
-        Points from the ball's centre [m].
+        Points relative to the ball's centre, in the ball's axes [m].
     tangents : (n, 2, 3) Array
-        Unit tangents.
+        Unit tangents of the surface at each point, along x and y of the contact, in the ball's axes.
     """
     axes = contact_axes(touch, scene)
     bend = (1.0 / scene.radius - 0.5 / np.array(touch.radii)) * (1.0 if curved else 0.0)
@@ -225,12 +238,12 @@ def contact_surface(touch: Touch, scene: Rolling, local: Array, *, curved: bool,
     return points, tangents / np.linalg.norm(tangents, axis=2, keepdims=True)
 
 
-def rolling_speed(touch: Touch, scene: Rolling) -> float:
-    """Compute the speed [m/s] at which material passes through the contact.
+def rolling_speed(touch: GrooveContact, scene: Rolling) -> float:
+    """Compute the speed at which material passes through the contact.
 
     Parameters
     ----------
-    touch : Touch
+    touch : GrooveContact
         The contact.
     scene : Rolling
         Its balls.
@@ -238,19 +251,19 @@ def rolling_speed(touch: Touch, scene: Rolling) -> float:
     Returns
     -------
     float
-        [m/s].
+        Rolling speed [m/s].
     """
     return float(np.linalg.norm((touch.ride - scene.orbit) * scene.track.field(scene.radius * touch.normal)))
 
 
-def rigid_contact(
-    touch: Touch, scene: Rolling, ball: int, normal: Array, local: Array, *, curved: bool, sunk: float = 0.0
+def rigid_friction_contact(
+    touch: GrooveContact, scene: Rolling, ball: int, normal: Array, local: Array, *, curved: bool, sunk: float = 0.0
 ) -> Contact:
     """Prepare the contact of a ball with its groove for the friction solver, for rigid bodies.
 
     Parameters
     ----------
-    touch : Touch
+    touch : GrooveContact
         The contact.
     scene : Rolling
         Its balls.
@@ -259,9 +272,11 @@ def rigid_contact(
     normal : (n,) Array
         Normal forces [N].
     local : (n, 2) Array
-        Their places, local x, y [m].
-    curved, sunk : bool
-        As for `contact_surface`.
+        Coordinates of the normal forces along the contact's axes x and y [m].
+    curved : bool
+        Whether the contact lies on the curved surface that ball and groove share, as for `contact_surface`.
+    sunk : float, default 0.0
+        Depth of the contact's centre inside the undeformed ball [m].
 
     Returns
     -------
@@ -274,30 +289,32 @@ def rigid_contact(
     return Contact(scene.mu * normal, np.zeros((0, 0)), rows, MOTIONS * ball + np.arange(MOTIONS), given)
 
 
-def ball_contact(touch: Touch, scene: Rolling, ball: int, patch: Patch, *, curved: bool, elastic: float = 1.0) -> Contact:
+def elastic_friction_contact(
+    touch: GrooveContact, scene: Rolling, ball: int, patch: Patch, *, curved: bool, elastic: float = 1.0
+) -> Contact:
     """Prepare the contact of a ball with its groove for the friction solver, on the grid of an elastic contact.
 
     Parameters
     ----------
-    touch : Touch
+    touch : GrooveContact
         The contact.
     scene : Rolling
         Its balls.
     ball : int
         Index of the ball.
     patch : Patch
-        The patch.
+        Solution of the normal contact on the grid.
     curved : bool
-        As for `contact_surface`.
+        Whether the contact lies on the curved surface that ball and groove share, as for `contact_surface`.
     elastic : float, default 1.0
-        Share of the bodies' tangential compliance.
+        Factor on the tangential compliance of the bodies.
 
     Returns
     -------
     Contact
         The contact, for the friction solver.
     """
-    rigid = rigid_contact(touch, scene, ball, patch.normal, patch.at, curved=curved, sunk=elastic * patch.sunk)
+    rigid = rigid_friction_contact(touch, scene, ball, patch.normal, patch.at, curved=curved, sunk=elastic * patch.sunk)
     speed = elastic * rolling_speed(touch, scene)
     return replace(rigid, elastic=speed * patch.transport, given=rigid.given + speed * patch.strain)
 
@@ -310,7 +327,7 @@ def ball_contact(touch: Touch, scene: Rolling, ball: int, patch: Patch, *, curve
 
 def ball_to_ball_contact(
     one: int, two: int, frames: tuple[Array, Array], line: Array, track: Track, radius: float, apart: float = 0.0
-) -> Meeting:
+) -> BallPairContact:
     """Create the contact of two balls from their axes and the line between them.
 
     Parameters
@@ -318,19 +335,19 @@ def ball_to_ball_contact(
     one, two : int
         Indices of the balls.
     frames : tuple[Array, Array]
-        Axes of both as rows ``(3, 3)``.
+        Axes of each ball as rows, in common axes ``(3, 3)``.
     line : (3,) Array
-        Unit vector from the first to the second.
+        Unit vector from the centre of the first ball to that of the second, in common axes.
     track : Track
-        Track.
+        Screw motion of the track.
     radius : float
         Radius of the balls [m].
     apart : float, default 0.0
-        Speed at which they may close without touching [m/s].
+        Closing speed up to which the balls do not touch [m/s].
 
     Returns
     -------
-    Meeting
+    BallPairContact
         The contact.
     """
     side = np.cross(line, np.eye(3)[int(np.argmin(np.abs(line)))])
@@ -342,23 +359,27 @@ def ball_to_ball_contact(
         at = sign * radius * local[0]
         rows = local @ velocity_matrix(track, radius, at[None])[0]
         parts.append(sign * rows)
-    return Meeting(one, two, np.hstack(parts), axes, apart)
+    return BallPairContact(one, two, np.hstack(parts), axes, apart)
 
 
 @dataclass(frozen=True)
 class BallEquilibrium:
-    """Equilibrium f of all balls of a scene, as in equation (2) of `hifi.rolling.friction`.
+    """Equations f(y) of the equilibrium of all balls of a scene, as in eq. (2) of `hifi.rolling.friction`.
 
     The unknowns are the motions of all balls, then the force of each ball-to-ball contact [N].
     """
 
     #: The balls.
     scene: Rolling
-    #: Weight of closing speeds against forces [N s/m].
+    #: Factor by which closing speeds are multiplied to be compared with forces [N s/m].
     weight: float
 
     def __call__(self, y: Array) -> tuple[Array, Array]:
-        """Evaluate forces on the motions and the complementarity of every ball-to-ball contact, with their derivatives."""
+        """Evaluate the equations and their derivatives at motions and forces ``y`` (u,).
+
+        Returns f ``(u,)``, the forces on each motion [N] and then the complementarity of each ball-to-ball contact [N], and
+        df/dy ``(u, u)``.
+        """
         mu, m = self.scene.mu_balls, MOTIONS * len(self.scene.balls)
         f, S = np.zeros(y.size), np.zeros((y.size, y.size))
         for k, pair in enumerate(self.scene.meetings):

@@ -36,7 +36,7 @@ def monomial_exponents(degree: int) -> Array:
     Returns
     -------
     (k, 2) Array
-        Powers.
+        Powers of x and of y in each of the k monomials.
 
     Examples
     --------
@@ -52,7 +52,7 @@ def monomials(at: Array, scale: tuple[float, float], degree: int) -> Array:
     Parameters
     ----------
     at : (n, 2) Array
-        Places [m].
+        Coordinates x, y of n points [m].
     scale : tuple[float, float]
         Lengths by which the coordinates are divided [m].
     degree : int
@@ -61,44 +61,49 @@ def monomials(at: Array, scale: tuple[float, float], degree: int) -> Array:
     Returns
     -------
     (n, k) Array
-        Values.
+        Values of the k monomials.
     """
     unit = at / np.array(scale)
     return np.asarray(np.prod(unit[:, None] ** monomial_exponents(degree), axis=2))
 
 
 @dataclass(frozen=True, eq=False)
-class Regular:
-    """Smooth part of the compliance of finite bodies, which is added to that of half-spaces."""
+class SmoothKernel:
+    """Smooth part of the compliance of finite bodies, which is added to that of half-spaces (kernel)."""
 
-    #: Coefficients ``(3 k, 3 k)`` [m/N], directions slowest.
+    #: Coefficients M of the kernel between k monomials ``(3 k, 3 k)`` [m/N]: k along x, then k along y, then k along the
+    #: normal.
     M: Array
     #: Lengths that scale the monomials [m].
     scale: tuple[float, float]
     #: Degree of the monomials.
     degree: int
 
-    def __add__(self, other: Regular) -> Regular:
+    def __add__(self, other: SmoothKernel) -> SmoothKernel:
         """Add the kernels of two bodies. Raises ValueError if their monomials differ."""
         if (self.scale, self.degree) != (other.scale, other.degree):
-            raise ValueError("kernels of two bodies need the same monomials")
+            raise ValueError(
+                "the kernels of two bodies cannot be added, because they differ in the degree or the scale of their "
+                "monomials: compute both for the same contact zone and degree"
+            )
         return replace(self, M=self.M + other.M)
 
     @cached_property
-    def turned(self) -> Regular:
+    def rotated_by_half_turn(self) -> SmoothKernel:
         """Kernel in axes turned by 180 degrees about the contact normal."""
         odd = (-1.0) ** monomial_exponents(self.degree).sum(axis=1)
         signs = np.concatenate([-odd, -odd, odd])
         return replace(self, M=self.M * np.outer(signs, signs))
 
     @cached_property
-    def even(self) -> Regular:
+    def symmetric_in_x(self) -> SmoothKernel:
         """Mean of the kernel and its mirror image in x, for bodies that are symmetric in the rolling direction."""
         odd = (-1.0) ** monomial_exponents(self.degree)[:, 0]
         signs = np.concatenate([-odd, odd, odd])
         return replace(self, M=0.5 * (self.M + self.M * np.outer(signs, signs)))
 
-    def _part(self, rows: slice, columns: slice) -> Array:
+    def _coefficient_block(self, rows: slice, columns: slice) -> Array:
+        """Return the coefficients for some directions of displacements (rows) and of forces (columns)."""
         k = len(self.M) // 3
         return self.M[rows.start * k : rows.stop * k, columns.start * k : columns.stop * k]
 
@@ -108,25 +113,28 @@ class Regular:
         Parameters
         ----------
         at : (n, 2) Array
-            Places of the forces [m].
+            Coordinates x, y of the forces [m].
         rows, columns : slice
-            Directions of displacements and of forces (`TANGENTS`, `NORMAL`).
+            The r directions of the displacements and the c directions of the forces (`TANGENTS`, `NORMAL`).
         shift : float, default 0.0
             Distance along x of the places of the displacements from those of the forces [m].
 
         Returns
         -------
         (r n, c n) Array
-            [m/N], directions slowest.
+            Displacements per unit of force [m/N]: n rows and columns for the first direction, then n for the second.
         """
         to = monomials(at + np.array([shift, 0.0]), self.scale, self.degree)
         by = monomials(at, self.scale, self.degree)
         left = np.kron(np.eye(rows.stop - rows.start), to)
         right = np.kron(np.eye(columns.stop - columns.start), by)
-        return np.asarray(left @ self._part(rows, columns) @ right.T)
+        return np.asarray(left @ self._coefficient_block(rows, columns) @ right.T)
 
     def slope(self, at: Array, rows: slice, columns: slice) -> Array:
-        """Compute the derivative along x of the displacements by unit forces (`block`) [1/N]."""
+        """Compute the derivative along x of the displacements by unit forces ``(r n, c n)`` [1/N].
+
+        The arguments and the order of rows and columns are those of `block`.
+        """
         powers = monomial_exponents(self.degree)
         lower = np.maximum(powers - np.array([1, 0]), 0)
         unit = at / np.array(self.scale)
@@ -134,7 +142,7 @@ class Regular:
         by = monomials(at, self.scale, self.degree)
         left = np.kron(np.eye(rows.stop - rows.start), to)
         right = np.kron(np.eye(columns.stop - columns.start), by)
-        return np.asarray(left @ self._part(rows, columns) @ right.T)
+        return np.asarray(left @ self._coefficient_block(rows, columns) @ right.T)
 
 
 #: Directions of a kernel: along tangents, and the normal.
@@ -157,15 +165,19 @@ MOST = 100
 
 
 def _over_rectangle(corner: Array) -> Array:
-    """Evaluate a double integral over a rectangle from a double antiderivative's values (2, 2, ...) at its corners.
+    """Evaluate a double integral over a rectangle.
 
-    The sum is ordered so that places on opposite sides have the same value to the last digit.
+    ``corner``: values of a double antiderivative at the corners of the rectangle (2, 2, ...), upper x and y first. The sum
+    is ordered so that places on opposite sides have the same value to the last digit.
     """
     return np.asarray((corner[0, 0] + corner[1, 1]) - (corner[0, 1] + corner[1, 0]))
 
 
 def _corner_coordinates(x: Array, y: Array, dx: float, dy: float) -> tuple[Array, Array]:
-    """Return the coordinates (2, 2, ...) of the points x, y relative to the corners of a rectangle about the origin."""
+    """Return the coordinates x and y ``(2, 2, ...)`` [m] of points relative to the corners of a rectangle about the origin.
+
+    ``x``, ``y``: coordinates of the points [m]; ``dx``, ``dy``: sides of the rectangle [m].
+    """
     ends = np.array([0.5, -0.5])
     X = np.broadcast_to(x + dx * ends.reshape(2, 1, *([1] * np.ndim(x))), (2, 2, *np.shape(x)))
     Y = np.broadcast_to(y + dy * ends.reshape(1, 2, *([1] * np.ndim(y))), (2, 2, *np.shape(y)))
@@ -187,7 +199,7 @@ def rectangle_influence(x: Array, y: Array, dx: float, dy: float, young: float, 
     Parameters
     ----------
     x, y : Array
-        Places [m]; the rectangle lies about the origin.
+        Coordinates of the points at which the displacement is computed [m]; the rectangle lies about the origin.
     dx, dy : float
         Sides of the rectangle [m].
     young : float
@@ -198,8 +210,8 @@ def rectangle_influence(x: Array, y: Array, dx: float, dy: float, young: float, 
     Returns
     -------
     (..., 3, 3) Array
-        [m/Pa]; rows: displacement of body 1 past body 2 along x, y, and the separation along the normal; columns:
-        traction on body 1 along x, y, and pressure.
+        Relative displacement per unit of traction [m/Pa]; rows: displacement of body 1 past body 2 along x, y, and the
+        separation along the normal; columns: traction on body 1 along x, y, and pressure.
 
     References
     ----------
@@ -218,19 +230,21 @@ def rectangle_influence(x: Array, y: Array, dx: float, dy: float, young: float, 
     upright, aslant = (1.0 - poisson) / (np.pi * shear), poisson / (np.pi * shear)
     inverse = over(along_x) + over(along_y)
     out = np.zeros((*np.shape(x), 3, 3))
-    out[..., 0, 0] = upright * inverse + aslant * over(along_x)  # Cerruti, (3.75)
+    out[..., 0, 0] = upright * inverse + aslant * over(along_x)  # Cerruti, Johnson's eq. (3.75)
     out[..., 1, 1] = upright * inverse + aslant * over(along_y)
     out[..., 0, 1] = out[..., 1, 0] = aslant * over(-R)
-    out[..., 2, 2] = upright * inverse  # Boussinesq, (3.22)
+    out[..., 2, 2] = upright * inverse  # Boussinesq, Johnson's eq. (3.22)
     return out
 
 
 def _influence_table(
     cells: Index, size: Array, material: tuple[float, float], directions: slice, shift: float = 0.0
 ) -> Array:
-    """Tabulate the displacements by a cell's unit forces at all offsets of a grid of w by h cells.
+    """Tabulate the relative displacements by unit forces on one cell, at all offsets of a grid of w by h cells.
 
-    The result is ``(2 w - 1, 2 h - 1, k, k)`` [m/N] along ``directions``; ``shift``: distance upstream [m]. Each force is
+    ``cells``: columns and rows of the cells (n, 2); ``size``: sides of a cell (2,) [m]; ``material``: Young's modulus [Pa]
+    and Poisson's ratio; ``directions``: the k directions of displacements and forces; ``shift``: distance upstream of the
+    cells' centres at which displacements are taken [m]. The result is ``(2 w - 1, 2 h - 1, k, k)`` [m/N]. Each force is
     uniform over its cell.
     """
     span = np.ptp(cells, axis=0)
@@ -240,7 +254,11 @@ def _influence_table(
 
 
 def _matrix_from_table(cells: Index, table: Array) -> Array:
-    """Expand a table of all offsets to the matrix ``(k n, k n)`` between n cells ``(n, 2)``, directions slowest."""
+    """Expand a table of `_influence_table` to the matrix between n cells ``(k n, k n)``.
+
+    ``cells``: columns and rows of the cells (n, 2); ``table``: values at all offsets, for k directions. The matrix has n
+    rows and columns for the first direction, then n for the second.
+    """
     span, n, k = np.ptp(cells, axis=0), len(cells), table.shape[-1]
     line = cells @ (2 * span[1] + 1, 1)
     apart = line[:, None] - line + ((2 * span[1] + 1) * span[0] + span[1])
@@ -258,9 +276,9 @@ def solve_normal_contact(
     Parameters
     ----------
     cells : (n, 2) Index
-        Columns and rows of the cells.
+        Columns and rows of the cells on the grid.
     size : (2,) Array
-        Size of a cell [m].
+        Sides of a cell along x and y [m].
     gap : (n,) Array
         Gap of the undeformed bodies [m].
     load : float
@@ -268,19 +286,19 @@ def solve_normal_contact(
     material : tuple[float, float]
         Young's modulus [Pa] and Poisson's ratio of both bodies.
     extra : (n, n) Array, optional, default None
-        Compliance beyond that of half-spaces [m/N].
+        Compliance of finite bodies along the normal, in addition to that of half-spaces [m/N]; None: half-spaces.
 
     Returns
     -------
     forces : (n,) Array
         Normal forces [N], >= 0, of sum ``load``.
     approach : float
-        Approach that closes the gap where they act [m].
+        Approach of the bodies, which closes the gap where the forces act [m].
 
     Raises
     ------
     ValueError
-        The active set does not settle.
+        The set of closed cells does not converge.
     """
     C = _matrix_from_table(cells, _influence_table(cells, size, material, NORMAL)) + (0.0 if extra is None else extra)
     active = gap <= np.quantile(gap, 0.5)
@@ -296,7 +314,7 @@ def solve_normal_contact(
         if np.array_equal(closed, active):
             return forces, approach
         active = closed
-    raise ValueError(f"the contact's active set did not converge in {MOST} changes")
+    raise ValueError(f"the set of closed cells of a contact on a grid did not converge in {MOST} changes")
 
 
 # --- a contact
@@ -316,10 +334,10 @@ class Patch:
     normal: Array
     #: Young's modulus [Pa] and Poisson's ratio of both bodies.
     material: tuple[float, float]
-    #: Approach [m].
+    #: Approach of the bodies [m].
     approach: float
     #: Contribution of finite bodies; None: half-spaces.
-    regular: Regular | None = None
+    regular: SmoothKernel | None = None
 
     @property
     def load(self) -> float:
@@ -327,6 +345,7 @@ class Patch:
         return float(self.normal.sum())
 
     def _table(self, shift: float) -> Array:
+        """Tabulate the tangential influence of half-spaces at ``shift`` [m] upstream of the cells' centres."""
         return _influence_table(self.cells, self.size, self.material, TANGENTS, shift)
 
     def tangential(self, shift: float = 0.0) -> Array:
@@ -347,7 +366,7 @@ class Patch:
 
     @property
     def strain(self) -> Array:
-        """Tangential displacement rate ``(2 n,)`` that the normal forces cause, per length of rolling.
+        """Rate of the tangential displacement that the normal forces cause ``(2 n,)`` [m/m], per length of rolling.
 
         It is zero for half-spaces of the same material.
         """
@@ -365,10 +384,11 @@ class Patch:
 
     @cached_property
     def transport(self) -> Array:
-        """Rate D ``(2 n, 2 n)`` [1/N] of the elastic displacement of material passing the cells, per length of rolling.
+        """Rate D of the elastic displacement of material that passes the cells, by unit tangential forces ``(2 n, 2 n)``.
 
-        D is a backward difference of second order, upstream by `STEP` cells. Displacements are known everywhere, so that
-        nothing is interpolated. The symmetric part of D is positive: the differences dissipate work.
+        D is a rate per length of rolling [1/N], computed by a backward difference of second order, upstream by `STEP`
+        cells. Displacements are known everywhere, so that nothing is interpolated. The symmetric part of D is positive: the
+        differences dissipate work.
         """
         step = STEP * float(self.size[0])
         half_space = _matrix_from_table(self.cells, _backward_difference([self._table(k * step) for k in range(3)], step))
@@ -386,15 +406,18 @@ class Patch:
         length : float
             Factor on lengths.
         force : float
-            Factor on forces; ``length ** 3`` of a similar contact.
+            Factor on forces; it is ``length ** 3`` for a similar contact.
 
         Returns
         -------
         Patch
-            The patch.
+            The similar contact.
         """
         if self.regular is not None:
-            raise ValueError("contacts of finite bodies are not similar")
+            raise ValueError(
+                "a contact of finite bodies cannot be scaled to another force, because their contacts are not similar: "
+                "solve it for that force"
+            )
         square = length * length
         out = replace(
             self, at=self.at * length, size=self.size * length, normal=self.normal * force, approach=self.approach * square
@@ -405,7 +428,10 @@ class Patch:
 
 
 def _backward_difference(values: list[Array], step: float) -> Array:
-    """Compute the second-order backward difference per length from values here and one and two steps [m] upstream."""
+    """Compute the second-order backward difference per length.
+
+    ``values``: values at a place, and one and two steps upstream of it; ``step``: length of a step [m].
+    """
     current, before, first = values
     return np.asarray((3.0 * current - 4.0 * before + first) / (2.0 * step))
 
@@ -423,9 +449,9 @@ def cell_grid(shape: tuple[int, int], size: Array) -> tuple[Index, Array]:
     Returns
     -------
     cells : (n, 2) Index
-        Columns and rows.
+        Columns and rows of the cells.
     at : (n, 2) Array
-        Centres [m].
+        Centres x, y of the cells [m].
 
     Examples
     --------
@@ -438,7 +464,7 @@ def cell_grid(shape: tuple[int, int], size: Array) -> tuple[Index, Array]:
 
 
 def equivalent_radii(
-    load: float, radii: tuple[float, float], young: float, poisson: float, regular: Regular | None
+    load: float, radii: tuple[float, float], young: float, poisson: float, regular: SmoothKernel | None
 ) -> tuple[float, float]:
     """Compute the relative radii of half-spaces whose contact is equivalent to that of finite bodies.
 
@@ -454,13 +480,13 @@ def equivalent_radii(
         Young's modulus [Pa].
     poisson : float
         Poisson's ratio.
-    regular : Regular | None
+    regular : SmoothKernel | None
         Contribution of finite bodies; None: half-spaces.
 
     Returns
     -------
     tuple[float, float]
-        Radii along x and y [m].
+        Relative radii of the half-spaces along x and y [m].
     """
     if regular is None:
         return radii
@@ -483,7 +509,7 @@ def hertz_patch(
     young: float,
     poisson: float,
     shape: tuple[int, int],
-    regular: Regular | None = None,
+    regular: SmoothKernel | None = None,
     margin: float = MARGIN,
 ) -> Patch:
     """Solve the contact of two bodies of one material on a grid.
@@ -502,7 +528,7 @@ def hertz_patch(
         Poisson's ratio.
     shape : tuple[int, int]
         Numbers of cells along x and y.
-    regular : Regular | None, default None
+    regular : SmoothKernel | None, default None
         Contribution of finite bodies; the tangential displacement by their pressure is in `Patch.strain` only.
     margin : float, default MARGIN
         Width of the grid over that of Hertz's ellipse.
@@ -515,7 +541,7 @@ def hertz_patch(
     Raises
     ------
     ValueError
-        As `hifi.contact.hertz.hertz`, or the active set does not settle.
+        Load, radii or material are not those of a Hertzian contact, or the set of closed cells does not converge.
     """
     ellipse = hertz(load, *equivalent_radii(load, radii, young, poisson, regular), young, poisson)
     size = 2.0 * margin * np.array([ellipse.semi_x, ellipse.semi_y]) / np.array(shape)

@@ -23,7 +23,7 @@ from scipy.optimize import minimize, root
 
 from rollbench.hifi.contact.hertz import hertz
 from rollbench.hifi.rolling.balls import Choices, RollingResult, loaded_contacts, solve_rolling, without_ball_contacts
-from rollbench.hifi.rolling.kinematics import Ball, Meeting, Rolling, Touch, Track, ball_to_ball_contact
+from rollbench.hifi.rolling.kinematics import Ball, BallPairContact, GrooveContact, Rolling, Track, ball_to_ball_contact
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.numerics import brentq
 
@@ -32,11 +32,11 @@ from rollbench.meshes.numerics import brentq
 class Layout:
     """Positions of N balls and their k grooves each."""
 
-    #: Track, seen from every ball.
+    #: Screw motion of the track, in the axes of every ball.
     track: Track
-    #: Axes of the balls as rows ``(N, 3, 3)``.
+    #: Axes of each ball as rows, in common axes ``(N, 3, 3)``.
     frames: Array
-    #: Plane of the section in a ball's axes ``(2, 3)``.
+    #: Two unit vectors that span the plane of the track's section, in a ball's axes ``(2, 3)``.
     section: Array
     #: Ball radius [m].
     radius: float
@@ -44,12 +44,12 @@ class Layout:
     groove_radius: float
     #: Relative radii along and across every groove ``(k, 2)`` [m].
     radii: Array
-    #: Speeds of the grooves' bodies ``(k,)``.
+    #: Speeds of the grooves' bodies along the track ``(k,)`` [m/s on a straight track, rad/s on a ring or helix].
     ride: Array
-    #: Nominal speed of the balls.
+    #: Nominal speed of the balls along the track, in the same unit.
     orbit: float
-    #: Neighbours in touch.
-    meetings: tuple[Meeting, ...]
+    #: Contacts between neighbouring balls.
+    meetings: tuple[BallPairContact, ...]
 
 
 @dataclass(frozen=True)
@@ -76,19 +76,19 @@ def rolling_scene(layout: Layout, material: Material, normals: Array, loads: Arr
     material : Material
         Elastic material and friction.
     normals : (N, k, 2) Array
-        Contact directions in the section.
+        Unit vectors from each ball's centre to its k contacts, in the plane of the section.
     loads : (N, k) Array
         Contact loads [N].
 
     Returns
     -------
     Rolling
-        The scene.
+        The rolling balls.
     """
     balls = []
     for frame, n, force in zip(layout.frames, normals, loads, strict=True):
         touches = [
-            Touch(
+            GrooveContact(
                 n[k] @ layout.section,
                 float(force[k]),
                 (layout.radii[k, 0], layout.radii[k, 1]),
@@ -105,7 +105,11 @@ def rolling_scene(layout: Layout, material: Material, normals: Array, loads: Arr
 
 
 def _groove_bottom(normals: Array, ride: Array, k: int) -> Array:
-    """Return the direction ``(2,)`` to the bottom of groove k: between the contacts with both arcs of its body."""
+    """Return the unit vector from a ball's centre to the bottom of the groove with contact k, in the section ``(2,)``.
+
+    It lies between the contacts with both arcs of the groove. ``normals``: unit vectors to the ball's contacts (k, 2);
+    ``ride``: speeds of the grooves' bodies (k,), by which the two arcs of one body are recognised.
+    """
     bottom = normals[ride == ride[k]].sum(axis=0)
     return np.asarray(bottom / np.linalg.norm(bottom))
 
@@ -143,16 +147,16 @@ def linear_layout(
     count : int
         Number of balls.
     moving : (k,) array
-        Which grooves move.
+        1 or True for each groove that moves, else 0.
     speed : float
-        Their speed [m/s].
+        Speed of these grooves [m/s].
     touch : (count - 1,) array
-        Which neighbours are in touch.
+        1 or True for each pair of neighbouring balls that can touch, else 0.
 
     Returns
     -------
     Layout
-        The layout.
+        Positions of balls and grooves.
     """
     track = Track(np.zeros(3), np.array([0.0, 0.0, 1.0]))
     frames = np.repeat(np.eye(3)[None], count, axis=0)
@@ -179,12 +183,12 @@ def relative_radius_along(radius: float, pitch_radius: float, lead_angle: float,
     lead_angle : float
         Lead angle [rad].
     outward : float
-        Radial component of the contact's direction; negative on the screw.
+        Radial component of the unit vector from the ball's centre to the contact; negative on the screw.
 
     Returns
     -------
     float
-        [m].
+        Relative radius of curvature [m].
 
     Examples
     --------
@@ -217,23 +221,24 @@ def screw_layout(
     outward : (k,) Array
         -1 for the screw's grooves, 1 for the nut's.
     ride : (k,) Array
-        Speeds of their bodies [rad/s].
+        Speeds of the grooves' bodies [rad/s].
     count : int
         Number of balls.
 
     Returns
     -------
     Layout
-        The layout.
+        Positions of balls and grooves.
     """
     rise = lead / (2.0 * np.pi)
     length, angle = float(np.hypot(pitch_radius, rise)), float(np.arctan2(rise, pitch_radius))
     track = Track(np.array([0.0, np.sin(angle), np.cos(angle)]), np.array([0.0, length, 0.0]))
 
-    def excess(step: float) -> float:
+    def gap_of_neighbours(step: float) -> float:
+        """Return the gap [m] of neighbouring balls at a difference ``step`` [rad] of their azimuths."""
         return float(np.hypot(2.0 * pitch_radius * np.sin(0.5 * step), rise * step)) - 2.0 * radius
 
-    step = float(brentq(excess, 0.0, 0.5 * np.pi, xtol=1e-15)) if count > 1 else 0.0
+    step = float(brentq(gap_of_neighbours, 0.0, 0.5 * np.pi, xtol=1e-15)) if count > 1 else 0.0
     azimuth = (np.arange(count) - 0.5 * (count - 1)) * step
     frames = np.array([_ball_axes(phi, angle) for phi in azimuth])
     centres = np.stack([pitch_radius * np.cos(azimuth), pitch_radius * np.sin(azimuth), rise * azimuth], axis=1)
@@ -253,7 +258,10 @@ def screw_layout(
 
 
 def _ball_axes(azimuth: float, angle: float) -> Array:
-    """Return the axes x3, y3, z3 of a ball as rows in fixed coordinates (Lin 2019, eq. (3.62))."""
+    """Return the axes x3, y3, z3 of a ball as rows in fixed coordinates ``(3, 3)`` (Lin 2019, eq. (3.62)).
+
+    ``azimuth``: azimuth of the ball [rad]; ``angle``: lead angle [rad].
+    """
     c, s, ca, sa = np.cos(azimuth), np.sin(azimuth), np.cos(angle), np.sin(angle)
     return np.array([[c, s, 0.0], [-ca * s, ca * c, sa], [sa * s, -sa * c, ca]])
 
@@ -272,12 +280,12 @@ def ring_layout(
     outward : (k,) Array
         -1 for the inner ring's grooves, 1 for the outer ring's.
     ride : (k,) Array
-        Speeds of their bodies [rad/s].
+        Speeds of the grooves' bodies [rad/s].
 
     Returns
     -------
     Layout
-        The layout.
+        Position of the ball and its grooves.
     """
     track = Track(np.array([1.0, 0.0, 0.0]), np.array([0.0, 0.0, pitch_radius]))
     across = 1.0 / (1.0 / radius - 1.0 / groove_radius)
@@ -289,47 +297,48 @@ def ring_layout(
     return Layout(track, np.eye(3)[None], np.eye(3)[:2], radius, groove_radius, radii, ride, orbit, ())
 
 
-#: Newton's steps that follow the search, and force out of balance over the sum of contact loads that counts as balance.
+#: Number of Newton's steps that follow the search for the minimum of energy, and largest unbalanced force over the sum of
+#: contact loads in an equilibrium.
 POLISH, BALANCED = 30, 1e-9
 
 
 @dataclass(frozen=True)
-class Cell:
+class StaticProblem:
     """Static problem of N balls with k grooves each, and an inner body with m free motions."""
 
-    #: Directions of the unloaded contacts in the section ``(N, k, 2)``.
+    #: Unit vectors from each ball's centre to its unloaded contacts, in the section ``(N, k, 2)``.
     normals: Array
     #: Groove radius less ball radius [m].
     reach: float
-    #: Interference ``(N, k)`` [m].
+    #: Interference of ball and groove in the undisplaced state ``(N, k)`` [m].
     interference: Array
-    #: Hertz constants ``(N, k)`` [m/N^(2/3)].
+    #: Hertz constants C of the contacts ``(N, k)`` [m/N^(2/3)], for the approach C F^(2/3).
     C: Array
-    #: Which grooves are the inner body's ``(k,)``.
+    #: Whether each groove is one of the inner body ``(k,)``.
     inner: NDArray[np.bool_]
-    #: Motion of the inner body in the section per free motion ``(N, 2, m)``.
+    #: Displacement of the inner body in each ball's section by unit free motions ``(N, 2, m)``.
     rows: Array
-    #: Prescribed displacement of the inner body ``(N, 2)`` [m].
+    #: Prescribed displacement of the inner body in each ball's section ``(N, 2)`` [m].
     offset: Array
-    #: Forces on the inner body ``(m,)`` [N].
+    #: Applied forces on the inner body along its free motions ``(m,)`` [N].
     pull: Array
-    #: Forces on the balls ``(N, 2)`` [N].
+    #: Applied forces on the balls in their sections ``(N, 2)`` [N].
     push: Array
 
 
 @dataclass(frozen=True)
 class Loads:
-    """Static equilibrium of the balls and the inner body of a `Cell`."""
+    """Static equilibrium of the balls and the inner body of a `StaticProblem`."""
 
     #: Contact forces ``(N, k)`` [N].
     force: Array
-    #: Directions of the contacts from the ball ``(N, k, 2)``.
+    #: Unit vectors from each ball's centre to its contacts, in the section ``(N, k, 2)``.
     normal: Array
-    #: Displacements of the balls ``(N, 2)`` [m].
+    #: Displacements of the balls in their sections ``(N, 2)`` [m].
     ball: Array
     #: Free motions of the inner body ``(m,)`` [m].
     body: Array
-    #: Unbalanced force over the sum of the contact loads.
+    #: Largest unbalanced force over the sum of the contact loads.
     left: float
 
     @property
@@ -338,18 +347,18 @@ class Loads:
         return self.left <= BALANCED
 
 
-def solve_static_cell(cell: Cell) -> Loads:
+def solve_static_problem(cell: StaticProblem) -> Loads:
     """Solve the static equilibrium of balls and inner body; if there is none, the result has not converged.
 
     Parameters
     ----------
-    cell : Cell
-        The cell.
+    cell : StaticProblem
+        The static problem.
 
     Returns
     -------
     Loads
-        Contact forces.
+        Contact forces and displacements.
     """
     N, m = cell.normals.shape[0], cell.pull.size
     size = float(np.abs(cell.pull).sum() + np.abs(cell.push).sum())
@@ -365,16 +374,16 @@ def solve_static_cell(cell: Cell) -> Loads:
         e, g, _ = _energy_derivatives(cell, x * unit)
         return e / (size * unit), g / size
 
-    def bend(x: Array) -> Array:
+    def hessian(x: Array) -> Array:
         return np.asarray(_energy_derivatives(cell, x * unit)[2] * (unit / size)) + 1e-9 * np.eye(x.size)
 
-    x = minimize(energy, start, jac=True, hess=bend, method="trust-exact", options={"gtol": 1e-8, "maxiter": 500}).x
+    x = minimize(energy, start, jac=True, hess=hessian, method="trust-exact", options={"gtol": 1e-8, "maxiter": 500}).x
     best = x
     for _ in range(POLISH):
         g = energy(x)[1]
         if np.linalg.norm(g) < np.linalg.norm(energy(best)[1]):
             best = x
-        x = x - np.linalg.solve(bend(x), g)
+        x = x - np.linalg.solve(hessian(x), g)
     force, normal, _ = _contact_forces(cell, best * unit)
     left = float(np.abs(energy(best)[1]).max()) * size / max(float(force.sum()), 1e-300)
     if np.any((force > 0.0) & ((normal * cell.normals).sum(axis=2) <= 0.0)):  # a ball that left its groove for the far side
@@ -382,8 +391,12 @@ def solve_static_cell(cell: Cell) -> Loads:
     return Loads(force, normal, best[: 2 * N].reshape(N, 2) * unit, best[2 * N :] * unit, left)
 
 
-def _contact_forces(cell: Cell, x: Array) -> tuple[Array, Array, Array]:
-    """Compute contact forces [N], their directions, and the lengths of d [m] at positions x of balls and inner body."""
+def _contact_forces(cell: StaticProblem, x: Array) -> tuple[Array, Array, Array]:
+    """Compute the contact forces of a static problem at given displacements of balls and inner body.
+
+    x: displacements of the balls, then free motions of the inner body (2 N + m,) [m]. Returns the forces (N, k) [N], their
+    directions (N, k, 2), and the distances (N, k) [m] of the centre of each groove's arc from the ball's centre.
+    """
     N = cell.normals.shape[0]
     p, u = x[: 2 * N].reshape(N, 2), x[2 * N :]
     body = cell.rows @ u + cell.offset if u.size else cell.offset
@@ -393,8 +406,12 @@ def _contact_forces(cell: Cell, x: Array) -> tuple[Array, Array, Array]:
     return (approach / cell.C) ** 1.5, d / length[:, :, None], length  # F = (approach / C)^(3/2) along d
 
 
-def _energy_derivatives(cell: Cell, x: Array) -> tuple[float, Array, Array]:
-    """Compute energy, gradient and Hessian at positions x of balls and inner body."""
+def _energy_derivatives(cell: StaticProblem, x: Array) -> tuple[float, Array, Array]:
+    """Compute the energy of a static problem at given displacements of balls and inner body, with two derivatives.
+
+    x: displacements of the balls, then free motions of the inner body (2 N + m,) [m]. Returns the energy [J], its gradient
+    (2 N + m,) [N] and its Hessian [N/m].
+    """
     N, m = cell.normals.shape[0], cell.pull.size
     force, n, length = _contact_forces(cell, x)
     approach = cell.C * np.cbrt(force) ** 2
@@ -421,34 +438,34 @@ def _energy_derivatives(cell: Cell, x: Array) -> tuple[float, Array, Array]:
 #: Accepted difference between the friction force and the one assumed for the loads, over the largest load.
 AGREED = 1e-7
 
-#: Search by Anderson's acceleration of the alternation of loads and friction.
+#: Options of Anderson's acceleration, which alternates solutions for contact loads and for friction.
 SEARCH = {"fatol": 0.1 * AGREED, "maxiter": 40, "line_search": None, "jac_options": {"M": 4, "alpha": 1.0, "w0": 1e-6}}
 
-#: Grid on which loads and friction are brought together first.
+#: Numbers of cells of the coarse grid on which loads and friction are brought together first.
 COARSE = (10, 10)
 
 
-def fix_inner_body(cell: Cell, loads: Loads) -> Cell:
+def fix_inner_body(cell: StaticProblem, loads: Loads) -> StaticProblem:
     """Return a copy of a static problem with the inner body fixed at its equilibrium.
 
     Parameters
     ----------
-    cell : Cell
+    cell : StaticProblem
         The static problem.
     loads : Loads
         Its equilibrium.
 
     Returns
     -------
-    Cell
-        The cell, its inner body without free motions.
+    StaticProblem
+        Static problem whose inner body has no free motions.
     """
     moved = cell.rows @ loads.body if cell.pull.size else 0.0
     return replace(cell, offset=cell.offset + moved, rows=np.zeros((*cell.rows.shape[:2], 0)), pull=np.zeros(0))
 
 
 def solve_loads_with_rolling(
-    layout: Layout, material: Material, cell: Cell, choices: Choices, *, meet: bool
+    layout: Layout, material: Material, cell: StaticProblem, choices: Choices, *, meet: bool
 ) -> tuple[Loads, bool]:
     """Solve contact loads and rolling together, with friction that moves the balls across the track.
 
@@ -461,7 +478,7 @@ def solve_loads_with_rolling(
         Places of balls and grooves.
     material : Material
         Elastic material and friction.
-    cell : Cell
+    cell : StaticProblem
         The static problem.
     choices : Choices
         Numerical choices of rolling.
@@ -471,29 +488,29 @@ def solve_loads_with_rolling(
     Returns
     -------
     loads : Loads
-        Contact forces.
+        Contact forces with friction.
     converged : bool
         Whether loads and friction agree (`AGREED`) and both converged.
     """
-    loads = solve_static_cell(cell)
+    loads = solve_static_problem(cell)
     held = fix_inner_body(cell, loads)
     scale, last = float(loads.force.max()), dict[tuple[int, int], RollingResult]()
 
-    def exerted(push: Array, grid: Choices) -> tuple[Loads, RollingResult, Array]:
-        pushed = solve_static_cell(replace(held, push=cell.push + push))
+    def solve_with_push(push: Array, grid: Choices) -> tuple[Loads, RollingResult, Array]:
+        pushed = solve_static_problem(replace(held, push=cell.push + push))
         rolling = _solve_rolling_under_loads(layout, material, pushed, grid, meet, last.get(grid.shape))
         last[grid.shape] = rolling
         return pushed, rolling, (rolling.wrench[:, :3] + rolling.between) @ layout.section.T
 
-    def missing(push: Array, grid: Choices) -> Array:
+    def push_mismatch(push: Array, grid: Choices) -> Array:
         two = push.reshape(-1, 2) * scale
-        return np.asarray((exerted(two, grid)[2] - two).ravel() / scale)
+        return np.asarray((solve_with_push(two, grid)[2] - two).ravel() / scale)
 
     push = np.zeros(2 * len(cell.push))
     for shape in (COARSE, choices.shape):
         grid = replace(choices, shape=shape)
-        push = root(lambda x, grid=grid: missing(x, grid), push, method="anderson", options=SEARCH).x
-    pushed, rolling, force = exerted(push.reshape(-1, 2) * scale, choices)
+        push = root(lambda x, grid=grid: push_mismatch(x, grid), push, method="anderson", options=SEARCH).x
+    pushed, rolling, force = solve_with_push(push.reshape(-1, 2) * scale, choices)
     agree = np.abs(force / scale - push.reshape(-1, 2)).max() <= AGREED
     return pushed, bool(agree and pushed.converged and rolling.converged)
 
@@ -501,7 +518,11 @@ def solve_loads_with_rolling(
 def _solve_rolling_under_loads(
     layout: Layout, material: Material, loads: Loads, choices: Choices, meet: bool, near: RollingResult | None = None
 ) -> RollingResult:
-    """Solve rolling under the loads, starting from the last solution if the same contacts are loaded."""
+    """Solve rolling under given contact loads.
+
+    ``meet``: whether balls can touch each other; ``near``: another solution, from which the solver starts if the same
+    contacts are loaded.
+    """
     scene = rolling_scene(layout, material, loads.normal, loads.force)
     loaded = [(b, k) for b, k, _ in loaded_contacts(scene)]
     alike = near is not None and [(c.ball, c.touch) for c in near.contacts] == loaded

@@ -18,8 +18,8 @@ from rollbench.hifi.contact.hertz import hertz
 from rollbench.hifi.elements.forms import mean_weights
 from rollbench.hifi.rolling.balls import RollingResult, disk_quadrature
 from rollbench.hifi.rolling.bodies import (
-    Curve,
-    Place,
+    BallPath,
+    ContactPosition,
     Sizes,
     ball_kernel,
     contact_kernel,
@@ -29,11 +29,11 @@ from rollbench.hifi.rolling.bodies import (
     traction_loads,
 )
 from rollbench.hifi.rolling.contact_bodies import Zone, mesh_half_space
-from rollbench.hifi.rolling.friction import Contact, Friction, full_slip, solve_friction
+from rollbench.hifi.rolling.friction import Contact, Friction, full_slip_forces, solve_friction
 from rollbench.hifi.rolling.kinematics import MOTIONS, Rolling, velocity_matrix
 from rollbench.hifi.rolling.patch import (
     Patch,
-    Regular,
+    SmoothKernel,
     cell_grid,
     equivalent_radii,
     hertz_patch,
@@ -42,9 +42,9 @@ from rollbench.hifi.rolling.patch import (
 )
 from rollbench.meshes.arrays import Array
 
-#: Length over half width of the strip that represents a cylinder.
+#: Length over half width of the contact strip that represents a cylinder.
 LONG = 1e4
-#: Points along each axis of a mean.
+#: Points along each axis over which the displacement of a rectangle is averaged.
 MEANS = 200
 
 
@@ -52,15 +52,15 @@ MEANS = 200
 class Creep:
     """Creepages of a rolling contact: rigid slip over the rolling speed."""
 
-    #: Component along the rolling direction.
+    #: Rigid slip along the rolling direction, over the rolling speed.
     along: float
-    #: Component across the rolling direction.
+    #: Rigid slip across the rolling direction, over the rolling speed.
     across: float
-    #: Spin over the rolling speed [1/m].
+    #: Angular velocity about the contact normal (spin), over the rolling speed [1/m].
     spin: float
 
     def slip(self, at: Array) -> Array:
-        """Compute the rigid slip over the rolling speed ``(2 n,)`` at points ``(n, 2)`` [m].
+        """Compute the rigid slip over the rolling speed ``(2 n,)``, along and then across, at points ``at`` (n, 2) [m].
 
         Examples
         --------
@@ -78,13 +78,13 @@ class RolledContact:
     force: Array
     #: Moment on body 1 about the normal [N m].
     moment: float
-    #: The patch.
+    #: Normal contact on its grid.
     patch: Patch
-    #: Solution of the case.
+    #: Solution of the friction solver.
     friction: Friction
     #: Power of friction [W].
     loss: float
-    #: Power that the differences along the flow dissipate [W].
+    #: Power dissipated by the error of the finite differences along the flow of material [W].
     upwind: float
 
 
@@ -96,7 +96,7 @@ def solve_for_given_slip(patch: Patch, elastic: Array, slip: Array, mu: float) -
     patch : Patch
         The contact, of n cells.
     elastic : (2 n, 2 n) Array
-        Slip by tangential forces [m/s/N].
+        Slip that unit tangential forces cause by elastic displacements [m/s/N].
     slip : (2 n,) Array
         Rigid slip [m/s].
     mu : float
@@ -119,27 +119,27 @@ def solve_steady_rolling(patch: Patch, creep: Creep, mu: float, elastic: float =
     Parameters
     ----------
     patch : Patch
-        The contact.
+        Normal contact on its grid.
     creep : Creep
         The creepages.
     mu : float
         Coefficient of friction.
     elastic : float, default 1.0
-        Share of the tangential compliance.
+        Factor on the tangential compliance of the bodies.
 
     Returns
     -------
-    Answer
+    RolledContact
         Force, moment and loss.
     """
-    return _solve_rolled(patch, elastic * patch.transport, creep.slip(patch.at), mu)
+    return _solve_rolling_at_unit_speed(patch, elastic * patch.transport, creep.slip(patch.at), mu)
 
 
 def solve_steady_rolling_as_contact(patch: Patch, creep: Creep, mu: float) -> RolledContact:
     """Solve steady rolling at 1 m/s, discretised as in Kalker's program CONTACT.
 
-    First-order differences over a whole cell, with the slip by spin taken a sixth of a cell upstream (`set_tang_rhs`,
-    `influe_cv_csv` in CONTACT). The arguments are those of `solve_steady_rolling`.
+    Differences along the flow are of first order over a whole cell, and the slip by spin is taken a sixth of a cell
+    upstream (`set_tang_rhs`, `influe_cv_csv` in CONTACT).
 
     Parameters
     ----------
@@ -152,15 +152,19 @@ def solve_steady_rolling_as_contact(patch: Patch, creep: Creep, mu: float) -> Ro
 
     Returns
     -------
-    Answer
+    RolledContact
         Force, moment and loss.
     """
     step = float(patch.size[0])
     transport = (patch.tangential() - patch.tangential(step)) / step
-    return _solve_rolled(patch, transport, creep.slip(patch.at + np.array([step / 6.0, 0.0])), mu)
+    return _solve_rolling_at_unit_speed(patch, transport, creep.slip(patch.at + np.array([step / 6.0, 0.0])), mu)
 
 
-def _solve_rolled(patch: Patch, transport: Array, slip: Array, mu: float) -> RolledContact:
+def _solve_rolling_at_unit_speed(patch: Patch, transport: Array, slip: Array, mu: float) -> RolledContact:
+    """Solve steady rolling at 1 m/s for a prescribed rigid slip.
+
+    ``transport``: slip by unit tangential forces (2 n, 2 n) [m/s/N]; ``slip``: rigid slip (2 n,) [m/s].
+    """
     contact, solution = solve_for_given_slip(patch, transport, slip, mu)
     q = solution.forces[0]
     loss, upwind = -float(q @ solution.slips[0]), float(q @ (contact.elastic @ q))
@@ -171,11 +175,11 @@ def _solve_rolled(patch: Patch, transport: Array, slip: Array, mu: float) -> Rol
 class OnsetStep:
     """State of a contact after one step, as it begins to roll under a tangential force."""
 
-    #: Shift along x before it rolls [m], then creepage.
+    #: After the push the shift of body 1 along x [m], after each step of rolling the creepage along x.
     motion: float
     #: Number of cells that stick.
     sticking: int
-    #: Power of friction at 1 m/s [W]; of the push its work [J].
+    #: After the push the work of friction [J], after each step of rolling the power of friction at 1 m/s [W].
     loss: float
 
 
@@ -191,14 +195,14 @@ def push_and_roll(patch: Patch, mu: float, share: float, steps: int) -> list[Ons
     mu : float
         Coefficient of friction.
     share : float
-        Tangential force over mu P.
+        Tangential force over mu P, the normal force times the coefficient of friction.
     steps : int
-        Number of steps.
+        Number of steps of rolling.
 
     Returns
     -------
-    list[Onset]
-        The push, and every step.
+    list[OnsetStep]
+        State after the push, and after every step of rolling.
 
     Raises
     ------
@@ -218,7 +222,7 @@ def push_and_roll(patch: Patch, mu: float, share: float, steps: int) -> list[Ons
         contact = Contact(bound, response / seconds, motion, np.array([0]), -upstream @ forces / seconds)
         solution = solve_friction([contact], balance, y, [forces] if step else None)
         if not solution.converged:
-            raise ValueError(f"step {step}: {solution.status}")
+            raise ValueError(f"friction in step {step} of a contact that begins to roll: {solution.status}")
         forces, y = solution.forces[0], solution.motions
         sticking = int(np.count_nonzero(solution.stick[0]))
         out.append(OnsetStep(float(y[0]), sticking, -float(forces @ solution.slips[0])))
@@ -244,7 +248,7 @@ def stick_zone_deviations(patch: Patch, bound: Array, tangential: Array) -> Arra
     Returns
     -------
     (2,) Array
-        [m].
+        Standard deviations along x and y [m].
     """
     left = bound - np.linalg.norm(tangential.reshape(2, -1), axis=0)
     share = left / left.sum()
@@ -256,25 +260,25 @@ def stick_zone_deviations(patch: Patch, bound: Array, tangential: Array) -> Arra
 
 @dataclass(frozen=True)
 class NormalContact:
-    """Normal contact at rest: approach, semi-axes and largest pressure."""
+    """Normal contact at rest: approach, and the semi-axes and peak of an ellipsoid fitted to the pressure."""
 
-    #: Approach [m].
+    #: Approach of ball and groove [m].
     approach: float
-    #: Semi-axes along and across the groove [m].
+    #: Semi-axes of the fitted ellipsoid along and across the groove [m].
     semi: tuple[float, float]
-    #: Fitted peak pressure [Pa].
+    #: Peak pressure of the fitted ellipsoid [Pa].
     peak: float
 
 
 def solve_normal_contact_at_rest(
-    at: Place, load: float, young: float, poisson: float, shape: tuple[int, int], sizes: Sizes
+    at: ContactPosition, load: float, young: float, poisson: float, shape: tuple[int, int], sizes: Sizes
 ) -> NormalContact:
     """Solve the normal contact of finite bodies as in the rolling model.
 
     Parameters
     ----------
-    at : Place
-        The contact.
+    at : ContactPosition
+        Position of the contact on its groove.
     load : float
         Contact load [N].
     young : float
@@ -288,8 +292,8 @@ def solve_normal_contact_at_rest(
 
     Returns
     -------
-    Pressed
-        Approach, semi-axes and pressure.
+    NormalContact
+        Approach, semi-axes and peak pressure.
     """
     patch = hertz_patch(load, at.radii, young, poisson, shape, contact_kernel(at, load, young, poisson, sizes))
     semi, _, peak = fit_pressure_ellipsoid(patch.at, np.full(len(patch.at), float(patch.size.prod())), patch.normal)
@@ -297,21 +301,27 @@ def solve_normal_contact_at_rest(
 
 
 def solve_by_static_reference(
-    at: Place, load: float, young: float, poisson: float, cells: tuple[int, int]
+    at: ContactPosition, load: float, young: float, poisson: float, cells: tuple[int, int]
 ) -> NormalContact:
     """Solve a normal contact as in the static reference: finite-element patches of groove and ball, on the exact gap.
 
     Parameters
     ----------
-    at, load, young, poisson
-        As for `solve_normal_contact_at_rest`.
+    at : ContactPosition
+        Position of the contact on its groove.
+    load : float
+        Contact load [N].
+    young : float
+        Young's modulus [Pa].
+    poisson : float
+        Poisson's ratio.
     cells : tuple[int, int]
         Cells of the contact zone along and across the groove.
 
     Returns
     -------
-    Pressed
-        Approach, semi-axes and pressure.
+    NormalContact
+        Approach, semi-axes and peak pressure.
 
     Raises
     ------
@@ -319,9 +329,11 @@ def solve_by_static_reference(
         The track is straight.
     """
     if at.curve is None:
-        raise ValueError("the static reference has no straight tracks")
+        raise ValueError(
+            "the static reference cannot solve the contact of a straight track: it needs the path of a ring or a helix"
+        )
     zone = at.zone(load, young, poisson, replace(Sizes(), cells=cells, growth=2.0, margin=1.2))
-    groove, ball = mesh_contact_pieces(Curve(*at.curve), at.ball, at.arc, at.angle, zone, outer=at.bend > 0.0)
+    groove, ball = mesh_contact_pieces(BallPath(*at.curve), at.ball, at.arc, at.angle, zone, outer=at.bend > 0.0)
     arms = groove.patch.points[groove.patch.contact] - groove.centre
     length = np.linalg.norm(arms, axis=1)
     normals = arms / length[:, None]
@@ -351,12 +363,12 @@ def compare_with_carter(cells: int, share: float) -> tuple[Array, Array]:
     cells : int
         Cells across the contact.
     share : float
-        Q/(mu P).
+        Tangential force Q over mu P, the normal force P times the coefficient of friction.
 
     Returns
     -------
     computed : (2,) Array
-        Q/(mu P) at Carter's creep, half width of the stick zone over a.
+        Q/(mu P) at Carter's creep, and half width of the stick zone over the half width a of the contact.
     exact : (2,) Array
         The same in closed form.
 
@@ -386,16 +398,16 @@ def compare_with_carter(cells: int, share: float) -> tuple[Array, Array]:
 def compare_with_mindlin(cells: int, share: float, balls: Sizes | None = None) -> tuple[Array, Array]:
     """Compare a sphere pressed onto an equal one and pushed sideways with the solution of Cattaneo and Mindlin.
 
-    Stick radius a (1 - Q/(mu P))^(1/3), shift 3 mu P/(16 a) sum (2 - nu)/G (1 - (1 - Q/(mu P))^(2/3)), with nu = 0, for
-    which the solution is exact because no traction across the push is neglected. mu p - abs(q) has the shape of half an
-    ellipsoid over the stick circle, so that the radius is sqrt(5) times its standard deviation along an axis.
+    The stick radius is a (1 - Q/(mu P))^(1/3), the shift 3 mu P/(16 a) sum (2 - nu)/G (1 - (1 - Q/(mu P))^(2/3)), here with
+    nu = 0, for which the solution is exact because no traction across the push is neglected. mu p - abs(q) has the shape of
+    half an ellipsoid over the stick circle, so that the radius is sqrt(5) times its standard deviation along an axis.
 
     Parameters
     ----------
     cells : int
         Cells across the contact.
     share : float
-        Q/(mu P).
+        Tangential force Q over mu P, the normal force P times the coefficient of friction.
     balls : Sizes | None, default None
         Numerical choices of finite balls, whose shift is that of half-spaces plus that of the bodies by Q; None:
         half-spaces.
@@ -403,7 +415,7 @@ def compare_with_mindlin(cells: int, share: float, balls: Sizes | None = None) -
     Returns
     -------
     computed : (2,) Array
-        Q/(mu P) at the exact shift, stick radius over a.
+        Q/(mu P) at the exact shift, and stick radius over the radius a of the contact.
     exact : (2,) Array
         The same in closed form.
 
@@ -430,8 +442,11 @@ def compare_with_mindlin(cells: int, share: float, balls: Sizes | None = None) -
     return np.array([force, stick / size]), np.array([share, rest ** (1.0 / 3.0)])
 
 
-def two_balls_kernel(radius: float, semi: float, young: float, poisson: float, sizes: Sizes) -> Regular:
-    """Compute the kernel that two equal balls of ``radius`` [m] add to half-spaces; ``semi``: radius of the contact [m]."""
+def two_balls_kernel(radius: float, semi: float, young: float, poisson: float, sizes: Sizes) -> SmoothKernel:
+    """Compute the kernel of two equal balls: their compliance at the contact less that of half-spaces.
+
+    ``radius``: radius of the balls [m]; ``semi``: radius of the contact [m]; ``sizes``: numerical choices.
+    """
     zone = Zone((sizes.margin * semi,) * 2, sizes.cells, sizes.growth)
     ball = ball_kernel(radius, zone, (0.0, 0.0), young, poisson, sizes.degree)
     return ball + groove_kernel(ball.M, zone, sizes.degree)
@@ -443,7 +458,7 @@ def two_balls_kernel(radius: float, semi: float, young: float, poisson: float, s
 def compare_ball_friction_with_point(
     scene: Rolling, result: RollingResult, meeting: int, points: int = 60, bodies: Sizes | None = None
 ) -> tuple[float, float]:
-    """Compare the friction between two touching balls over their contact area with that at a point: force and loss.
+    """Compare the friction between two touching balls, distributed over their contact area, with that at a point.
 
     The whole contact slides, so that tractions are mu p against the local sliding, whatever the elasticity.
 
@@ -463,9 +478,9 @@ def compare_ball_friction_with_point(
     Returns
     -------
     force : float
-        Force over that at a point.
+        Friction force over that at a point.
     loss : float
-        Loss over that at a point.
+        Friction loss over that at a point.
     """
     m, force = scene.meetings[meeting], float(result.force[meeting])
     touch = force, (0.5 * scene.radius,) * 2, scene.young, scene.poisson
@@ -484,7 +499,7 @@ def compare_ball_friction_with_point(
         at = sign * (scene.radius - sunk) * axes[0] + local @ axes[1:]
         speeds = velocity_matrix(scene.track, scene.radius, at) @ result.friction.motions[half]
         slide += sign * speeds @ axes[1:].T
-    pull = full_slip(scene.mu_balls * normal, slide.T.ravel())
+    pull = full_slip_forces(scene.mu_balls * normal, slide.T.ravel())
     bound = scene.mu_balls * force
     point = bound * float(np.linalg.norm((m.rows @ result.friction.motions[m.columns])[1:]))
     total = float(np.linalg.norm(pull.reshape(2, -1).sum(axis=1)))
@@ -511,9 +526,9 @@ def compare_half_space_displacements(zone: Zone, size: float, young: float, pois
     Returns
     -------
     computed : (3,) Array
-        By tractions along x, y and inward [m/N].
+        Mean displacements by unit forces along x, y and inward, by finite elements [m/N].
     exact : (3,) Array
-        In closed form [m/N].
+        The same in closed form [m/N].
     """
     block = mesh_half_space(size, zone)
     computed = half_space_response(block, traction_loads(block, zone, 0, (0.0, 0.0)), young, poisson).diagonal()
@@ -529,8 +544,10 @@ def compare_half_space_displacements(zone: Zone, size: float, young: float, pois
 
 
 def ellipse_patch(ratio: float, poisson: float, shape: tuple[int, int]) -> Patch:
-    """Create the cells within an ellipse of semi-axes sqrt(ratio) along and 1/sqrt(ratio) across [m], shear modulus 1 Pa.
+    """Create a contact of the cells within an ellipse, for Kalker's linear theory.
 
+    ``ratio``: semi-axis along over semi-axis across; ``shape``: numbers of cells along and across. The semi-axes are
+    sqrt(ratio) and 1/sqrt(ratio) [m], the shear modulus is 1 Pa, and the normal forces are infinite, so that nothing slips.
     The cells are stretched so that their area equals the ellipse's, which corrects the contact's size for its staircase
     edge.
     """
@@ -561,7 +578,7 @@ def linear_coefficients(ratio: float, poisson: float, shape: tuple[int, int]) ->
     Returns
     -------
     (4,) Array
-        C11, C22, C23, C33.
+        Kalker's coefficients C11, C22, C23, C33.
 
     Raises
     ------
@@ -569,7 +586,7 @@ def linear_coefficients(ratio: float, poisson: float, shape: tuple[int, int]) ->
         The number of cells across is odd.
     """
     if shape[1] % 2:
-        raise ValueError("need an even number of cells across")
+        raise ValueError(f"Kalker's coefficients need an even number of cells across the contact, got {shape[1]}")
     patch = ellipse_patch(ratio, poisson, shape)
     count = len(patch.at)
     half = np.flatnonzero(patch.at[:, 1] > 0.0)
@@ -612,15 +629,15 @@ def full_slip_by_quadrature(
     Returns
     -------
     force : (2,) Array
-        [N].
+        Force on body 1 along and across the rolling direction [N].
     moment : float
-        [N m].
+        Moment on body 1 about the contact normal [N m].
     """
     ellipse = hertz(load, *radii, young, poisson)
     unit, weight = disk_quadrature(points)
     at = unit * np.array([ellipse.semi_x, ellipse.semi_y])
     normal = ellipse.pressure(at[:, 0], at[:, 1]) * weight * ellipse.semi_x * ellipse.semi_y
-    return _resultant(at, full_slip(mu * normal, creep.slip(at)))
+    return _resultant(at, full_slip_forces(mu * normal, creep.slip(at)))
 
 
 def full_slip_within_cells(patch: Patch, creep: Creep, mu: float) -> tuple[Array, float]:
@@ -640,18 +657,21 @@ def full_slip_within_cells(patch: Patch, creep: Creep, mu: float) -> tuple[Array
     Returns
     -------
     force : (2,) Array
-        [N].
+        Force on body 1 along and across the rolling direction [N].
     moment : float
-        [N m].
+        Moment on body 1 about the contact normal [N m].
     """
     points = 20
     unit = (np.arange(points) + 0.5) / points - 0.5
     inside = np.stack(np.meshgrid(unit, unit, indexing="ij"), axis=-1).reshape(-1, 2) * patch.size
     at = (patch.at[:, None] + inside).reshape(-1, 2)
-    return _resultant(at, full_slip(np.repeat(mu * patch.normal / points**2, points**2), creep.slip(at)))
+    return _resultant(at, full_slip_forces(np.repeat(mu * patch.normal / points**2, points**2), creep.slip(at)))
 
 
 def _resultant(at: Array, forces: Array) -> tuple[Array, float]:
-    """Sum forces ``(2 n,)`` at points ``(n, 2)``: resultant ``(2,)`` [N] and moment about the normal [N m]."""
+    """Compute the resultant ``(2,)`` [N] of tangential forces, and their moment about the normal [N m].
+
+    ``at``: points (n, 2) [m]; ``forces``: forces at them, all along x and then all along y (2 n,) [N].
+    """
     x, y = forces.reshape(2, -1)
     return np.array([x.sum(), y.sum()]), float(at[:, 0] @ y - at[:, 1] @ x)

@@ -30,7 +30,7 @@ class ShaftSection:
 
     @property
     def per_length(self) -> Array:
-        """Flexibility of the beam per unit length ``(6, 6)``: strains and curvatures per force and moment."""
+        """Flexibility of the beam per unit length ``(6, 6)``: strains, curvatures and twist by unit forces and moments."""
         yielding = [self.kGA, self.kGA, self.EA, self.EI, self.EI, self.GJ]
         return np.asarray(np.diag(1.0 / np.array(yielding)))
 
@@ -99,12 +99,12 @@ def uniform_cantilever(length: float, per_length: Array) -> Array:
     length : float
         Length [m].
     per_length : (6, 6) Array
-        Flexibility of a metre.
+        Flexibility of the beam per unit length, as `ShaftSection.per_length`.
 
     Returns
     -------
     (6, 6) Array
-        Motion of the end by force and moment there [m/N, 1/N, 1/(N m)].
+        Translation and rotation of the end by unit forces and moments there [m/N, 1/N, 1/(N m)].
 
     Examples
     --------
@@ -131,7 +131,7 @@ def beam_stiffness(length: float, section: ShaftSection) -> Array:
     Returns
     -------
     (12, 12) Array
-        Forces and moments by the motions of both ends.
+        Forces and moments on both ends by unit motions of both ends [N/m, N, N m].
     """
     end, T = np.linalg.inv(uniform_cantilever(length, section.per_length)), transport(length)
     return np.block([[T.T @ end @ T, -T.T @ end], [-end @ T, end]])
@@ -164,7 +164,7 @@ class Frame:
         Returns
         -------
         Frame
-            Its frame.
+            Supports, loads, movable housings and springs.
         """
         if isinstance(described, Scene):
             return Frame(described.supports, described.loads, described.track.pitch_radius)
@@ -187,7 +187,8 @@ class Frame:
         Returns
         -------
         list[tuple[int, float, int, float]]
-            Body (0: the shaft, then the housings), axial position [m], index of the degree of freedom, value [m, rad].
+            For each: the body (0: the shaft, then the housings from 1), the axial position [m], the index of the degree of
+            freedom (0 to 5), and the prescribed value [m, rad].
         """
         bodies = [(0, x.at, x.fixed) for x in self.supports]
         bodies += [(k, housing.at, housing.fixed) for k, housing in enumerate(self.housings, 1)]
@@ -199,7 +200,8 @@ class Frame:
         Returns
         -------
         list[tuple[int, float, Array]]
-            Body as in `prescribed_motions`, axial position [m], force and moment ``(6,)`` [N, N m].
+            For each: the body (0: the shaft, then the housings from 1), the axial position [m], and the force and moment
+            ``(6,)`` [N, N m].
         """
         bodies = [(0, x) for x in self.loads] + [*enumerate(self.housings, 1)]
         return [(body, x.at, np.array([*x.force, *x.moment])) for body, x in bodies]
@@ -215,7 +217,8 @@ class Frame:
         Returns
         -------
         list[tuple[Array, Array]]
-            For each spring: matrix ``(6, 6 h)`` of its relative motion by the h housings, and stiffness ``(6, 6)``.
+            For each spring: the matrix ``(6, 6 h)`` that gives the relative motion of its ends by the motions of the h
+            housings, and its stiffness ``(6, 6)`` [N/m, N, N m].
         """
         out = []
         for k, housing in enumerate(self.housings):

@@ -41,9 +41,10 @@ SLACK = 1e-12
 class Stretch:
     """Flexibility of the part of the screw that is meshed in 3D (nut's range and a little beyond), fixed at its base."""
 
-    #: Flexibility over [modes, ports, observers] ``(x, x)``.
+    #: Flexibility with the base fixed: motions of the contacts' modes, then of ports and observers with six rows each, by
+    #: unit forces and moments there ``(x, x)``.
     F: Array
-    #: Motion of these nodes with the base section ``(x, 6)``.
+    #: The same motions by unit rigid motions of the base section ``(x, 6)``.
     B: Array
     #: Axial position of the base [m].
     base: float
@@ -51,9 +52,9 @@ class Stretch:
     ports: tuple[float, ...]
     #: Axial positions of the observers (sections whose motion is computed) [m], six rows of F each.
     observers: tuple[float, ...]
-    #: Axial positions of its ends [m].
+    #: Axial positions of the lower and upper end of the stretch [m].
     ends: tuple[float, float]
-    #: Number of modes.
+    #: Number of modes of all its contacts.
     modes: int
     #: Whether all supported and loaded sections move with the base (a ring on a stiff shaft).
     rigid: bool = False
@@ -77,11 +78,11 @@ class Stretch:
 class CarriedNut:
     """Nut on a housing that can move, as an additional body of the mounted structure."""
 
-    #: Compliance of its modes with the housing fixed ``(k, k)`` [m/N].
+    #: Compliance between the k modes of its contacts, with the housing fixed ``(k, k)`` [m/N].
     G: Array
-    #: Motion of the modes with the housing ``(k, 6)``.
+    #: Displacements of the modes by unit rigid motions of the housing ``(k, 6)``.
     B: Array
-    #: Number of the housing in its `Frame`.
+    #: Index of the housing in its `Frame`.
     housing: int
 
 
@@ -89,11 +90,11 @@ class CarriedNut:
 class MountedShaft:
     """Stretches of the shaft and nuts on housings, m modes in all, under the supports and loads of h housings."""
 
-    #: Compliance of the modes ``(m, m)`` [m/N].
+    #: Compliance between the modes ``(m, m)`` [m/N].
     G: Array
-    #: Motion of the modes by loads and prescribed displacements ``(m,)``.
+    #: Displacements of the modes by loads and prescribed motions ``(m,)`` [m].
     loads: Array
-    #: Unconstrained rigid motions of the shaft about ``origin`` and of the housings ``(6 (1 + h), k)``.
+    #: The k unconstrained rigid motions of the shaft about ``origin`` and of the housings ``(6 (1 + h), k)``.
     motions: Array
     #: Work of the loads on these motions ``(k,)``.
     work: Array
@@ -103,11 +104,11 @@ class MountedShaft:
     stations: tuple[float, ...]
     #: Motion of the centreline by the loads ``(s, 6)`` [m, rad].
     line: Array
-    #: Motion of the centreline by modal forces ``(s, 6, m)``.
+    #: Motion of the centreline by unit modal forces ``(s, 6, m)``.
     line_modes: Array
     #: Motion of the housings by the loads ``(h, 6)`` [m, rad].
     housings: Array
-    #: Motion of the housings by modal forces ``(h, 6, m)``.
+    #: Motion of the housings by unit modal forces ``(h, 6, m)``.
     housings_modes: Array
 
 
@@ -122,9 +123,9 @@ def subtract_cut_ends(stretch: Stretch, cut: Array, m: GrooveMap, stations: Sequ
     stretch : Stretch
         The stretch.
     cut : (6, 6) Array
-        Flexibility of one cut, of `hifi.shaft.section`.
+        Flexibility E of one cut end [m/N, 1/N, 1/(N m)], of `hifi.shaft.section`.
     m : GrooveMap
-        Track.
+        Geometry of the track.
     stations : Sequence[float]
         Axial positions of supports and loads [m].
 
@@ -157,15 +158,16 @@ def correct_beam_stiffness(
     stretch : Stretch
         The stretch.
     rows : (c, k, 6) Array
-        Rigid motions of every contact's modes, as for `beam_stretch`.
+        Displacements of the k modes of each of the c contacts by unit rigid motions of the shaft about the contact's axial
+        position.
     stations : (c,) Array
         Axial positions of the contacts [m].
     section : ShaftSection
         Stiffnesses of the shaft.
     cut : (6, 6) Array
-        Flexibility of one cut.
+        Flexibility E of one cut end [m/N, 1/N, 1/(N m)].
     m : GrooveMap
-        Track.
+        Geometry of the track.
 
     Returns
     -------
@@ -200,13 +202,13 @@ def mount_stretch(stretch: Stretch, scene: Scene, section: ShaftSection) -> Moun
 
     Returns
     -------
-    Mounted
+    MountedShaft
         The mounted stretch.
 
     Raises
     ------
     ValueError
-        As `mount_stretches`.
+        A support or load inside the stretch has no port.
     """
     return mount_stretches((stretch,), Frame.from_scene(scene), lambda _: section)
 
@@ -223,20 +225,20 @@ def mount_stretches(
     Parameters
     ----------
     stretches : Sequence[Stretch]
-        From left to right.
+        Stretches of the shaft, from left to right.
     frame : Frame
         Supports, loads and housings.
     section_at : Callable[[float], ShaftSection]
-        Section of the beam at an axial position [m].
+        Function that returns the section of the beam at an axial position [m].
     steps : Sequence[float], optional
         Axial positions where the section changes [m].
-    carried : Sequence[Carried], optional
+    carried : Sequence[CarriedNut], optional
         Nuts on the housings of the frame, whose modes follow those of the stretches.
 
     Returns
     -------
-    Mounted
-        The mounted stretches.
+    MountedShaft
+        The mounted stretches and nuts.
 
     Raises
     ------
@@ -245,7 +247,9 @@ def mount_stretches(
     """
     rigid = stretches[0].rigid
     if any(s.rigid != rigid for s in stretches):
-        raise ValueError("either all rings must have a rigid bore, which moves with the shaft, or none")
+        raise ValueError(
+            "some rings on the shaft have a rigid bore, which moves with the shaft, and others have not: all or none must"
+        )
     acted = frame.stations
     ends = {z for s in stretches for z in (s.base, *s.ports)}
     low, high = min((*acted, *ends)), max((*acted, *ends))
@@ -254,7 +258,10 @@ def mount_stretches(
     place = _NodeFreedoms(nodes)
     for z in sorted(acted):
         if not rigid and any(s.lacks_port_at(z) for s in stretches):
-            raise ValueError(f"the support or load at {1e3 * z:.4g} mm lies inside the 3D stretch, which has no port there")
+            raise ValueError(
+                f"the support or load at {1e3 * z:.4g} mm lies inside the 3D stretch of the shaft, which was prepared "
+                "without it: prepare the geometry with all scenes that will be solved"
+            )
     n = 6 * len(nodes)
     K = np.zeros((n + 6 * len(frame.housings),) * 2)
     for a, b in pairwise(nodes):
@@ -335,19 +342,23 @@ def mount_stretches(
 class _JoinedStretch(NamedTuple):
     """Contribution of one stretch to the mounted structure, which has d degrees of freedom in all."""
 
-    #: Stiffness that it adds ``(d, d)``.
+    #: Stiffness that it adds to the structure ``(d, d)``.
     K: Array
-    #: Motion of its modes by all degrees of freedom ``(m, d)``.
+    #: Displacements of its m modes by unit motions of all degrees of freedom ``(m, d)``.
     Y: Array
-    #: Motion of its modes by their forces with the nodes fixed ``(m, m)``.
+    #: Displacements of its modes by unit modal forces with the nodes fixed ``(m, m)`` [m/N].
     G: Array
-    #: Motion of its observers by all degrees of freedom ``(6 o, d)``.
+    #: Motion of its o observers by unit motions of all degrees of freedom ``(6 o, d)``.
     Y_o: Array
-    #: Motion of its observers by the modes' forces with the nodes fixed ``(6 o, m)``.
+    #: Motion of its observers by unit modal forces with the nodes fixed ``(6 o, m)``.
     G_o: Array
 
 
 def _join_stretch(stretch: Stretch, place: _NodeFreedoms, size: int) -> _JoinedStretch:
+    """Compute the contribution of a stretch to a structure of ``size`` degrees of freedom.
+
+    ``place``: gives the first degree of freedom of the node at an axial position.
+    """
     m, p = stretch.modes, 6 * len(stretch.ports)
     F_mm, F_mp, F_pp = stretch.F[:m, :m], stretch.F[:m, m : m + p], stretch.F[m : m + p, m : m + p]
     L = np.zeros((size, p))
@@ -368,7 +379,10 @@ def _join_stretch(stretch: Stretch, place: _NodeFreedoms, size: int) -> _JoinedS
 
 
 class _NodeFreedoms:
-    """Finds the first degree of freedom of the node nearest to an axial position [m]."""
+    """Finds the first degree of freedom of the node nearest to an axial position [m].
+
+    ``nodes``: axial positions of the nodes of the shaft [m].
+    """
 
     def __init__(self, nodes: Sequence[float]) -> None:
         self.nodes = np.array(nodes)
@@ -395,7 +409,7 @@ def free_motions(frame: Frame, origin: float) -> Array:
     Returns
     -------
     (6 (1 + h), k) Array
-        The motions, as columns.
+        The k motions as columns: six components of the screw, then six of each of the h housings [m, rad].
     """
     scale = np.tile(1.0 / frame.lengths, 1 + len(frame.housings))
     rows = []
@@ -416,7 +430,10 @@ def free_motions(frame: Frame, origin: float) -> Array:
 
 
 def pin_freedoms(motions: Array) -> list[int]:
-    """Select degrees of freedom of the origin whose constraint prevents the rigid motions ``(6, k)``."""
+    """Select k degrees of freedom whose constraint prevents the rigid motions of `free_motions`.
+
+    ``motions``: these motions as columns (6 (1 + h), k). Returns the indices of their rows.
+    """
     if motions.shape[1] == 0:
         return []
     _, _, order = qr(motions.T, pivoting=True)
@@ -424,6 +441,7 @@ def pin_freedoms(motions: Array) -> list[int]:
 
 
 def _work_on_motions(frame: Frame, motions: Array, origin: float) -> Array:
+    """Compute the work of all loads on the k rigid motions of `free_motions` ``(k,)``; arguments as there."""
     total = np.zeros(len(motions))
     for body, at, wrench in frame.wrenches():
         total[6 * body : 6 * body + 6] += transport(at - origin if body == 0 else 0.0).T @ wrench
@@ -436,7 +454,8 @@ def beam_stretch(rows: Array, stations: Array, stretch: Stretch, section: ShaftS
     Parameters
     ----------
     rows : (c, k, 6) Array
-        Rigid motions of every contact's modes about its axial position.
+        Displacements of the k modes of each of the c contacts by unit rigid motions of the shaft about the contact's axial
+        position.
     stations : (c,) Array
         Axial positions of the contacts [m].
     stretch : Stretch
@@ -447,7 +466,7 @@ def beam_stretch(rows: Array, stations: Array, stretch: Stretch, section: ShaftS
     Returns
     -------
     Stretch
-        The beam.
+        Flexibility of the beam in place of the 3D stretch.
 
     Raises
     ------
@@ -466,15 +485,18 @@ def beam_stretch(rows: Array, stations: Array, stretch: Stretch, section: ShaftS
 
 
 def _motions_with_sections(rows: Array, stations: Array, stretch: Stretch) -> tuple[Array, Array]:
-    """Compute the rigid motions of modes, ports and observers ``(x, 6 s)`` with the s sections of a beam.
+    """Compute the motions of modes, ports and observers by unit rigid motions of the s sections of a beam ``(x, 6 s)``.
 
-    The distances ``(s,)`` of the sections from the base [m] are returned as well. Raises ValueError if a section lies below
+    The distances of the sections from the base ``(s,)`` [m] are returned as well. ``rows``, ``stations``: as for
+    `beam_stretch`. Raises ValueError if a section lies below
     the base.
     """
     c, k, _ = rows.shape
     arms = np.concatenate([stations, stretch.ports, stretch.observers]) - stretch.base
     if arms.min() < 0.0:
-        raise ValueError("a section lies below the base of the 3D stretch")
+        raise ValueError(
+            f"a contact or section lies {-1e3 * arms.min():.4g} mm below the base of the 3D stretch: all must lie above it"
+        )
     turn = np.zeros((c * k + 6 * (arms.size - c), 6 * arms.size))
     for i in range(c):
         turn[i * k : (i + 1) * k, 6 * i : 6 * i + 6] = rows[i]
@@ -483,9 +505,10 @@ def _motions_with_sections(rows: Array, stations: Array, stretch: Stretch) -> tu
 
 
 def _cantilever_flexibility(arms: Array, axial: float, bending: float, torsion: float) -> Array:
-    """Compute the flexibility ``(6 s, 6 s)`` of a beam's sections at ``arms`` ``(s,)`` [m] from its fixed end, no shear.
+    """Compute the flexibility between the s sections of a beam without shear ``(6 s, 6 s)`` [m/N, 1/N, 1/(N m)].
 
-    axial, bending, torsion: flexibilities per unit length. The motion of section a by loads on section b comes from the
+    ``arms``: distances of the sections from the fixed end (s,) [m]; ``axial``, ``bending``, ``torsion``: flexibilities per
+    unit length. The motion of section a by loads on section b comes from the
     part of the beam up to the nearer of the two.
     """
     a, b = arms[:, None], arms[None, :]

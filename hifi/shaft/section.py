@@ -49,7 +49,7 @@ from rollbench.meshes.grooved_body import build_body
 from rollbench.meshes.parts import Material
 from rollbench.meshes.sockets import SocketSize
 
-#: Half a turn about x of motions and wrenches.
+#: Factors on the components of motions, and of forces and moments, by half a turn about x.
 HALF_TURN = np.diag([1.0, -1.0, -1.0, 1.0, -1.0, -1.0])
 
 _UPPER = np.triu_indices(6)
@@ -61,7 +61,10 @@ _UNITS[(np.arange(21), *_UPPER)] = _UNITS[(np.arange(21), *_UPPER[::-1])] = 1.0
 
 
 def groove_azimuth(m: GrooveMap, z: float) -> float:
-    """Return the azimuth [rad] of the middle of the first start's groove at the axial position z [m]."""
+    """Return the azimuth [rad] of the middle of the first start's groove at the axial position z [m].
+
+    ``m``: geometry of the track.
+    """
     return m.phase + (z - m.z0) / m.rg
 
 
@@ -71,14 +74,14 @@ def rotate_flexibility(flexibility: Array, azimuth: float) -> Array:
     Parameters
     ----------
     flexibility : (6, 6) Array
-        In the turned frame.
+        Flexibility in the rotated frame [m/N, 1/N, 1/(N m)].
     azimuth : float
         Azimuth of that frame [rad].
 
     Returns
     -------
     (6, 6) Array
-        In the fixed frame.
+        Flexibility in the fixed frame [m/N, 1/N, 1/(N m)].
     """
     c, s = np.cos(azimuth), np.sin(azimuth)
     R = np.kron(np.eye(2), np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]]))
@@ -91,9 +94,9 @@ def lower_cut_flexibility(cut: Array, m: GrooveMap, z: float) -> Array:
     Parameters
     ----------
     cut : (6, 6) Array
-        E, in the frame of the cut.
+        Flexibility E of a cut end, in the frame of the cut [m/N, 1/N, 1/(N m)].
     m : GrooveMap
-        Track.
+        Geometry of the track.
     z : float
         Axial position of the end [m].
 
@@ -111,9 +114,9 @@ def upper_cut_flexibility(cut: Array, m: GrooveMap, z: float) -> Array:
     Parameters
     ----------
     cut : (6, 6) Array
-        E, in the frame of the cut.
+        Flexibility E of a cut end, in the frame of the cut [m/N, 1/N, 1/(N m)].
     m : GrooveMap
-        Track.
+        Geometry of the track.
     z : float
         Axial position of the end [m].
 
@@ -135,16 +138,16 @@ def fit_cut_flexibility(m: GrooveMap, flexibilities: Sequence[tuple[float, Array
     Parameters
     ----------
     m : GrooveMap
-        Track.
+        Geometry of the track.
     flexibilities : Sequence[tuple[float, Array]]
-        Length [m] and F ``(6, 6)`` of every shaft.
+        Length [m] of every shaft, and flexibility F of its upper end ``(6, 6)`` [m/N, 1/N, 1/(N m)].
     per_length : (6, 6) Array
         Flexibility of the uniform beam per unit length.
 
     Returns
     -------
     (6, 6) Array
-        E [m/N, 1/N, 1/(N m)].
+        Flexibility E of one cut end, in the frame of the cut [m/N, 1/N, 1/(N m)].
     """
     unit = np.array([m.R, m.R, m.R, 1.0, 1.0, 1.0])
     scale = np.outer(unit, unit)
@@ -160,7 +163,10 @@ def fit_cut_flexibility(m: GrooveMap, flexibilities: Sequence[tuple[float, Array
 
 
 def _effect_of_both_cuts(m: GrooveMap, length: float, cut: Array) -> Array:
-    """Compute the motion ``(6, 6)`` of the upper end of a shaft that is due to both of its cut ends."""
+    """Compute the part of the flexibility of a shaft's upper end that is due to both of its cut ends ``(6, 6)``.
+
+    ``length``: length of the shaft [m]; ``cut``: flexibility E of one cut end, in the frame of the cut.
+    """
     T, half = transport(length), length / 2.0
     return np.asarray(
         T @ lower_cut_flexibility(cut, m, m.z0 - half) @ T.T + upper_cut_flexibility(cut, m, m.z0 + half)
@@ -168,7 +174,7 @@ def _effect_of_both_cuts(m: GrooveMap, length: float, cut: Array) -> Array:
 
 
 @dataclass(frozen=True)
-class Homogenised:
+class EquivalentBeam:
     """Uniform beam equivalent to a grooved shaft."""
 
     #: Stiffnesses of the beam.
@@ -192,7 +198,7 @@ def shaft_lengths(m: GrooveMap) -> tuple[float, float, float]:
     Parameters
     ----------
     m : GrooveMap
-        Track.
+        Geometry of the track.
 
     Returns
     -------
@@ -206,25 +212,25 @@ def shaft_lengths(m: GrooveMap) -> tuple[float, float, float]:
 
 def homogenise(
     m: GrooveMap, bore: float, material: Material, section: tuple[Array, float], shafts: Sequence[tuple[float, Array]]
-) -> Homogenised:
+) -> EquivalentBeam:
     """Compute the uniform beam equivalent to a grooved shaft, from its helical section and from three 3D shafts.
 
     Parameters
     ----------
     m : GrooveMap
-        Track.
+        Geometry of the track.
     bore : float
         Radius of the bore [m].
     material : Material
         Elastic material.
     section : tuple[Array, float]
-        Stiffnesses of the section, by `helical_stiffness`.
+        Stiffness against stretch and twist ``(2, 2)`` and bending stiffness [N m2], of `helical_stiffness`.
     shafts : Sequence[tuple[float, Array]]
-        Short, long and third shaft, by `meshed_shaft_flexibility`.
+        Length [m] and flexibility ``(6, 6)`` of the short, the long and the third shaft, of `meshed_shaft_flexibility`.
 
     Returns
     -------
-    Homogenised
+    EquivalentBeam
         The uniform beam.
     """
     young, poisson = material.youngs_modulus, material.poissons_ratio
@@ -244,7 +250,7 @@ def homogenise(
     bend = 0.5 * (per_length[3, 3] + per_length[4, 4])
     uniform = np.diag([1.0 / kGA, 1.0 / kGA, per_length[2, 2], bend, bend, per_length[5, 5]])
     uniform[2, 5] = uniform[5, 2] = per_length[2, 5]
-    return Homogenised(ShaftSection(EA, EI, GJ, kGA), radii, coupling, fit_cut_flexibility(m, shafts, uniform))
+    return EquivalentBeam(ShaftSection(EA, EI, GJ, kGA), radii, coupling, fit_cut_flexibility(m, shafts, uniform))
 
 
 def meshed_shaft_flexibility(
@@ -255,7 +261,7 @@ def meshed_shaft_flexibility(
     Parameters
     ----------
     m : GrooveMap
-        Track.
+        Geometry of the track.
     outer : float
         Radius of the lands [m].
     hole : float
@@ -265,14 +271,14 @@ def meshed_shaft_flexibility(
     size : float
         Element size [m].
     length : float
-        Length [m].
+        Length of the shaft [m].
 
     Returns
     -------
     length : float
-        The length [m].
+        Length of the shaft [m].
     F : (6, 6) Array
-        Motion of the rigid end by loads on it [m/N, 1/N, 1/(N m)].
+        Motion of the rigid end by unit forces and moments on it [m/N, 1/N, 1/(N m)].
     """
     spec = BodySpec(
         hole, outer, m.z0 - length / 2.0, m.z0 + length / 2.0, True, (), SocketSize(0.3, 1e-3, 0.05), size, size
@@ -299,7 +305,7 @@ def helical_stiffness(
     Parameters
     ----------
     m : GrooveMap
-        Track.
+        Geometry of the track.
     outer : float
         Radius of the lands [m].
     bore : float
@@ -335,7 +341,8 @@ def helical_stiffness(
 def _section_mesh(m: GrooveMap, outer: float, bore: float, cells: tuple[int, int, int]) -> tuple[MeshQuad, float]:
     """Mesh the section (r, zeta) of a grooved shaft over one period, with the middle of the groove at zeta = 0.
 
-    The length of the period [m] is returned as well.
+    ``outer``, ``bore``: radii of lands and bore [m]; ``cells``: numbers of cells along the groove, along the land and in
+    depth. Returns the mesh and the length of the period [m].
     """
     along, land, deep = cells
     period = 2.0 * np.pi * abs(m.rg) / m.starts
@@ -345,9 +352,15 @@ def _section_mesh(m: GrooveMap, outer: float, bore: float, cells: tuple[int, int
     r, zeta = r[kept], zeta[kept]
     edge = float(zeta[-1])
     if edge >= 0.5 * period:
-        raise ValueError("the grooves of neighbouring turns overlap")
+        raise ValueError(
+            f"the grooves of neighbouring turns of a shaft overlap: a groove is {2e3 * edge:.4g} mm wide, "
+            f"and must be narrower than {1e3 * period:.4g} mm, their distance"
+        )
     if bore >= r.min():
-        raise ValueError("the bore cuts the groove")
+        raise ValueError(
+            f"the bore of a shaft cuts its groove: the radius of the bore is {1e3 * bore:.4g} mm, "
+            f"and must be smaller than {1e3 * r.min():.4g} mm"
+        )
     length = np.concatenate([[0.0], np.cumsum(np.hypot(np.diff(r), np.diff(zeta)))])  # even cells along the flank
     at = np.linspace(0.0, length[-1], along // 2 + 1)
     flank, surface = np.interp(at, length, zeta), np.interp(at, length, r)
@@ -362,7 +375,11 @@ def _section_mesh(m: GrooveMap, outer: float, bore: float, cells: tuple[int, int
 
 
 def _strain_components(value: Any, slope: Any, r: Array, rg: float, n: int) -> list[Any]:
-    """Compute the strains rr, tt, zz, rz, rt, tz (engineering shears) of w from its derivatives along r and zeta."""
+    """Compute the strains rr, tt, zz, rz, rt, tz (engineering shears) of a displacement w(r, zeta) exp(i n phi).
+
+    ``value``: the three components of w; ``slope``: their derivatives along r and zeta; ``r``: radii of the points [m];
+    ``rg``: rise of the helix [m/rad].
+    """
     u, v, w = value
     (u_r, u_z), (v_r, v_z), (w_r, w_z) = slope
     turn = 1j * n if n else 0.0
@@ -373,7 +390,12 @@ def _strain_components(value: Any, slope: Any, r: Array, rg: float, n: int) -> l
 def _strain_energy(
     basis: Basis, rg: float, n: int, material: Material, period: float, means: Sequence[tuple[int, int]]
 ) -> Array:
-    """Compute the energy ``(k, k)`` of average strains and the section's response to them, integrated over the section."""
+    """Compute the energy of k average strains with the section's response to them, integrated over the section ``(k, k)``.
+
+    ``basis``: finite-element space of the section; ``rg``: rise of the helix [m/rad]; n: number of waves around the axis;
+    ``period``: length of the section's period [m]; ``means``: component of each average strain in `_strain_components`, and
+    the power of the radius with which it grows.
+    """
     e, nu = material.youngs_modulus, material.poissons_ratio
     shear = e / (2.0 * (1.0 + nu))
     hooke = np.diag(shear * np.array([2.0, 2.0, 2.0, 1.0, 1.0, 1.0]))
@@ -411,7 +433,10 @@ def _strain_energy(
 
 
 def _periodic_constraints(basis: Basis, period: float) -> sp.csr_array:
-    """Return the matrix ``(n, m)`` that gives all degrees of freedom of a period from those independent with tied ends."""
+    """Return the matrix ``(n, m)`` that gives the n degrees of freedom of a period from the m independent ones.
+
+    The degrees of freedom at both ends of the period, whose length is ``period`` [m], are equal.
+    """
     x = basis.doflocs
     low, high = (np.flatnonzero(np.abs(x[1] - s * 0.5 * period) < 1e-9 * period) for s in (-1.0, 1.0))
     low, high = (at[np.lexsort((at, x[0, at]))] for at in (low, high))

@@ -20,7 +20,7 @@ from rollbench.compare.studies.rolling.cases import rolling_case
 from rollbench.compare.studies.rolling.runs import LEVELS
 from rollbench.compare.studies.sweep.keys import read_vary
 from rollbench.compare.studies.sweep.sample import solve_sample
-from rollbench.hifi.rolling.balls import Choices, solve_rolling, unit_patch
+from rollbench.hifi.rolling.balls import Choices, solve_rolling, unit_load_patch
 from rollbench.lowfi.as_source import solve_source
 from rollbench.lowfi.friction.screw.run import solve_pair
 from rollbench.lowfi.friction.whole.state import friction_state
@@ -138,7 +138,7 @@ def test_pair_of_balls_of_a_screw(benchmark):
 def test_rolling_contact_in_3d(benchmark, name):
     whole = rolling_case(catalogue.case(name, KindScene), Choices(LEVELS[1])).touching
     solve_rolling(whole, Choices(LEVELS[1]))
-    benchmark.pedantic(lambda: solve_rolling(whole, Choices(LEVELS[1])), setup=unit_patch.cache_clear, rounds=3)
+    benchmark.pedantic(lambda: solve_rolling(whole, Choices(LEVELS[1])), setup=unit_load_patch.cache_clear, rounds=3)
 
 
 def test_screws_with_random_errors(benchmark):

@@ -19,7 +19,7 @@ from rollbench.compare.studies.rolling.cases import rolling_case
 from rollbench.compare.studies.rolling.runs import LEVELS, QUADRATURES
 from rollbench.hifi.rolling import verification
 from rollbench.hifi.rolling.balls import NEARLY_RIGID, Choices, contact_place, solve_rolling
-from rollbench.hifi.rolling.bodies import Place, Sizes
+from rollbench.hifi.rolling.bodies import ContactPosition, Sizes
 from rollbench.hifi.rolling.patch import Patch, hertz_patch
 from rollbench.hifi.rolling.verification import linear_coefficients
 from rollbench.meshes.arrays import Array
@@ -177,7 +177,7 @@ def static_reference_contact(cells: tuple[int, int] = STATIC_CELLS) -> tuple[flo
     return _contact_quantities(verification.solve_by_static_reference(at, load, *material, cells))
 
 
-def _most_loaded_contact() -> tuple[Place, float, tuple[float, float]]:
+def _most_loaded_contact() -> tuple[ContactPosition, float, tuple[float, float]]:
     """Return the most loaded contact of a screw's two balls: its place, its load [N], and material.
 
     The last entry is a pair of Young's modulus [Pa] and Poisson's ratio.
@@ -208,7 +208,7 @@ def _contact_quantities(one: verification.NormalContact) -> tuple[float, ...]:
 def _verify_finite_elements() -> Iterator[Verification]:
     """Verify displacements of a finite-element half space under uniform traction against the closed form."""
     load, radii, young, poisson = GROOVE
-    at = Place(radii[0], radii, 0.25 * np.pi, None)
+    at = ContactPosition(radii[0], radii, 0.25 * np.pi, None)
     zones = (at.zone(load, young, poisson, replace(Sizes(), cells=(n, n))) for n in (2, 3, 4))
     found = [verification.compare_half_space_displacements(zone, at.ball, young, poisson) for zone in zones]
     for k, name in enumerate(("along", "across", "normal")):

@@ -13,16 +13,16 @@ from rollbench.compare.scenes.friction_kinds.screw_balls import ScrewPairScene
 from rollbench.hifi.rolling.balls import Choices, without_ball_contacts
 from rollbench.hifi.rolling.kinematics import Rolling
 from rollbench.hifi.rolling.scenes import (
-    Cell,
     Layout,
     Material,
+    StaticProblem,
     hertz_constants,
     linear_layout,
     ring_layout,
     rolling_scene,
     screw_layout,
     solve_loads_with_rolling,
-    solve_static_cell,
+    solve_static_problem,
 )
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.parts import SIDE_SIGNS
@@ -152,8 +152,8 @@ def _loads_with_elastic_angles(
     pull = scene.vertical * np.array([rho, -1.0])
     reach = layout.groove_radius - layout.radius
     none = np.zeros((1, 2))
-    cell = Cell(normals[None], reach, np.zeros((1, 4)), C[None], MOVING, np.eye(2)[None], none, pull, none)
-    found = solve_static_cell(cell)
+    cell = StaticProblem(normals[None], reach, np.zeros((1, 4)), C[None], MOVING, np.eye(2)[None], none, pull, none)
+    found = solve_static_problem(cell)
     if not found.converged:
         _refuse_scene(
             scene,
@@ -199,7 +199,7 @@ def _screw_case(scene: ScrewPairScene, choices: Choices) -> RollingCase:
         ]
     )
     count = len(layout.frames)
-    cell = Cell(
+    cell = StaticProblem(
         normals,
         layout.groove_radius - layout.radius,
         np.full((count, 4), pair.oversize),
@@ -216,7 +216,7 @@ def _screw_case(scene: ScrewPairScene, choices: Choices) -> RollingCase:
         if coupled:
             loads, good = solve_loads_with_rolling(layout, material, cell, choices, meet=meet)
         else:
-            loads = solve_static_cell(cell)
+            loads = solve_static_problem(cell)
             good = loads.converged
         if not good:
             _refuse_scene(scene, "load", "contact loads and friction do not agree in 3D", 'take coupling = "none"')
@@ -245,7 +245,7 @@ def _bearing_case(scene: BearingBallScene) -> RollingCase:
     speeds = np.where(outward < 0.0, b.screw_speed, 0.0)
     layout = ring_layout(b.ball_radius, b.groove_radius, b.pitch_radius, b.contact_angle, outward, speeds)
     material = Material(b.young, b.poisson, b.mu, b.mu)
-    cell = Cell(
+    cell = StaticProblem(
         _contact_directions(np.full(4, b.contact_angle), RING)[None],
         b.groove_radius - b.ball_radius,
         np.full((1, 4), -b.clearance),
@@ -256,7 +256,7 @@ def _bearing_case(scene: BearingBallScene) -> RollingCase:
         np.array([scene.force]),
         np.zeros((1, 2)),
     )
-    loads = solve_static_cell(cell)
+    loads = solve_static_problem(cell)
     if not loads.converged:
         _refuse_scene(scene, "load", "contact loads do not balance", "take a load that presses the ball")
     whole = rolling_scene(layout, material, loads.normal, loads.force)

@@ -216,7 +216,7 @@ def _solve_on_grid(scene: KindScene, level: int, bodies: str, processes: int) ->
     begin, sizes = process_time(), BODIES[bodies]
     case = rolling_case(scene, balls.Choices(LEVELS.get(level, LEVELS[1])))
     shape = grid_shape(case, level)
-    elsewhere = balls.prepare_bodies((case.apart, case.touching), sizes, processes)
+    elsewhere = balls.compute_body_kernels((case.apart, case.touching), sizes, processes)
     pairs = {
         name: _solve_apart_and_touching(case, balls.Choices(shape, share, curved, sizes))
         for name, share, curved in (("elastic", 1.0, True), ("near", balls.NEARLY_RIGID, True), ("flat", 1.0, False))

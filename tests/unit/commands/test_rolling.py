@@ -87,7 +87,7 @@ def test_finite_bodies_have_keys_of_their_own_and_half_spaces_beside_them(comman
 
 
 def test_the_end_of_a_process_for_want_of_memory_and_whole_screws_among_rolling_balls_are_bad_input(monkeypatch):
-    monkeypatch.setattr(balls, "prepare_bodies", Mock(side_effect=MemoryError("ended from outside")))
+    monkeypatch.setattr(balls, "compute_body_kernels", Mock(side_effect=MemoryError("ended from outside")))
     with pytest.raises(InputError, match="memory"):
         runs.compute_run(catalogue.any_scene("lin-rotary-3"), 1)
     with pytest.raises(InputError, match="compare them in separate runs"):

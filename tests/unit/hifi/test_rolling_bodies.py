@@ -12,15 +12,15 @@ from rollbench.hifi.rolling import bodies, verification
 from rollbench.hifi.rolling.balls import (
     NEARLY_RIGID,
     Choices,
+    compute_body_kernels,
     finite_body_kernel,
     loaded_contacts,
-    prepare_bodies,
     run_from_rest,
     solve_rolling,
 )
-from rollbench.hifi.rolling.bodies import Curve, free_response, half_space_response, traction_loads
+from rollbench.hifi.rolling.bodies import BallPath, free_response, half_space_response, traction_loads
 from rollbench.hifi.rolling.contact_bodies import Groove, Zone, mesh_grooved_bar, mesh_half_space, mesh_whole_ball
-from rollbench.hifi.rolling.patch import Regular, cell_grid, monomials, rectangle_influence
+from rollbench.hifi.rolling.patch import SmoothKernel, cell_grid, monomials, rectangle_influence
 from rollbench.hifi.rolling.scenes import relative_radius_along
 from rollbench.hifi.rolling.verification import (
     compare_ball_friction_with_point,
@@ -90,8 +90,8 @@ def test_bodies_made_by_two_processes_are_those_made_here(monkeypatch):
     scene = linear_pair()
     touches = [t for _, _, t in loaded_contacts(scene)]
     here = [finite_body_kernel(scene, t, COARSE).M for t in touches]
-    bodies.forget_kernels()
-    spent = [prepare_bodies((scene, scene), COARSE, k) for k in (1, 2, 2)]
+    bodies.clear_kernel_cache()
+    spent = [compute_body_kernels((scene, scene), COARSE, k) for k in (1, 2, 2)]
     assert spent[0] == spent[2] == 0.0 < spent[1]  # one process makes them later, where they are needed
     monkeypatch.setattr(bodies, "mesh_whole_ball", None)  # nothing is meshed any more
     monkeypatch.setattr(bodies, "mesh_grooved_bar", None)
@@ -104,9 +104,9 @@ def ring():
     """The nut's or outer groove of a ring of seven ball radii, its kernels as the static reference's patches and as bodies
     of tensor grids have them."""
     angle, curve = 0.8, (7.0 * R, 0.0)
-    at = bodies.Place(R, (relative_radius_along(R, curve[0], 0.0, np.cos(angle)), RADII[1]), angle, curve)
+    at = bodies.ContactPosition(R, (relative_radius_along(R, curve[0], 0.0, np.cos(angle)), RADII[1]), angle, curve)
     zone, rest = at.zone(128.0, E, NU, COARSE), (at.bends, E, NU, 1)
-    patches = bodies.patch_kernels(Curve(*curve), (R, at.arc), angle, zone, *rest, outer=True)
+    patches = bodies.patch_kernels(BallPath(*curve), (R, at.arc), angle, zone, *rest, outer=True)
     grids = (
         bodies.bar_kernel(Groove(R, at.arc, angle, 1.4, at.bend), 5.0 * R, zone, *rest),
         bodies.ball_kernel(R, zone, *rest),
@@ -130,7 +130,7 @@ def test_patches_answer_for_every_flank_and_hand():
     """Of a helix: the mirror image of the left-hand one."""
     angle, zone = 0.8, Zone((0.06e-3, 0.3e-3), (2, 2), 3.0)
     given = (R, 1.12 * R), angle, zone, (100.0, 90.0), E, NU, 1
-    right, left = (bodies.patch_kernels(Curve(6.0 * R, h * 1.2 * R), *given, outer=False)[0].M for h in (1, -1))
+    right, left = (bodies.patch_kernels(BallPath(6.0 * R, h * 1.2 * R), *given, outer=False)[0].M for h in (1, -1))
     odd = np.array([1.0, -1.0, 1.0])
     signs = np.concatenate([-odd, odd, odd])
     assert np.abs(left * np.outer(signs, signs) - right).max() < 0.02 * np.abs(right).max() < np.abs(left - right).max()
@@ -148,7 +148,7 @@ def test_without_motion_rolling_presses_as_the_static_reference_does():
     assert here.peak == pytest.approx(there.peak, rel=0.12)
     bare = hertz(100.0, *at.radii, E, NU)
     assert abs(bare.approach / there.approach - 1.0) > 0.015  # half spaces
-    with pytest.raises(ValueError, match="no straight"):
+    with pytest.raises(ValueError, match="straight track"):
         solve_by_static_reference(replace(at, curve=None), 100.0, E, NU, (4, 4))
 
 
@@ -158,7 +158,7 @@ def test_finite_balls_pushed_sideways_shift_by_what_their_bodies_do_besides(monk
     assert found[0] == pytest.approx(exact[0], rel=5e-3)
     assert found[1] == pytest.approx(exact[1], rel=0.05)
     half = compare_with_mindlin(16, 0.5)[0][0]
-    monkeypatch.setattr(verification, "two_balls_kernel", lambda *_: Regular(np.zeros((3, 3)), (1.0, 1.0), 0))
+    monkeypatch.setattr(verification, "two_balls_kernel", lambda *_: SmoothKernel(np.zeros((3, 3)), (1.0, 1.0), 0))
     assert compare_with_mindlin(16, 0.5, balls=COARSE)[0][0] == pytest.approx(half, rel=1e-9)
     assert found[0] != pytest.approx(half, rel=1e-5)
 

@@ -6,7 +6,7 @@ from tests.rolling_scenes import linear_pair
 
 from rollbench.hifi.rolling.balls import Choices, run_from_rest, solve_rolling
 from rollbench.hifi.rolling.patch import hertz_patch
-from rollbench.hifi.rolling.scenes import Cell, solve_static_cell
+from rollbench.hifi.rolling.scenes import StaticProblem, solve_static_problem
 from rollbench.hifi.rolling.verification import Creep, push_and_roll, solve_steady_rolling_as_contact
 
 GRID = Choices((8, 8))
@@ -44,7 +44,7 @@ def test_steps_that_make_no_sense_are_refused(bad):
 def cell_of(n, inner, motions, pull, push):
     """One ball with contacts along these directions, without gaps."""
     count = len(n)
-    return Cell(
+    return StaticProblem(
         n[None], 6e-4, np.zeros((1, count)), np.full((1, count), 1e-7), inner, motions, np.zeros((1, 2)), pull, push
     )
 
@@ -54,14 +54,14 @@ def test_loads_of_two_opposite_contacts_share_a_force():
     n = np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]]) * np.sqrt(0.5)
     pull = 100.0 * np.array([-np.sqrt(0.5), -np.sqrt(0.5)])
     inner = np.array([False, False, True, True])
-    found = solve_static_cell(cell_of(n, inner, np.eye(2)[None], pull, np.zeros((1, 2))))
+    found = solve_static_problem(cell_of(n, inner, np.eye(2)[None], pull, np.zeros((1, 2))))
     assert found.converged
     assert found.force[0] == pytest.approx([100.0, 0.0, 100.0, 0.0], rel=1e-6, abs=1e-3)
 
 
 def test_a_cell_that_nothing_holds_does_not_converge():
     n, push = np.array([[0.0, 1.0]]), np.array([[0.0, -5.0]])
-    assert not solve_static_cell(cell_of(n, np.array([False]), np.zeros((1, 2, 0)), np.zeros(0), push)).converged
+    assert not solve_static_problem(cell_of(n, np.array([False]), np.zeros((1, 2, 0)), np.zeros(0), push)).converged
 
 
 def test_a_pushed_ball_rolls_on_towards_the_creepage_of_steady_rolling() -> None:
