@@ -7,7 +7,7 @@ import pytest
 from tests.friction_runs import WAVES, crowded
 from tests.whole_screws import state
 
-from rollbench.lowfi.friction.whole.state import TOUCHING, neighbours
+from rollbench.lowfi.friction.whole.state import TOUCHING, friction_with_neighbours
 from rollbench.meshes.parts import BallErrors, Friction, Motion
 
 #: Against this motion the balls of ``touching`` close up; with it they part.
@@ -57,7 +57,7 @@ def test_without_friction_of_balls_or_grooves_nothing_is_lost_there(pushed):
     smooth = state(touching(), replace(PUSH, balls=0.0), TURN)
     assert smooth.neighbours.force.max() > 0.0
     assert smooth.neighbours.power == pytest.approx(0.0, abs=1e-12)
-    free = neighbours(touching(), pushed.at, Friction(0.0, 0.0, feedback=False, neighbours=True), TURN)
+    free = friction_with_neighbours(touching(), pushed.at, Friction(0.0, 0.0, feedback=False, neighbours=True), TURN)
     assert free.power == free.balls.power == 0.0
 
 
