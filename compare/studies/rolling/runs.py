@@ -27,7 +27,7 @@ from rollbench.compare.files import replace_file
 from rollbench.compare.measure import error_percent
 from rollbench.compare.provenance import sources_hash
 from rollbench.compare.reference.levels import FINITE, HALF_SPACE
-from rollbench.compare.reference.store import KEY, Measured, measuring_conditions, shipped_store
+from rollbench.compare.reference.store import Measured, measuring_conditions, shipped_store
 from rollbench.compare.running import out_of_memory
 from rollbench.compare.scenes import catalogue
 from rollbench.compare.scenes.catalogue import case as shipped_case
@@ -119,10 +119,11 @@ class RollingRun:
 
 
 def run_key(scene: KindScene, level: int, bodies: str = HALF_SPACE) -> str:
-    """Return the digest of everything that affects the numbers of a run, 16 hexadecimal digits.
+    """Return the digest of everything that affects the numbers of a run, 16 hexadecimal digits; texts do not.
 
     ``level``: level of the grid; ``bodies``: kind of the bodies, a key of `BODIES`.
     """
+    scene = replace(scene, name="", title="", source="", assumed=())
     content = (SCHEMA, scene, level, LEVELS.get(level), SOURCE_SIZE.get(scene.kind), QUADRATURES, balls.NEARLY_RIGID)
     sizes = BODIES[bodies]
     return digest(*content, *(() if sizes is None else (sizes, MESHED)))[:16]
@@ -139,16 +140,14 @@ def load_run(scene: KindScene, level: int, stores: Sequence[Path], bodies: str =
 
     A run is also found if the scene had another name when it was made.
     """
+    key = run_key(scene, level, bodies)
     for store in stores:
-        own = run_path(store, scene, level, bodies)
-        for path in (own, *sorted(store.glob(f"rolling-*-level{level}-{KEY}.json"))):
+        for path in (run_path(store, scene, level, bodies), *sorted(store.glob(f"rolling-*-level{level}-{key}.json"))):
             try:
                 stored = json.loads(path.read_text(encoding="utf-8"))
-                named = replace(scene, name=stored["scene"])
+                return RollingRun(**(stored | {"shape": tuple(stored["shape"])}))
             except (OSError, ValueError, KeyError, TypeError):
                 continue
-            if path.name == run_path(store, named, level, bodies).name:
-                return RollingRun(**(stored | {"shape": tuple(stored["shape"])}))
     return None
 
 

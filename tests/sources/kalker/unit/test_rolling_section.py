@@ -12,6 +12,7 @@ from rollbench.compare.cases.kalker.page import PatchField
 from rollbench.compare.models.study import Study
 from rollbench.compare.reference.store import shipped_store
 from rollbench.compare.scenes import catalogue
+from rollbench.compare.scenes.friction_kinds.common import KindScene
 from rollbench.compare.studies.rolling import rows as rolling_changes
 from rollbench.compare.studies.rolling import rows as rolling_rows
 from rollbench.compare.studies.rolling.rows import KNOWN, ChoiceEffect, RunFromRest, effects_of_choices, runs_from_rest
@@ -25,6 +26,7 @@ from rollbench.compare.studies.rolling.runs import (
     BodyVariant,
     StoredVariants,
     body_variants,
+    load_run,
     run_path,
 )
 from rollbench.reports.content import PressureMap, Text
@@ -116,6 +118,12 @@ def test_no_choice_behind_finite_bodies_moves_an_answer_by_more_than_its_uncerta
     for quantity in NAMES[:3]:
         share = rows[quantity].uncertainty / abs(rows[quantity].reference)
         assert all(abs(values[quantity] / first[quantity] - 1.0) <= share for values in others)
+
+
+def test_texts_of_a_scene_leave_its_stored_runs_valid():
+    scene = catalogue.case("lin-pair-a", KindScene)
+    other = replace(scene, name="copy", title="Another title", source="", assumed=("Another assumption.",))
+    assert load_run(other, 1, (shipped_store(),)) == load_run(scene, 1, (shipped_store(),)) is not None
 
 
 @pytest.mark.slow
