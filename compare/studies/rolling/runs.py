@@ -7,8 +7,7 @@ The value on a grid is that of elastic bodies minus that of nearly rigid ones on
 quadrature (`hifi.rolling.balls`).
 
 The effect of modelling choices for finite bodies on two balls of a linear bearing and of a screw is stored with the
-package. It is identified by a digest of all sources that affect the numbers, and of the scenes. A report computes one
-choice again and shows the agreement.
+package. A report computes one choice again and shows the agreement.
 """
 
 from __future__ import annotations
@@ -25,11 +24,9 @@ import numpy as np
 from rollbench.compare.errors import Refusal
 from rollbench.compare.files import replace_file
 from rollbench.compare.measure import error_percent
-from rollbench.compare.provenance import sources_hash
 from rollbench.compare.reference.levels import FINITE, HALF_SPACE
 from rollbench.compare.reference.store import Measured, measuring_conditions, shipped_store
 from rollbench.compare.running import out_of_memory
-from rollbench.compare.scenes import catalogue
 from rollbench.compare.scenes.catalogue import case as shipped_case
 from rollbench.compare.scenes.friction_kinds.common import KindScene
 from rollbench.compare.studies.rolling.cases import RollingCase, rolling_case
@@ -373,8 +370,8 @@ class StoredVariants:
 
 
 def variants_key() -> str:
-    """Return the digest of the source code and the scenes on which stored variants of the finite bodies depend."""
-    return sources_hash(("hifi", "meshes", "compare/studies/rolling"), "".join(map(catalogue.scene_text, SCENES)))
+    """Return the digest of everything on which the stored variants of the finite bodies depend, texts excepted."""
+    return digest(*(run_key(shipped_case(name, KindScene), 1, FINITE) for name in SCENES), body_variants())
 
 
 def find_body_variants(stores: Sequence[Path], *, fresh: bool) -> StoredVariants:
