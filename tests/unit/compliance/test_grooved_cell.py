@@ -95,7 +95,7 @@ def test_nothing_is_left_out_of_a_shallow_groove():
 
 def test_impossible_dimensions():
     for given, why in (
-        ({"m": changed(lead=0.0)}, "without lead"),
+        ({"m": changed(lead=0.0)}, "lead"),
         ({"m": changed(starts=4)}, "overlap"),
         ({"land": ROOT - 1e-4}, "does not cut"),
         ({"land": 25e-3}, "does not cut"),

@@ -75,6 +75,6 @@ def test_3d_shafts_converge_to_it() -> None:
 
 def test_impossible_dimensions_are_refused() -> None:
     four = GrooveMap.of(replace(SCENE, track=replace(SCENE.track, starts=4)))
-    for m, bore, why in ((four, 0.0, "overlap"), (MAP, LAND - 1e-3, "bore cuts")):
+    for m, bore, why in ((four, 0.0, "overlap"), (MAP, LAND - 1e-3, "bore")):
         with pytest.raises(ValueError, match=why):
             helical_stiffness(m, LAND, bore, STEEL)
