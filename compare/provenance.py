@@ -58,8 +58,8 @@ def sources_hash(folders: Sequence[str] = PACKAGES, text: str = "") -> str:
     return sha256("\n".join(lines))
 
 
-def printed_files() -> dict[str, Path]:
-    """Return the files with printed numbers (tables, misprints, numbers left out), by the names that manifests use."""
+def files_of_printed_values() -> dict[str, Path]:
+    """Return the files with values printed in publications (also misprints, values left out), by names in manifests."""
     files = {f"{name}.toml": path for name, path in shipped_files("printed").items()}
     files |= {f"misprints/{case.name}.toml": path for case, path in files_named("misprints.toml").items()}
     return files | {"left-out.toml": data.place("cases/left-out.toml")}
@@ -73,7 +73,7 @@ def inputs(stores: Sequence[Path], scenes: Mapping[str, str]) -> dict[str, str]:
     """
     hashes = {SOURCES: sources_hash()}
     hashes |= {f"{SCENE}{name}": sha256(text) for name, text in sorted(scenes.items())}
-    for name, path in sorted(printed_files().items()):
+    for name, path in sorted(files_of_printed_values().items()):
         hashes[f"{DATA}{name}"] = sha256(path.read_bytes())
     for store in reversed(stores):
         for path in sorted(p for pattern in STORED for p in store.glob(pattern)):

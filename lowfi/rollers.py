@@ -102,10 +102,11 @@ def pressure(line_load: Array | float, width: Array | float) -> Array:
 
 @dataclass(frozen=True)
 class LineLaw:
-    """Law delta = q (g - S ln q) of the approach of two raceways with a roller between them; q: load per length [N/m].
+    """Law delta = q (g - S ln q) of the approach delta [m] of two raceways with a roller between them.
 
-    The approach increases with q up to q = exp(g/S - 1), where the half-width b would exceed the size of the bodies; steel
-    rollers stay far below.
+    q: load per length [N/m]; S: constant of the material [m^2/N]; g: constant of material and radii [m^2/N]. The
+    approach increases with q up to q = exp(g/S - 1). There the half-width b of the contact would exceed the size of the
+    bodies; steel rollers stay far below.
     """
 
     #: Constant g [m^2/N], for q in N/m under the logarithm; an array for several positions along a roller.

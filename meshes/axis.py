@@ -200,7 +200,7 @@ class Assembly:
     ingredients: Ingredients = usual(Ingredients())
     #: Publication from which the scene is taken.
     source: str = usual("")
-    #: Assumptions about what the publication does not say.
+    #: Assumptions about what the scene's source does not state.
     assumed: tuple[str, ...] = usual(())
     #: Coulomb friction of the balls; None: no friction.
     friction: Friction | None = usual(None)

@@ -257,7 +257,9 @@ class Specimens:
 
 
 def alike_in_shape(scene: Scene) -> bool:
-    """Return whether the grooves of all specimens are exact arcs with the same radii, as `specimens` requires.
+    """Return whether the grooves of all specimens are circular arcs with the same radii, as `specimens` requires.
+
+    A specimen is one screw or bearing with random errors.
 
     Parameters
     ----------
@@ -267,7 +269,7 @@ def alike_in_shape(scene: Scene) -> bool:
     Returns
     -------
     bool
-        False where profile errors depend on the section angle, or are random.
+        False where profile errors are random, or vary with the angle around the arc of the groove section.
     """
     sides = [scene.errors.side(name) for name in SIDES]
     return not any(len(e.profile) > 1 or any(s > 0.0 for s in e.profile_sigma) for e in sides)

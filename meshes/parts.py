@@ -616,7 +616,7 @@ class Scene:
     solid: Solid = usual(Solid())
     #: Publication from which the scene is taken.
     source: str = usual("")
-    #: Assumptions about what the publication does not say.
+    #: Assumptions about what the scene's source does not state.
     assumed: tuple[str, ...] = usual(())
     #: Number of specimens with different random errors.
     members: int = usual(1)

@@ -110,8 +110,8 @@ def _check_lands(scene: Scene, land: float, depth: float) -> None:
     most = pitch + 2e3 * depth
     diameter = 2e3 * land
     if diameter >= 1e3 * scene.nut.outer_diameter and pitch < diameter < most:
-        wall = f"leaves no wall outside the nut's lands of {diameter:.4g} mm diameter"
-        raise UnfitKey("nut.outer_diameter", f"nut.outer_diameter of {1e3 * scene.nut.outer_diameter:.4g} mm {wall}")
+        outside = f"nut.outer_diameter of {1e3 * scene.nut.outer_diameter:.4g} mm leaves no wall"
+        raise UnfitKey("nut.outer_diameter", f"{outside} outside the nut's lands of {diameter:.4g} mm diameter")
     if pitch < diameter < most:
         return
     if scene.solid.nut_inner_diameter is not None:

@@ -259,7 +259,7 @@ def _of_text(value: str, dimension: str) -> float:
         raise UnitError(value, dimension, "has an unknown unit", _nearest_unit_advice(unit, dimension))
     result = math.radians(float(number)) if unit == "deg" else float(number * above / below)
     if not math.isfinite(result):
-        raise UnitError(value, dimension, "is too large to be a number")
+        raise UnitError(value, dimension, "is too large for a floating-point number")
     return result
 
 

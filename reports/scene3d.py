@@ -127,7 +127,7 @@ def _surface_grid(grooves: _Grooves, phi: Array, ends: tuple[float, float], step
     return np.broadcast_to(phi[:, None], z.shape), z
 
 
-def _sheet_surface(grid: Grid) -> Any:
+def _pyvista_surface(grid: Grid) -> Any:
     """Return a surface as a triangle mesh of pyvista, in mm; grid: radius, azimuth and axial position of its points."""
     import pyvista
 
@@ -232,12 +232,12 @@ def _render_picture(picture: LoadedScrew, path: str) -> None:
     # back by the length of an arrow, so that it does not hide the arrows of the forces that it exerts.
     behind = -1e3 * _ARROW * ball_radius(picture.scene) * view_direction()
     for grid in _shaft_surfaces(picture.scene):
-        plotter.add_mesh(_sheet_surface(grid).translate(behind), color=STEEL, **steel)
+        plotter.add_mesh(_pyvista_surface(grid).translate(behind), color=STEEL, **steel)
     body, cuts = _nut_surfaces(picture.scene)
     for grid in body:
-        plotter.add_mesh(_sheet_surface(grid), color=_NUT, **steel)
+        plotter.add_mesh(_pyvista_surface(grid), color=_NUT, **steel)
     for grid in cuts:
-        plotter.add_mesh(_sheet_surface(grid), color=_CUT, ambient=0.6, diffuse=0.4)
+        plotter.add_mesh(_pyvista_surface(grid), color=_CUT, ambient=0.6, diffuse=0.4)
     _add_balls(plotter, picture)
     _add_forces(plotter, picture)
     _set_view(plotter, picture)

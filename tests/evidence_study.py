@@ -7,5 +7,5 @@ of its own.
 from rollbench.compare.models.study import Study
 
 GROUP = "evidence"
-#: Sixty drawn screws decide the claims on random errors as two hundred do.
+#: Sixty randomly drawn screws decide the claims on random errors as two hundred do.
 STUDY = Study(members=60)

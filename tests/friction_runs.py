@@ -1,4 +1,4 @@
-"""Shared by tests of runs in time: screws and bearings whose balls meet, enter and leave, and their settings."""
+"""Shared by tests of transient simulations: screws and bearings whose balls meet, enter and leave; settings."""
 
 from dataclasses import replace
 

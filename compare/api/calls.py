@@ -637,7 +637,7 @@ def mesh_study(
         Number of the finest mesh level; all levels from 1 (the coarsest) to this one are compared. An order of convergence
         needs three levels. None: levels 1 and 3.
     spread
-        Whether modelling choices that the publication leaves open are also varied, on the coarsest level.
+        Whether modelling choices that the scene's source leaves open are also varied, on the coarsest level.
     store
         Folder in which runs of the 3D reference are looked up and stored, in addition to the runs shipped with rollbench.
         Missing runs are computed, which takes minutes to hours.

@@ -109,7 +109,7 @@ def run_drawn(store: Path) -> Answer:
     runs = measure_levels(store, on_terminal).runs
     jobs = [
         Job(
-            f"{s.name} on {s.seconds.size} drawn screws" + (f", errors by {s.judged_by}" if s.judged_by else ""),
+            f"{s.name} on {s.seconds.size} random screws" + (f", errors by {s.judged_by}" if s.judged_by else ""),
             float(median(s.seconds)),
             error_percent=float(median(s.errors)) if s.errors.size else None,
             note=f"medians, processor time of one core; a further load case {median(s.further):.3g} s",

@@ -48,7 +48,7 @@ def mesh_study(
     store
         Folder to which runs, the table (CSV) and the figure (SVG) are written.
     spread
-        Also vary, on the coarsest level, the modelling choices that the publication leaves open.
+        Also vary, on the coarsest level, the modelling choices that the scene's source leaves open.
     source_mesh
         Also solve on the mesh of Lin's thesis: first-order tetrahedra of 0.08 mm around every contact.
     fresh
@@ -73,12 +73,12 @@ def run_rolling_study(
 ) -> Answer:
     """Compute missing runs of the 3D model of rolling contact, and return a table of mesh levels for each scene.
 
-    ``levels``: number of the finest level. ``source``: also use the publication's mesh. ``fresh``: compute stored runs
-    again.
+    ``levels``: number of the finest level. ``source``: also use the element size of Lin's thesis. ``fresh``: compute
+    stored runs again. ``bodies``: "half-space", or "finite" for bodies of finite size.
     """
-    from rollbench.compare.studies.rolling.study import rolling_study
+    from rollbench.compare.studies.rolling.study import rolling_mesh_study
 
-    rows = rolling_study(scenes, levels, store, engine, source=source, fresh=fresh, bodies=bodies)
+    rows = rolling_mesh_study(scenes, levels, store, engine, source=source, fresh=fresh, bodies=bodies)
     parts: list[Any] = []
     for name in dict.fromkeys(row["scene"] for row in rows):
         of_scene = [{k: v for k, v in row.items() if k != "scene"} for row in rows if row["scene"] == name]
@@ -92,7 +92,7 @@ def run_mesh_study(
     """Compute missing runs of the 3D reference on several mesh levels, and return the tables of the study.
 
     The tables are also written as CSV and SVG to the folder ``store``. ``count``: number of the finest level, see
-    `chosen_levels`. ``spread``: also vary modelling choices. ``source``: also use the publication's mesh. ``fresh``:
+    `chosen_levels`. ``spread``: also vary modelling choices. ``source``: also use the mesh of Lin's thesis. ``fresh``:
     compute stored runs again. Raises InputError for unknown levels, Refusal if no run of a scene converged.
     """
     from rollbench.compare.commands.compare import exit_code

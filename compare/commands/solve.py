@@ -166,7 +166,8 @@ def _check_choices(choices: Choices) -> tuple[str, float]:
     model = choices.model or ("" if choices.condensed is None else "condensed")
     if choices.condensed is not None and model != "condensed":
         given = f"{choices.condensed} with the model {model}"
-        raise ArgumentError("condensed", given, "only with the model condensed", "leave `model` out")
+        advice = "leave `model` out: the file selects the model condensed"
+        raise ArgumentError("condensed", given, "only for the model condensed", advice)
     if not 0 <= choices.member < 10**9:
         raise ArgumentError("member", str(choices.member), "0 to 999999999", "state the number of the specimen")
     if choices.matrix is not None:
@@ -203,7 +204,8 @@ def _write_files(one: Solved | SolvedAxis, tangent: Tangent | None, choices: Cho
     lines, path, (K, where) = [], choices.matrix, _requested_stiffness(one, tangent)
     if path is not None and isinstance(one, SolvedAxis) and (K is None or not np.isfinite(K).all()):
         advice = "choose an axial position at which no degree of freedom of the shaft is fixed"
-        raise ArgumentError("matrix", str(path), "only if the stiffness is finite in all six degrees of freedom", advice)
+        allowed = "only if the shaft has no fixed degree of freedom there, whose stiffness would be infinite"
+        raise ArgumentError("matrix", str(path), allowed, advice)
     if path is not None and K is not None:
         from rollbench.compare.commands.solve_files import write_stiffness
 

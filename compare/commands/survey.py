@@ -42,7 +42,7 @@ def survey(
     max_error
         Largest permitted error of the contact loads for the verdicts, in per cent, as in rollbench check.
     screw
-        Number of a drawn screw. Writes this screw as a scene file, with its reference loads for check and compare
+        Number of a randomly drawn screw. Writes it as a scene file, with its reference loads for check and compare
         --reference, and solves nothing.
     out
         Folder for the written files. Default: the current folder.
@@ -53,7 +53,7 @@ def survey(
     models = [*(model or ()), *filter(None, [command])]
     if screw is not None:
         if models:
-            advice = "leave the model out: this option only writes the drawn screw"
+            advice = "leave the model out: this option only writes the randomly drawn screw"
             raise ArgumentError("screw", f"{screw} with a model", "only without a model", advice)
         return print_answer(run_screw(screw, out), as_json)
     if not models:
@@ -62,7 +62,7 @@ def survey(
 
 
 def run_survey(models: Sequence[str], count: int, max_error: float, out: Path, workers: int | None) -> Answer:
-    """Judge models on the first ``count`` drawn screws, write table and figure, and return the statistics of the errors.
+    """Judge models on the first ``count`` random screws, write table and figure, and return statistics of the errors.
 
     ``max_error``: limit of the error in per cent. ``out``: folder of the written files. ``workers``: number of screws
     solved in parallel. The exit code is 1 if a model fails on a screw. Raises InputError as `run_models`.
@@ -125,7 +125,7 @@ def _survey_tables(data: Mapping[str, Any], models: Sequence[str]) -> Iterator[A
 
 
 def run_screw(number: int, out: Path) -> Answer:
-    """Write the drawn screw ``number`` as a scene file, and its reference loads; InputError as `write_screw`."""
+    """Write the random screw ``number`` as a scene file, and its reference loads; InputError as `write_screw`."""
     from rollbench.compare.studies.survey_models import write_screw
 
     text, loads = write_screw(number, out)

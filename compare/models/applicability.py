@@ -143,7 +143,7 @@ def compared_scenes(*, ring: bool) -> tuple[Scene, ...]:
 #: File with the randomly drawn screws that were compared (by `rollbench stability`), in a folder of 3D reference runs.
 SURVEY = "survey.json"
 
-#: Number of drawn screws from which expected errors are estimated. Later screws of the file test the estimate.
+#: Number of randomly drawn screws from which expected errors are estimated. Later screws of the file test the estimate.
 KNOWN_SCREWS = 240
 
 
@@ -207,7 +207,7 @@ def descriptors_in_range(scene: Scene, among: Sequence[Scene] | None = None) -> 
     scene
         Scene with one nut or bearing row.
     among
-        Compared scenes; None: all shipped scenes and drawn screws.
+        Compared scenes; None: all shipped scenes and randomly drawn screws.
 
     Returns
     -------

@@ -151,18 +151,18 @@ def solve_scaled(scene: Scene, factor: float, model: str, options: Options) -> S
     return run_model(scaled(scene, factor), model, replace(options, discretisation=False))
 
 
-def preload(scene: Scene, bare: StaticResult) -> Preload:
-    """Return contact loads and axial force of a scene's preload, from its result without loads (``bare``)."""
-    loads = bare.load[bare.load > 0.0]
+def preload(scene: Scene, unloaded: StaticResult) -> Preload:
+    """Return contact loads and axial force of a scene's preload, from its result without loads (``unloaded``)."""
+    loads = unloaded.load[unloaded.load > 0.0]
     if not loads.size:
         return Preload(0.0, 0.0, 0, 0.0)
-    mean = mean_load(loads, nominal_contacts(scaled(scene, 0.0), bare))
-    return Preload(mean, float(loads.max()), int(loads.size), axial_preload(scene, bare))
+    mean = mean_load(loads, nominal_contacts(scaled(scene, 0.0), unloaded))
+    return Preload(mean, float(loads.max()), int(loads.size), axial_preload(scene, unloaded))
 
 
-def axial_preload(scene: Scene, bare: StaticResult) -> float:
-    """Return the internal axial force of the preload [N] (`Preload.axial`), from the result without loads (``bare``)."""
-    return min(float(bare.load[:, s].sum()) for s in (0, 1)) * approach_per_displacement(scene)
+def axial_preload(scene: Scene, unloaded: StaticResult) -> float:
+    """Return the axial force of the preload [N] (`Preload.axial`); ``unloaded``: result without the scene's loads."""
+    return min(float(unloaded.load[:, s].sum()) for s in (0, 1)) * approach_per_displacement(scene)
 
 
 def absolute_axial_preload(held: Preload | None) -> float:

@@ -94,7 +94,7 @@ def _solve_elastic(scene: Scene, options: Options, *, name: str) -> StaticResult
     """Solve a scene by the model ``name``, which has elastic bodies; for "condensed" they are read from a file."""
     from rollbench.lowfi.compliance.parts import LADDER, REFINED
     from rollbench.lowfi.statics.elastic import solve_elastic
-    from rollbench.lowfi.statics.static import with_discretisation
+    from rollbench.lowfi.statics.static import with_discretisation_error
 
     condensed = read_condensed(scene, options) if name == "condensed" else None
     solve = partial(
@@ -108,7 +108,7 @@ def _solve_elastic(scene: Scene, options: Options, *, name: str) -> StaticResult
     )
     result = solve(scene)
     wanted = options.discretisation and result.converged and scene.ingredients.screw != "rigid"
-    return with_discretisation(scene, result, solve) if wanted else result
+    return with_discretisation_error(scene, result, solve) if wanted else result
 
 
 def _solve_as_source(scene: Scene, options: Options) -> StaticResult:
@@ -168,7 +168,7 @@ def axial_only(scene: Scene) -> bool:
 
 
 def loaded_at_one_end(scene: Scene) -> bool:
-    """Return whether Liu's model covers a scene: axial loads at one end of the balls, no preload, screw free axially."""
+    """Return whether Liu's model covers a scene: axial loads at one end of the ball row, no preload, uz free."""
     from rollbench.lowfi.statics.liu import describes
 
     return describes(scene)

@@ -14,7 +14,7 @@ uncertainty of phi_1 is
     U = F |delta| + sigma + |r_1|                        if sigma < Delta,
     U = 3 (sigma / Delta) (|delta| + sigma + |r_1|)      otherwise,
 
-with F = 1.25 for an order within the range, else 3. Deviations from the publication are stated in `grid_convergence` and
+with F = 1.25 for an order within the range, else 3. Deviations from this method are stated in `grid_convergence` and
 `pooled_grid_uncertainty`. For both, tests count the share of noisy sequences whose true value lies within U.
 
 Quantities ``(levels, m)`` that are fitted together have the same powers of h but different limits and coefficients. Only
@@ -99,10 +99,11 @@ def representative_size(settings: Mapping[str, Any]) -> float:
 def grid_convergence(values: ArrayLike, sizes: ArrayLike) -> Convergence:
     """Estimate order of convergence, extrapolated value and uncertainty of one quantity on several mesh levels.
 
-    The method deviates from the publication as follows. The uncertainty U is at least that of first order with F = 1.25, if
-    the values do not contradict first order (F test), because a few noisy values often show too high an order. With three
-    levels, for which the publication gives no estimate, the fit of an order has no degree of freedom; sigma is then the
-    smallest standard deviation of the fits with fixed order. With two levels, U is three times their difference.
+    The method deviates from that of Eca and Hoekstra as follows. The uncertainty U is at least that of first order with
+    F = 1.25, if the values do not contradict first order (F test), because a few noisy values often show too high an
+    order. With three levels, for which they give no estimate, the fit of an order has no degree of freedom; sigma is
+    then the smallest standard deviation of the fits with fixed order. With two levels, U is three times their
+    difference.
 
     Parameters
     ----------
@@ -150,12 +151,13 @@ def grid_convergence(values: ArrayLike, sizes: ArrayLike) -> Convergence:
 def pooled_grid_uncertainty(values: ArrayLike, sizes: ArrayLike) -> Array:
     """Estimate the uncertainty of many similar quantities that converge with one common order.
 
-    Limit phi_0 and coefficient alpha differ between the quantities. The common order is fitted, with the interval of orders
-    that the data allow (F test, 95 %). With so many degrees of freedom sigma is well known, and the formula of the
-    publication is changed: U is the largest value of 1.25 |delta| + sigma + |r_1| over all allowed orders within `ORDERS`.
-    If all allowed orders are above this range, order 2 is used, whose error is larger than that of the fit. If all are
-    below, the fits with fixed orders and the factor of 3 are used, as in the publication. sigma of a quantity is its own
-    standard deviation or the common one, whichever is larger, because one or two residuals are often small by chance.
+    Limit phi_0 and coefficient alpha differ between the quantities. The common order is fitted, with the interval of
+    orders that the data allow (F test, 95 %). With so many degrees of freedom sigma is well known, and the formula of
+    Eca and Hoekstra is changed: U is the largest value of 1.25 |delta| + sigma + |r_1| over the allowed orders in
+    `ORDERS`. If all allowed orders are above this range, order 2 is used, whose error is larger than that of the fit.
+    If all are below, the fits with fixed orders and the factor of 3 are used, as in their method. sigma of a quantity
+    is its own standard deviation or the common one, whichever is larger, because one or two residuals are often small
+    by chance.
 
     With two levels, U is three times the difference, or three times the RMS difference of all quantities if that is larger.
     Quantities that are equal on all levels have no uncertainty.

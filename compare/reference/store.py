@@ -121,7 +121,10 @@ def measuring_conditions() -> Measured:
 
 
 def one_run(times: Iterable[Measured]) -> Measured | None:
-    """Return the common measuring conditions of several times; None without times, ValueError if they differ."""
+    """Return the conditions under which all of several run times were measured; ValueError if they differ.
+
+    ``times``: the conditions of each run time; None is returned if there are none.
+    """
     found = set(times)
     if len(found) > 1:
         raise ValueError(f"the times stem from several measuring runs: {', '.join(sorted(map(str, found)))}")
@@ -129,7 +132,10 @@ def one_run(times: Iterable[Measured]) -> Measured | None:
 
 
 def most_of(times: Iterable[Measured]) -> Measured | None:
-    """Return the most frequent measuring conditions of several times, to be shown in a table; None without times."""
+    """Return the conditions under which most of several run times were measured; None without run times.
+
+    ``times``: the conditions of each run time.
+    """
     common = Counter(times).most_common(1)
     return common[0][0] if common else None
 

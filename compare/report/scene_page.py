@@ -37,7 +37,7 @@ from rollbench.compare.sections.curves import load_curve, load_panel
 from rollbench.compare.sections.fit import range_figure, range_table
 from rollbench.compare.sections.sheets import sketch_scene
 from rollbench.compare.studies.friction.answer import loss_rows, result_lines
-from rollbench.compare.studies.friction.run import RunInTime, solve_run
+from rollbench.compare.studies.friction.run import TransientRun, solve_run
 from rollbench.compare.studies.friction.whole import MEASURED, StaticallySolved, drag_torques, friction_status
 from rollbench.compare.text.solved import case_rows
 from rollbench.lowfi.friction.whole.losses import CAUSES
@@ -457,7 +457,7 @@ def _time_of_one_turn(scene: Scene, motion: Motion) -> Time:
     return scene.time or Time(duration=abs(angle / motion.speed), steps=STEPS, goal=1.0, output="torque")
 
 
-def _torque_over_turn(run: RunInTime) -> list[Panel]:
+def _torque_over_turn(run: TransientRun) -> list[Panel]:
     """Return the panel of friction torque over angle, total and of the grooves alone; empty if the run did not start."""
     h = run.history
     if not h.begun:

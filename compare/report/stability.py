@@ -235,7 +235,7 @@ def _unseen_screws_items(first: list[dict[str, Any]], further: list[dict[str, An
 
 
 def _face_distances_and_errors(scenes: Sequence[Mapping[str, Any]], model: str) -> Array:
-    """Return the distance of the outermost ball from a nut face and a model's largest error, for each drawn screw.
+    """Return the distance of the outermost ball from a nut face and a model's largest error, for each random screw.
 
     Shape (n, 2); distances in ball radii, errors in per cent of the mean load.
     """

@@ -575,7 +575,7 @@ class Survey(Data):
     """
 
     screws: int
-    """Number of drawn screws for which a run of the 3D reference is stored."""
+    """Number of randomly drawn screws for which a run of the 3D reference is stored."""
     median: Mapping[str, float]
     """Median of a model's errors on the screws that it solved [%], by the model's name."""
     largest: Mapping[str, float]
@@ -605,7 +605,7 @@ def survey_from_json(data: Mapping[str, Any]) -> Survey:
     return Survey(
         values=data,
         shown="summary",
-        notes=(f"{data['screws']} of {data['of']} drawn screws have a stored reference, on level {data['level']}",),
+        notes=(f"{data['screws']} of {data['of']} random screws have a stored reference, on level {data['level']}",),
         screws=data["screws"],
         median={name: median(x) for name, x in sizes.items() if x},
         largest={name: max(x) for name, x in sizes.items() if x},

@@ -423,10 +423,10 @@ def _position_faults(keys: AxisKeys, sets: Sequence[RollingSet]) -> Iterator[Fau
         for i, h in enumerate(housings):
             if h.name in stands and (any(h.force) or any(h.moment)):
                 allowed = "no load on a housing whose six freedoms are all fixed"
-                yield Fault((f"{table}[{i}].force",), allowed, "remove a freedom from its fix, or leave the load out")
+                yield Fault((f"{table}[{i}].force",), allowed, "remove a freedom from `fix`, or leave the load out")
     for i, one in enumerate(keys.sets):
         if one.carrier in stands:
-            advice = "remove a freedom from the housing's fix, or leave the set out"
+            advice = "remove a freedom from the housing's `fix`, or leave the set out"
             yield Fault((f"sets[{i}].carrier",), "a housing that can move", advice)
     held = [(s, n) for s in keys.supports for n in s.held]
     for i, s in enumerate(keys.supports):

@@ -306,7 +306,7 @@ def overlapping_pair(centres: Array, radii: Array) -> tuple[int, int] | None:
 
 
 def _circuit_faults(scene: Scene) -> Iterator[Fault]:
-    """Yield the faults of ball circuits that cannot be built, and of a run in time that moves the nut off the screw."""
+    """Yield the faults of ball circuits that cannot be built, and of a simulation that moves the nut off the screw."""
     from rollbench.lowfi.friction.whole.circuit import CircuitError, circuits, travel
 
     try:

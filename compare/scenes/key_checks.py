@@ -48,7 +48,7 @@ def motion_faults(motion: Motion | None) -> Iterator[Fault]:
 
 
 def _circulation_table_faults(keys: SceneKeys) -> Iterator[Fault]:
-    """Yield the faults of the tables ``[circulation]``, which describes ball circuits, and ``[time]``, a run in time."""
+    """Yield the faults of the tables ``[circulation]``, the ball circuits, and ``[time]``, a simulation over time."""
     circulation = keys.circulation
     if circulation is not None:
         if keys.track.lead == 0.0:
@@ -62,7 +62,7 @@ def _circulation_table_faults(keys: SceneKeys) -> Iterator[Fault]:
 
 
 def time_faults(time: Time) -> Iterator[Fault]:
-    """Yield a fault unless a run in time has either an angle or a duration."""
+    """Yield a fault unless the settings of a simulation over time have either an angle or a duration."""
     if (time.angle is None) == (time.duration is None):
         value = "neither" if time.angle is None else "both angle and duration"
         advice = 'write one of them, e.g. angle = "360 deg" or duration = "1 s"'

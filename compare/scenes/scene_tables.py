@@ -101,15 +101,15 @@ def single_set_scene(raw: dict[str, Any], origin: str) -> Scene | DutyCycle:
     if keys is None or not key_faults.bodies_unchanged or len(texts) > len(key_faults.texts):
         raise scene_error(origin, texts)
     scene = scene_of(keys, escape_unprintable(Path(origin).stem))
-    texts += fault_texts(raw, _build_faults(scene))
+    texts += fault_texts(raw, _geometry_or_contact_faults(scene))
     if texts:
         raise scene_error(origin, texts)
     if keys.preload is not None:
         scene = with_preload(scene, keys.preload)
-        raise_faults(origin, raw, _build_faults(scene))
-    return with_load_cases(as_one_arc(scene), keys.cases, raw, origin, _build_faults)
+        raise_faults(origin, raw, _geometry_or_contact_faults(scene))
+    return with_load_cases(as_one_arc(scene), keys.cases, raw, origin, _geometry_or_contact_faults)
 
 
-def _build_faults(scene: Scene) -> list[Fault]:
+def _geometry_or_contact_faults(scene: Scene) -> list[Fault]:
     """Return the faults of bodies that cannot be built; if there are none, those of contacts that cannot be solved."""
     return list(geometry_faults(scene)) or list(contact_faults(scene))

@@ -226,7 +226,7 @@ class FrictionKeys(keys.Table):
         False,
     )
     neighbours: bool = key(
-        "whether neighbours that touch push each other at the scene's instant (a run in time always lets them)",
+        "whether neighbours that touch push each other at the scene's instant (always in a simulation over time)",
         Friction.neighbours,
         True,
     )
@@ -304,7 +304,7 @@ class SceneKeys(keys.HeadKeys):
     motion: parts.Motion | None = key("motion of screw and nut", None, {"speed": "600 rpm"})
     lubricant: parts.Lubricant | None = key("lubricant, for torques that depend on speed", None, {"viscosity": "27 mm2/s"})
     circulation: parts.Circulation | None = key("circuits of the balls", None, {"returning": 4, "filling": 0.8})
-    time: parts.Time | None = key("run in time", None, {"angle": "360 deg"})
+    time: parts.Time | None = key("simulation over time", None, {"angle": "360 deg"})
     preload: PreloadKeys | None = key("preload of one nut", None, {"force": "500 N"})
     gate: parts.GateLimits = key("limits for: rollbench check", parts.GateLimits(), {"max_error": 7})
     operation: parts.Operation = key("reliability, lubricant, limit of speed", parts.Operation(), {"reliability": 95})

@@ -70,17 +70,17 @@ class ModelErrors:
 
     @property
     def within(self) -> float | None:
-        """Share (0 to 1) of scenes whose error is within the gate's limit; None if the quantity has no limit."""
+        """Share (0 to 1) of scenes within the error limit of ``rollbench check``; None if the quantity has no limit."""
         return float(np.mean(self.errors <= LIMITS[self.key])) if self.key in LIMITS else None
 
     @property
     def good(self) -> bool | None:
-        """Whether 95 % of the scenes are within the gate's limit; None if the quantity has no limit."""
+        """Whether 95 % of the scenes are within the limit of ``rollbench check``; None if the quantity has no limit."""
         return None if self.within is None else self.within >= 0.95
 
     @property
     def table_row(self) -> Row:
-        """Table row of the errors: median, 95th percentile, largest, limit of the gate, share of scenes within it."""
+        """Table row: median, 95th percentile, largest error, limit of `rollbench check`, share of scenes within it."""
         share, good = self.within, self.good
         return {
             "quantity": WORDS[self.key],

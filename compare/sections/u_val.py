@@ -51,10 +51,11 @@ from rollbench.meshes.loads import mean_load
 from rollbench.meshes.parts import Scene
 from rollbench.reports.content import Figure, Panel, Quantity, Row, Section, Series, Table, Text
 
-#: File with the contact loads of drawn screws, and of further mesh levels of shipped scenes, that are used for tests only.
+#: File with contact loads that are used for tests only: of randomly drawn screws, and of further mesh levels of shipped
+#: scenes.
 JUDGES = "judging_levels.json"
 
-#: Key of the text of a drawn scene in that file.
+#: Key of the text of a randomly drawn scene in that file.
 SCENE = "scene"
 
 #: Name of the variant with finer cut-outs for the patches in the coarse meshes.
@@ -157,7 +158,7 @@ def experience(study: Study) -> Experience | None:
 
 
 def _shipped_or_drawn_scene(study: Study, name: str) -> Scene:
-    """Return a compared scene by its name, either a shipped or a randomly drawn one."""
+    """Return the scene of this name: one that comes with the package, or a randomly drawn screw with stored loads."""
     return loads_for_tests(shipped_store())[1].get(name) or study.scene(name)
 
 

@@ -82,13 +82,13 @@ def _with_moduli(base: Scene, screw: float, nut: float, balls: float) -> Scene:
 
 
 def with_shaft_stiffness(base: Scene, factor: float) -> Scene:
-    """Return a scene with the shaft's beam stiffness multiplied by a factor, and every Hertz constant unchanged.
+    """Return a scene whose shaft is stiffer or softer as a beam by a factor, with unchanged Hertz constants.
 
-    Stiffer shaft: the screw's modulus is multiplied by ``factor``, the balls' modulus divided by ``2 - 1/factor`` so that
-    the contact modulus of ball and screw stays, and the nut stiffened like the screw (all parts share one material). Softer
-    shaft: no modulus can do that (the ball would need a negative one), so a bore leaves ``factor`` of the section's area
-    and ``factor (2 - factor)`` of its second moment of area. For factors below about 0.2 the wall is thinner than the
-    groove is deep, which a scene file does not allow.
+    Stiffer shaft: the moduli of screw and nut are multiplied by ``factor``, and the balls' modulus is divided by
+    ``2 - 1/factor``; the contact moduli do not change, because all parts of ``base`` have the same material. Softer
+    shaft: the balls would need a negative modulus below a factor of 1/2, so the shaft gets a bore instead. The bore
+    leaves ``factor`` of the area and ``factor (2 - factor)`` of the second moment of area of the section without bore.
+    For factors below about 0.2 the wall is thinner than the groove is deep, which a scene file does not allow.
     """
     if factor >= 1.0:
         return _with_moduli(base, factor, factor, 1.0 / (2.0 - 1.0 / factor))

@@ -324,9 +324,9 @@ def compute_study(
     step
         Called with lines of progress.
     spread
-        Whether modelling choices are varied.
+        Whether the coarsest level is also solved with varied modelling choices.
     source
-        Whether the mesh of the publication is added.
+        Whether the mesh of Lin's thesis (first-order tetrahedra) is also used.
     fresh
         Whether stored runs are computed again.
 
@@ -338,7 +338,8 @@ def compute_study(
     Raises
     ------
     InputError
-        For ``spread`` and a shaft with several nuts and bearings; as Refusal if no run of a scene converged.
+        If ``spread`` is used for a shaft with several nuts or bearings. Its subclass Refusal is raised if no run of a
+        scene converged.
     """
     tasks = plan(scenes, levels, source=source)
     several = next((s.name for s in scenes if isinstance(s, Assembly)), None) if spread else None

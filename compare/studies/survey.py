@@ -393,7 +393,7 @@ def scene_features(scene: Scene) -> Record:
 
 
 def compare_models(scene: Scene, raised: Scene, runs: Sequence[Run]) -> Record:
-    """Return status and loads of the 3D reference on a drawn screw, and the errors of the models.
+    """Return status and loads of the 3D reference on a randomly drawn screw, and the errors of the models.
 
     ``raised``: the same screw with raised loads; ``runs``: the 3D reference of both.
     """
@@ -442,7 +442,7 @@ def _rounded_or_none(value: float | None, factor: float = 1.0) -> float | None:
 
 
 def _model_record(scene: Scene, result: StaticResult, run: Run, point: Point) -> Record:
-    """Return a model's errors on a drawn screw [%], and the errors that are expected from those on other compared scenes.
+    """Return a model's errors on a randomly drawn screw [%], and those expected from its errors on other scenes.
 
     ``result``: the model's solution; ``run``: run of the 3D reference; ``point``: the model's errors against this run.
     """
@@ -469,7 +469,7 @@ ERRORS = ("largest_percent", "gate_percent", "rms_percent", "displacement_percen
 
 
 def _solve_and_append(folder: Path, token: str, seed: int, number: int) -> Record | None:
-    """Solve a drawn screw, append its record to a folder and return it.
+    """Solve a randomly drawn screw, append its record to a folder and return it.
 
     None, without solving, if a later run of the program has taken the folder. ``token``: text that identifies this run;
     ``seed``: seed of the survey; ``number``: number of the screw.
@@ -567,13 +567,13 @@ def known_screws() -> list[Record]:
     return [record for record in shipped_survey()["scenes"] if record["number"] < KNOWN_SCREWS]
 
 
-#: Aims for the errors of the refined model on drawn screws: of the worst contact, and root mean square [% of the mean
+#: Aims for the errors of the refined model on random screws: of the worst contact, and root mean square [% of the mean
 #: load].
 WORST_AIM, RMS_AIM = 1.5, 0.5
 
 
 class ModelAccuracy(NamedTuple):
-    """Accuracy of a model on the drawn screws of a survey."""
+    """Accuracy of a model on the randomly drawn screws of a survey."""
 
     #: Number of screws.
     screws: int
@@ -586,7 +586,7 @@ class ModelAccuracy(NamedTuple):
 
 
 def model_accuracy(records: Sequence[Record], model: str = "refined") -> ModelAccuracy:
-    """Return a model's accuracy over those drawn screws that have errors of the model in their records."""
+    """Return a model's accuracy over those randomly drawn screws that have errors of the model in their records."""
     errors = [r["models"][model] for r in records if model in r.get("models", {})]
     worst = [abs(e["largest_percent"]) for e in errors]
     within = sum(w <= WORST_AIM and e["rms_percent"] <= RMS_AIM for w, e in zip(worst, errors, strict=True))
@@ -595,7 +595,7 @@ def model_accuracy(records: Sequence[Record], model: str = "refined") -> ModelAc
 
 
 def summary_rows(records: Sequence[Record]) -> list[dict[str, Any]]:
-    """Return table rows with the median, 95th percentile and maximum of each error of each model over the drawn screws.
+    """Return table rows with median, 95th percentile and maximum of each model's errors over the randomly drawn screws.
 
     The keys of a row are `SUMS`; "scenes" is the number of screws with this error.
     """

@@ -41,7 +41,7 @@ RUNS = "survey-levels.json"
 
 @dataclass(frozen=True)
 class LevelRun:
-    """Solution of a drawn screw on a mesh level of the 3D reference."""
+    """Solution of a randomly drawn screw on a mesh level of the 3D reference."""
 
     #: Number of the screw.
     number: int
@@ -71,7 +71,7 @@ class StoredLevelRuns:
 
 @dataclass(frozen=True)
 class Standing:
-    """Largest errors and times of a model or mesh level on drawn screws, one entry of each array for each screw."""
+    """Largest errors and times of a model or mesh level; arrays with one entry for each randomly drawn screw."""
 
     #: Name of the model or mesh level.
     name: str
@@ -94,13 +94,13 @@ def chosen_screws() -> list[int]:
 
 
 def drawn_screw(number: int) -> tuple[Scene, Scene]:
-    """Return drawn screw ``number`` under its loads, then under raised ones, from which the tangent rigidity follows."""
+    """Return random screw ``number`` under its loads, then under raised ones, which give the tangent rigidity."""
     name = f"survey-{survey.SEED}-{number}"
     return survey.load_cases(survey.scene_text(survey.SEED, number), name)
 
 
 def solve_level(number: int, level: int) -> LevelRun:
-    """Solve a drawn screw on a mesh level in this process, with one thread and without cache, and time it.
+    """Solve a randomly drawn screw on a mesh level in this process, with one thread and without cache, and time it.
 
     ``number``: number of the screw. Level 1 has the coarser cells at the cut ends of the shaft that the survey uses. Raises
     InputError if the screw cannot be meshed.
@@ -160,7 +160,7 @@ def load_levels(stores: Sequence[Path]) -> StoredLevelRuns | None:
 
 
 def levels_and_models(runs: Sequence[LevelRun], records: Sequence[survey.Record]) -> list[Standing]:
-    """Return errors and times of models and mesh levels: on all drawn screws by level 1, on the chosen ones by level 2.
+    """Return errors and times of models and mesh levels: on all random screws by level 1, on chosen ones by level 2.
 
     Parameters
     ----------

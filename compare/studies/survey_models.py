@@ -52,17 +52,17 @@ Row = dict[str, Any]
 
 
 def drawn_screw(number: int) -> Scene:
-    """Return the scene of drawn screw ``number`` of the survey."""
+    """Return the scene of randomly drawn screw ``number`` of the survey."""
     return scene_file.scene_of_text(survey.scene_text(survey.SEED, number), f"{screw_name(number)}.toml")
 
 
 def screw_name(number: int) -> str:
-    """Return the name of drawn screw ``number``, which is also the name of its files."""
+    """Return the name of randomly drawn screw ``number``, which is also the name of its files."""
     return f"survey-{survey.SEED}-{number}"
 
 
 def store_loads(path: Path, runs: Path, count: int) -> int:
-    """Write the 3D contact loads of the first ``count`` drawn screws to a file, and return the number of screws in it.
+    """Write the 3D contact loads of the first ``count`` random screws to a file, and return the number of screws in it.
 
     ``path``: the file; ``runs``: folder with runs of the 3D reference. Loads of screws without a run there are kept from
     the present contents of the file. InputError if it cannot be written.
@@ -95,12 +95,12 @@ def _read_loads(path: Path) -> dict[int, Row]:
 
 @cache
 def stored_loads() -> dict[int, Row]:
-    """Return the contact loads of drawn screws that are stored with the package, by the number of the screw."""
+    """Return the contact loads of randomly drawn screws that are stored with the package, by number of the screw."""
     return _read_loads(place(f"references/{LOADS}"))
 
 
 def stored_reference(scene: Scene, number: int) -> Reference | None:
-    """Return the 3D reference of a drawn screw from its stored loads; None if no loads are stored for this screw.
+    """Return the 3D reference of a randomly drawn screw from its stored loads; None if no loads of it are stored.
 
     Its uncertainty is that of the mesh level by experience with other scenes.
     """
@@ -113,7 +113,7 @@ def stored_reference(scene: Scene, number: int) -> Reference | None:
 
 
 def judge_model(model: str, number: int, limit: float = LIMIT, engine: str = "interpreted") -> Row:
-    """Solve a drawn screw with a model, and compare its contact loads with the stored 3D reference.
+    """Solve a randomly drawn screw with a model, and compare its contact loads with the stored 3D reference.
 
     Parameters
     ----------
@@ -166,7 +166,7 @@ def judge_model(model: str, number: int, limit: float = LIMIT, engine: str = "in
 def run_models(
     models: Sequence[str], count: int, workers: int | None, limit: float, step: Callable[[str], None]
 ) -> dict[str, Any]:
-    """Compare models with the 3D reference on the first ``count`` drawn screws, next to refined and lin from the record.
+    """Compare models with the 3D reference on the first ``count`` random screws, beside stored errors of our models.
 
     Parameters
     ----------
@@ -276,7 +276,7 @@ WHERE: dict[str, Callable[[Mapping[str, Any]], bool]] = {
 
 
 def median_errors_by_kind(models: Mapping[str, Sequence[Row]]) -> list[Row]:
-    """Return a row for each kind of drawn screw: the median of each model's largest load error [% of the mean load].
+    """Return a row for each kind of random screw: the median of each model's largest load error [% of the mean load].
 
     ``models``: rows of `judge_model` for each model by its name.
     """
@@ -329,7 +329,7 @@ def survey_figure(data: Mapping[str, Any]) -> Figure:
 
 
 def write_screw(number: int, folder: Path) -> tuple[Path, Path]:
-    """Write a drawn screw as a scene file, and its stored 3D loads as a reference file for `check` and `compare`.
+    """Write a random screw as a scene file, and its stored 3D loads as a reference file for `check` and `compare`.
 
     Returns the path of the scene file, then that of the reference file. InputError for a screw without stored loads, and if
     a file cannot be written.

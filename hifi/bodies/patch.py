@@ -199,11 +199,11 @@ def build_patch(
         An interface node lies on no triangle.
     """
     grid = tensor_grid(lines.across, lines.depth, lines.along, "Q2")
-    points, interface, tie, nodes = _place_nodes(points_of(grid), place, socket)
+    points, interface, tie, nodes = _map_and_tie_nodes(points_of(grid), place, socket)
     mesh = with_points(grid, points)
     if CurvedMap(mesh).detDF(np.full((3, 1), 0.5), tind=np.array([0])) < 0.0:  # a left-handed map: mirror every cell
         grid = tensor_grid(lines.across, lines.depth, lines.along, "Q2", left_handed=True)
-        points, interface, tie, nodes = _place_nodes(points_of(grid), place, socket)
+        points, interface, tie, nodes = _map_and_tie_nodes(points_of(grid), place, socket)
         mesh = with_points(grid, points)
     xi = points_of(grid)
     top = np.abs(xi[:, 1]) < 1e-12
@@ -241,7 +241,7 @@ def build_tet_patch(local: LocalTets, place: Callable[[Array], Array], socket: S
     ValueError
         The map turns cells inside out, or an interface node lies on no triangle.
     """
-    points, interface, tie, nodes = _place_nodes(local.xi, place, socket, linear=True)
+    points, interface, tie, nodes = _map_and_tie_nodes(local.xi, place, socket, linear=True)
     volumes = signed_volumes(points, local.tets)
     if not (np.all(volumes > 0.0) or np.all(volumes < 0.0)):
         raise ValueError(
@@ -286,7 +286,9 @@ def _named_patch(
 
 
 def pressure_mean_rows(mesh: PatchMesh, normals: Array, carrier: PatchMesh | None = None) -> sp.csr_array:
-    """Return the matrix of mean normal displacements over every pressure function, on a patch's degrees of freedom.
+    """Return the matrix that gives normal displacements, averaged with the weight of each pressure basis function.
+
+    It acts on the displacements of a patch's nodes.
 
     Parameters
     ----------
@@ -295,8 +297,8 @@ def pressure_mean_rows(mesh: PatchMesh, normals: Array, carrier: PatchMesh | Non
     normals : (c, 3) Array
         Directions of the displacements at the c contact nodes.
     carrier : PatchMesh, optional, default None
-        Another patch in the same socket, to whose degrees of freedom the rows refer; its displacements at the contact
-        nodes are averaged.
+        Another patch, fitted into the same cut-out (socket) of the coarse mesh. If given, the matrix acts on the
+        displacements of its nodes, interpolated at the contact nodes of ``mesh``.
 
     Returns
     -------
@@ -353,7 +355,7 @@ def _quadratic_line_shapes(nodes: Array, at: Array) -> tuple[list[Index], list[A
     return [2 * cell, 2 * cell + 2, 2 * cell + 1], [element.lbasis(local[None], k)[0] for k in range(3)]
 
 
-def _place_nodes(
+def _map_and_tie_nodes(
     xi: Array, place: Callable[[Array], Array], socket: SocketMesh, *, linear: bool = False
 ) -> tuple[Array, Index, sp.csr_array, Array]:
     """Map the nodes of a patch into space, those of the interface onto the socket's triangles.

@@ -382,7 +382,7 @@ def _build_estimate(sets: tuple[_NutOnShaft, ...], frame: Frame) -> _EstimateMod
     for body, at, wrench in wrenches:
         P += motion(body, at).T @ wrench
     for body, at, k, value in frame.prescribed_motions():
-        row, spring = motion(body, at)[[k]], HELD * n * stiffness * frame.lengths[k] ** 2
+        row, spring = motion(body, at)[[k]], HELD * n * stiffness * frame.motion_lengths[k] ** 2
         held = held + spring * (row.T @ row)
         P += spring * value * row.toarray()[0]
     blocks, arms, touch = [], [], []
@@ -402,7 +402,7 @@ def _build_estimate(sets: tuple[_NutOnShaft, ...], frame: Frame) -> _EstimateMod
         arms[-1][:, 2:, 1] -= s.offset * np.cos(lead_angle(track))
         touch.append((drawn.radius - np.array(inward))[None, :] - drawn.ball_radius[:, None])
     A = sp.hstack([sp.vstack(blocks), sp.kron(sp.eye_array(n), np.tile(np.eye(2), (4, 1)))]).tocsr()
-    arm = np.concatenate([np.tile(frame.lengths, len(nodes) + count), np.ones(2 * n)])
+    arm = np.concatenate([np.tile(frame.motion_lengths, len(nodes) + count), np.ones(2 * n)])
     soft = SOFT * stiffness * arm**2
     K_all = sp.block_diag([K.tocsr() + held, sp.csr_array((2 * n, 2 * n))]) + sp.diags_array(soft)
     P = np.append(P, np.zeros(2 * n))

@@ -1,4 +1,4 @@
-"""Rolling of balls with friction: steady motion with the forces between touching balls, and motion from rest in time.
+"""Rolling of balls with friction: steady motion with the forces between touching balls, and transient motion from rest.
 
 Steady rolling: of a ball's six equations of equilibrium two fix its position in the section of the track, and with it the
 contact loads, which are prescribed here (`hifi.rolling.scenes`). The other four fix its speed along the track and its
@@ -563,8 +563,8 @@ def solve_rigid_rolling(
     curved : bool, default True
         Whether contacts lie on the curved surface that ball and groove share; otherwise they lie on its tangent plane.
     bodies : Sizes | None, default None
-        Meshes of finite bodies, which are replaced by half-spaces with the same contact
-        (`hifi.rolling.patch.equivalent_radii`); None: half-spaces.
+        Meshes of finite bodies; None: half-spaces. The relative radii at each contact are replaced by those with which
+        half-spaces have an equivalent contact (`hifi.rolling.patch.equivalent_radii`).
 
     Returns
     -------

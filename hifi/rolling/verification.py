@@ -355,8 +355,8 @@ def compare_with_carter(cells: int, share: float) -> tuple[Array, Array]:
     """Compare two equal cylinders that roll under a tangential force with Carter's formula.
 
     The creep is mu a/R (1 - sqrt(1 - Q/(mu P))); cells stick over a strip of half width a sqrt(1 - Q/(mu P)) at the leading
-    edge. nu = 0.3; plane strain. mu p - q has the shape of half an ellipse over this strip, so that the width is twice its
-    standard deviation.
+    edge. nu = 0.3; plane strain. Over this strip mu p - q has the shape of a semi-ellipse. Its half width, twice the
+    standard deviation of a semi-ellipse, is computed from the standard deviation of the computed mu p - q.
 
     Parameters
     ----------

@@ -207,7 +207,7 @@ class Frame:
         return [(body, x.at, np.array([*x.force, *x.moment])) for body, x in bodies]
 
     @property
-    def lengths(self) -> Array:
+    def motion_lengths(self) -> Array:
         """Factors ``(6,)`` that turn a body's six motions into lengths: 1 for displacements, the arm [m] for rotations."""
         return np.array([1.0] * 3 + [self.arm] * 3)
 

@@ -301,7 +301,7 @@ def mount_stretches(
     rows = np.zeros((len(held) + len(pins), len(K)))
     rows[np.arange(len(rows)), held + pins] = 1.0
     prescribed = np.array(values + [0.0] * len(pins))
-    length = np.tile(1.0 / frame.lengths, T.shape[1] // 6)
+    length = np.tile(1.0 / frame.motion_lengths, T.shape[1] // 6)
     R = rows @ T * length
     if len(rows):
         _, sizes, vt = np.linalg.svd(R)
@@ -411,13 +411,13 @@ def free_motions(frame: Frame, origin: float) -> Array:
     (6 (1 + h), k) Array
         The k motions as columns: six components of the screw, then six of each of the h housings [m, rad].
     """
-    scale = np.tile(1.0 / frame.lengths, 1 + len(frame.housings))
+    scale = np.tile(1.0 / frame.motion_lengths, 1 + len(frame.housings))
     rows = []
     for body, at, k, _ in frame.prescribed_motions():
         row = np.zeros(scale.size)
         row[6 * body : 6 * body + 6] = transport(at - origin if body == 0 else 0.0)[k]
         rows.append(row * scale)
-    size = np.diag(frame.lengths)
+    size = np.diag(frame.motion_lengths)
     for moved, stiffness in frame.springs():
         value, vector = np.linalg.eigh(np.linalg.inv(size) @ stiffness @ np.linalg.inv(size))
         stiff = vector[:, value > SLACK * value.max(initial=0.0)].T @ size @ moved

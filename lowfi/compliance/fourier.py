@@ -283,9 +283,10 @@ class Body:
         return tuple(coo_array((k.ravel(), (row, column)), (size, size)).tocsr() for k in self.elements)
 
     def stiffness_of_rows(self, chosen: slice | Index = slice(None)) -> Array:
-        """Return the stiffness parts K_0, K_1, K_2 of rows of elements along r, assembled ``(3, rows, 3, m, 3, m)``.
+        """Return the stiffness parts K_0, K_1, K_2 of radial rows of elements, assembled ``(3, rows, 3, m, 3, m)``.
 
-        Each row of elements has three grid lines with m degrees of freedom each. ``chosen``: selection of the rows.
+        A row consists of all elements between two axial positions. It has three grid lines with m degrees of freedom
+        each. ``chosen``: selection of the rows.
         """
         columns, width = self.grid.shape[1] // 2, self.grid.shape[1]
         elements = self.elements.reshape(3, -1, columns, *(3,) * 6)[:, chosen]
@@ -297,7 +298,7 @@ class Body:
 
     @cached_property
     def alike(self) -> NDArray[np.bool_]:
-        """Whether each row of elements along r has the same stiffness as the row before it ``(rows,)``."""
+        """Whether each radial row of elements has the same stiffness as its axial neighbour before it ``(rows,)``."""
         rows = self.elements.reshape(3, self.grid.shape[0] // 2, -1)
         change = np.abs(np.diff(rows, axis=1)).max(axis=(0, 2))
         return np.append(False, change < ALIKE * np.abs(rows).max())

@@ -327,7 +327,7 @@ class BearingCase:
 
 @dataclass(frozen=True)
 class BearingState:
-    """Loads and friction of a bearing with N balls, row after row."""
+    """Loads and friction of a bearing. Arrays list all N balls: those of the first row, then those of the next one."""
 
     #: Contact loads ``(N, 4)`` [N] and contact angles ``(N, 4)`` [rad].
     load: SettledCell

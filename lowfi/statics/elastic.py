@@ -76,17 +76,17 @@ class Elastic(OneSet):
         a = 0 if self.problem.use[0] else 1
         return a, 3 - a
 
-    def iterate(self, start: bool = True) -> Outcome:
+    def iterate(self, from_linear: bool = True) -> Outcome:
         """Solve with the present Hertz constants, from a linear start or else from the present state.
 
         Parameters
         ----------
-        start
+        from_linear
             Whether to start from the linear solution.
         """
         if self.pair is not None:
             self.given.contacts.pair[:, 4] = self.problem.C[:, list(self.pair)].sum(axis=1)
-        return super().iterate(start)
+        return super().iterate(from_linear)
 
     def flanks(self) -> Sequence[SetFlanks]:
         """Return contact forces, ball centres and flank motions in the present state."""

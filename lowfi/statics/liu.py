@@ -138,9 +138,9 @@ def row_of(scene: Scene, *, member: int = 0, law: Law = "implicit") -> Row:
 
 
 def _loaded_end(scene: Scene, z: Array) -> tuple[float, float, bool]:
-    """Return the axial load [N], its axial position [m], and whether it acts at the lower end of the balls.
+    """Return the axial load [N], its axial position [m], and whether it is below the ball row (at lower z).
 
-    Of several loads, the position is that of the nearest to the balls.
+    Several loads are summed up; the position is that of the load nearest to the balls.
 
     Parameters
     ----------
@@ -165,7 +165,7 @@ def _loaded_end(scene: Scene, z: Array) -> tuple[float, float, bool]:
     slack = 0.5 * scene.balls.radius
     below, above = ([x for x in loads if s * (x.at - end) <= slack] for s, end in ((1.0, z.min()), (-1.0, z.max())))
     if len(below) < len(loads) and len(above) < len(loads):
-        reason = "Liu's model has axial loads at one end of the balls only; move all axial loads beyond the same end"
+        reason = "Liu's model has axial loads at one end of the ball row only; move all axial loads beyond the same end"
         raise UnfitKey("loads", reason)
     low = len(below) == len(loads)
     ends = [x.at for x in loads] or [float(z.min())]
@@ -299,7 +299,7 @@ def _screw_motion(row: Row, state: ChainState) -> Array:
 def _centreline(scene: Scene, row: Row, at_balls: Array, moved: Array) -> tuple[Array, Array]:
     """Return axial positions along the screw ``(k,)`` [m] and the axial motions there ``(k,)`` [m].
 
-    Between balls and load the screw is a stretched bar. Beyond the other end of the balls it moves as a rigid body.
+    Between balls and load the screw is a stretched bar. Beyond the other end of the ball row it moves as a rigid body.
 
     Parameters
     ----------

@@ -112,9 +112,10 @@ class Compliance:
 
     @cached_property
     def lacks(self) -> Array:
-        """Return the compliance that is missing along each normal ``(n,)`` [m/N] for the matrix to be positive.
+        """Return the compliances along the normals ``(n,)`` [m/N] that the matrix lacks to be positive semidefinite.
 
-        It is bounded by the sum of magnitudes in the row of the matrix's negative part.
+        They are upper bounds: the matrix's negative part (that of its negative eigenvalues) is projected on the
+        normals, and the magnitudes in each row of this projection are summed up.
         """
         negative = negative_part(self.G)[0].reshape(len(self.normals), 2, -1, 2)
         missing = np.einsum("ia,iajb,jb->ij", self.normals, negative, self.normals)

@@ -128,15 +128,15 @@ class Prepared(ABC):
     #: Largest contact force in the last solve [N].
     scale: float = 0.0
 
-    def iterate(self, start: bool = True) -> Outcome:
+    def iterate(self, from_linear: bool = True) -> Outcome:
         """Solve the equations with constant Hertz constants and lever arms.
 
         Parameters
         ----------
-        start
+        from_linear
             Whether to start from the solution with linear springs for contacts, else from the present state.
         """
-        outcome: Outcome = getattr(self.engine, self.SOLVER)(self.given, self.state, self.options, start)
+        outcome: Outcome = getattr(self.engine, self.SOLVER)(self.given, self.state, self.options, from_linear)
         self.scale = outcome.scale
         return outcome
 

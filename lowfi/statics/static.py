@@ -391,7 +391,7 @@ def solve_static(
     build = Build(scene, drawn, layout, use, kernels, everything, refine, known)
     result = solve_built(build, "lin", start)
     if discretisation and result.converged:
-        result = with_discretisation(scene, result, partial(solve_static, engine=engine, member=member))
+        result = with_discretisation_error(scene, result, partial(solve_static, engine=engine, member=member))
     return result
 
 
@@ -496,7 +496,7 @@ def runaway_status(problem: Problem) -> Status:
     return ran_away(partial(opening_motion, problem), "the screw", lambda motion: opens.format(describe_motion(motion)))
 
 
-def with_discretisation(scene: Scene, result: StaticResult, solve: Callable[..., StaticResult]) -> StaticResult:
+def with_discretisation_error(scene: Scene, result: StaticResult, solve: Callable[..., StaticResult]) -> StaticResult:
     """Return the result with an estimate of the beam's discretisation error: the largest change of a contact load [N].
 
     With the partition "nodal" (a node at every contact) the result is compared with one of half the element length. With

@@ -8,7 +8,7 @@ import numpy as np
 
 from rollbench.meshes.parts import FREEDOMS
 
-#: Largest number of balls of a drawn scene.
+#: Largest number of balls of a randomly drawn scene.
 MOST = 400
 
 

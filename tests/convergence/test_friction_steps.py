@@ -1,4 +1,4 @@
-"""Order of a run in time: second while nothing begins or ends, and across events, at which steps are cut."""
+"""Order of a transient simulation: second while nothing begins or ends, and across events, at which steps are cut."""
 
 from itertools import pairwise
 

@@ -19,7 +19,7 @@ def stored(name: str) -> list[dict[str, str]]:
 
 
 def _percentiles(model: str) -> tuple[float, float]:
-    """Median and 95th percentile of the largest error on the drawn screws."""
+    """Median and 95th percentile of the largest error on the randomly drawn screws."""
     row = next(
         r for r in stored("stability-survey") if (r["model"], r["error"]) == (model, "worst contact load, of the mean load")
     )

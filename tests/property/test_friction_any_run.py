@@ -1,4 +1,4 @@
-"""Runs in time of random screws and bearings: energy, order of the balls, loads, whatever meets and leaves."""
+"""Simulations over time of random screws and bearings: energy, order of the balls, loads, whatever meets and leaves."""
 
 from dataclasses import replace
 

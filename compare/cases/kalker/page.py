@@ -381,7 +381,7 @@ def _comparison_row(row: RollingRow) -> Row:
 
 
 def _stored_runs(name: str, stores: Sequence[Path]) -> list[RollingRun]:
-    """Return a scene's stored runs of the 3D rolling model; first that with the publication's cell size, if stored."""
+    """Return a scene's stored runs of the 3D rolling model; the run with the cell size of Lin's thesis is the first."""
     scene = shipped_case(name, KindScene)
     found = (load_run(scene, level, stores) for level in (SOURCE_LEVEL, *LEVELS))
     return [run for run in found if run is not None]

@@ -23,7 +23,7 @@ SOLID = (SCENE, "liu-small", "liu-drawn", "liu-drawn-1kN")
 
 SOLID_LEVELS = (1, 2)
 
-#: Axial loads [N]; half range of the random ball errors [m]; number of drawn screws.
+#: Axial loads [N]; half range of the random ball errors [m]; number of randomly drawn screws.
 LOADS, HALF_RANGE, DRAWN = (1000.0, 5000.0), 2e-6, 3
 
 
@@ -64,7 +64,10 @@ def change_errors_and_load(scene: Scene, errors: Array, load: float) -> Scene:
 
 
 def rigid_nut_model(scene: Scene) -> Row:
-    """Return Liu's axial model of a scene, with a rigid nut and exact contact angles as in the beam model."""
+    """Return the inputs of Liu's axial model of a scene, with two assumptions of the beam model.
+
+    These are a rigid nut, and contact angles that follow exactly from the displacements.
+    """
     row = row_of(scene, law="exact")
     return replace(row, chain=replace(row.chain, compliance=row.share * row.chain.compliance))
 

@@ -18,7 +18,7 @@ from rollbench.meshes.arrays import Array
 from rollbench.meshes.section import screw_section
 from rollbench.reports.content import Figure, Panel, Quantity, Row, Series, Table
 
-#: Axial loads [N] of the curves, up to that of section 4, and up to that of the test; number of drawn screws.
+#: Axial loads [N] of the curves, up to that of section 4, and up to that of the test; number of randomly drawn screws.
 LOADS = (50.0, 100.0, 200.0, 350.0, 500.0, 750.0, 1000.0, 1500.0, 2137.0, 3000.0, 4000.0, 5000.0)
 
 TEST_LOADS = (*LOADS, 7000.0, 9000.0, 10845.0)
@@ -41,7 +41,8 @@ NO_VALUES = "The text prints no value of this figure: ours alone."
 def _random_ball_errors(half_range: int, number: int = 0) -> Array:
     """Return the errors of the ball diameters (78,) [m] of one randomly drawn screw.
 
-    ``half_range``: the errors are uniform within plus and minus this range [um]; ``number``: of the drawn screw, from 0.
+    ``half_range``: the errors are uniform within plus and minus this range [um]; ``number``: number of
+    the screw, from 0.
     """
     return np.asarray(draw_errors(liu.SEED + half_range, number, 1, liu.ball_count(), 1e-6 * half_range)[0])
 
@@ -74,7 +75,7 @@ def _ensemble_of_screws(half_range: int) -> Ensemble:
 
 
 def _percentile_curves(half_range: int, quantity: Spread, unit: float, loads: Sequence[float] = LOADS) -> list[Series]:
-    """Return median and central 99 % of a quantity of drawn screws, as curves over the axial load.
+    """Return median and central 99 % of a quantity of randomly drawn screws, as curves over the axial load.
 
     ``half_range``: of the ball errors [um]; ``quantity``: name, such as "stiffness"; ``unit``: unit of the curve in SI, by
     which values are divided; ``loads``: axial loads [N].
@@ -229,7 +230,7 @@ def one_ball_figure() -> Figure:
 
 
 def _load_curves_and_ranges(half_range: int, loads: Iterable[float]) -> list[Series]:
-    """Return curves of the ball loads of one drawn screw, and markers of the printed ranges of these loads.
+    """Return curves of the ball loads of one randomly drawn screw, and markers of the printed ranges of these loads.
 
     ``half_range``: of the ball errors [um]; 0: no errors, for which no range is printed; ``loads``: axial loads [N].
     """

@@ -82,7 +82,7 @@ def printed_load_ratio() -> float:
 
 
 def calibration_load() -> float:
-    """Return the axial load [N] at which the model's compliance is calibrated: that of section 4.1."""
+    """Return the axial load [N] at which the model's compliance is calibrated: that of Liu et al. (2025), 4.1."""
     return liu_screw().loads[0].force[2]
 
 
@@ -139,9 +139,9 @@ def sample_of_drawn_screws(half_range_um: int, quantity: Quantity, load: float) 
 
 
 def percentile_sentence(values: Array, printed: float, half_digit: float) -> tuple[PercentileRank, str]:
-    """Return the percentile of a printed number among the values of drawn screws, and the percentile in words.
+    """Return the percentile of a printed number among the values of randomly drawn screws, and the percentile in words.
 
-    ``values``: values of the drawn screws, in the unit of the printed number; ``half_digit``: half a step of the printed
+    ``values``: values of these screws, in the unit of the printed number; ``half_digit``: half a step of the printed
     number's last digit.
     """
     p = percentile_rank(values, printed, half_digit)
@@ -151,7 +151,7 @@ def percentile_sentence(values: Array, printed: float, half_digit: float) -> tup
     return p, words + (f", at most {p.tail_bound:.4f} (95 %)" if p.tail < UNLIKELY else "")
 
 
-#: Number of drawn screws on which the Newton method and the elimination are compared.
+#: Number of randomly drawn screws on which the Newton method and the elimination are compared.
 FEW = 20
 
 #: Axial loads [N] under which the error of a single ball is studied (section 4.2).
@@ -176,7 +176,7 @@ def section_2(e: Findings, study: Study) -> None:  # noqa: ARG001 - every table 
 
 
 def compare_with_elimination() -> tuple[int, int, float]:
-    """Compare the Newton method with the publication's elimination of unloaded balls, on `FEW` drawn screws at 500 N.
+    """Compare the Newton method with Liu's elimination of unloaded balls, on `FEW` randomly drawn screws at 500 N.
 
     Returns, in this order: the number of screws with the same loaded balls by both; the most rounds of the elimination;
     the largest difference of a load over the largest load.
@@ -340,7 +340,7 @@ SETS = "abc"
 
 
 def sample_for_printed_number(key: str) -> Array:
-    """Return the values of all drawn screws for one printed number, in its printed unit.
+    """Return the values of all randomly drawn screws for one printed number, in its printed unit.
 
     ``key``: of the printed number: quantity, half range of the ball errors [um] and axial load [N], such as "K_2_3000".
     """
@@ -352,7 +352,7 @@ def sample_for_printed_number(key: str) -> Array:
 
 
 def count_matching_screws(half_range: int, at_500: int, at_1000: int) -> str:
-    """Return in words how many drawn screws have the printed numbers of loaded balls at 500 N and 1000 N.
+    """Return in words how many randomly drawn screws have the printed numbers of loaded balls at 500 N and 1000 N.
 
     ``half_range``: half range of the ball errors [um]; ``at_500``, ``at_1000``: printed numbers of loaded balls.
     """
@@ -363,7 +363,7 @@ def count_matching_screws(half_range: int, at_500: int, at_1000: int) -> str:
 
 
 def record_percentile(e: Findings, key: str, *remarks: str) -> None:
-    """Record the median of the drawn screws as the computed value of a printed number, into ``e``.
+    """Record the median of the randomly drawn screws as the computed value of a printed number, into ``e``.
 
     The remark states the percentile of the printed value. ``key``: of the printed number; ``remarks``: further remarks.
     """
@@ -375,16 +375,16 @@ def record_percentile(e: Findings, key: str, *remarks: str) -> None:
 
 
 def judge_fraction_of_screws(mask: np.ndarray[tuple[int, ...], np.dtype[np.bool_]]) -> tuple[bool, str]:
-    """Return whether the fraction of drawn screws with a property reaches `UNLIKELY`, and this fraction in words.
+    """Return whether the fraction of random screws with a property reaches `UNLIKELY`, and this fraction in words.
 
-    ``mask``: whether each drawn screw has the property.
+    ``mask``: whether each randomly drawn screw has the property.
     """
     p = float(np.mean(mask))
     return p >= UNLIKELY, f"probability {p:.3f} ± {np.sqrt(p * (1.0 - p) / mask.size):.3f}"
 
 
 def falls_with_range(quantity: Quantity, load: float) -> np.ndarray[tuple[int, ...], np.dtype[np.bool_]]:
-    """Return for each drawn screw (n,) whether a quantity falls as the range of the ball errors grows.
+    """Return for each randomly drawn screw (n,) whether a quantity falls as the range of the ball errors grows.
 
     The half ranges are 1, 2 and 3 um; ``quantity``: name, such as "stiffness"; ``load``: axial load [N].
     """
@@ -423,7 +423,7 @@ def section_4_3(e: Findings, study: Study) -> None:  # noqa: ARG001 - every tabl
 
 
 def _check_displacement_claims(e: Findings) -> None:
-    """Check the publication's claims on the curves of displacement over load, by the medians of drawn screws."""
+    """Check Liu's claims on the curves of displacement over load, by the medians of randomly drawn screws."""
     loads = np.array(LOADS[1])
     curve = np.array([[np.median(sample_of_drawn_screws(h, "displacement", f)) for f in loads] for h in RANGES])
     power = np.diff(np.log(curve[1])) / np.diff(np.log(loads))
@@ -436,7 +436,7 @@ def _check_displacement_claims(e: Findings) -> None:
 
 
 def stiffness_spreads(load: float) -> Array:
-    """Return the largest minus the smallest stiffness [1e8 N/m] of triples of drawn screws, (triples,).
+    """Return the largest minus the smallest stiffness [1e8 N/m] of triples of randomly drawn screws, (triples,).
 
     The ball errors are within +-2 um; ``load``: axial load [N].
     """
@@ -472,7 +472,7 @@ def secant_stiffness(load: float, step: float) -> float:
 
 @cache
 def drawn_secant_stiffness(half_range_um: int, load: float, share: float) -> Array:
-    """Return the secant stiffness [1e8 N/m] of all drawn screws, (n,) for n screws.
+    """Return the secant stiffness [1e8 N/m] of all randomly drawn screws, (n,) for n screws.
 
     ``half_range_um``: half range of the ball errors [um]; ``load``: axial load [N]; ``share``: load step of the secant
     over the load; 0: tangent stiffness.
@@ -486,7 +486,7 @@ def drawn_secant_stiffness(half_range_um: int, load: float, share: float) -> Arr
 
 
 def stiffness_agrees(row: Printed, share: float) -> bool:
-    """Return whether a printed stiffness lies in the range of the drawn screws' secant stiffness.
+    """Return whether a printed stiffness lies in the range of the randomly drawn screws' secant stiffness.
 
     ``row``: printed number; ``share``: load step of the secant over the load; 0: tangent stiffness. A stiffness without
     errors must agree with the computed one to 1 %, as the publication's other results do.

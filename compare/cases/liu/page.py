@@ -42,9 +42,9 @@ ABOUT = (
 
 
 def loaded_counts_sentence(found: dict[str, float]) -> str:
-    """Return in words how many printed numbers of loaded balls lie in the central 99 % of the drawn screws.
+    """Return in words how many printed numbers of loaded balls lie in the central 99 % interval of computed ones.
 
-    ``found``: printed values by key, such as "loaded_2_500".
+    The computed numbers are those of randomly drawn screws. ``found``: printed values by key, such as "loaded_2_500".
     """
     total, out = 0, []
     for key, value in found.items():
@@ -63,10 +63,10 @@ def loaded_counts_sentence(found: dict[str, float]) -> str:
 
 
 def stiffness_sentence(found: dict[str, float]) -> str:
-    """Return in words the deviation of printed stiffnesses from the median of the drawn screws.
+    """Return in words the deviation of printed stiffnesses from the median of the randomly drawn screws.
 
-    Only axial loads count under which most drawn screws have no unloaded ball. ``found``: printed values by key, such as
-    "K_2_3000".
+    Only axial loads count under which most of these screws have no unloaded ball. ``found``: printed values by key,
+    such as "K_2_3000".
     """
     off = []
     for key, value in found.items():

@@ -1,4 +1,4 @@
-"""Kinds of scenes "screw pair" and "screw run": two balls of a ball screw, and a whole screw in time (Lin 3.4)."""
+"""Kinds of scenes "screw pair" and "screw run": two balls of a ball screw, and a whole screw over time (Lin 3.4)."""
 
 from __future__ import annotations
 
@@ -82,7 +82,7 @@ class ClosedTrackKeys(Table):
 
 @dataclass(frozen=True)
 class RunTimeKeys(Time):
-    """Run in time, over an angle of rotation or a duration."""
+    """Simulation over time, over an angle of rotation or a duration."""
 
     rounds: Annotated[int, Whole(1, 100)] = usual(
         1, "rounds of loads and friction at an instant; one: loads with the friction of the instant before", 1
@@ -113,7 +113,7 @@ class ScrewRunKeys(ScrewBallKeys):
     balls: RunBallKeys = key("balls of the closed track")
     circulation: ClosedTrackKeys = key("return of the balls", ClosedTrackKeys(), {"return_tube": "5.6 mm"})
     angles: RunAngleKeys = key("contact angles")
-    time: RunTimeKeys = key("run in time", example={"duration": "2 s"})
+    time: RunTimeKeys = key("simulation over time", example={"duration": "2 s"})
 
 
 @dataclass(frozen=True)
@@ -168,7 +168,7 @@ def _angle_and_load_faults(keys: ScrewPairKeys | ScrewRunKeys) -> Iterator[Fault
 
 
 def _run_faults(keys: ScrewRunKeys) -> Iterator[Fault]:
-    """Yield faults of speed, number of balls and time steps of a whole screw in time."""
+    """Yield faults of speed, number of balls and time steps of the transient simulation of a whole screw."""
     if keys.motion.speed == 0.0:
         advice = "let nut and screw turn relative to each other; friction torque is computed for a moving screw"
         yield Fault(("motion.speed",), "any angular speed except zero", advice)
@@ -223,7 +223,7 @@ def screw_pair_record(keys: ScrewPairKeys, name: str) -> ScrewPairScene:
 
 
 def screw_run_record(keys: ScrewRunKeys, name: str) -> ScrewRunScene:
-    """Return the scene of a whole ball screw in time from its validated keys."""
+    """Return the scene of a transient simulation of a whole ball screw from its validated keys."""
     groove, a = _screw_groove(keys), keys.angles
     time = Time(**{f.name: getattr(keys.time, f.name) for f in fields(Time)})
     run = Run(

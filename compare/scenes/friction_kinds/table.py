@@ -196,7 +196,7 @@ def _linear_tables(scene: LinearScene) -> Table:
 
 
 def _screw_tables(groove: ScrewGroove, of: Any, angles: Table) -> Table:
-    """Return the tables that scenes of two balls of a screw and of a whole screw in time share.
+    """Return those tables of a scene file that two balls of a screw and a simulation of a whole screw have in common.
 
     ``of``: record of the pair or run, with oversize, force, free direction and coupling.
     """
@@ -215,7 +215,7 @@ def _screw_tables(groove: ScrewGroove, of: Any, angles: Table) -> Table:
 
 
 def _screw_run_tables(scene: ScrewRunScene) -> Table:
-    """Return the tables of a scene of a whole ball screw in time."""
+    """Return the tables of the scene file for a transient simulation of a whole ball screw."""
     run = scene.run
     angles: Table = {"amplitude": text_of(Theta, run.amplitude), "cycles_per_turn": run.cycles}
     angles |= {"phase": text_of(Azimuth, run.phase), "pattern": [*run.pattern], "follows": run.follows}

@@ -1,4 +1,4 @@
-"""Friction of single parts: two balls of a screw, a screw in time, one ball of a bearing, two designs of a bearing.
+"""Friction of single parts: two balls of a screw, a screw over time, one ball of a bearing, two bearings.
 
 Linear bearings are in ``linear_kinds``.
 """
@@ -162,13 +162,13 @@ PAIR_COLUMNS: tuple[Column, ...] = (
 
 
 def keeps_ball_order(h: History) -> bool:
-    """Return whether no ball of a screw's run in time ever passes or overlaps the next one on its closed track."""
+    """Return whether no ball of a simulated screw ever passes or overlaps the next one on its closed track."""
     ahead = np.diff(np.column_stack([h.ends, h.ends[:, 0] + h.setting.ring]), axis=1)
     return bool(ahead.min() >= h.setting.groove.pair.spacing - TOUCHING)
 
 
 def run_summary(h: History) -> dict[str, Any]:
-    """Return a summary of a screw's run in time as JSON values; the name of a number with a unit ends in that unit.
+    """Return a summary of the transient simulation of a screw as JSON values; names of numbers end in their units.
 
     "largest_ball_to_groove_percent" is the largest torque by contact between balls over the torque by contact with the
     grooves.
@@ -204,7 +204,7 @@ def run_series(h: History) -> dict[str, list[Any]]:
         "nut_angle_deg": np.degrees(h.nut_angle),
         "groove_torque_Nmm": 1e3 * h.groove_torque,
         "ball_torque_Nmm": 1e3 * (h.ball_torque + h.closing_torque),
-        "ball_to_groove_percent": 100.0 * h.ratio,
+        "ball_to_groove_percent": 100.0 * h.ball_to_groove_ratio,
         "largest_ball_force_N": h.ball_force.max(axis=1),
         "smallest_gap_um": 1e6 * h.setting.groove.radius * h.gap.min(axis=1),
         "balance_percent": 100.0 * h.imbalance,
@@ -215,7 +215,7 @@ def run_series(h: History) -> dict[str, list[Any]]:
 
 
 def solve_screw_run(scene: ScrewRunScene) -> answer.FrictionAnswer:
-    """Solve a whole screw in time: contacts between balls, torques and energy."""
+    """Simulate a whole screw over time: contacts between balls, torques and energy."""
     run, time = scene.run, scene.time
     in_time = judge_history(*step_through_time(run, Motion(run.groove.speed), time, scene.name), time)
     h, speed = in_time.history, abs(run.groove.speed)
@@ -549,7 +549,7 @@ SOLVERS: dict[str, Callable[[Any], FrictionAnswer]] = {
 
 
 def solve_kind(scene: KindScene) -> FrictionAnswer:
-    """Solve the friction of a scene of single parts (two balls, one ball, bearings, a linear bearing, a screw in time).
+    """Solve the friction of a scene of single parts (two balls, one ball, bearing, linear bearing, screw over time).
 
     Parameters
     ----------

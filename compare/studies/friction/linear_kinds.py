@@ -41,7 +41,7 @@ LONG = 60
 def linear_loads(scene: LinearScene) -> tuple[Array, Array, float]:
     """Return the contact loads of the balls of a linear bearing.
 
-    With distribution "diagonal" both contacts of a diagonal carry equal loads, an approximation of the publication: the
+    With distribution "diagonal" both contacts of a diagonal carry equal loads, an approximation in Lin's thesis: the
     imbalance is reported, but not judged.
 
     Returns
@@ -153,9 +153,10 @@ def solve_linear(scene: LinearScene) -> answer.FrictionAnswer:
 
 
 def second_state_json(near: ChainResult, second: ChainResult) -> dict[str, Any]:
-    """Return a second, jammed state as JSON: force that drives the carriage, and the balls between which forces differ.
+    """Return the second equilibrium of a chain of touching balls, in which friction jams them, as JSON.
 
-    ``near``: the first state with touching balls; ``second``: the second one.
+    The JSON values are the force that drives the carriage, and those forces between neighbouring balls that differ from
+    the first equilibrium. ``near``: the first equilibrium; ``second``: the second one.
     """
     apart = np.abs(second.ball_force - near.ball_force)
     other = np.flatnonzero(apart > ANOTHER * apart.max())
@@ -164,9 +165,9 @@ def second_state_json(near: ChainResult, second: ChainResult) -> dict[str, Any]:
 
 
 def second_state_sentence(chain: Chain, second: ChainResult | None) -> str:
-    """Return a sentence on whether a second, jammed state of the balls was found.
+    """Return a sentence on whether a second equilibrium was found, in which friction jams the chain of balls.
 
-    ``chain``: the touching balls; ``second``: their second state, None if none was found.
+    ``chain``: the touching balls; ``second``: their second equilibrium, None if none was found.
     """
     if not may_jam(chain):
         return "one only: no balls in reach of each other, or no friction between them"
@@ -180,9 +181,9 @@ def second_state_sentence(chain: Chain, second: ChainResult | None) -> str:
 
 
 def jam_warnings(near: ChainResult, second: ChainResult | None) -> list[Warned]:
-    """Return a warning if the balls may also settle in a second, jammed state; else none.
+    """Return a warning if the balls have a second equilibrium, in which friction jams them; else none.
 
-    ``near``: the first state with touching balls; ``second``: the second one, None if none was found.
+    ``near``: the first equilibrium of the touching balls; ``second``: the second one, None if none was found.
     """
     if second is None:
         return []

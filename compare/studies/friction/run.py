@@ -1,4 +1,4 @@
-"""Friction of a whole screw in time: JSON values, a table of the torque over the angle, and lines for the terminal."""
+"""Friction of a whole screw over time: JSON values, a table of torque over angle, and lines for the terminal."""
 
 from __future__ import annotations
 
@@ -51,8 +51,8 @@ QUANTITIES = {
 
 
 @dataclass(frozen=True)
-class RunInTime:
-    """Run of a screw in time, with the estimated error of its time steps."""
+class TransientRun:
+    """Transient simulation of a screw, with the estimated error of its time steps."""
 
     #: Time series.
     history: History
@@ -73,8 +73,8 @@ class RunInTime:
         return self.status == "converged"
 
 
-def solve_run(scene: Scene, friction: Friction, motion: Motion, model: str, member: int) -> RunInTime:
-    """Solve the friction of a screw in time, with an estimate of the error of the time steps.
+def solve_run(scene: Scene, friction: Friction, motion: Motion, model: str, member: int) -> TransientRun:
+    """Simulate the friction of a screw over time, with an estimate of the error of the time steps.
 
     ``scene``: scene with a [time] table; ``friction``: coefficients of friction; ``motion``: motion of screw or nut;
     ``model``: name of the static model; ``member``: number of the specimen. InputError if the model cannot solve moving
@@ -83,7 +83,7 @@ def solve_run(scene: Scene, friction: Friction, motion: Motion, model: str, memb
     time = scene.time
     if time is None:
         raise ValueError(
-            f"friction of {scene.name} cannot be solved in time, because the scene has no [time] table: add one to it"
+            f"friction of {scene.name} cannot be simulated over time without a [time] table in the scene: add one"
         )
     if model not in AGAIN:
         advice = "take another model, or leave [time] out"
@@ -101,21 +101,21 @@ def solve_run(scene: Scene, friction: Friction, motion: Motion, model: str, memb
 
 
 def step_through_time(setting: Any, motion: Motion, time: Time, name: str) -> tuple[History, StepError | None]:
-    """Compute a run in time with several step sizes, with a progress bar; return its history, then its step error.
+    """Simulate a screw over time with several step sizes; return the history, then the error of the time steps.
 
-    ``setting``: the screw with its balls, as the solver in time reads it; ``motion``: motion of screw or nut; ``time``:
-    duration, steps and goal of the run; ``name``: name of the scene for the progress bar. The error is None if it cannot be
-    estimated.
+    ``setting``: the screw with its balls, as the transient solver reads it; ``motion``: motion of screw or nut;
+    ``time``: duration, steps and goal of the simulation; ``name``: name of the scene for the progress bar. The error is
+    None if it cannot be estimated.
     """
-    with progress_bar(f"{name}, run in time") as progress:
+    with progress_bar(f"{name}, simulation over time") as progress:
         return run_with_step_errors(setting, time.span(motion), time.steps, time.goal, progress)
 
 
-def judge_history(history: History, error: StepError | None, time: Time) -> RunInTime:
-    """Return a run in time with its status.
+def judge_history(history: History, error: StepError | None, time: Time) -> TransientRun:
+    """Return a transient simulation with its status.
 
     ``history``: time series; ``error``: estimated error of the time steps, None if not known; ``time``: goal for this
-    error. The run is not converged if a step failed, or if the error is not known or above the goal.
+    error. The simulation is not converged if a step failed, or if the error is not known or above the goal.
     """
     status = history.status
     if history.good and error is None:
@@ -128,11 +128,11 @@ def judge_history(history: History, error: StepError | None, time: Time) -> RunI
             f"mean torque in {QUANTITIES[name]}{unseen}, more than the goal of {100.0 * time.goal:g} %: "
             f"{'take more steps' if time.steps else 'shorten the run'}"
         )
-    return RunInTime(history, error, time.goal, time.steps is not None, status, time.output == "balls")
+    return TransientRun(history, error, time.goal, time.steps is not None, status, time.output == "balls")
 
 
-def run_json(run: RunInTime) -> dict[str, Any]:
-    """Return the JSON values of a run in time.
+def run_json(run: TransientRun) -> dict[str, Any]:
+    """Return the JSON values of a transient simulation.
 
     Histories are at the middle of each piece of a time step, gaps at its end. Events (a ball enters or leaves the loaded
     arc, neighbouring balls meet) cut time steps into pieces.
@@ -204,7 +204,7 @@ def step_error_json(e: StepError, goal: float) -> dict[str, Any]:
     }
 
 
-def why_no_step_error(run: RunInTime) -> str | None:
+def why_no_step_error(run: TransientRun) -> str | None:
     """Return why the error of a run's time steps is not known; None if it is."""
     if run.error is not None:
         return None
@@ -214,7 +214,7 @@ def why_no_step_error(run: RunInTime) -> str | None:
 
 
 def run_energy_json(h: History) -> dict[str, Any]:
-    """Return the energies over a run in time [J] and their imbalances as JSON.
+    """Return the energies of a transient simulation [J] and their imbalances as JSON.
 
     Energies are the work of torque and axial load on the screw, and the losses. Imbalances are the largest of any time
     step, over its losses: of the power that the contacts take in, and of the power of torque and axial load.
@@ -233,7 +233,7 @@ def run_energy_json(h: History) -> dict[str, Any]:
 
 
 def run_torque_json(h: History) -> dict[str, Any]:
-    """Return the friction torque over a run in time [N mm] as JSON: mean, extremes, parts of grooves and ball contacts."""
+    """Return the friction torque of a simulation [N mm] as JSON: mean, extremes, parts of grooves and ball contacts."""
     t = h.torques
     return {
         "mean_Nmm": number(1e3 * t["mean"]),
@@ -286,8 +286,8 @@ def run_rows(h: History) -> list[dict[str, object]]:
     ]
 
 
-def run_lines(run: RunInTime) -> list[Line]:
-    """Return the lines on a run in time for the terminal: torque, error of the time steps, and status if not converged."""
+def run_lines(run: TransientRun) -> list[Line]:
+    """Return a simulation's lines for the terminal: torque, error of the time steps, and status if not converged."""
     h, e = run.history, run.error
     if not h.begun:
         return [("run", run.status)]
@@ -328,6 +328,6 @@ def significant_digits(error: float | None) -> int:
     return 3 if error is None else int(np.clip(np.ceil(-np.log10(max(error, 1e-6))) + 2, 3, 6))
 
 
-def run_table(run: RunInTime) -> list[tuple[str, Sequence[tuple[str, str, str]], Sequence[dict[str, object]]]]:
+def run_table(run: TransientRun) -> list[tuple[str, Sequence[tuple[str, str, str]], Sequence[dict[str, object]]]]:
     """Return the table of the torque over the angle: title, columns and rows; empty if no time step was begun."""
     return [("torque over the angle", COLUMNS, run_rows(run.history))] if run.history.begun else []

@@ -26,7 +26,7 @@ from rollbench.compare.running import FIRST
 from rollbench.compare.scenes.scene_file import kind_of
 from rollbench.compare.studies.friction import answer as output
 from rollbench.compare.studies.friction.answer import FrictionAnswer, Line, power_balance, three_digits
-from rollbench.compare.studies.friction.run import RunInTime, run_json, run_lines, run_table, solve_run
+from rollbench.compare.studies.friction.run import TransientRun, run_json, run_lines, run_table, solve_run
 from rollbench.lowfi.friction.whole.circuit import contact_onset
 from rollbench.lowfi.friction.whole.losses import WIDE, heathcote_loss_increase
 from rollbench.lowfi.friction.whole.state import FrictionState, friction_state
@@ -151,8 +151,8 @@ def _range_text(values: list[float | None]) -> str:
     return " to ".join("(none found)" if x is None else f"{x:.3g}" for x in values)
 
 
-def states_no_play(scene: Scene) -> bool:
-    """Return whether the scene of a screw states neither the sizes of its balls nor a preload."""
+def gives_neither_play_nor_preload(scene: Scene) -> bool:
+    """Return whether a screw's scene gives neither errors of the ball radii (oversize or play) nor a preload."""
     return scene.track.lead > 0.0 and scene.errors.balls == BallErrors() and not scene.errors.lead_offset
 
 
@@ -163,7 +163,7 @@ def torque_with_play(solved: StaticallySolved, state: FrictionState) -> dict[str
     balls carry no load, or carry load without the scene's loads. ``state``: friction with the given balls.
     """
     scene = solved.scene
-    if not states_no_play(scene) or not state.loaded or (solved.bare.load > 0.0).any():
+    if not gives_neither_play_nor_preload(scene) or not state.loaded or (solved.bare.load > 0.0).any():
         return None
     balls = replace(scene.errors.balls, oversize=-SMALLER)
     smaller = replace(scene, errors=replace(scene.errors, balls=balls))
@@ -378,8 +378,9 @@ def solve_scene(scene: Scene, choices: Choices, say: Callable[[str], None] = lam
         raise ArgumentError("member", str(choices.member), "0 to 999999999", "give the specimen's number")
     model = choices.model or (DEFAULT if choices.condensed is None else "condensed")
     if choices.condensed is not None and model != "condensed":
-        allowed = "this file only for the model condensed"
-        raise ArgumentError("condensed", str(choices.condensed), allowed, "leave `model` out")
+        allowed = "only for the model condensed"
+        advice = "leave `model` out: the file selects the model condensed"
+        raise ArgumentError("condensed", f"{choices.condensed} with the model {model}", allowed, advice)
     options = Options(member=choices.member, condensed=choices.condensed, discretisation=False)
     begin = monotonic()
     result = run_model(scene, model, options)
@@ -403,15 +404,15 @@ def solve_scene(scene: Scene, choices: Choices, say: Callable[[str], None] = lam
     )
     if scene.time is None:
         return answer
-    return _add_run_in_time(answer, solve_run(scene, pairs[0], motion, model, choices.member))
+    return _add_transient_run(answer, solve_run(scene, pairs[0], motion, model, choices.member))
 
 
-def _add_run_in_time(answer: FrictionAnswer, run: RunInTime) -> FrictionAnswer:
-    """Return the answer for the scene's instant with the status, tables and lines of the run in time added."""
+def _add_transient_run(answer: FrictionAnswer, run: TransientRun) -> FrictionAnswer:
+    """Return the answer for the scene's instant with status, tables and lines of the simulation over time added."""
     data = answer.data | {"run": run_json(run)}
     good = answer.converged and run.converged
     if answer.converged and not good:
-        data |= {"status": f"run in time: {run.status}"}
+        data |= {"status": f"simulation over time: {run.status}"}
     tables = [*answer.tables, *run_table(run)]
     return FrictionAnswer(data | {"converged": good}, tables, [*answer.lines, *run_lines(run)], good, answer.ball_tables)
 

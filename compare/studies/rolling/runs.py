@@ -254,7 +254,10 @@ def _solve_apart_and_touching(case: RollingCase, choices: balls.Choices) -> tupl
 def named_values(
     case: RollingCase, apart: balls.RollingResult | balls.RigidResult, touching: balls.RollingResult | balls.RigidResult
 ) -> dict[str, float]:
-    """Return forces, speeds, losses and torque of a solved case, by names that end with the unit."""
+    """Return forces, speeds, losses and torque of a solved case, by names that end with the unit.
+
+    ``apart``, ``touching``: solution with balls far apart, and that with touching balls.
+    """
     out: dict[str, float] = {}
     linear = case.kind.startswith("linear")
     for k, force in enumerate(touching.force):

@@ -69,7 +69,7 @@ def rolling_comparison(
     return out
 
 
-def rolling_study(
+def rolling_mesh_study(
     scenes: Sequence[KindScene], levels: int | None, store: Path, engine: Engine, *, source: bool, fresh: bool, bodies: str
 ) -> list[dict[str, Any]]:
     """Return every quantity on every grid, with and without the rigid limit, and its uncertainty from all grids.

@@ -1,4 +1,4 @@
-"""Lin's method for a ball screw, for comparison: root finding for contact loads, for balls and for a run in time.
+"""Lin's method for a ball screw, for comparison: root finding of contact loads, of balls, and of balls over time.
 
 Numbers of sections and equations in this module are those of Lin's thesis (2019); the method is described in section 3.4.
 
@@ -11,7 +11,7 @@ unknowns of a ball, named above equation 3.71, are its position in the groove se
 its motion (4); two touching balls add the force between them. The loads without friction and the screw's position are
 computed first, and this position is then held.
 
-A whole ball screw in time (section 3.4.4): in each step the loads are found as a root, then the motion of every ball
+A whole ball screw over time (section 3.4.4): in each step the loads are found as a root, then the motion of every ball
 separately, then that of the groups of balls which are within reach and approach each other (equation 3.77). The positions
 advance with these speeds. The method does not prevent negative gaps; `SourceRun.overlap` says how large they become.
 
@@ -384,7 +384,7 @@ def screw_pair_by_root(
 
 @dataclass(frozen=True)
 class SourceRun:
-    """Run of N balls in time by Lin's method, with T steps. Ball k pushes ball k + 1; the last ball pushes the first."""
+    """Simulation of N balls by Lin's method in T steps. Ball k pushes ball k + 1; the last one pushes the first."""
 
     #: Angle of the nut at the beginning of each step ``(T,)`` [rad].
     nut_angle: Array
@@ -433,7 +433,7 @@ class _PreviousStep:
 
 
 def simulate_by_root(run: Run, steps: int | None = None) -> SourceRun:
-    """Return the first steps of a run of a screw in time by Lin's method with his sigmoid friction law.
+    """Return the first steps of a transient simulation of a screw by Lin's method with his sigmoid friction law.
 
     The balls are spread evenly at the beginning. Every search starts from the previous step, the first one from rolling;
     Lin's text does not say where they start.
@@ -441,7 +441,7 @@ def simulate_by_root(run: Run, steps: int | None = None) -> SourceRun:
     Parameters
     ----------
     run
-        A whole screw in time.
+        Parts and settings of the simulation of a whole screw.
     steps
         Number of time steps; None: all.
 

@@ -1,1 +1,1 @@
-"""Friction of balls in a ball screw: one, two that touch, and a whole screw in time."""
+"""Friction of balls in a ball screw: one, two that touch, and a whole screw over time."""

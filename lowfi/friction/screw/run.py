@@ -1,7 +1,7 @@
-"""Whole ball screw in time: recirculating balls that touch and part, between a rigid screw and a rigid nut.
+"""Whole ball screw over time: recirculating balls that touch and part, between a rigid screw and a rigid nut.
 
 It is the case study of section 3.4.4 of Lin's thesis. The track is closed: the loaded turns of the nut and a return tube of
-given length. The module ``travel`` computes the balls' way in time.
+given length. The module ``travel`` simulates how the balls travel.
 
 Two balls that touch are the case study of section 3.4.3 of Lin's thesis, with every assumption a parameter. What that
 section does not print is the load state: clearance or oversize, how the force reaches the balls, which contact angles
@@ -199,7 +199,7 @@ def oversize_map(pair: Pair, oversize: Array, axial: Array) -> PairMap:
 @keyed
 @dataclass(frozen=True)
 class Run:
-    """Run in time of a ball screw (a ``Setting`` of ``travel``); azimuths are measured on the screw.
+    """Simulation over time of a ball screw (a ``Setting`` of ``travel``); azimuths are measured on the screw.
 
     The fields from ``oversize`` on are assumptions that Lin does not print.
     """
@@ -335,7 +335,7 @@ def deviation(run: Run, azimuth: Array, turned: float = 0.0) -> Array:
     Parameters
     ----------
     run
-        Run in time, which gives amplitude, cycles and phase of theta.
+        Simulated ball screw, which gives amplitude, cycles and phase of theta.
     azimuth
         Azimuths of the balls on the screw ``(N,)`` [rad].
     turned
@@ -358,13 +358,13 @@ def cell_at_instant(run: Run, azimuth: Array, loaded: NDArray[np.bool_], turned:
     return bare_cell(g, angle, np.repeat(clear[:, None], 4, axis=1), rows, np.array(run.force))
 
 
-def equal_steps(run: Run) -> History:
-    """Return the history of a run by Lin's scheme of equal steps, from evenly spread balls.
+def simulate_equal_steps(run: Run) -> History:
+    """Simulate a ball screw over time by Lin's scheme of equal time steps, from evenly spread balls.
 
     Parameters
     ----------
     run
-        Ball screw in time, with its duration and number of steps.
+        Ball screw, with duration and number of steps of the simulation.
     """
     return simulate(run, run.duration, run.steps, "equal")
 
@@ -391,14 +391,14 @@ def summarise(result: History) -> RunSummary:
     Parameters
     ----------
     result
-        History of a run in time.
+        History of a transient simulation.
     """
     angle = np.degrees(result.nut_angle)
-    top = int(np.argmax(result.ratio))
+    top = int(np.argmax(result.ball_to_groove_ratio))
     later = np.flatnonzero(~result.contact.any(axis=1) & (np.arange(angle.size) > top))
     torque = result.groove_torque
     return RunSummary(
-        largest=float(result.ratio[top]),
+        largest=float(result.ball_to_groove_ratio[top]),
         at=float(angle[top]),
         none_at=float(angle[later[0]]) if later.size else float("nan"),
         groups=int(np.max(result.groups)),

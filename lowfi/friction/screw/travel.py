@@ -1,4 +1,4 @@
-"""Balls that travel round closed tracks in time: loads and motions at successive instants, neighbours that meet and part.
+"""Transient simulation of balls on closed tracks: loads and motions at instants, neighbours that meet and part.
 
 Over a step dt the gap of neighbours obeys 0 <= F, 0 <= gap + rate dt, F (gap + rate dt) = 0 (section 3.4.4 of Lin's
 thesis): balls keep their order and never overlap. Torques jump where a ball enters or leaves the loaded arc, or meets its
@@ -117,7 +117,7 @@ class Instant:
 
 
 class Setting(Protocol):
-    """Interface of what is run in time: geometry, loads and friction of the parts, and the solution at one instant."""
+    """Interface of a simulated screw or bearing: geometry, loads and friction of the parts, solution at one instant."""
 
     @property
     def groove(self) -> HelicalMotion:
@@ -154,7 +154,7 @@ class Setting(Protocol):
 
 @dataclass(frozen=True)
 class History:
-    """Run of N balls in time. Its equal steps are cut into T pieces in all; ball k pushes the next one of its track."""
+    """Time history of N balls, with time steps cut into T pieces in all; ball k pushes the next one of its track."""
 
     #: What was run, see `Setting`.
     setting: Any
@@ -226,7 +226,7 @@ class History:
     @property
     def share(self) -> float:
         """Largest ratio in the run of the torque by ball-to-ball contact to that of the grooves; nan without friction."""
-        return float(self.ratio.max())
+        return float(self.ball_to_groove_ratio.max())
 
     @property
     def nut_angle(self) -> Array:
@@ -275,7 +275,7 @@ class History:
         return np.asarray(sum(count_groups(self.contact[:, track.balls]) for track in self.setting.tracks))
 
     @cached_property
-    def ratio(self) -> Array:
+    def ball_to_groove_ratio(self) -> Array:
         """Torque by ball-to-ball contact over that of the grooves ``(T,)``; nan without friction."""
         groove, between = self.groove_torque, self.ball_torque + self.closing_torque
         return np.divide(between, groove, out=np.full_like(groove, np.nan), where=groove > 0.0)
@@ -333,7 +333,7 @@ def _next_piece(left: float, step: float, event: float, after: bool) -> tuple[fl
 
 
 def _history_of_pieces(rows: list[dict[str, Any]], setting: Setting, span: float, steps: int, status: str) -> History:
-    """Return the run of which ``rows`` holds one dictionary of values by name for each piece; ``span``: in time [s].
+    """Return the history of which ``rows`` has a dictionary of values by name for each piece; ``span``: duration [s].
 
     A converged ``status`` is replaced if a piece did not converge: it then names the first such angle.
     """
@@ -376,7 +376,7 @@ def simulate(
     Lin (2019), section 3.4.4, for the scheme "equal".
     """
     if steps < 1 or not span > 0.0:
-        raise ValueError(f"a run in time needs at least 1 step and a duration above 0 s, got {steps} steps and {span} s")
+        raise ValueError(f"a simulation needs at least 1 step and a duration above 0 s, got {steps} steps and {span} s")
     dt, place, rows, located = span / steps, setting.begin(), list[dict[str, Any]](), scheme == "located"
     speed = abs(setting.groove.speed)
     if located:
@@ -418,7 +418,7 @@ def no_report(steps: str, share: float) -> None:
 def run_with_step_errors(
     setting: Setting, span: float, steps: int | None, goal: float, report: Callable[[str, float], object] = no_report
 ) -> tuple[History, StepError | None]:
-    """Return a run in time by the scheme "located", and the estimated errors by its finite steps.
+    """Return a transient simulation by the scheme "located", and the estimated errors by its finite steps.
 
     Parameters
     ----------

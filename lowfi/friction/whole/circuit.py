@@ -164,7 +164,7 @@ def travel(scene: Scene) -> Array:
     Parameters
     ----------
     scene
-        Screw with a run in time.
+        Screw with settings of a simulation over time.
     """
     motion = scene.motion or ONE_TURN
     span = 0.0 if scene.time is None else scene.time.span(motion)
@@ -434,8 +434,8 @@ def contact_onset(scene: Scene, result: StaticResult, idle: float = 0.0, drive: 
 
     Lin argues from the loads: balls that lose contact stay behind, so that others run into them. Here each loaded ball
     moves with least dissipation at its static loads. The speeds are those at this instant; how the balls go on, and how
-    their loads change, can only be computed by a run in time. The speeds do not depend on the coefficient of friction and
-    are proportional to the speed of the rotating part.
+    their loads change, can only be computed by a transient simulation. The speeds do not depend on the coefficient of
+    friction and are proportional to the speed of the rotating part.
 
     Parameters
     ----------

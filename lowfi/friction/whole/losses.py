@@ -363,8 +363,8 @@ def heathcote_loss_increase(
 ) -> float:
     """Return the relative increase of the losses of all contacts by Heathcote slip, at given loads; nan without any loss.
 
-    The increase is accurate to about 0.002. Quadrature and regularising speeds, which limit the accuracy, are the same with
-    and without curvature of the contacts.
+    It is the loss with contacts on their curved surfaces over that with flat contacts, less 1, accurate to about 0.002.
+    The accuracy is limited by quadrature and regularised friction, which are the same for both losses.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Screw or bearing in time: balls travel through circuits, loads are solved at their positions; see ``screw.travel``.
+"""Screw or bearing over time: balls travel through circuits, loads are solved at their positions; see ``screw.travel``.
 
 Loads are solved again and again while balls travel; the compliance of their bodies changes slowly.
 """
@@ -137,7 +137,7 @@ class Memory(NamedTuple):
 
 @dataclass(frozen=True)
 class Setting:
-    """Constants of a run of a scene in time, used by ``lowfi.friction.screw.travel``; azimuths are in the nut's frame."""
+    """Constants of a transient simulation by ``lowfi.friction.screw.travel``; azimuths are in the nut's frame."""
 
     #: The scene.
     scene: Scene

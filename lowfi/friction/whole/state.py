@@ -134,8 +134,8 @@ def friction_state(
     """Return the friction of a scene at the contact loads of a static result.
 
     If ``friction`` requests it, friction changes the positions of the balls (feedback), and touching neighbours push each
-    other. With both, neighbours push at the loads that result from each ball's own friction, as in a run in time. In a
-    ring, friction acts along the groove and displaces no ball.
+    other. With both, neighbours push at the loads that result from each ball's own friction, as in a transient
+    simulation. In a ring, friction acts along the groove and displaces no ball.
 
     Parameters
     ----------

@@ -384,7 +384,7 @@ def reach_of(given: BeamSystem, workspace: RowWorkspace) -> float:
 
 
 @kernel
-def keep(state: RowState, workspace: RowWorkspace) -> None:
+def save_start(state: RowState, workspace: RowWorkspace) -> None:
     """Store the current nodal motions and element deformations in the workspace as the start of the line search."""
     workspace.q0[:], workspace.d0[:] = state.q, state.d
 
@@ -464,7 +464,7 @@ def shorten_first_step(given: Rows, state: RowState, options: Options, workspace
 
     reach [m]: largest displacement of a flank in the whole step.
     """
-    keep(state, workspace)
+    save_start(state, workspace)
     move(given, state, workspace, 1.0 if reach <= options.furthest else options.furthest / reach)
 
 

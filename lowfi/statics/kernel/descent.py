@@ -40,7 +40,7 @@ find_step = system.find_step
 #: Return the largest relative unbalanced force; the energy's slope along the step [J]; the largest motion of a flank [m].
 residual_at, slope_along, reach_of = system.residual_at, system.slope_along, system.reach_of
 #: Store the start of a line search; move to t times the step from there; complete the final state.
-keep, move, finish = system.keep, system.move, system.finish
+save_start, move, finish = system.save_start, system.move, system.finish
 #: Return the smallest force to divide residuals by [N]; the largest displacement [m]; the largest relative net ball force.
 least_force, furthest, unbalanced = system.least_force, system.furthest, system.unbalanced
 
@@ -105,7 +105,7 @@ def minimise(given: Any, state: Any, options: Options, workspace: Any) -> Outcom
         slope, reach = slope_along(given, state, workspace), reach_of(given, workspace)
         limit = options.furthest / reach if reach > 0.0 else 1e12
         whole, used, before, last = residual < WHOLE_STEPS and limit >= 1.0, 0, energy, residual
-        keep(state, workspace)
+        save_start(state, workspace)
         if whole:
             move(given, state, workspace, 1.0)
             energy, scale = energy_at(given, state, workspace)

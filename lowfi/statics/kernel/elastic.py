@@ -438,7 +438,7 @@ def reach_of(given: BodySystem, workspace: BodyWorkspace) -> float:
 
 
 @kernel
-def keep(state: BodyState, workspace: BodyWorkspace) -> None:
+def save_start(state: BodyState, workspace: BodyWorkspace) -> None:
     """Store the current forces and motions in the workspace as the start of the line search."""
     workspace.begin.phi[:], workspace.begin.a[:], workspace.begin.g[:], workspace.begin.v[:] = (
         state.phi,

@@ -1,4 +1,4 @@
-"""A whole ball screw in time: order, gaps, energy, recirculation, limits."""
+"""A whole ball screw over time: order, gaps, energy, recirculation, limits."""
 
 from dataclasses import replace
 from functools import cache
@@ -9,7 +9,7 @@ from scipy.interpolate import CubicSpline
 
 from rollbench.compare.cases.lin.evidence.source_cases import run_of_section_3_4_4
 from rollbench.lowfi.friction.screw.motion import ball_motion
-from rollbench.lowfi.friction.screw.run import cell_at_instant, deviation, equal_steps, summarise
+from rollbench.lowfi.friction.screw.run import cell_at_instant, deviation, simulate_equal_steps, summarise
 from rollbench.lowfi.friction.screw.travel import History
 
 pytestmark = pytest.mark.xdist_group("whole run of the source")
@@ -17,7 +17,7 @@ pytestmark = pytest.mark.xdist_group("whole run of the source")
 
 @cache
 def result(**changes) -> History:
-    return equal_steps(run_of_section_3_4_4(**changes))
+    return simulate_equal_steps(run_of_section_3_4_4(**changes))
 
 
 CASES = {
@@ -56,7 +56,7 @@ def test_without_deviation_nothing_touches() -> None:
 def test_free_balls_follow_their_speeds() -> None:
     """While nothing touches, each ball's azimuth is the integral of its own speed over theta: separate quadrature."""
     run = run_of_section_3_4_4(amplitude=np.radians(0.5), steps=400, duration=0.4)
-    r = equal_steps(run)
+    r = simulate_equal_steps(run)
     assert not r.contact.any()
     turned, loads = np.radians(np.linspace(-0.5, 0.5, 9)), np.median(r.load.reshape(-1, 4), axis=0)
     angles = run.groove.contact_angle + turned[:, None] * np.array(run.pattern)
@@ -107,10 +107,10 @@ def test_axial_force_is_carried() -> None:
 def test_reversed_motion_and_mirrored_pattern() -> None:
     """Half a turn about x swaps left and right, order and direction: the same torque."""
     run = run_of_section_3_4_4(steps=40, duration=0.4)
-    one = equal_steps(run)
+    one = simulate_equal_steps(run)
     g = run.groove
     back = replace(run, groove=replace(g, nut_speed=-g.nut_speed), force=(-1500.0,), amplitude=-run.amplitude)
-    two = equal_steps(back)
+    two = simulate_equal_steps(back)
     assert one.contact.any()
     assert two.torque == pytest.approx(one.torque, rel=1e-6)
     assert two.ball_force[:, ::-1] == pytest.approx(np.roll(one.ball_force, 1, axis=1), abs=1e-5)

@@ -20,7 +20,7 @@ from rollbench.lowfi.friction.as_source.screw import (
     starting_positions,
 )
 from rollbench.lowfi.friction.screw.motion import settle_load, source_law
-from rollbench.lowfi.friction.screw.run import Run, equal_steps, solve_pair
+from rollbench.lowfi.friction.screw.run import Run, simulate_equal_steps, solve_pair
 
 TWO = np.radians(2.0)
 
@@ -89,7 +89,7 @@ def test_coupled_pair_has_ours_as_a_root(theta):
 def test_run_is_ours_until_balls_meet_and_near_it_after():
     """Ours meets at the end of a step, the source's after it has overlapped: places differ by part of a step."""
     run = few_balls(steps=24)
-    ours, found = equal_steps(run), simulate_by_root(run)
+    ours, found = simulate_equal_steps(run), simulate_by_root(run)
     assert found.failures == 0
     meets = int(np.argmax(ours.contact.any(axis=1)))
     assert 5 < meets < 22

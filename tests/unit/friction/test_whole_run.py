@@ -1,4 +1,4 @@
-"""A screw or bearing in time: energy, order of the balls, symmetries, limits, and states that older solvers describe."""
+"""A screw or bearing over time: energy, order of the balls, symmetries, limits, states that older solvers describe."""
 
 from dataclasses import replace
 from functools import cache

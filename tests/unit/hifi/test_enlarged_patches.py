@@ -54,7 +54,7 @@ def test_patches_grow_to_the_loads_found(factor):
 
 
 def test_a_patch_is_as_long_as_a_contact_that_its_lead_sets_askew():
-    """A drawn screw 16x16: by its ellipse's semi-axes a contact is within the patch, askew by the lead it is not."""
+    """A random screw 16x16: by its ellipse's semi-axes a contact is within the patch, askew by the lead it is not."""
     drawn = scene_file.scene_of_text(scene_text(SEED, 85), "drawn.toml")
     setup = prepared(drawn)
     load = np.tile([31.35, 0.0, 0.0, 31.35], (drawn.ball_count, 1))

@@ -1,4 +1,4 @@
-"""Mesh levels of the 3D reference on drawn screws: chosen by a seed, stored, judged by the finer level."""
+"""Mesh levels of the 3D reference on randomly drawn screws: chosen by a seed, stored, judged by the finer level."""
 
 from dataclasses import replace
 

@@ -1,4 +1,4 @@
-"""Models judged on the drawn screws whose reference is stored, and the files of one of them."""
+"""Models judged on the randomly drawn screws whose reference is stored, and the files of one of them."""
 
 import csv
 import json

@@ -303,7 +303,7 @@ def case_1_by_choice(study: Study) -> list[ModelChoice]:
     return [ModelChoice(label, result, load_error(result.load, base.load)) for label, result in found]
 
 
-# --- section 2.4.2, geometric errors: printed numbers and claims; those on random errors need drawn screws
+# --- section 2.4.2, geometric errors: printed numbers and claims; those on random errors need randomly drawn screws
 
 
 #: Change of a contact load [% of the mean load] above which a load distribution counts as significantly changed: twice the
@@ -356,7 +356,7 @@ def _check_single_error_claims(study: Study, findings: Findings) -> None:
 
 
 def _check_random_error_claims(study: Study, findings: Findings) -> None:
-    """Check Lin's claims on contact loads with random ball errors, by drawn screws, into ``findings``."""
+    """Check Lin's claims on contact loads with random ball errors, by randomly drawn screws, into ``findings``."""
     base = study.solve("lin-case1").load
     random, combined = (ensemble_of_study(study, name).loads for name in ("lin-random", "lin-combined"))
     kept = np.array([is_two_point_contact(load) for load in random])

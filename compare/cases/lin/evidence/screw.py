@@ -28,9 +28,9 @@ from rollbench.lowfi.friction.screw.run import (
     PairResult,
     Run,
     RunSummary,
-    equal_steps,
     implied_load,
     oversize_map,
+    simulate_equal_steps,
     solve_pair,
     summarise,
 )
@@ -91,7 +91,7 @@ def simulate_in_200_steps(amplitude: float) -> History:
 
     ``amplitude``: amplitude of the contact angles' deviation theta, 2 or 3 [deg].
     """
-    return equal_steps(source_cases.shipped_run(amplitude))
+    return simulate_equal_steps(source_cases.shipped_run(amplitude))
 
 
 @cache
@@ -100,7 +100,7 @@ def simulate_without_oversize() -> History:
 
     Friction moves balls and screw and so changes the contact loads; the amplitude of theta is 3 deg.
     """
-    return equal_steps(replace(source_cases.shipped_run(3.0), oversize=0.0, coupling="ball and screw"))
+    return simulate_equal_steps(replace(source_cases.shipped_run(3.0), oversize=0.0, coupling="ball and screw"))
 
 
 @cache
@@ -561,7 +561,7 @@ def simulation_inputs(follows: str, amplitude: float, oversize: float, pattern: 
 @cache
 def interpretation_results() -> tuple[RunSummary, ...]:
     """Simulate the screw of section 3.4.4 of Lin's thesis under every interpretation of `TRIED`, in 200 steps as Lin."""
-    return tuple(summarise(equal_steps(simulation_inputs(*reading))) for reading in TRIED)
+    return tuple(summarise(simulate_equal_steps(simulation_inputs(*reading))) for reading in TRIED)
 
 
 PRINTED_OF_RUN = ("largest", "largest_at", "none_at")
@@ -657,7 +657,7 @@ def simulation_rows() -> list[Row]:
     ]
     rows.append(lin_method_row(source_cases.run_of_section_3_4_4()))
     rows += [
-        simulation_row(name, value, equal_steps(source_cases.run_of_section_3_4_4(**(SHORT | new))))
+        simulation_row(name, value, simulate_equal_steps(source_cases.run_of_section_3_4_4(**(SHORT | new))))
         for name, value, new in simulation_variations()
     ]
     return rows

@@ -1,7 +1,7 @@
 """Report sections on chapter 2, Table B.1 and section 4.3.2 of Lin's thesis.
 
 Case studies 1, 2 and 3 of 2.4.1: contact loads, centreline, interpretations of the right end's support, modelling choices.
-Geometric errors of 2.4.2: alone and combined, random errors as percentiles of drawn screws. Hertz constants of Table B.1:
+Geometric errors of 2.4.2: alone and combined, random errors as percentiles of random screws. Constants of Table B.1:
 as printed, with the thesis's faults, and correct. Pitch and roundness errors of 4.3.2 on two screws. Agreement of two
 solvers and of two kinematic forms of the same model.
 """
@@ -262,9 +262,9 @@ def cases_section(study: Study, step: Callable[[str], None]) -> Section:
 
 
 def percentile_band(label: str, ensemble: EnsembleResult, side: int) -> Series:
-    """Return the 5th to 95th percentile of the loads of drawn screws, as a band over the ball's number.
+    """Return the 5th to 95th percentile of the loads of randomly drawn screws, as a band over the ball's number.
 
-    ``label``: legend; ``ensemble``: results of the drawn screws; ``side``: index of the flank in `SIDES`.
+    ``label``: legend; ``ensemble``: results of the randomly drawn screws; ``side``: index of the flank in `SIDES`.
     """
     low, high = np.percentile(ensemble.loads[:, :, side], [5.0, 95.0], axis=0)
     balls = [float(i + 1) for i in range(low.size)]

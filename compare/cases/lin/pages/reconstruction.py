@@ -261,7 +261,7 @@ def first_paragraph(found: list[combined.CombinationResult]) -> str:
         "Contacts of the 3D model that a penalty makes softer, all else by default, have a ratio of "
         f"{_range_in_words([c.solid_ratio for c in soft], 3)} with {soft[0].low_ratio:.3f} in the low-order model, "
         f"{errors}, and "
-        f"{_range_in_words([_fall_over_printed(c) for c in soft], 0)} % of the printed fall. By default: "
+        f"{_range_in_words([_fall_in_percent_of_printed(c) for c in soft], 0)} % of the printed fall. By default: "
         f"{_ratios_and_errors(found[0])}. Nearest in all six "
         f"numbers ({combination_in_words(best.low)}; {combination_in_words(best.solid)}): {_ratios_and_errors(best)}."
     )
@@ -271,12 +271,12 @@ def _ratios_and_errors(c: combined.CombinationResult) -> str:
     """Return in words the load ratios and errors of one combination."""
     return (
         f"ratios of {c.low_ratio:.3f} and {c.solid_ratio:.3f}, errors of {_errors_in_words(c.errors['own'])}, "
-        f"{_fall_over_printed(c):.0f} % of "
+        f"{_fall_in_percent_of_printed(c):.0f} % of "
         "the printed fall"
     )
 
 
-def _fall_over_printed(c: combined.CombinationResult) -> float:
+def _fall_in_percent_of_printed(c: combined.CombinationResult) -> float:
     """Return the fall of the largest error from case 1 to case 2, in per cent of the printed fall."""
     return 100.0 * error_fall_and_rise(c.errors["own"])[0] / error_fall_and_rise(combined.printed_errors())[0]
 

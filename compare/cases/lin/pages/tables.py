@@ -224,7 +224,7 @@ WHY = {
     "lin-3.3:": "none: of the map",
     "lin-3.5:error": "none: of the table",
     "lin-3.7:difference": "none: of the table",
-    "lin-3.4.4:": "none: 37 balls in time are beyond it",
+    "lin-3.4.4:": "none: a simulation of 37 balls over time is beyond it",
     "lin-3.7:within": "none: of the tables",
     "lin-4.2.1:": "none: layout is not printed",
     "lin-4.3:": "none: many balls rolling are beyond it",

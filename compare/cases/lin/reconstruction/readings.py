@@ -362,10 +362,10 @@ def errors_on_random_meshes(
 
 
 def fraction_with_fall_and_rise(errors: Array, falls: float, rises: float) -> float:
-    """Return the fraction of random meshes on which the errors change from case 1 to case 2 by at least given amounts.
+    """Return the fraction of random meshes with a lower largest error and a higher RMS error in case 2 than in case 1.
 
-    ``errors``: result of `errors_on_random_meshes`; ``falls``: least fall of the largest error; ``rises``: least rise of
-    the RMS error [both in percentage points].
+    ``errors``: result of `errors_on_random_meshes`; ``falls``, ``rises``: least decrease of the largest error and least
+    increase of the RMS error that count [percentage points].
     """
     return float(((errors[:, 0] - errors[:, 2] >= falls) & (errors[:, 3] - errors[:, 1] >= rises)).mean())
 
@@ -426,9 +426,10 @@ def load_ratio(load: Array) -> float:
 
 
 def model_errors(low: tuple[Array, ...], solid: tuple[Array, ...]) -> dict[Definition, tuple[float, ...]]:
-    """Return largest and RMS error [%] of the low-order against the 3D loads for cases 1 and 2, by definition.
+    """Return the errors [%] of the low-order against the 3D loads, an entry for each `Definition` of the error.
 
-    ``low``, ``solid``: contact loads of both cases, each (n, 4) [N].
+    Each entry has largest and RMS error of case 1, then of case 2. ``low``, ``solid``: contact loads of both cases,
+    each (n, 4) [N].
     """
     found = [load_error(a, b) for a, b in zip(low, solid, strict=True)]
     of_load = tuple(x for e in found for x in (e.own_max_percent, e.own_rms_percent))

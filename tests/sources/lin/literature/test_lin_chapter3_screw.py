@@ -16,8 +16,8 @@ from rollbench.lowfi.friction.screw.run import (
     SHIFTED,
     PairResult,
     RunSummary,
-    equal_steps,
     implied_load,
+    simulate_equal_steps,
     sliding_speed,
     solve_pair,
     summarise,
@@ -139,7 +139,8 @@ def test_hertz_constants_of_the_source_change_little() -> None:
 def run_summary(amplitude: float, phase: float = 0.0) -> RunSummary:
     if phase == 0.0:
         return summarise(simulate_in_200_steps(amplitude))
-    return summarise(equal_steps(source_cases.run_of_section_3_4_4(amplitude=np.radians(amplitude), phase=phase)))
+    run = source_cases.run_of_section_3_4_4(amplitude=np.radians(amplitude), phase=phase)
+    return summarise(simulate_equal_steps(run))
 
 
 def test_largest_torque_of_3_4_4_is_not_identifiable() -> None:
@@ -170,7 +171,7 @@ def test_times_of_3_4_4_are_open_because_nothing_tried_gives_them(key: str, name
 def test_without_oversize_only_coupled_friction_makes_contact() -> None:
     """Two contacts leave the balls' speeds nearly alike; the third contact that friction brings makes them differ."""
     short = {"oversize": 0.0, "steps": 70, "duration": 0.7}
-    assert not equal_steps(source_cases.run_of_section_3_4_4(**short)).contact.any()
-    coupled = equal_steps(source_cases.run_of_section_3_4_4(coupling="ball and screw", **short))
+    assert not simulate_equal_steps(source_cases.run_of_section_3_4_4(**short)).contact.any()
+    coupled = simulate_equal_steps(source_cases.run_of_section_3_4_4(coupling="ball and screw", **short))
     assert coupled.contact.any()
     assert summarise(coupled).groove_variation > 0.1

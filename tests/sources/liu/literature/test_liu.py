@@ -76,7 +76,7 @@ def test_bands_are_those_of_the_ensemble(row) -> None:
 
 
 def test_other_draws_give_the_same_percentiles() -> None:
-    """Another seed: every percentile within four standard errors of both samples. All drawn screws converge."""
+    """Another seed: every percentile within four standard errors of both samples. All random screws converge."""
     other = solve_ensemble(liu.calibrated_model(), 2e-6, [500.0, 1000.0, 5000.0], 5000, seed=77)
     for load in (500.0, 1000.0, 5000.0):
         row = next(r for r in RANDOM if r.key == f"max_2_{load:.0f}")
@@ -89,8 +89,8 @@ def test_other_draws_give_the_same_percentiles() -> None:
 
 
 def test_counts_at_1000_newtons_contradict_those_at_500() -> None:
-    """Given about 42 loaded balls at 500 N and +-3 um, no drawn screw has as few as 43 at 1000 N. Medians of the counts at
-    1000 N add up to all balls, and the printed ones are too many."""
+    """Given about 42 loaded balls at 500 N and +-3 um, no random screw has as few as 43 at 1000 N. Medians of the
+    counts at 1000 N add up to all balls, and the printed ones are too many."""
     assert " 0 have at most 43 at 1000 N" in by_key("unloaded_3_1000").words
     assert all(words in liu.count_matching_screws(3, 42, 78) for words in ("1707 screws", " 1707 have"))
     for key, half_range in (("unloaded_2_1000", 2), ("unloaded_3_1000", 3)):
