@@ -260,20 +260,6 @@ def solve_by_root(
     touching
         Motions ``(N, n)`` and forces ``(N-1,)`` [N] from which the search for touching balls starts; None: the motions of
         the separate balls, and no forces.
-
-    Parameters
-    ----------
-    balls
-        The balls.
-    law
-        Friction law.
-    reach
-        Whether neighbours are near enough to touch ``(N-1,)``.
-    start
-        Motions ``(N, n)`` from which separate balls are searched, nominal rolling where None; the text leaves it open.
-    touching
-        Motions and forces ``(N-1,)`` [N] from which those in contact are searched, separate balls and no force where None;
-        the text leaves it open.
     """
     pair = balls.pair
     none = np.zeros(balls.count - 1)
