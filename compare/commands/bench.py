@@ -44,7 +44,8 @@ def bench(
     long
         Also time every mesh level of the 3D reference, which takes about an hour on idle cores; threads are not timed.
     source
-        Measure only the times that the page of this publication shows (such as lin), which takes minutes on idle cores.
+        Measure only the times that the page of this publication shows (such as lin), which takes ten to fifteen minutes on
+        two idle cores.
     drawn
         Solve 24 of the randomly drawn screws on mesh levels 1 and 2 of the 3D reference instead, in one and a half hours of
         processor time; needs --store. An interrupted run resumes.

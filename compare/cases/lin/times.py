@@ -49,7 +49,7 @@ CALLS = {
 
 
 def measure_run_times(study: Study, step: Callable[[str], None]) -> Kept:
-    """Measure all run times that are compared with Lin's tables; this takes five minutes on two idle cores.
+    """Measure all run times that are compared with Lin's tables; this takes ten to fifteen minutes on two idle cores.
 
     ``study``: solved scenes and stored 3D references; ``step``: function that is told in words what is measured next.
     Returns the times with the conditions of measurement, to be stored.

@@ -135,7 +135,7 @@ def run_path(store: Path, scene: KindScene, level: int, bodies: str = HALF_SPACE
 def load_run(scene: KindScene, level: int, stores: Sequence[Path], bodies: str = HALF_SPACE) -> RollingRun | None:
     """Return the stored run of a scene on a grid, from the first store that has it; None without one.
 
-    A run is also found if the scene had another name when it was made.
+    A run is also found if the scene had another name when it was made. Damaged files are ignored.
     """
     key = run_key(scene, level, bodies)
     for store in stores:
