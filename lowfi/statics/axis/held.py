@@ -41,7 +41,8 @@ class Loose:
 def loose_motions(system: System) -> Loose:
     """Return the rigid motions of shaft and housings that no support, spring, ball or roller resists.
 
-    As in `lowfi.statics.held.free_motions`, the bodies' motion at a ball's centre stands for the motion of its flanks.
+    They are found from the motions of the bodies at the balls' centres in place of the motions of the flanks, for the
+    reason given in `lowfi.statics.held.free_motions`.
     """
     s = system.structure
     motions = rigid_motions(s, system.arm)

@@ -263,7 +263,10 @@ def _sum_at(points: Array, forces: Array, station: float) -> tuple[Array, Array]
 
 
 def _balance(system: System, state: RowState, end: Ending, sets: tuple[SetResult, ...]) -> Equilibrium:
-    """Return the check of equilibrium of the shaft: external loads, support reactions, and forces of bearings and nuts."""
+    """Return the check of equilibrium of the shaft: external loads, support reactions, and forces of bearings and nuts.
+
+    ``state``: solved motions; ``end``: data of the finished solve; ``sets``: results of the bearings and nuts.
+    """
     nodes = system.structure.nodes
     applied, contact = wrench_of(system.assembly.loads), np.zeros(6)
     reaction = about_origin(nodes, end.held[: nodes.size])

@@ -79,7 +79,9 @@ def first_trial(energy: float, slope: float, limit: float) -> Trial:
 def next_trial(trial: Trial, new: float, ahead: float) -> tuple[Trial, bool]:
     """Return the next step length to try in a line search, and whether the search continues.
 
-    new, ahead: energy [J] and its slope along the step, found at the last step length tried.
+    trial: bracket and last step length tried; new, ahead: energy [J] and its derivative by the step length [J], found
+    there. The search ends where the magnitude of the derivative is sufficiently smaller than at the start, or at the
+    largest step length.
     """
     energy, slope, limit, low, high, t, tried = trial
     tried += 1
@@ -103,8 +105,8 @@ def next_trial(trial: Trial, new: float, ahead: float) -> tuple[Trial, bool]:
 def got_on(progress: Progress, residual: float, unbalanced: float, energy: float, tried: int) -> tuple[Progress, bool]:
     """Update the record of a Newton iteration's progress; return it and whether the iteration ends here.
 
-    residual, unbalanced: unbalanced force relative to the largest force and to the applied loads; energy [J]; tried: number
-    of step lengths that the last line search tried.
+    residual: unbalanced force relative to the largest force; unbalanced: relative to the applied loads; energy: energy [J]
+    after the step; tried: number of step lengths that the last line search tried.
     """
     falls = progress.lowest - energy > FALLS * abs(energy)
     stalled = 0 if residual < 0.5 * progress.best or falls else progress.stalled + 1
@@ -116,10 +118,10 @@ def got_on(progress: Progress, residual: float, unbalanced: float, energy: float
 
 @kernel
 def search(given: Any, state: Any, workspace: Any, energy: float, slope: float, limit: float) -> tuple[float, float, int]:
-    """Search the energy minimum along the Newton step and leave the state at the accepted point.
+    """Search the energy minimum along the Newton step in the workspace; leave the state at the accepted point.
 
-    energy, slope: energy [J] and its slope along the step at the start; limit: largest step length. Returns the energy [J],
-    the largest force [N] and the number of step lengths tried.
+    energy, slope: energy [J] and its derivative by the step length [J] at the start; limit: largest step length. Returns
+    the energy [J], the largest force [N] and the number of step lengths tried.
     """
     trial, go_on = first_trial(energy, slope, limit), True
     new, scale = energy, 0.0
@@ -134,9 +136,9 @@ def search(given: Any, state: Any, workspace: Any, energy: float, slope: float, 
 def judge(given: Any, state: Any, options: Options, workspace: Any, scale: float, start: float) -> tuple[float, float]:
     """Return the force [N] by which the residual is divided, and the relative residual.
 
-    The force is ``scale``, the largest force in the model, but not less than the smallest permitted one. Where only
-    displacements are prescribed (``options.floor`` is zero) that is ``start`` [N], from the first state, because the final
-    state may be free of forces.
+    That force is ``scale`` [N], the largest force in the model, or a lower limit if that is larger. The limit is
+    `least_force`. Where only displacements are prescribed (``options.floor`` is zero) it is ``start`` [N], a force of the
+    first state, because the final state may be free of forces.
     """
     least = least_force(given, state, options) if options.floor > 0.0 else start
     scale = max(scale, least)
