@@ -85,12 +85,12 @@ class Elastic(OneSet):
         return a, 3 - a
 
     def iterate(self, from_linear: bool = True) -> Outcome:
-        """Solve with the present Hertz constants, from a linear start or else from the present state.
+        """Solve the equilibrium by Newton's method with the present Hertz constants.
 
         Parameters
         ----------
         from_linear
-            Whether to start from the linear solution.
+            Whether to start from the solution with linear springs for contacts, else from the present state.
         """
         if self.pair is not None:
             self.given.contacts.pair[:, 4] = self.problem.C[:, list(self.pair)].sum(axis=1)
@@ -219,7 +219,7 @@ class ElasticBuild(Build):
         """
         N = self.layout.z.size
         if N > LARGEST:
-            reason = f"balls.count gives {N} balls: the model with elastic bodies takes at most {LARGEST}; use model lin"
+            reason = f"elastic bodies are allowed with at most {LARGEST} balls, got {N} by balls.count; use the model lin"
             raise UnfitKey("balls.count", reason)
         response = response_of(problem, self.layout, self.backend, self.condensed, self.whole)
         shaft, ball, scale = response.shaft.under(problem), response.ball, scale_of(problem)
@@ -413,7 +413,7 @@ class _System:
     """Equations of one solved specimen with elastic bodies, in which the ball radii of other specimens are put."""
 
     def __init__(self, elastic: Elastic) -> None:
-        """Store the solution as start for other specimens, and the contact terms that depend on the contact force."""
+        """Store the solution of ``elastic`` as start for other specimens, and terms that depend on the contact force."""
         self.elastic = elastic
         self.start = [array.copy() for array in elastic.state]
         self.local = elastic.given.contacts.local.copy()
@@ -462,7 +462,11 @@ class _System:
         return loads, outcome.residual, work
 
     def _place(self, radii: Array, offset: Array, closure: Array, C: Array) -> None:
-        """Write ball radii, distances and Hertz constants of a specimen into the kernels' arrays."""
+        """Write the data of a specimen into the kernels' arrays.
+
+        ``radii`` ``(N,)``: ball radii [m]; ``offset``, ``closure``: result of `centre_distances`; ``C`` ``(N, 4)``: Hertz
+        constants.
+        """
         elastic, problem = self.elastic, self.elastic.problem
         problem.geometry[..., :4], problem.geometry[..., 4] = offset, C
         problem.closure[:], problem.drawn.ball_radius[:] = closure, radii

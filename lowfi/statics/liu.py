@@ -291,7 +291,10 @@ def sines(chain: Chain, errors: Array, state: ChainState) -> Array:
 
 
 def _screw_motion(row: Row, state: ChainState) -> Array:
-    """Return the axial motion of the screw at each ball along the load ``(M,)`` [m], with the nut's loaded end fixed."""
+    """Return the axial motion of the screw at each of the M balls along the load ``(M,)`` [m].
+
+    ``state``: solution of Liu's equations for the balls of ``row``. The nut's loaded end is fixed.
+    """
     lost = np.concatenate([[0.0], np.cumsum(-np.diff(state.motion))])
     return np.asarray(state.motion[0] - row.share * lost)
 

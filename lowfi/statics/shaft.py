@@ -181,7 +181,8 @@ def rows_of(problem: Problem, used: list[int]) -> tuple[NDArray[np.int64], Array
     problem
         Static problem of N balls.
     used
-        Screw flanks in use, out of 0 and 1. The c = N len(used) flanks at the balls are ordered flank after flank.
+        Numbers of the screw flanks in use, 0 for SL and 1 for SR. The c = N len(used) flanks at the balls are ordered: all
+        balls of the first of these numbers, then all balls of the second.
     """
     m = problem.B.shape[3]
     dof = [6 * problem.node[:, s, None] + np.arange(m) for s in used]
@@ -196,12 +197,12 @@ def flank_response(shaft: Shaft, used: list[int]) -> tuple[Array, Array]:
     shaft
         The beam with k free rigid motions.
     used
-        Screw flanks in use, out of 0 and 1, at all balls: c flanks.
+        Numbers of the screw flanks in use, 0 for SL and 1 for SR; with all balls there are c flanks.
 
     Returns
     -------
     tuple[Array, Array]
-        Compliance ``(2 c, 2 c)`` [m/N], and motions per metre of free motion ``(2 c, k)``.
+        Compliance ``(2 c, 2 c)`` [m/N] of the flanks, and their motions per metre of each free rigid motion ``(2 c, k)``.
     """
     problem = shaft.problem
     dof, rows = rows_of(problem, used)
@@ -465,7 +466,7 @@ def stretch_of(
     backend
         Method by which the compliance of the shaft is computed.
     used
-        Screw flanks in use, out of 0 and 1.
+        Numbers of the screw flanks in use, 0 for SL and 1 for SR.
     balls
         Indices of its balls among all balls of the problem.
     """
@@ -536,7 +537,7 @@ def squeezed(shaft: Shaft, used: Sequence[int], stretches: Sequence[Stretch], st
     shaft
         The beam.
     used
-        Screw flanks in use, out of 0 and 1.
+        Numbers of the screw flanks in use, 0 for SL and 1 for SR.
     stretches
         Parts of the shaft under nuts and bearings.
     strain

@@ -117,7 +117,10 @@ class OneSet(Prepared):
         return (self.problem,)
 
     def with_arms(self, arms: Sequence[Array]) -> Self:
-        """Return a copy with the present state and longer lever arms of the contacts, see `Prepared.with_arms`."""
+        """Return equations with changed lever arms of the contacts, which start from the present state.
+
+        ``arms``: in its only element, the lengths ``(N, 4, 2)`` [m] added to the lever arms of N balls.
+        """
         longer: Any = self.build.ready(self.build.problem(arms[0]))
         longer.problem.C[:] = self.problem.C
         return longer.at_state(self)  # type: ignore[no-any-return]
@@ -259,11 +262,11 @@ class Build:
         return found if held is None else replace(found, fixed=held[0], prescribed=held[1], pins=held[2])
 
     def holding(self, pinned: Problem) -> Self:
-        """Return a copy of this input with the fixed degrees of freedom of another problem."""
+        """Return a copy of this input with the fixed degrees of freedom of the problem ``pinned``."""
         return replace(self, held=(pinned.fixed, pinned.prescribed, pinned.pins))
 
     def ready(self, problem: Problem) -> OneSet:
-        """Return the equations of the problem for the numerical kernels."""
+        """Return the equations of the problem for the numerical kernels, with an initial state."""
         return prepare(problem, self.engine, build=self)
 
     def touched(self) -> str:

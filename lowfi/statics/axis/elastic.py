@@ -381,7 +381,7 @@ def prepare_elastic_sets(system: System, backend: Backend, engine: ModuleType) -
     balls = system.contacts.r_ball.size
     N = balls + rollers.count
     if N > LARGEST:
-        raise ValueError(f"{N} balls and rollers: the model with elastic bodies takes at most {LARGEST}; use the model lin")
+        raise ValueError(f"elastic bodies are allowed with at most {LARGEST} balls and rollers, got {N}; use the model lin")
     whole, s = combined_problem(system, rollers), system.structure
     shaft, housings = shaft_of(whole), housings_of(s, system.arm)
     order = by_ball(N, 2)

@@ -149,7 +149,10 @@ def structure_of(assembly: Assembly, stations: Array, section: BeamSection | Non
         for name, value in held:
             k = FREEDOMS.index(name)
             if fixed[j, k]:
-                raise ValueError(f"two supports less than {1e6 * MERGE:g} um apart fix {name} at {1e3 * at:g} mm")
+                where = f"at {1e3 * at:g} mm"
+                raise ValueError(
+                    f"got two supports that fix {name} {where}; allowed: one within {1e6 * MERGE:g} um; remove one"
+                )
             fixed[j, k], prescribed[j, k] = True, value
     for x in assembly.loads:
         j = int(np.abs(nodes - x.at).argmin())
