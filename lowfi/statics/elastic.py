@@ -193,7 +193,7 @@ class Elastic(OneSet):
 
 @dataclass(frozen=True, kw_only=True)
 class ElasticBuild(Build):
-    """Input of a ball screw's static problem with elastic bodies, from which it is built, and rebuilt with other flanks."""
+    """Input of a ball screw's static problem with elastic bodies; the problem is built from it, also with other flanks."""
 
     #: Method by which the compliance of screw, nut and balls is computed.
     backend: Backend = REFINED

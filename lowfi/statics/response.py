@@ -256,7 +256,7 @@ class Response:
 
 @dataclass(frozen=True)
 class _Asked:
-    """Input of a compliance computation, as argument of the cache; inputs with equal ``key`` have the same result."""
+    """Input of a compliance computation, as argument of the cached function; equal ``key`` means an equal result."""
 
     key: tuple[object, ...]
     problem: Problem = field(compare=False)

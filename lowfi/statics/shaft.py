@@ -304,7 +304,7 @@ Ints = NDArray[np.int64]
 
 @dataclass(frozen=True)
 class Stretch:
-    """Part of the shaft under one nut or bearing, which deforms beyond the rigid sections of a beam."""
+    """Part of the shaft under one nut or bearing, whose cross-sections deform, unlike the rigid sections of a beam."""
 
     #: Indices of its flanks' motions among those of all flanks ``(m,)``.
     flanks: Ints

@@ -104,7 +104,7 @@ def scale_of(problem: Problem) -> Scale:
 
 @dataclass(kw_only=True)
 class OneSet(Prepared):
-    """Equations of a single ball nut or ball bearing for the numerical kernels, whichever bodies are elastic."""
+    """Equations of a single ball nut or ball bearing for the kernels: base class for rigid and for elastic bodies."""
 
     #: Arrays of the contact problem.
     problem: Problem
@@ -220,7 +220,7 @@ def prepare(problem: Problem, engine: ModuleType, *, tolerance: float = TOLERANC
 
 @dataclass(frozen=True)
 class Build:
-    """Input of a ball screw's static problem, from which it is built, and rebuilt with other flanks or lever arms."""
+    """Input of a ball screw's static problem; the problem is built from it, also with other flanks or lever arms."""
 
     #: Scene: screw, nut, balls, supports and loads.
     scene: Scene

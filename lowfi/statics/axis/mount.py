@@ -33,7 +33,7 @@ TIED = diagonal_stiffness((1e12, 1e12, 0.0, 1e9, 1e9, 1e9))
 
 @dataclass(frozen=True)
 class _Mounting:
-    """Assembly at mounting, and the function that solves it, as argument of the cache of shifts."""
+    """Assembly without loads and thermal expansion, and the function that solves it; argument of the cached `_shifts`."""
 
     #: Assembly without loads and without thermal expansion.
     bare: Assembly

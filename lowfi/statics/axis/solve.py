@@ -272,7 +272,7 @@ FAR = 0.1
 
 @dataclass(kw_only=True)
 class Sets(Prepared):
-    """Equations of an assembly for the numerical kernels, whichever bodies are elastic."""
+    """Equations of an assembly for the numerical kernels: base class for rigid and for elastic bodies."""
 
     #: Arrays of the assembly.
     system: System
