@@ -219,7 +219,7 @@ class ElasticBuild(Build):
         """
         N = self.layout.z.size
         if N > LARGEST:
-            reason = f"elastic bodies are allowed with at most {LARGEST} balls, got {N} by balls.count; use the model lin"
+            reason = f"balls.count gives {N} balls: elastic bodies are allowed with at most {LARGEST}; use the model lin"
             raise UnfitKey("balls.count", reason)
         response = response_of(problem, self.layout, self.backend, self.condensed, self.whole)
         shaft, ball, scale = response.shaft.under(problem), response.ball, scale_of(problem)
