@@ -247,7 +247,7 @@ class ElasticBuild(Build):
         )
 
     def touched(self) -> str:
-        """Return the note that balls may touch flanks that were left out, so that all four flanks were solved."""
+        """Return the sentence for the result that balls may touch left-out flanks, so that all four flanks were solved."""
         return "two of the four flanks may touch balls in the solution without them: solved again with all four flanks"
 
 
@@ -483,10 +483,10 @@ class _System:
 
 
 def _work(elastic: Elastic) -> tuple[Array, Array, float]:
-    """Return coefficients of the work [J] that the external loads do on the motions where they act.
+    """Return coefficients of the work [J] that the external loads do on the motions of the points where they act.
 
-    The work is a linear function. The result holds its derivative by the forces of the balls on the c screw flanks
-    ``(2 c,)`` [J/N], its derivative by the amplitudes of the free motions ``(k,)``, and its constant part [J].
+    The work is a linear function. Entries: its derivative by the forces of the balls on the c screw flanks ``(2 c,)``
+    [J/N], its derivative by the amplitudes of the free motions ``(k,)`` [N], and its constant part [J].
     """
     problem, shaft, squeeze = elastic.problem, elastic.shaft, elastic.bodies.squeeze
     load = problem.load.ravel()

@@ -253,7 +253,8 @@ def opening(work: Array, approach: Any, held: Array) -> Array | None:
 def ran_away(motion: Callable[[], Array | None], body: str, opens: Callable[[Array], str]) -> Status:
     """Return the status of a body that moved without limit in the iteration.
 
-    The status is "not held" only if a linear program proves that the contacts cannot carry the load.
+    The status is "not held" only if a linear program proves that the contacts cannot carry the load; otherwise it is "not
+    converged".
 
     Parameters
     ----------

@@ -96,7 +96,7 @@ def elastic_loads(
 
 
 def _loads(solved: Solution | UnrestrainedProblem) -> ContactLoads:
-    """Return the contact forces and angles of a solution; nan for a problem without equilibrium."""
+    """Return the contact forces and angles of a solution; forces and angles are nan for a problem without equilibrium."""
     if isinstance(solved, UnrestrainedProblem):
         C = solved.problem.C.copy()
         return ContactLoads(np.full(C.shape, np.nan), np.full(C.shape, np.nan), C, solved.status)
@@ -137,7 +137,7 @@ def nominal_contacts(scene: Scene, solved: StaticResult | None = None) -> int:
 
 @lru_cache(maxsize=256)
 def _contacts(scene: Scene) -> int:
-    """Return the number of loaded contacts of a nominal scene by the model lin, from a cache."""
+    """Return the number of loaded contacts of a nominal scene, computed by the model lin; the results are cached."""
     layout = ball_layout(scene)
     try:
         result = beam_loads(scene, specimen(scene, layout), layout)

@@ -171,7 +171,10 @@ class Beam(OneSet):
         return least_residual(motion, most, self.scale, [problem])
 
     def solved(self) -> SolvedState:
-        """Return motions, contact forces and support reactions: the gradient of the energy at the fixed freedoms."""
+        """Return motions, contact forces and support reactions at the solution.
+
+        The reactions are the gradient of the energy at the fixed degrees of freedom.
+        """
         problem, gradient, force = self.problem, np.zeros(self.state.q.shape), self.force.copy()
         motion, centre, normal = self.state.q.copy(), self.state.p.copy(), self.state.contact[..., 1:3].copy()
         if problem.basis is None:
@@ -270,7 +273,7 @@ class Build:
         return prepare(problem, self.engine, build=self)
 
     def touched(self) -> str:
-        """Return the note that balls touch flanks that were left out, so that all four flanks were solved."""
+        """Return the sentence for the result that balls touched left-out flanks, so that all four flanks were solved."""
         names = ", ".join(name for name, used in zip(SIDES, self.use, strict=True) if not used)
         return f"flanks {names} touch balls in the solution without these flanks: solved again with all four flanks"
 
@@ -293,7 +296,7 @@ class Solution(NamedTuple):
 
     @property
     def status(self) -> Status:
-        """Return whether the solver converged, and if not, the reason."""
+        """Return the status of the solve: "converged", or else the kind of failure with its reason."""
         return status_of(self.outcome, self.system.round_off(), partial(runaway_status, self.system.problem))
 
 
@@ -489,9 +492,10 @@ def pin(problem: Problem, mechanism: Mechanism, other: bool = False) -> Problem:
 
 
 def runaway_status(problem: Problem) -> Status:
-    """Return the status of a screw that moved far away in the iteration.
+    """Return the status of a screw that moved without limit in the iteration.
 
-    The status is "not held" only if a linear program proves that contacts and supports cannot carry the load.
+    The status is "not held" only if a linear program proves that contacts and supports cannot carry the load; otherwise it
+    is "not converged".
     """
     from rollbench.lowfi.statics.held import describe_motion, opening_motion, ran_away
 

@@ -190,7 +190,8 @@ def _roller_rows(system: System, by_row: Array) -> list[Array]:
 def unheld(system: System) -> Status:
     """Return the status of an assembly in which the shaft or a housing moved without limit in the iteration.
 
-    The status is "not held" only if a linear program proves that the contacts cannot carry the loads.
+    The status is "not held" only if a linear program proves that the contacts cannot carry the loads; otherwise it is "not
+    converged".
     """
     opens = "the loads open every contact that could carry them (linear program: {})"
     return ran_away(

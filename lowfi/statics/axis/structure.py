@@ -59,7 +59,7 @@ class Structure:
 
     @property
     def stations(self) -> Array:
-        """Return the axial positions at which the motions of the r bodies are taken ``(r,)`` [m]."""
+        """Return the axial positions ``(r,)`` [m] at which the motions of shaft nodes and moving housings are taken."""
         return np.concatenate([self.nodes, self.at])
 
 

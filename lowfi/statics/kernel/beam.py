@@ -337,7 +337,7 @@ def find_step(
 
 @kernel
 def step_down(given: BeamSystem, workspace: RowWorkspace) -> None:
-    """Solve for Newton's step of the nodal motions with the factored stiffness matrix in the workspace."""
+    """Solve for Newton's step of the nodal motions with the factored stiffness matrix, and write it to the workspace."""
     fixed, gradient, step = given.shaft.fixed, workspace.slopes.gradient, workspace.step
     for i in range(step.shape[0]):
         for k in range(6):
@@ -496,8 +496,8 @@ def solve_beam(given: BeamSystem, state: RowState, options: Options, start: bool
 def ensemble(given: BeamSystem, begin: RowState, options: Options, members: MemberArrays, out: MemberStates) -> None:
     """Solve the equilibrium of many specimens of one screw, which differ in ball radii, groove centres and lever arms.
 
-    Every specimen starts from ``begin``, the solution of the nominal screw ``given``. ``begin`` is not changed, so that
-    calls may run in parallel. The solutions are written to ``out``.
+    given: arrays of the nominal screw; members: arrays of the specimens. Every specimen starts from ``begin``, the solution
+    of the nominal screw, which is not changed, so that calls may run in parallel. The solutions are written to ``out``.
     """
     contacts = given.contacts
     state = RowState(begin.q.copy(), begin.d.copy(), begin.p.copy(), begin.contact.copy(), begin.slices)
