@@ -26,7 +26,7 @@ from rollbench.meshes.section import merge_stations, screw_section, tube_section
 
 #: Largest number of Newton steps.
 MAX_ITERATIONS = 100
-#: Assumptions of every run of Mei's model.
+#: Assumptions of every result of Mei's model.
 ASSUMPTIONS = (
     "axial displacements only: no bending, no torsion, no lateral load or moment (Mei et al. 2003; Lin 2.4.1)",
     "contact angles stay nominal; geometric errors count along the nominal contact normal",

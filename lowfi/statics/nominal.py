@@ -58,7 +58,7 @@ def beam_loads(scene: Scene, drawn: Specimen, layout: BallLayout, engine: Engine
     layout
         Positions of the balls.
     engine
-        Numerical kernels, as for `solve_static`.
+        Numerical kernels: ``"interpreted"``, ``"compiled"``, or ``"auto"``, which chooses by the number of balls.
     """
     known = centre_distances(scene, drawn)
     use = choose_sides(scene, drawn, known)
@@ -84,11 +84,11 @@ def elastic_loads(
     layout
         Positions of the balls.
     engine
-        Numerical kernels, as for `solve_static`.
+        Numerical kernels: ``"interpreted"``, ``"compiled"``, or ``"auto"``, which chooses by the number of balls.
     backend
         Method by which the compliance of screw, nut and balls is computed.
     whole
-        Function that computes the compliance of a screw or nut as a whole, see `body_compliance`.
+        Function that computes the compliance of one complete screw or nut, see `body_compliance`.
     """
     use = all_sides(scene) if drawn.profile.shape[1] else choose_sides(scene, drawn)
     parts = scene, drawn, layout, use, pick_engine(engine, layout.z.size)

@@ -282,7 +282,7 @@ def response_of(
     condensed
         Compliance condensed from a 3D model, in place of a computed one; None: computed.
     whole
-        Function that computes the compliance of a screw or nut as a whole, see `body_compliance`.
+        Function that computes the compliance of one complete screw or nut, see `body_compliance`.
     """
     if condensed is not None or whole is not whole_body or layout.z.size > KEPT:
         return _response(problem, layout, backend, condensed, whole)

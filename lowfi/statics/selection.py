@@ -206,9 +206,7 @@ def _extreme(of_two: np.ufunc, values: Array) -> Array:
 
 
 def touched_sides(engine: ModuleType, problem: Problem, motion: Array, centres: Array, force: Array) -> Mask:
-    """Return which of all four flanks any ball would touch at the solution's screw motion ``(4,)``.
-
-    The equilibrium of each ball is solved with all four flanks, including those that the solution left out.
+    """Return which of all four flanks a ball would touch at the screw motion of the solution, as truth values ``(4,)``.
 
     Parameters
     ----------
@@ -244,7 +242,7 @@ def touched_sides(engine: ModuleType, problem: Problem, motion: Array, centres: 
 
 
 def describe_left_out(problem: Problem, mechanism: Mechanism, *, everything: bool) -> tuple[str, ...]:
-    """Return sentences that name the left-out parts of the model with the reasons.
+    """Return sentences for the result that name the parts which the model left out, with the reasons.
 
     Parameters
     ----------

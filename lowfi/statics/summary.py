@@ -21,7 +21,7 @@ from rollbench.meshes.arrays import Array
 from rollbench.meshes.parts import FREEDOMS, Load, Scene, Support
 from rollbench.meshes.section import BeamSection
 
-#: Assumptions of every run of Lin's low-order model.
+#: Assumptions of every result of Lin's low-order model.
 MODEL_ASSUMPTIONS = (
     "the nut is rigid and fixed, apart from the Hertzian contacts (Lin 2.3.1)",
     "sections of the screw stay plane and rigid; the shaft is a straight Timoshenko beam (Lin 2.18)",

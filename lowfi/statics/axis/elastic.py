@@ -69,7 +69,7 @@ from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly, RollerRow
 from rollbench.meshes.section import BeamSection
 
-#: Assumptions of every run of the refined model on an assembly.
+#: Assumptions of every result of the refined model on an assembly.
 ASSUMPTIONS = (
     "the shaft is a Timoshenko beam between its bearings and nuts; in addition the screw, nut and balls of each bearing or "
     "nut deform under their own contact forces, and respond to contacts elsewhere only by the section forces of the shaft",

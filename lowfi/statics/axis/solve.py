@@ -180,7 +180,7 @@ def whole_stiffness(
     engine
         Module of the numerical kernels.
     given
-        Arrays that the kernels were called with.
+        Arrays of shaft, balls and rollers with which the equilibrium was solved.
     state
         Solution.
     hessians
@@ -440,7 +440,7 @@ def equilibrium(assembly: Assembly, model: Model, engine: Engine, member: int, a
     engine, member
         Kernels, and number of the specimen with random errors, as for `solve_assembly`.
     again
-        Function that solves an assembly by the same model, used to find the offsets that give the required preload.
+        Function that solves another assembly by the same model, to find the axial offsets that give the required preloads.
     """
     start = perf_counter()
 

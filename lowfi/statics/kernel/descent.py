@@ -69,8 +69,9 @@ least_force, furthest, unbalanced = system.least_force, system.furthest, system.
 def first_trial(energy: float, slope: float, limit: float) -> Trial:
     """Return the first trial of a line search: the whole Newton step, or the longest step that ``limit`` allows.
 
-    energy, slope: energy [J] at the start of the search and its negative slope along the step. limit: largest step length;
-    a longer step would carry flanks past their balls and give no information on the contacts.
+    energy, slope: energy [J] at the start of the search, and its derivative by the step length there [J], which is
+    negative. limit: largest step length; a longer step would carry flanks past their balls and give no information on the
+    contacts.
     """
     return Trial(energy, slope, limit, 0.0, 0.0, min(1.0, limit), 0)
 

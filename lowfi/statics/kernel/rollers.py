@@ -127,7 +127,7 @@ def roller_rows(contact: Array, rows: Array) -> int:
     """Write the stiffness of a roller against the eight motions of its rings as S^T S; return the number of rows of S.
 
     contact (4, 5): stiffness of the roller, from `roller_elements`. Writes S to ``rows`` (6, 8), of which at most two rows
-    are used; zero rows are returned for a roller without force.
+    are used; the number is 0 for a roller without force.
     """
     if contact[CONE, FORCE] <= 0.0:
         return 0
