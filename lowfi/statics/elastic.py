@@ -23,16 +23,8 @@ from rollbench.lowfi.compliance.bodies import WholeBody, whole_body
 from rollbench.lowfi.compliance.parts import REFINED, Backend, geometry_only, grooved_section, idealisation_statements
 from rollbench.lowfi.hertz import contact_stiffness
 from rollbench.lowfi.statics.contacts import hertz_C
-from rollbench.lowfi.statics.kernel_types import (
-    CONVERGED,
-    ITERATIONS,
-    NO_ROLLERS,
-    RIGID,
-    BallContacts,
-    BodyState,
-    BodySystem,
-    Outcome,
-)
+from rollbench.lowfi.statics.kernel.search import CONVERGED, ITERATIONS
+from rollbench.lowfi.statics.kernel_types import NO_ROLLERS, RIGID, BallContacts, BodyState, BodySystem, Outcome
 from rollbench.lowfi.statics.problem import Problem, SolvedState, centre_distances
 from rollbench.lowfi.statics.response import LARGEST, Flanks, flanks_of, one_pair, pair_data, response_of, spring_rows
 from rollbench.lowfi.statics.result import StaticResult

@@ -13,9 +13,6 @@ from numpy.typing import NDArray
 #: Array of floats, also used for masks and node numbers.
 Array = NDArray[Any]
 
-#: How an iteration ended: converged, too many iterations, body moved without limit, stiffness not positive definite.
-CONVERGED, ITERATIONS, NOT_HELD, SINGULAR = range(4)
-
 
 class BeamArrays(NamedTuple):
     """Arrays of the screw as a beam, with supports and loads."""
@@ -88,7 +85,7 @@ class MemberStates(NamedTuple):
 
     #: Contact forces (m, N, 4) [N].
     force: Array
-    #: Status of each solve (m,): ``CONVERGED``, ``ITERATIONS``, ``NOT_HELD`` or ``SINGULAR``.
+    #: Status of each solve (m,), see `lowfi.statics.kernel.search`.
     status: Array
     #: Relative residuals (m,).
     residual: Array
@@ -398,7 +395,7 @@ class BodyWorkspace(NamedTuple):
 
 
 class Trial(NamedTuple):
-    """State of a line search between two trial steps, see `lowfi.statics.kernel.descent`."""
+    """State of a line search between two trial steps, see `lowfi.statics.kernel.search`."""
 
     #: Energy at the start of the search [J].
     energy: float
@@ -419,7 +416,7 @@ class Trial(NamedTuple):
 class Outcome(NamedTuple):
     """Result of a kernel's iteration: status, effort, residual, energy and largest contact force."""
 
-    #: How the iteration ended: ``CONVERGED``, ``ITERATIONS``, ``NOT_HELD`` or ``SINGULAR``.
+    #: Number defined in ``lowfi.statics.kernel.search``: converged, out of iterations, not held, or singular.
     status: int
     #: Number of iterations.
     iterations: int

@@ -17,7 +17,8 @@ import numpy as np
 
 from rollbench.lowfi import jit
 from rollbench.lowfi.statics.contacts import actual_hertz
-from rollbench.lowfi.statics.kernel_types import CONVERGED, ITERATIONS, NOT_HELD, SINGULAR, Options, Outcome
+from rollbench.lowfi.statics.kernel.search import CONVERGED, ITERATIONS, NOT_HELD, SINGULAR
+from rollbench.lowfi.statics.kernel_types import Options, Outcome
 from rollbench.lowfi.statics.problem import SIGNS, Problem
 from rollbench.lowfi.statics.result import SolverReport, Status
 from rollbench.meshes.arrays import Array

@@ -1,0 +1,83 @@
+"""Line search on a convex energy, and the criteria that end a Newton iteration; used by all static solvers."""
+
+from rollbench.lowfi.jit import kernel
+from rollbench.lowfi.statics.kernel_types import Progress, Trial
+
+#: How an iteration ended: converged, too many iterations, body moved without limit, stiffness not positive definite.
+CONVERGED, ITERATIONS, NOT_HELD, SINGULAR = range(4)
+#: Net force on a ball, as a fraction of the largest force, up to which the ball counts as in equilibrium.
+BALANCED = 1e-10
+#: Number of additional stiffnesses tried on the diagonal, each a hundred times the one before, until it counts as singular.
+SHIFTS = 12
+
+#: Relative round-off of an energy, which is a sum of positive and negative terms.
+ROUNDING = 1e-14
+#: Largest number of step lengths tried in one line search. On a convex energy it is not reached; the iteration ends when it
+#: is reached a second time.
+TRIALS = 60
+#: Relative residual below which the whole Newton step is tried first, and the growth of the residual by which such a step
+#: is rejected and replaced by a line search.
+WHOLE_STEPS, GROWN = 1e-7, 10.0
+#: Relative residual below which the state counts as the solution if the next step, even with a line search, makes the
+#: residual grow by the factor ``GROWN``.
+SOLVED = 1e-10
+#: Number of iterations without halving the residual after which the iteration ends: in general, near the solution, and at
+#: round-off. Near the solution is judged by the applied loads: in a shaft twisted by its fixed ends, the element forces are
+#: so large that an unbalanced load is small compared with them.
+PATIENCE, PATIENCE_NEAR, PATIENCE_LAST = 100, 10, 2
+#: Relative residuals below which the state is near the solution, and at round-off.
+NEAR, LAST = 1e-9, 1e-12
+#: Relative decrease of the energy that counts as progress of an iteration.
+FALLS = 1e-6
+
+
+@kernel
+def first_trial(energy: float, slope: float, limit: float) -> Trial:
+    """Return the first trial of a line search: the whole Newton step, or the longest step that ``limit`` allows.
+
+    energy, slope: energy [J] at the start of the search, and its derivative by the step length there [J], which is
+    negative. limit: largest step length; a longer step would carry flanks past their balls and give no information on the
+    contacts.
+    """
+    return Trial(energy, slope, limit, 0.0, 0.0, min(1.0, limit), 0)
+
+
+@kernel
+def next_trial(trial: Trial, new: float, ahead: float) -> tuple[Trial, bool]:
+    """Return the next step length to try in a line search, and whether the search continues.
+
+    trial: bracket and last step length tried; new, ahead: energy [J] and its derivative by the step length [J], found
+    there. The search ends where the magnitude of the derivative is sufficiently smaller than at the start, or at the
+    largest step length.
+    """
+    energy, slope, limit, low, high, t, tried = trial
+    tried += 1
+    go_on = tried < TRIALS
+    if ahead > 0.0:
+        if ahead <= 0.5 * abs(slope) and new <= energy + ROUNDING * abs(energy):
+            return Trial(energy, slope, limit, low, high, t, tried), False
+        if new <= energy + 1e-4 * t * slope and ahead <= 0.9 * abs(slope):
+            return Trial(energy, slope, limit, low, high, t, tried), False
+        high = t
+        t = low + (0.5 if low > 0.0 else 0.35) * (high - low)
+    else:
+        if ahead >= 0.9 * slope or high > 0.0 or t >= limit:
+            return Trial(energy, slope, limit, low, high, t, tried), False
+        low = t
+        t = min(4.0 * t, limit)
+    return Trial(energy, slope, limit, low, high, t, tried), go_on
+
+
+@kernel
+def got_on(progress: Progress, residual: float, unbalanced: float, energy: float, tried: int) -> tuple[Progress, bool]:
+    """Update the record of a Newton iteration's progress; return it and whether the iteration ends here.
+
+    residual: unbalanced force relative to the largest force; unbalanced: relative to the applied loads; energy: energy [J]
+    after the step; tried: number of step lengths that the last line search tried.
+    """
+    falls = progress.lowest - energy > FALLS * abs(energy)
+    stalled = 0 if residual < 0.5 * progress.best or falls else progress.stalled + 1
+    stuck = progress.stuck + (1 if tried >= TRIALS else 0)
+    patience = PATIENCE_LAST if residual <= LAST else PATIENCE_NEAR if unbalanced <= NEAR else PATIENCE
+    lowest = energy if falls else progress.lowest
+    return Progress(min(progress.best, residual), lowest, stalled, stuck), stalled >= patience or stuck >= 2
