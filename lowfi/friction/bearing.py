@@ -19,16 +19,17 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from rollbench.lowfi.friction.contact.kernel_types import CellArrays
-from rollbench.lowfi.friction.contact.laws import Contacts, Sigmoid, equal_contacts
-from rollbench.lowfi.friction.contact.motion import (
+from rollbench.lowfi.friction.contact.equilibrium import (
     Motion,
     Problem,
+    SettledCell,
     balance_by_root,
     balance_by_sharpening,
     least_dissipation,
+    settle_cell,
 )
-from rollbench.lowfi.friction.contact.rings import SettledCell, settle_cell
+from rollbench.lowfi.friction.contact.kernel_types import CellArrays
+from rollbench.lowfi.friction.contact.laws import Contacts, Sigmoid, equal_contacts
 from rollbench.lowfi.friction.screw.groove import ON_SCREW, SIGN_X, SIGN_Z, Constants, ScrewGroove, section_frame
 from rollbench.lowfi.friction.screw.motion import Cell, ball_motion, bare_cell, settle_load
 from rollbench.lowfi.hertz import contact_modulus, hertz_constants
@@ -94,7 +95,7 @@ class BallSolution:
 
 
 def bearing_load(bearing: Bearing, force_x: float, u_y: float) -> SettledCell:
-    """Return the contact loads of a ball between the rings, by the minimum of energy (`lowfi.friction.contact.rings`).
+    """Return the contact loads of a ball between the rings, by the minimum of elastic energy (`settle_cell`).
 
     The contact forces are unique. A ball with clearance and without force has no unique position; that at the end of the
     search is returned.

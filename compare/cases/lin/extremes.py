@@ -31,8 +31,8 @@ from rollbench.lowfi.friction.as_source.screw import (
     screw_solutions_from_starts,
 )
 from rollbench.lowfi.friction.bearing import Bearing, solve_ball, solve_bearing
+from rollbench.lowfi.friction.contact.equilibrium import Problem, balance_by_root, least_dissipation
 from rollbench.lowfi.friction.contact.laws import Sigmoid
-from rollbench.lowfi.friction.contact.motion import Problem, balance_by_root, least_dissipation
 from rollbench.lowfi.friction.linear.bearing import LinearBearing, angle_deviations, balanced_loads
 from rollbench.lowfi.friction.linear.chain import Chain, pair_angles_and_loads, prepare_chain, solve_linear_chain
 from rollbench.lowfi.friction.screw.chain import Chain as ScrewChain

@@ -18,8 +18,8 @@ from typing import Literal
 import numpy as np
 from scipy.optimize import root
 
+from rollbench.lowfi.friction.contact.equilibrium import HYBRID
 from rollbench.lowfi.friction.contact.laws import Contacts, Coulomb, Law, Sigmoid, equal_contacts
-from rollbench.lowfi.friction.contact.motion import HYBRID
 from rollbench.lowfi.friction.linear.bearing import MOVING, LinearBearing, contact_directions, semi_axes
 from rollbench.lowfi.friction.linear.chain import pair_angles_and_loads
 from rollbench.meshes.arrays import Array, Mask

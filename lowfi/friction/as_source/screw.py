@@ -43,9 +43,8 @@ from rollbench.lowfi.friction.as_source.chain import (
     solve_source_chain,
     touching_groups,
 )
+from rollbench.lowfi.friction.contact.equilibrium import HYBRID, SettledCell
 from rollbench.lowfi.friction.contact.laws import Law, Sigmoid
-from rollbench.lowfi.friction.contact.motion import HYBRID
-from rollbench.lowfi.friction.contact.rings import SettledCell
 from rollbench.lowfi.friction.linear.bearing import LinearBearing
 from rollbench.lowfi.friction.linear.chain import prepare_chain, solve_linear_chain
 from rollbench.lowfi.friction.screw.chain import Chain, ChainMotion, solve_chain

@@ -19,8 +19,8 @@ from typing import Literal
 
 import numpy as np
 
+from rollbench.lowfi.friction.contact.equilibrium import settle_cell
 from rollbench.lowfi.friction.contact.kernel_types import CellArrays
-from rollbench.lowfi.friction.contact.rings import settle_cell
 from rollbench.lowfi.hertz import HertzConstants, contact_modulus, hertz_constants
 from rollbench.meshes.arrays import Array
 

@@ -19,7 +19,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from rollbench.lowfi.friction.contact.rings import SettledCell, cell_state
+from rollbench.lowfi.friction.contact.equilibrium import SettledCell, cell_state
 from rollbench.lowfi.friction.screw.groove import (
     Grooved,
     ScrewGroove,

@@ -16,10 +16,16 @@ from typing import Literal
 
 import numpy as np
 
+from rollbench.lowfi.friction.contact.equilibrium import (
+    Motion,
+    Problem,
+    SettledCell,
+    balance_by_root,
+    least_dissipation,
+    settle_cell,
+)
 from rollbench.lowfi.friction.contact.kernel_types import CellArrays
 from rollbench.lowfi.friction.contact.laws import Contacts, Law, Sigmoid, equal_contacts
-from rollbench.lowfi.friction.contact.motion import Motion, Problem, balance_by_root, least_dissipation
-from rollbench.lowfi.friction.contact.rings import SettledCell, settle_cell
 from rollbench.lowfi.friction.screw.groove import (
     ON_SCREW,
     SIGN_X,

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from rollbench.lowfi.friction.contact.rings import settle_each_ball
+from rollbench.lowfi.friction.contact.equilibrium import settle_each_ball
 from rollbench.lowfi.friction.screw.groove import ON_SCREW
 from rollbench.lowfi.friction.screw.motion import AndersonMixer
 from rollbench.lowfi.friction.whole.contacts import StaticContacts, replace_loads

@@ -18,7 +18,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from rollbench.lowfi.friction.contact.motion import STATUS
+from rollbench.lowfi.friction.contact.equilibrium import STATUS
 from rollbench.lowfi.friction.screw.chain import FrictionContacts
 from rollbench.lowfi.friction.screw.groove import ON_SCREW, HelicalMotion, contact_axes
 from rollbench.lowfi.friction.screw.motion import contact_wrench
