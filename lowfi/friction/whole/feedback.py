@@ -54,7 +54,7 @@ class Seats:
 
 
 def ball_seats(at: StaticContacts, C: Array, reach: Array, centre: Array) -> Seats:
-    """Return the positions of N balls relative to their grooves from their contacts.
+    """Return the positions of N balls relative to their grooves in the static state, from their contact loads and angles.
 
     A flank without contact moves with the other flank of its body. A ball without load keeps its nominal position. ``at``:
     contacts of the balls; ``C``: Hertz constants ``(N, 4)`` [m/N^(2/3)]; ``reach`` ``(N, 4)`` [m]: distance of the ball's
@@ -74,7 +74,8 @@ def ball_seats(at: StaticContacts, C: Array, reach: Array, centre: Array) -> Sea
 def ball_seats_of_result(scene: Scene, result: StaticResult, at: StaticContacts, member: int = 0) -> Seats:
     """Return the positions of the balls of a solved scene relative to their grooves.
 
-    ``at``: contacts of the static ``result``; ``member``: number of the specimen with random errors that was solved.
+    ``result``: static result of the scene; ``at``: its contacts; ``member``: number of the specimen with random errors that
+    was solved.
     """
     return ball_seats_with_errors(at, specimen(scene, at.layout, member), result.hertz_C)
 
@@ -82,7 +83,8 @@ def ball_seats_of_result(scene: Scene, result: StaticResult, at: StaticContacts,
 def ball_seats_with_errors(at: StaticContacts, drawn: Specimen, C: Array) -> Seats:
     """Return the positions of N balls relative to grooves with errors.
 
-    ``at``: contacts of the balls; ``drawn``: parts with random errors; ``C``: Hertz constants ``(N, 4)`` [m/N^(2/3)].
+    ``at``: contacts of the balls; ``drawn``: radii, groove centres and groove profiles with random errors; ``C``: Hertz
+    constants ``(N, 4)`` [m/N^(2/3)].
     """
     inward = np.zeros_like(at.angle)
     for s, row in enumerate(drawn.profile):
@@ -104,7 +106,7 @@ def _unbalanced_forces(force: Array, normal: Array, along: Array, applied: Array
 
 @dataclass(frozen=True)
 class FedBack:
-    """Contacts of N balls that are in equilibrium with the friction which acts in these contacts.
+    """Contacts of N balls whose loads are in equilibrium with the friction that acts in these contacts.
 
     A ball fails if its forces, or the axial load that it carried without friction, are out of balance by more than
     ``ACCEPTED`` times its contact loads.
@@ -194,7 +196,7 @@ def feed_back(
         one, size = np.array([ball]), float(contacts.force[ball].sum())
 
         def excess(x: Array, one: NDArray[np.int64] = one, size: float = size) -> Array:
-            """Return by how much the friction at given friction x exceeds x itself, as fractions of the contact loads."""
+            """Return the friction in the contacts that balance an assumed friction x, less x, over the contact loads."""
             there, _, _ = _contacts_under_forces(at, place, one, still[one] + size * x, shift[one], at, fast)
             chosen = there.subset(one)
             by_ball = ball_friction(scene, chosen, friction, drive, fast, q[one])

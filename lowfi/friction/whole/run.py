@@ -83,9 +83,10 @@ class TravellingCompliance:
         return np.asarray(left * (left - share) * first + 4.0 * share * left * second + share * (share - left) * third)
 
     def begin(self, layout: BallLayout, track: Track, compute: Callable[[BallLayout], Array]) -> ComplianceWindow:
-        """Return the window that begins at the balls' positions ``layout``.
+        """Compute the compliance at the three positions of a new window, which begins at the positions ``layout``.
 
-        It is shorter than ``ahead`` where a ball would otherwise pass the nut's face. ``compute``: function that returns
+        The window is shorter than ``ahead`` where a ball would otherwise pass the nut's face. ``track``: helix along which
+        the balls travel; ``compute``: function that returns
         the compliance [m/N] at given positions of the balls. Raises ValueError if this function does so at the first
         position.
         """
@@ -103,7 +104,7 @@ class TravellingCompliance:
 
 
 def load_solver_in_motion(model: str, ahead: float) -> Callable[..., ContactLoads]:
-    """Return the function by which a static model computes the contact loads of travelling balls, again and again.
+    """Return the function by which a static model computes contact loads at each instant of a simulation over time.
 
     Parameters
     ----------
@@ -117,21 +118,21 @@ def load_solver_in_motion(model: str, ahead: float) -> Callable[..., ContactLoad
     return partial(elastic_loads, whole=TravellingCompliance(WINDOW * ahead))
 
 
-#: Functions that compute the contact loads again at each instant of a run, by the name of the static model.
+#: Functions that compute the contact loads at each instant of a simulation over time, by the name of the static model.
 AGAIN: dict[str, Callable[..., ContactLoads]] = {"lin": beam_loads, "refined": elastic_loads}
 
-#: A static model: contact loads of balls with these errors at these places.
+#: A static model: function that returns the contact loads of balls with given errors at given positions.
 Solve = Callable[[Specimen, BallLayout], StaticResult | ContactLoads]
 
 
 class Memory(NamedTuple):
-    """State of the last instant of N balls."""
+    """Motions and forces of N balls at the previous instant, from which the next solution begins."""
 
     #: Motions of the balls, orbit and then rotation ``(N, 4)`` [rad/s].
     q: Array
     #: Force of each ball on the next one ``(N,)`` [N].
     force: Array
-    #: Friction fed back on the balls along x3 and z3 and on the screw along its axis ``(N, 3)`` [N].
+    #: Friction that displaces the balls, on balls along x3 and z3 and on the screw along its axis ``(N, 3)`` [N].
     push: Array
 
 
@@ -160,7 +161,7 @@ class Setting:
         return (turned, 0.0) if self.drive.turns == "screw" else (0.0, turned)
 
     def contacts(self, azimuth: Array, time: float, push: Array, q: Array) -> tuple[StaticContacts, NDArray[np.bool_], str]:
-        """Return the contacts of all N balls at one instant, whether each ball is on a loaded arc, and a status.
+        """Solve the contact loads of all N balls at one instant, with the effect of friction on them.
 
         Parameters
         ----------
@@ -169,16 +170,15 @@ class Setting:
         time
             Time since the start [s].
         push
-            Friction fed back in the previous step ``(N, 3)`` [N], which is overwritten by that of this step
-            (`FedBack.push`).
+            Friction on balls and screw (`FedBack.push`) in the previous step ``(N, 3)`` [N]; it is overwritten by that of
+            this step.
         q
             Motions of the balls in the previous step ``(N, 4)`` [rad/s], first estimates for `feed_back`.
 
         Returns
         -------
         tuple
-            The contacts; which balls are on a loaded arc ``(N,)``; ``"converged"``, or a sentence part that says what
-            failed.
+            The contacts; which balls are on a loaded arc ``(N,)``; ``"converged"``, or a phrase that says what failed.
         """
         scene, track = self.scene, self.scene.track
         on_screw, on_nut = self.angles(time)
@@ -200,7 +200,7 @@ class Setting:
 
     @property
     def groove(self) -> SceneGrooves:
-        """Nominal grooves in motion."""
+        """Nominal grooves of screw and nut, with their speeds."""
         return self.balls.grooves
 
     @property
@@ -219,7 +219,7 @@ class Setting:
         return self.balls.number
 
     def begin(self) -> Place:
-        """Return the state at the beginning: balls at the scene's positions, which roll at the nominal speed."""
+        """Return the state at the start of the simulation: balls at the scene's positions, rolling at the nominal speed."""
         count, nut = self.balls.radius.size, self.groove.nut_speed
         nominal = self.groove.nominal_orbit - nut
         memory = Memory(np.tile([nominal + nut, 0.0, 0.0, 0.0], (count, 1)), np.zeros(count), np.zeros((count, 3)))
@@ -229,19 +229,19 @@ class Setting:
     def time_to_end(self, azimuth: Array, omega: Array, time: float) -> float:  # noqa: ARG002 - arcs are fixed in the nut
         """Return the time until a ball passes an end of its loaded arc [s]; infinite for a bearing, which has no ends.
 
-        ``azimuth``: positions of the balls in the nut's frame ``(N,)`` [rad]; ``omega``: their speeds there ``(N,)``
-        [rad/s].
+        ``azimuth``: azimuths of the balls in the nut's frame ``(N,)`` [rad]; ``omega``: their angular speeds in this frame
+        ``(N,)`` [rad/s]; ``time`` is not used.
         """
         if self.scene.track.lead == 0.0:
             return np.inf
         return min(track.time_to_end(azimuth, omega) for track in self.tracks)
 
     def instant(self, azimuth: Array, time: float, slack: Array, memory: Memory) -> Instant | str:
-        """Return the loads and motions of the balls at one instant, or a sentence part that says what failed.
+        """Return the loads and motions of the balls at one instant, or a phrase that says what failed.
 
-        ``azimuth``: positions of the balls in the nut's frame ``(N,)`` [rad]; ``time`` [s]; ``slack``: largest rate at
-        which each ball may gain on the next one ``(N,)`` [rad/s]; ``memory``: results of the previous instant, the first
-        estimates.
+        ``azimuth``: azimuths of the balls in the nut's frame ``(N,)`` [rad]; ``time``: time since the start [s]; ``slack``:
+        largest rate at which each ball may approach the next one ``(N,)`` [rad/s]; ``memory``: results at the previous
+        instant, which are the first estimates.
         """
         push = memory.push.copy()
         at, loaded, status = self.contacts(azimuth, time, push, memory.q)

@@ -38,7 +38,7 @@ class Neighbours:
     power: float
     #: Number of pairs that touch.
     touching: int
-    #: Smallest gap between neighbours on the loaded arcs [m]; infinite without neighbours.
+    #: Smallest gap between neighbours on the loaded arcs [m]; infinite if no ball has a neighbour.
     least: float
 
 
@@ -94,9 +94,9 @@ def friction_with_neighbours(
 
 @dataclass(frozen=True)
 class FrictionState:
-    """Friction of a scene at one pair of coefficients."""
+    """Friction of all balls of a scene at one pair of coefficients of friction, those of screw and nut."""
 
-    #: The contacts.
+    #: Contacts of all balls.
     at: StaticContacts
     #: Motion and friction of every ball.
     balls: BallFriction
@@ -104,7 +104,7 @@ class FrictionState:
     torque: ScrewTorque
     #: Speed at which each ball approaches the next one ``(N,)`` [m/s].
     closing: Array
-    #: The same sums at the static loads, which friction does not change.
+    #: The same sums at the static loads, without the effect of friction on the loads.
     bare: ScrewTorque
     #: Indices of balls for which no agreement of friction and position was found, in either direction of motion.
     unsettled: tuple[int, ...]
