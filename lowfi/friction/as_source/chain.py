@@ -36,7 +36,7 @@ SHARPNESS = 100.0
 
 @dataclass(frozen=True)
 class NeighbourInteraction:
-    """Forces between touching balls. A ball has n unknowns of motion, of which the first is that along the track."""
+    """Kinematics and friction of two touching balls. A ball has n unknown motions, the first of them along the track."""
 
     #: Sliding velocity of the first ball's surface at the contact with the second one, per unit of its unknowns ``(2, n)``.
     first: Array
@@ -81,7 +81,7 @@ class Balls:
         return max(float(self.at.strength.reshape(-1, 4).sum(axis=1).max()), 1e-300)
 
     def subset(self, chosen: slice) -> Balls:
-        """Return the balls in a range ``chosen`` of indices."""
+        """Return the balls whose indices are in the range ``chosen``, with their contacts."""
         rows = slice(4 * chosen.start, 4 * chosen.stop)
         at = Contacts(self.at.a[rows], self.at.b[rows], self.at.load[rows], self.at.mu[rows])
         return Balls(at, self.maps[chosen], self.drives[chosen], self.pair)
@@ -176,7 +176,9 @@ def solve_touching_group(balls: Balls, law: Law, q: Array, ball_force: Array) ->
     """Return the motions of a group of N touching balls and the forces between them, as the root of one system.
 
     The scaled equations are solved by MINPACK's hybrid method with a Jacobian by finite differences, as by Matlab's fsolve.
-    ``law``: friction law; ``q`` ``(N, n)``, ``ball_force`` [N]: motions and forces to start from.
+    ``balls``: the balls of this group; ``law``: friction law of their contacts with the grooves; ``q``: motions from which
+    the search starts, n unknowns for each ball ``(N, n)``; ``ball_force``: forces of each ball on the next one from which
+    it starts ``(N-1,)`` [N].
 
     Returns
     -------
@@ -207,10 +209,11 @@ def solve_touching_group(balls: Balls, law: Law, q: Array, ball_force: Array) ->
 def solve_source_chain(
     balls: Balls, law: Law, touching: Mask, start: tuple[Array, Array]
 ) -> tuple[Array, Array, float, int]:
-    """Return the motions of N balls and the forces between them, group by group, if it is given which balls touch.
+    """Return the motions of N balls and the forces between them, if it is known which balls touch.
 
-    ``law``: friction law; ``touching``: whether each ball touches the next one ``(N-1,)``; ``start``: motions ``(N, n)``
-    and forces ``(N-1,)`` [N] to start from.
+    Each group of touching balls is solved separately. ``law``: friction law of the contacts with the grooves; ``touching``:
+    whether each ball touches the next one ``(N-1,)``; ``start``: motions, n unknowns for each ball ``(N, n)``, and forces
+    of each ball on the next one ``(N-1,)`` [N], from which the search starts.
 
     Returns
     -------
@@ -230,10 +233,10 @@ def solve_source_chain(
 
 
 def not_separating(pair: NeighbourInteraction, q: Array, tolerance: float = 0.0) -> Mask:
-    """Return whether each ball does not move away from the next one ``(N-1,)``.
+    """Return whether each ball approaches the next one, or keeps its distance from it ``(N-1,)``.
 
-    ``q``: motions of the balls ``(N, n)``; ``tolerance``: speed of approach from which on neighbours count, as a fraction
-    of the nominal speed.
+    ``pair``: kinematics of touching balls; ``q``: motions of the balls, n unknowns each ``(N, n)``; ``tolerance``: least
+    speed of approach that counts, as a fraction of the nominal speed; 0 includes neighbours of equal speed.
     """
     rate = (q[:-1, 0] - q[1:, 0]) * pair.units[0] / pair.speed
     return np.asarray(rate >= tolerance)
@@ -288,7 +291,7 @@ def neighbour_interaction(bearing: LinearBearing) -> NeighbourInteraction:
 
 
 def linear_balls(bearing: LinearBearing, angles: Array, loads: Array) -> Balls:
-    """Return N balls of a linear bearing with their contacts, by equations 3.22 to 3.24 of Lin's thesis.
+    """Return N balls of a linear bearing with the kinematics of their contacts, by equations 3.22 to 3.24 of Lin's thesis.
 
     ``angles``: contact angles ``(N, 4)`` [rad]; ``loads``: normal loads ``(N, 4)`` [N], both in the order BL, BR, TR, TL
     (bottom or top, left or right). Raises ValueError if a load is negative.

@@ -54,7 +54,7 @@ class SettledCell:
 
 
 def cell_state(cell: CellArrays) -> CellState:
-    """Return arrays of zeros, of the size of ``cell``, to which the kernels write forces, stiffness and gradients."""
+    """Return zero arrays for the balls in ``cell``, to which the kernels write contact forces, stiffness and gradients."""
     n, m = cell.interference.shape[0], cell.pull.shape[0]
     return CellState(np.zeros((n, 2)), np.zeros(m), np.zeros((n, 4, 3)), np.zeros((n, 4)), np.zeros((n, 4, 2)))
 
@@ -145,7 +145,7 @@ class Problem:
     push: Array
 
     def motion_at(self, q: Array) -> Array:
-        """Return the motions vx, vz [m/s], spin [rad/s] of the contacts ``(m, 3)`` at the unknowns q ``(n,)``."""
+        """Return the motions vx, vz [m/s], spin [rad/s] of the contacts ``(m, 3)`` for unknown velocities q ``(n,)``."""
         return np.asarray(self.drives + self.maps @ q)
 
     def units(self) -> Array:
@@ -233,9 +233,9 @@ def least_dissipation(problem: Problem, start: Array | None = None, fast: bool =
 
 
 def remove_friction_forces(motion: Motion) -> Motion:
-    """Return a motion with its friction set to zero: the limit of a vanishing coefficient of friction.
+    """Return the same motion with friction forces and losses of zero: the limit of a vanishing coefficient of friction.
 
-    With given normal loads the motion does not depend on the coefficient.
+    With given normal loads the motion itself does not depend on the coefficient.
 
     Parameters
     ----------
@@ -247,7 +247,7 @@ def remove_friction_forces(motion: Motion) -> Motion:
 
 
 def balance_by_root(problem: Problem, law: Law, start: Array, fast: bool = False) -> Motion:
-    """Return the motion at a root of the force balance, found by MINPACK's hybrid method, for comparison with Lin's method.
+    """Return the motion at a root of the force balance, found by MINPACK's hybrid method as in Lin's thesis.
 
     The search corresponds to Matlab's fsolve for eq. (3.19) of Lin's thesis. It fails from many starts near two-point
     contact, and for sharp sigmoids.
@@ -267,6 +267,7 @@ def balance_by_root(problem: Problem, law: Law, start: Array, fast: bool = False
     scale = max(float(np.sum(problem.at.strength)), 1e-300)
 
     def residual(p: Array) -> Array:
+        """Return the generalised forces out of balance over the sum of friction bounds, for scaled unknowns p ``(n,)``."""
         f = law.friction(problem.at, problem.motion_at(p / units), fast)
         wrench = np.column_stack([f.force, f.moment])
         return np.asarray((np.einsum("ir,irj->j", wrench, problem.maps) + problem.push) / (units * scale))

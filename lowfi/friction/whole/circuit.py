@@ -434,7 +434,7 @@ class Onset:
 
     @property
     def touch(self) -> bool:
-        """Whether any two neighbours meet before the leading ball leaves the loaded arc."""
+        """Whether any two neighbours meet at a rotation of at most ``leaving``, so that both still carry load."""
         return bool(np.any(self.meeting <= self.leaving))
 
 
