@@ -140,8 +140,8 @@ def bearing_load(bearing: Bearing, force_x: float, u_y: float) -> SettledCell:
 def contact_maps(bearing: Bearing, angles: Array) -> tuple[Array, Array]:
     """Return the linear relation between the motion of a ball and the motions of its four contacts with the rings.
 
-    ``angles``: contact angles ``(4,)`` [rad]. The unknowns are the orbital speed omega_B and the ball's rotation
-    omega_x, omega_y, omega_z [rad/s] relative to the frame that rotates with the orbit.
+    ``angles``: contact angles ``(4,)`` [rad]. The unknowns are the orbital speed omega_B and the ball's rotation omega_x,
+    omega_y, omega_z [rad/s] relative to the frame that rotates with the orbit.
 
     Returns
     -------

@@ -15,9 +15,8 @@ A whole ball screw over time (section 3.4.4): in each step the loads are found a
 separately, then that of the groups of balls which are within reach and approach each other (equation 3.77). The positions
 advance with these speeds. The method does not prevent negative gaps; `SourceRun.overlap` says how large they become.
 
-To count failures, the root is searched from several starts: from rolling balls, and from random deviations from
-rollbench's own solution. Every search yields the motion that it found, or None if Lin's method finds no contact loads
-to begin with.
+To count failures, the root is searched from several starts: from rolling balls, and from random deviations from rollbench's
+own solution. Every search yields the motion that it found, or None if Lin's method finds no contact loads to begin with.
 """
 
 from __future__ import annotations
@@ -511,8 +510,8 @@ def perturbed_motions(q: Array, units: Array, rng: np.random.Generator, off: flo
     """Return motions of N balls with random relative deviations, for searches from several starts.
 
     ``q``: motions, n unknowns for each ball ``(N, n)``; ``units``: surface speed per unit of each unknown ``(n,)``;
-    ``rng``: generator of random numbers; ``off``: largest deviation of an
-    unknown as a fraction of its value, or of 1 % of the ball's largest surface speed if this is more.
+    ``rng``: generator of random numbers; ``off``: largest deviation of an unknown as a fraction of its value, or of 1 % of
+    the ball's largest surface speed if this is more.
     """
     x = q * units
     size = np.maximum(np.abs(x), 0.01 * np.max(np.abs(x), axis=1, keepdims=True))

@@ -189,8 +189,8 @@ def cubic_factor(ratio: ArrayLike) -> Array:
     """Return the cubic factor g of the exact relative friction force, force/(mu F) = k_f t - g t^3 with t = c/a.
 
     c is the distance of the centre of rotation from the ellipse's centre along the semi-axis a. The force has this form for
-    -1 <= t <= 1; k_f: `linear_factor`. The factor is g = (b/a)^2 (R_D(0,
-    1, r^2) - R_D(0, r^2, 1))/(6 (1 - r^2)) with r = b/a <= 1 - 1e-6.
+    -1 <= t <= 1; k_f: `linear_factor`. The factor is g = (b/a)^2 (R_D(0, 1, r^2) - R_D(0, r^2, 1))/(6 (1 - r^2)) with r =
+    b/a <= 1 - 1e-6.
 
     Parameters
     ----------

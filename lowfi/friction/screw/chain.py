@@ -287,10 +287,10 @@ class BalanceSearch:
     def solve_by_stages(self, x: Array) -> tuple[Array, Array, int]:
         """Solve the force balance in stages, from little to full friction between balls and to the last regularising speed.
 
-        First the friction between balls rises at the first, largest regularising speed, then this speed falls. The
-        change in a stage that fails is halved, at most ``DEPTH`` times in all. ``x``: scaled motions ``(N, 4)`` to
-        begin from, without forces between balls. Returns the scaled motions, the scaled ball-to-ball forces ``(N,)``,
-        and the number of Newton steps.
+        First the friction between balls rises at the first, largest regularising speed, then this speed falls. The change
+        in a stage that fails is halved, at most ``DEPTH`` times in all. ``x``: scaled motions ``(N, 4)`` to begin from,
+        without forces between balls. Returns the scaled motions, the scaled ball-to-ball forces ``(N,)``, and the number of
+        Newton steps.
         """
         f, full, total = np.zeros(self.count), self.mu, 0
         goals = [(share, SPEEDS[0]) for share in PARTS] + [(1.0, eps) for eps in SPEEDS[1:]]

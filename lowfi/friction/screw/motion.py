@@ -137,8 +137,8 @@ def screw_rows(groove: ScrewGroove, azimuth: Array, free: str) -> Array:
     """Return the displacement of the screw along x3, y3, z3 at each ball by unit of its free translations ``(N, 3, m)``.
 
     ``azimuth``: azimuths of the balls ``(N,)`` [rad]. ``free`` has one letter for each of the m translations, in their
-    order: "z" along the axis, "x" and "y" across it, in fixed axes, "r" radially at every ball (each ball has a screw
-    of its own). Raises ValueError for other letters.
+    order: "z" along the axis, "x" and "y" across it, in fixed axes, "r" radially at every ball (each ball has a screw of
+    its own). Raises ValueError for other letters.
     """
     if any(letter not in "xyzr" for letter in free):
         raise ValueError(f'free motions of the screw must be letters of "xyzr", got "{free}"')
@@ -293,10 +293,10 @@ def ball_motion_by_root(ball: BallMotion, law: Law, start: Array | None = None) 
 def forces_of_friction(cell: Cell, wrench: Array, extra: Array, coupling: Coupling) -> tuple[Array, Array]:
     """Return the forces of friction and of neighbours that change the contact loads.
 
-    They act on the balls along x3, z3 ``(N, 2)`` and on the screw along its m free motions ``(m,)`` [N]. ``cell``:
-    balls between screw and nut; ``wrench``: force and moment of friction on the balls at each contact in x3, y3, z3
-    ``(N, 4, 6)`` [N, N m]; ``extra``: forces of neighbours on the balls along x3, z3 ``(N, 2)`` [N]; ``coupling``: what
-    friction may change. The forces on what it may not change are zero.
+    They act on the balls along x3, z3 ``(N, 2)`` and on the screw along its m free motions ``(m,)`` [N]. ``cell``: balls
+    between screw and nut; ``wrench``: force and moment of friction on the balls at each contact in x3, y3, z3 ``(N, 4, 6)``
+    [N, N m]; ``extra``: forces of neighbours on the balls along x3, z3 ``(N, 2)`` [N]; ``coupling``: what friction may
+    change. The forces on what it may not change are zero.
     """
     push = wrench[:, :, [0, 2]].sum(axis=1) + extra
     on_screw = wrench[:, ON_SCREW, :3].sum(axis=1)

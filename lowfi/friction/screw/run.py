@@ -285,8 +285,8 @@ class Run:
     def place(self, azimuth: Array, nut_angle: float) -> tuple[Array, NDArray[np.bool_]]:
         """Return the balls' azimuths folded into the closed track, and which balls are in its loaded turns.
 
-        ``azimuth``: azimuths of the balls, measured on the screw, unwrapped ``(N,)`` [rad]; ``nut_angle``: angle by
-        which the nut has turned on the screw [rad]. Returns azimuths on the screw ``(N,)`` [rad] and a mask ``(N,)``.
+        ``azimuth``: azimuths of the balls, measured on the screw, unwrapped ``(N,)`` [rad]; ``nut_angle``: angle by which
+        the nut has turned on the screw [rad]. Returns azimuths on the screw ``(N,)`` [rad] and a mask ``(N,)``.
         """
         (track,) = self.tracks
         along = track.along(azimuth, nut_angle)

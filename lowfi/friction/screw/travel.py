@@ -359,8 +359,8 @@ def simulate(
 ) -> History:
     """Simulate balls that travel round their closed tracks, in equal time steps.
 
-    The scheme "located" divides steps at events: a ball enters or leaves a loaded arc, or meets its neighbour. Gaps stay
-    >= 0 and sum up to the free length of their track. The simulation ends early where no contact loads are found.
+    The scheme "located" divides steps at events: a ball enters or leaves a loaded arc, or meets its neighbour. Gaps stay >=
+    0 and sum up to the free length of their track. The simulation ends early where no contact loads are found.
 
     Parameters
     ----------

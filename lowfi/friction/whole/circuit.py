@@ -123,8 +123,8 @@ def _loaded_arc_length(group: Array, given: float | None, spacing: float) -> flo
 
     It is the length ``given`` in the scene [rad]. If this is None, it is the length that the balls fill, with half a
     distance between neighbours beyond each outer ball. ``group``: sorted azimuths of the balls on the arc [rad];
-    ``spacing``: azimuth between two balls that touch [rad], the length of an arc with a single ball. Raises
-    CircuitError if the given arc is too short for its balls.
+    ``spacing``: azimuth between two balls that touch [rad], the length of an arc with a single ball. Raises CircuitError if
+    the given arc is too short for its balls.
     """
     span = float(group[-1] - group[0])
     if given is None:

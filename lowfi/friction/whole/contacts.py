@@ -128,8 +128,8 @@ def _force_cube_root(force: Array) -> Array:
 def replace_loads(at: StaticContacts, force: Array, angle: Array) -> StaticContacts:
     """Return contacts with other forces and angles, and with the ellipses that belong to these forces.
 
-    ``at``: contacts before, whose Hertz constants are used; ``force``: contact forces ``(N, 4)`` [N]; ``angle``:
-    contact angles ``(N, 4)`` [rad].
+    ``at``: contacts before, whose Hertz constants are used; ``force``: contact forces ``(N, 4)`` [N]; ``angle``: contact
+    angles ``(N, 4)`` [rad].
     """
     grown = _force_cube_root(force) / _force_cube_root(at.force)
     return replace(at, force=force, angle=angle, a=at.a * grown, b=at.b * grown)

@@ -86,9 +86,8 @@ class TravellingCompliance:
         """Compute the compliance at the three positions of a new window, which begins at the positions ``layout``.
 
         The window is shorter than ``ahead`` where a ball would otherwise pass the nut's face. ``track``: helix along which
-        the balls travel; ``compute``: function that returns
-        the compliance [m/N] at given positions of the balls. Raises ValueError if this function does so at the first
-        position.
+        the balls travel; ``compute``: function that returns the compliance [m/N] at given positions of the balls. Raises
+        ValueError if this function does so at the first position.
         """
         rate, length = reduced_lead(track), self.ahead
         while True:

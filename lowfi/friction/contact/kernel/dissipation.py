@@ -172,9 +172,9 @@ def potential_near(x: float, y: float, h: float, b2: float, low: float) -> Poten
 def potential_far(x: float, y: float, h: float, b2: float, low: float) -> Potential:
     """Return the mean distance psi and its derivatives by Gauss sums, for confocal coordinates ``low`` >= 1.
 
-    The arguments are those of `potential_near`. The variable is u = sqrt(low/s). N and H r are summed without
-    cancellation: integration by parts of s U^2/S gives N = (3/16) int (s/S) U (e U - 4 f) ds with e = 1/(1 + s) +
-    b^2/(b^2 + s) and f = x^2/(1 + s)^2 + b^2 y^2/(b^2 + s)^2, and H r = -grad N.
+    The arguments are those of `potential_near`. The variable is u = sqrt(low/s). N and H r are summed without cancellation:
+    integration by parts of s U^2/S gives N = (3/16) int (s/S) U (e U - 4 f) ds with e = 1/(1 + s) + b^2/(b^2 + s) and f =
+    x^2/(1 + s)^2 + b^2 y^2/(b^2 + s)^2, and H r = -grad N.
     """
     rho = sqrt(low)
     x, y, h = x / rho, y / rho, h / rho

@@ -27,10 +27,10 @@ def evaluate_dissipation(
 ) -> tuple[float, float]:
     """Return the dissipation less the power of other forces at q (n,), and its excess over the friction loss [W].
 
-    The excess is sum_i strength_i speed dD_i/dspeed. Writes the gradient by q to grad (n,) and the lower triangle of
-    the Hessian to hess (n, n). shape (m, 3): semi-axes a, b [m] and friction bound mu F [N] of m contacts; maps (m, 3,
-    n): motion vx, vz [m/s], spin [rad/s] of the contacts by unit of each of n unknowns; drives (m, 3): their motion at
-    q = 0; push (n,): generalised forces other than friction; speed: regularising speed [m/s].
+    The excess is sum_i strength_i speed dD_i/dspeed. Writes the gradient by q to grad (n,) and the lower triangle of the
+    Hessian to hess (n, n). shape (m, 3): semi-axes a, b [m] and friction bound mu F [N] of m contacts; maps (m, 3, n):
+    motion vx, vz [m/s], spin [rad/s] of the contacts by unit of each of n unknowns; drives (m, 3): their motion at q = 0;
+    push (n,): generalised forces other than friction; speed: regularising speed [m/s].
     """
     n = q.shape[0]
     value, excess = 0.0, 0.0
@@ -269,9 +269,8 @@ def minimise_free_motion(
     """Minimise the dissipation without regularisation over q plus any combination of the rows of ``basis``.
 
     slipping (m, 3): semi-axes and friction bounds of the contacts, the bounds of those at rest being zero; maps, drives,
-    push: as in `evaluate_dissipation`; basis (f, n): the f motions of the body
-    at which these remain at rest; reach: surface speed at which the search is given up [m/s]. Overwrites q (n,) and returns
-    the number of steps.
+    push: as in `evaluate_dissipation`; basis (f, n): the f motions of the body at which these remain at rest; reach:
+    surface speed at which the search is given up [m/s]. Overwrites q (n,) and returns the number of steps.
     """
     reduced = np.empty((maps.shape[0], 3, basis.shape[0]))
     for i in range(maps.shape[0]):
@@ -298,8 +297,8 @@ def sticking_reactions(
 
     slipping (m, 3): semi-axes and friction bounds of the contacts, the bounds of sticking ones being zero; maps, drives,
     push, q: as in `evaluate_dissipation`; resting (k,): numbers of the sticking contacts, whose previous reactions are read
-    from ``forces``; units: see `column_units`; inverse (n, 3k): see `rest_space`. Returns the largest
-    unbalanced force that remains [N].
+    from ``forces``; units: see `column_units`; inverse (n, 3k): see `rest_space`. Returns the largest unbalanced force that
+    remains [N].
     """
     n = maps.shape[2]
     out, hess, held = np.zeros(n), np.zeros((n, n)), forces[resting]
@@ -340,9 +339,9 @@ def impose_rest(
     """Set contacts slower than ``still`` [m/s] to rest and minimise the dissipation of the others.
 
     shape, maps, drives, push: as in `evaluate_dissipation`. Overwrites the motion q (n,), the negative friction and
-    reactions forces (m, 3) [N, N m], and rest (m,), which becomes 1 for
-    contacts at rest and 0 for others. Returns whether the result is the least dissipation (rest is kinematically possible,
-    and every reaction lies inside its limit surface), the largest unbalanced force [N], and the number of steps.
+    reactions forces (m, 3) [N, N m], and rest (m,), which becomes 1 for contacts at rest and 0 for others. Returns whether
+    the result is the least dissipation (rest is kinematically possible, and every reaction lies inside its limit surface),
+    the largest unbalanced force [N], and the number of steps.
     """
     n, units, count = maps.shape[2], column_units(shape, maps), 0
     (motion, size), slipping = contact_speeds(shape, maps, drives, q), shape.copy()

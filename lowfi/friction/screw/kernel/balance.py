@@ -67,8 +67,8 @@ def contact_friction(balls: BallArrays, x: Array, eps: float, motion: Array, pul
     """Write the relative motion, the friction and the loss at every contact of balls with motions x (N, 4).
 
     x: surface speeds over the nut's speed along the path; eps: regularising speed over the same speed. motion (N, 4, 3):
-    sliding along x, z and spin about y in the contacts' axes, over the same speed; pull (N, 4, 3): friction on
-    the balls along and about the same axes, in the unit of ``BallArrays``; loss (N, 4): force times motion in these units.
+    sliding along x, z and spin about y in the contacts' axes, over the same speed; pull (N, 4, 3): friction on the balls
+    along and about the same axes, in the unit of ``BallArrays``; loss (N, 4): force times motion in these units.
     """
     shape, maps, drives = balls.shape, balls.maps, balls.drives
     for k in range(x.shape[0]):
@@ -117,8 +117,8 @@ def neighbour_forces(
     """Write the forces of neighbours on balls to on_ball (N, 3) [N], and the losses of balls that slide to loss (N,) [W].
 
     x (N, 4): motions of the balls, surface speeds over the nut's speed; f (N,): force of ball k on ball k + 1, here in N;
-    eps: regularising speed over the nut's speed; loss[k] is that of ball k on ball k + 1; push (2, 3), slide (2, 2,
-    3): directions of the force and of the two tangents as in ``screw.groove.PairGeometry``.
+    eps: regularising speed over the nut's speed; loss[k] is that of ball k on ball k + 1; push (2, 3), slide (2, 2, 3):
+    directions of the force and of the two tangents as in ``screw.groove.PairGeometry``.
     """
     n = f.shape[0]
     on_ball[:] = 0.0
@@ -166,8 +166,8 @@ def remaining_slack(groove: GrooveArrays, balls: BallArrays, x: Array, k: int) -
 def balance_residual(groove: GrooveArrays, balls: BallArrays, x: Array, f: Array, eps: float, parts: BalanceParts) -> float:
     """Write the forces out of balance and the complementarity to ``parts``; return the root of their sum of squares.
 
-    x (N, 4): motions of the balls, surface speeds over the nut's speed along the path; f (N,): force of ball k on ball
-    k + 1 over the unit of force; eps: regularising speed over the nut's speed. Force and remaining rate of the gap are
+    x (N, 4): motions of the balls, surface speeds over the nut's speed along the path; f (N,): force of ball k on ball k +
+    1 over the unit of force; eps: regularising speed over the nut's speed. Force and remaining rate of the gap are
     complementary where Fischer-Burmeister's function f + gap - sqrt(f^2 + gap^2) is zero.
     """
     hold, shape, maps, drives = balls.hold, balls.shape, balls.maps, balls.drives
@@ -212,9 +212,9 @@ def pair_blocks(
 ) -> None:
     """Write the derivatives of the forces between ball k and the next ball to ``out``, four blocks (4, 5, 5).
 
-    x, f, eps: as in `balance_residual`. The blocks are those on the diagonal at ball k, right of it, below it, and on
-    the diagonal at the next ball; rows and columns of a block are a ball's motion and its force on the next. slopes (N,
-    2): derivatives of the complementarity by force and gap.
+    x, f, eps: as in `balance_residual`. The blocks are those on the diagonal at ball k, right of it, below it, and on the
+    diagonal at the next ball; rows and columns of a block are a ball's motion and its force on the next. slopes (N, 2):
+    derivatives of the complementarity by force and gap.
     """
     first, second, closing = groove.first, groove.second, groove.closing
     u, v, size = ball_sliding(groove, x[k], x[(k + 1) % f.shape[0]], eps)
@@ -246,10 +246,10 @@ def balance_jacobian(
 ) -> None:
     """Write the banded Jacobian of the balance to K (5 N, 3 HALF + 1), in the form of `solve_with_pivots`.
 
-    x (N, 4): motions of the balls, surface speeds over the nut's speed along the path; f (N,): force of ball k on ball
-    k + 1 over the unit of force; eps: regularising speed over the nut's speed; parts: derivatives that
-    `balance_residual` has written at x and f; start: ball whose rows come first. The closed track is cut open before
-    it: the coupling of the last ball with this one is left out.
+    x (N, 4): motions of the balls, surface speeds over the nut's speed along the path; f (N,): force of ball k on ball k +
+    1 over the unit of force; eps: regularising speed over the nut's speed; parts: derivatives that `balance_residual` has
+    written at x and f; start: ball whose rows come first. The closed track is cut open before it: the coupling of the last
+    ball with this one is left out.
     """
     n, out = f.shape[0], np.empty((4, 5, 5))
     K[:] = 0.0

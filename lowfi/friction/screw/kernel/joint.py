@@ -69,8 +69,7 @@ def _force_effects(
     load (9,): effect of a unit normal force; pull (9, 3): effect of each component (vx, vz, spin) of the friction. n_x,
     n_z: contact normal; rows (3, 4): map of the contact (`contact_map`); speed: speed of the nut along the path [m/s];
     share: fraction of the friction that acts on the loads; along: fraction of the friction along the path that acts on the
-    screw; on: whether the contact is on the screw. The result is linear in (n_x,
-    n_z, rows, along).
+    screw; on: whether the contact is on the screw. The result is linear in (n_x, n_z, rows, along).
     """
     load[:] = 0.0
     pull[:] = 0.0
@@ -89,9 +88,9 @@ def ball_rows(
 
     p (2,): displacement of the ball [m]; shift (2,): that of the screw in the ball's section [m]; x (4,): motion of the
     ball, surface speeds over the nut's speed; share: fraction of the friction that acts on the loads; eps: regularising
-    speed over the nut's speed.
-    Rows: force on the ball in x3, z3 with ``share`` of the friction (2), gradient of the grooves' dissipation by the motion
-    (4), force of the ball on the screw in x3, y3, z3 (3). Columns of ``by``: p (2), x (4), shift (2).
+    speed over the nut's speed. Rows: force on the ball in x3, z3 with ``share`` of the friction (2), gradient of the
+    grooves' dissipation by the motion (4), force of the ball on the screw in x3, y3, z3 (3). Columns of ``by``: p (2), x
+    (4), shift (2).
     """
     cell, groove, balls = system.cell, system.groove, system.balls
     start, interference, C, affine = cell.start, cell.interference, cell.C, groove.affine
@@ -225,8 +224,8 @@ def assemble_joint(system: JointSystem, at: Place, share: float, eps: float, sta
     """Write residual and Jacobian of all equations to ``matrix``; return the root of the residual's sum of squares.
 
     at: unknowns; share: fraction of the friction that acts on the loads; eps: regularising speed over the nut's speed;
-    start: ball whose rows come first, before which a closed track is cut open. External forces on the screw
-    are those of the system's ``cell``.
+    start: ball whose rows come first, before which a closed track is cut open. External forces on the screw are those of
+    the system's ``cell``.
     """
     cell, unit, length, rows = system.cell, system.unit, system.length, system.rows
     hold, nominal = system.balls.hold, system.groove.nominal
