@@ -48,8 +48,8 @@ LENGTH, SHORTEST, KINK = 0.05, 1e-9, 1e-5
 def path_smoothing(s: float, eps: float) -> Smoothing:
     """Return the smoothing of the equations at parameter s of the path, 0 to 1.
 
-    Friction between balls rises early, and the creeping speed falls to ``eps`` at s = 1. Springs hold motions without
-    resistance, because forces are accurate to ``ON_PATH`` only.
+    With s, the friction between balls rises to its full value, early on the path, and the creeping speed falls to ``eps``
+    at s = 1. Springs hold motions without resistance, because forces are accurate to ``ON_PATH`` only.
     """
     rest = (1.0 - s) ** 4
     creep = FIRST * exp(s * log(eps / FIRST))
@@ -58,7 +58,7 @@ def path_smoothing(s: float, eps: float) -> Smoothing:
 
 @kernel
 def convex_sign(point: ChainPoint) -> float:
-    """Return the sign of the Jacobian's determinant in the convex problem, which has no friction between balls.
+    """Return the sign of the Jacobian's determinant for a chain without friction between balls, whose problem is convex.
 
     The row of each of the N - 1 gaps, and the unused last row, changes the sign once.
     """
@@ -127,17 +127,22 @@ def _correct_point(
 
 @kernel
 def _longest_step(tau: Array) -> float:
-    """Return the longest step along the tangent tau that moves no velocity by more than 0.5 and s by no more than 0.1."""
+    """Return the longest step along the path that moves no velocity by more than 0.5, and s by no more than 0.1.
+
+    tau (4 N + 1,): tangent of the path, with four entries for each ball and the last one for s. Velocities are over the
+    carriage's speed.
+    """
     n = tau.shape[0] - 1
     return float(1.0 / max(abs(tau[n]) / 0.1, np.max(np.abs(tau[:n].reshape(-1, 4)[:, :3])) / 0.5))
 
 
 @kernel
 def trace_path(chain: ChainArrays, point: ChainPoint, eps: float, work: Work, limit: int) -> tuple[int, bool]:
-    """Follow the path from a point near its beginning; return the number of Newton steps and whether it came to the end.
+    """Follow the path of solutions from a point near its beginning, while friction between balls rises to its full value.
 
-    The sign of the Jacobian's determinant tells in which direction the path goes on, as it changes where s turns. The point
-    is moved; limit: number of Newton steps after which no further step along the path is taken.
+    Returns the number of Newton steps, and whether the end of the path was reached. The sign of the Jacobian's determinant
+    tells in which direction the path goes on, as it changes where s turns. The point is moved; limit: number of Newton
+    steps after which no further step along the path is taken.
     """
     n: int = work.g.shape[0]
     change, tau, ahead = np.zeros(n), np.zeros(n + 1), np.zeros(n + 1)
@@ -202,7 +207,10 @@ STARTS, PRESSED = 3, 3.0
 
 @kernel
 def _solve_without_ball_friction(chain: ChainArrays, point: ChainPoint, work: Work) -> int:
-    """Solve without friction between balls at the creeping speed ``FIRST``, from any drift; return the number of steps."""
+    """Solve a chain without friction between balls at the creeping speed ``FIRST``; return the number of Newton steps.
+
+    The search begins from the ``drift`` of ``point``, which is overwritten by the solution.
+    """
     rebuild_slips(chain, point)
     total = 0
     for smooth in (ROUND, 0.0):
@@ -222,10 +230,11 @@ def _all_balls_supported(contacts: Array) -> bool:
 def _reduce_creeping_speed(
     chain: ChainArrays, point: ChainPoint, work: Work, eps_end: float, share: float, limit: int
 ) -> tuple[int, bool]:
-    """Solve at creeping speeds falling from ``FIRST`` to ``eps_end``, with a fraction ``share`` of ball-to-ball friction.
+    """Solve a chain at creeping speeds that fall from ``FIRST`` to ``eps_end``, each solution being the next start.
 
-    limit: most Newton steps at one creeping speed. Returns the number of Newton steps, and whether all of them converged to
-    a state whose determinant has the sign of the convex problem; another sign indicates another branch.
+    share: fraction of the friction between balls that acts, 0 to 1; limit: most Newton steps at one creeping speed. Returns
+    the number of Newton steps, and whether all of them converged to a state whose determinant has the sign of the convex
+    problem; another sign indicates another branch.
     """
     total, eps = 0, FIRST
     while True:
@@ -298,9 +307,10 @@ def motion_from_other_start(
 
 @kernel
 def motion_from_state(chain: ChainArrays, point: ChainPoint, work: Work, eps: float, tolerance: float) -> tuple[int, float]:
-    """Solve for motion and forces as `chain_motion`, but by Newton's method only, from the point of a similar chain.
+    """Solve for motion and forces as `chain_motion`, but by Newton's method only, from the state of a similar chain.
 
-    Returns the number of Newton steps and the largest residual.
+    ``point``: this state, which is overwritten; eps: creeping speed; tolerance: largest residual aimed at. Returns the
+    number of Newton steps and the largest residual.
     """
     reset_open_gaps(point, eps)
     return _solve_exact_equations(chain, point, work, eps, tolerance)
@@ -310,7 +320,11 @@ def motion_from_state(chain: ChainArrays, point: ChainPoint, work: Work, eps: fl
 def _solve_exact_equations(
     chain: ChainArrays, point: ChainPoint, work: Work, eps: float, tolerance: float
 ) -> tuple[int, float]:
-    """Iterate on the equations without smoothing from the point; return the number of steps and the largest residual."""
+    """Solve the equations with all friction between balls and exact complementarity, starting from ``point``.
+
+    eps: creeping speed; tolerance: largest residual at which the search ends. Returns the number of Newton steps and the
+    largest residual.
+    """
     exact = Smoothing(eps, 1.0, 0.0, 0.0)
     total, residual = semismooth_newton(chain, point, exact, work, tolerance, int(np.int64(100)), FIRMEST)
     if residual > tolerance:
