@@ -49,20 +49,21 @@ from rollbench.meshes.arrays import Array
 #: Regularising speeds as parts of the balls' speed, from the first (cold start) to the last.
 SPEEDS = tuple(10.0 ** (-0.5 * k) for k in range(2, 15))
 
-#: Parts of the friction between balls, one after the other at the first of these speeds.
+#: Fractions of the friction between balls, to which it rises in turn at the first of these speeds.
 PARTS = (0.0, 0.1, 0.2, 0.4, 0.6, 0.8, 1.0)
 
 #: Force out of balance, as a fraction of the largest friction bound of a ball: aimed at (root of the sum of squares), and
 #: what counts as converged (largest, relative to the largest ball-to-ball force where that is larger).
 GOAL, ACCEPTED = 1e-12, 2e-9
 
-#: Residual aimed at between regularising speeds (as ``GOAL``), most Newton steps, and most Newton steps of a first try.
+#: Residual aimed at for all regularising speeds but the last (in the unit of ``GOAL``), largest number of Newton steps, and
+#: largest number of Newton steps in the first attempt.
 COARSE, STEPS, SHORT = 1e-10, 60, 15
 
-#: A stage has failed where more than this is left; most halvings of stages.
+#: Residual above which the solution at one stage counts as failed, and largest number of halvings of stages.
 MISSED, DEPTH = 1e-8, 12
 
-#: Springs to the nominal motion per friction bound, for balls with contacts and without.
+#: Stiffness of weak springs to the nominal motion over the friction bound, for balls with contacts and without.
 HOLD, HOLD_IDLE = 1e-13, 1e-10
 
 #: Balls with less than this fraction of the largest load count as unloaded.
@@ -95,7 +96,7 @@ class AnyChain(ABC):
     force: Array
     #: Contact normals ``(N, 4, 3)``.
     normals: Array
-    #: Largest rate at which ball k may gain on ball k + 1 ``(N,)`` [rad/s], inf where they cannot touch; the last entry is
+    #: Largest rate at which ball k may approach ball k + 1 ``(N,)`` [rad/s], inf where they cannot touch; the last entry is
     #: for the last ball against the first of a closed track.
     slack: Array
 
@@ -391,19 +392,20 @@ def _chain_result(s: BalanceSearch, x: Array, f: Array, steps: int, from_start: 
     )
 
 
-#: Rounds after which loads and friction are solved as one system.
+#: Number of iterations of loads and friction after which both are solved as one system.
 PATIENCE = 26
 
-#: Residual aimed at, in units of the largest friction bound of a ball, and what lets a stage pass.
+#: Residual aimed at when loads and friction are solved as one system, and residual up to which a stage is accepted,
+#: both over the largest friction bound of a ball.
 COUPLED_GOAL, PASSED = 1e-13, 1e-9
 
-#: Most Newton steps of a stage and of a way; after fewer than these the next stage is longer.
+#: Largest numbers of Newton steps in one stage and in all stages; number of steps up to which the next stage is longer.
 COUPLED_STEPS, MOST, EASY = 80, 800, 8
 
-#: Regularising speeds at which friction rises, one after the other: a way may turn back at a fold.
+#: Regularising speeds at which friction rises, tried in turn, because the path of solutions may turn back at a fold.
 SMOOTH = (SPEEDS[0], 1e-2, 1e-3)
 
-#: First and shortest stage, as parts of a way.
+#: Lengths of the first and of the shortest stage, as fractions of the whole change of friction.
 FIRST, SHORTEST = 1.0 / 32.0, 1e-5
 
 
@@ -442,7 +444,7 @@ def solve_joint(
     cell
         Balls between screw and nut; the forces ``push`` and ``drag`` in it are not used.
     slack
-        Largest rate at which ball k may gain on ball k + 1 ``(N,)`` [rad/s], inf where they cannot touch.
+        Largest rate at which ball k may approach ball k + 1 ``(N,)`` [rad/s], inf where they cannot touch.
     start
         Displacements of the balls ``(N, 2)`` and of the screw ``(m,)`` [m] without friction; m: free motions of the screw.
     near
@@ -496,7 +498,7 @@ class _JointPath:
     def __init__(self, cell: Cell, slack: Array, start: tuple[Array, Array], fast: bool) -> None:
         """Begin at given positions, with the motion of the balls at the contact loads there.
 
-        ``cell``: balls between screw and nut; ``slack``: largest rate at which ball k may gain on ball k + 1 ``(N,)``
+        ``cell``: balls between screw and nut; ``slack``: largest rate at which ball k may approach ball k + 1 ``(N,)``
         [rad/s]; ``start``: displacements of balls ``(N, 2)`` and screw ``(m,)`` [m]; ``fast``: whether to use compiled
         kernels.
         """
@@ -615,7 +617,7 @@ def coupled_chain(
     cell
         Balls between screw and nut, with the external loads.
     slack
-        Largest rate at which ball k may gain on ball k + 1 ``(N,)`` [rad/s], inf where they cannot touch.
+        Largest rate at which ball k may approach ball k + 1 ``(N,)`` [rad/s], inf where they cannot touch.
     coupling
         What friction and ball-to-ball forces may change. ``"none"``: nothing; ``"ball"``: the loads of the balls, while
         the screw stays where it is without these forces (section 3.4.1 of Lin's thesis); ``"ball and screw"``: also the

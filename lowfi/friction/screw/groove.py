@@ -34,7 +34,8 @@ ON_SCREW = np.array([True, True, False, False])
 class HelicalMotion:
     """Kinematics of a ball between a nut and a screw in helical motion.
 
-    Both bodies move along the helix, so that only nut_speed - screw_speed matters to the contacts.
+    Screw and nut each turn and advance along the helix, so that only the difference of their speeds influences the
+    contacts.
     """
 
     #: Ball radius R_B [m].
@@ -180,9 +181,10 @@ class Grooved(HelicalMotion, ABC):
 @keyed
 @dataclass(frozen=True)
 class ScrewGroove(Grooved):
-    """Four-point ball screw with friction.
+    """Grooves of a four-point ball screw with friction, and the speeds of screw and nut.
 
-    Both bodies move along the helix, so that only nut_speed - screw_speed matters to the contacts.
+    Screw and nut each turn and advance along the helix, so that only the difference of their speeds influences the
+    contacts.
     """
 
     #: Ball radius R_B [m].

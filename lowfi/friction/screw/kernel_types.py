@@ -42,7 +42,7 @@ class BallArrays(NamedTuple):
     normal: Array
     #: Stiffness (N,) of weak springs that draw the balls to the nominal motion.
     hold: Array
-    #: Largest rate (N,) at which ball k may gain on ball k + 1, as a fraction of ``speed``.
+    #: Largest rate (N,) at which ball k may approach ball k + 1, as a fraction of ``speed``.
     slack: Array
     #: 1 where ball k can touch ball k + 1, else 0 (N,).
     allowed: Array

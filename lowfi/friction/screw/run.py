@@ -91,7 +91,7 @@ class PairResult:
 
     @property
     def closing(self) -> float:
-        """omega_B of the first ball minus that of the second, both without contact [rad/s]; positive: the balls meet."""
+        """Orbital speed omega_B of the first ball less the second ball's, without contact [rad/s]; positive: they meet."""
         q = self.free.motion.q
         return float(q[0, 0] - q[1, 0])
 
@@ -279,7 +279,7 @@ class Run:
 
     @property
     def occupation(self) -> float:
-        """Length of all balls in touch over that of the loaded turns (97.8 % in section 3.4.4 of Lin's thesis)."""
+        """Ratio of the length that the touching balls would fill to the loaded turns (97.8 % in section 3.4.4 of Lin)."""
         return self.count * self.groove.pair.spacing / (2.0 * np.pi * self.turns)
 
     def place(self, azimuth: Array, nut_angle: float) -> tuple[Array, NDArray[np.bool_]]:

@@ -65,7 +65,9 @@ class TravellingCompliance:
     def __call__(self, scene: Scene, layout: BallLayout, screw: bool, backend: Backend, flanks: Sequence[int]) -> Array:
         """Return the compliance of screw or nut between its contacts [m/N].
 
-        Arguments and the shape of the result are those of `whole_body`.
+        ``layout``: positions of the balls; ``screw``: whether the body is the screw (True) or the nut; ``backend``: array
+        library; ``flanks``: numbers of the flanks with contacts. The result is ``(2 c, 2 c)`` for c contacts, each with two
+        axes, as from `whole_body`.
         """
         track, rate = scene.track, reduced_lead(scene.track)
         known = self.windows.setdefault((screw, tuple(flanks), layout.z.size), [])

@@ -25,8 +25,9 @@ CONSTANT, IMPLICIT, EXACT = 0, 1, 2
 def _implicit_approach(v: float, error: float, p: Array) -> tuple[float, float, float]:
     """Return approach [m], sine of the contact angle and d(approach)/dv of a ball by Liu's equations (10) and (14).
 
-    The equation solved is approach = error + v sin(angle(approach)). v [m]: axial motion of the groove times the cosine of
-    the lead angle; error [m] and p as in `ball_force`.
+    The equation solved is approach = error + v sin(angle(approach)). v: axial motion of the groove times the cosine of the
+    lead angle [m]; error: oversize of the ball [m]; p (5,): Hertz stiffness [N/m^1.5], distance A of the groove centres
+    [m], sine and cosine of the unloaded contact angle, cosine of the lead angle.
     """
     a = p[1] - error
     approach = error + v * p[2]
@@ -47,8 +48,9 @@ def _implicit_approach(v: float, error: float, p: Array) -> tuple[float, float, 
 def _exact_approach(v: float, error: float, p: Array) -> tuple[float, float, float]:
     """Return approach [m], sine of the contact angle and d(approach)/dv of a ball from the distance of the groove centres.
 
-    The lateral offset of the centres is constant. v [m]: axial motion of the groove times the cosine of the lead angle;
-    error [m] and p as in `ball_force`.
+    The lateral offset of the centres is constant. v: axial motion of the groove times the cosine of the lead angle [m];
+    error: oversize of the ball [m]; p (5,): Hertz stiffness [N/m^1.5], distance A of the groove centres [m], sine and
+    cosine of the unloaded contact angle, cosine of the lead angle.
     """
     along, across = p[1] * p[2] + v, p[1] * p[3]
     distance = sqrt(along * along + across * across)

@@ -137,10 +137,11 @@ def minimise_dissipation(
 ) -> tuple[float, float, float, int]:
     """Minimise the dissipation at one regularising speed by Newton's method from q (n,), which is overwritten.
 
-    Other arguments are those of `evaluate_dissipation`. The iteration ends if the largest unbalanced force is below
-    ``tolerance`` times the sum of the friction bounds, after ``limit`` steps, or at a surface speed above ``reach`` [m/s],
-    where the other forces exceed friction. Returns the dissipation less the power of other forces [W], its excess over the
-    friction loss [W], the largest unbalanced force [N] and the number of steps.
+    shape, maps, drives, push, speed: contacts, kinematics, other forces and regularising speed, arguments of
+    `evaluate_dissipation`. The iteration ends if the largest unbalanced force is below ``tolerance`` times the sum of the
+    friction bounds, after ``limit`` steps, or at a surface speed above ``reach`` [m/s], where the other forces exceed
+    friction. Returns the dissipation less the power of other forces [W], its excess over the friction loss [W], the largest
+    unbalanced force [N] and the number of steps.
     """
     n = q.shape[0]
     grad, step, trial, next_grad = np.empty(n), np.empty(n), np.empty(n), np.empty(n)
@@ -181,8 +182,9 @@ def minimise_dissipation(
 def rolling_start(shape: Array, maps: Array, drives: Array) -> Array:
     """Return the motion q (n,) nearest to pure rolling: least squared surface speed, weighted by the friction bounds.
 
-    It solves a linear system and is unique except for motions without surface speed. shape, maps, drives: contacts and
-    kinematics as in `evaluate_dissipation`.
+    It solves a linear system and is unique except for motions without surface speed. shape (m, 3): semi-axes a, b [m] and
+    friction bound [N] of m contacts; maps (m, 3, n): motion vx, vz, spin of the contacts by unit of each unknown; drives
+    (m, 3): their motion at q = 0.
     """
     n = maps.shape[2]
     grad, hess, q = np.zeros(n), np.zeros((n, n)), np.empty(n)
@@ -216,7 +218,8 @@ def drive_speed(shape: Array, drives: Array) -> float:
 def contact_speeds(shape: Array, maps: Array, drives: Array, q: Array) -> tuple[Array, Array]:
     """Return the motions vx, vz, spin of the contacts (m, 3) at the motion q (n,), and their surface speeds (m,) [m/s].
 
-    shape, maps, drives: contacts and kinematics as in `evaluate_dissipation`.
+    shape (m, 3): semi-axes a, b [m] and friction bound [N] of m contacts; maps (m, 3, n): motion vx, vz, spin of the
+    contacts by unit of each unknown; drives (m, 3): their motion at q = 0.
     """
     m, n = shape.shape[0], q.shape[0]
     motion, size = drives.copy(), np.empty(m)

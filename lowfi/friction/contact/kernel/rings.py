@@ -37,10 +37,11 @@ def hertz_contact(
 
 @kernel
 def contact_energy(cell: CellArrays, p: Array, u: Array, state: CellState) -> float:
-    """Return the elastic energy [J] of balls displaced by p (N, 2) and the inner body by u (m,) [m]; write ``state``.
+    """Return the elastic energy [J] of N balls displaced by p (N, 2) and the inner body by u (m,) [m]; write ``state``.
 
-    N: number of balls, m: number of free motions of the inner body. The energy is sum (2/5) C^(-3/2) <approach>^(5/2). The
-    gradient in ``state`` is that of the energy less push . p + pull . u, which is convex.
+    m: number of free motions of the inner body. The energy is sum (2/5) C^(-3/2) <approach>^(5/2). Contact forces, normals,
+    stiffness and gradient are written to ``state``; the gradient is that of the energy less the work push . p + pull . u of
+    the applied forces, a convex function.
     """
     start, interference, C, section, offset, push, pull, _ = cell
     ball, inner, stiff, force, normal = state
@@ -192,10 +193,12 @@ def minimise_each(
 ) -> None:
     """Minimise the energy of N independent balls, each with its own inner body that moves along ``along`` (2,).
 
-    start (N, 4, 2) and interference (N, 4) are those of ``CellArrays``; C (N, 4): Hertz constants [m/N^(2/3)]; given (N,
-    3): applied forces on the ball along x, z and on the inner body [N]; goal, limit: see `minimise_energy`. x (N, 3) are
-    the displacements of ball and inner body [m] to begin from, which are overwritten by the result. Writes contact forces
-    to force (N, 4) [N], contact normals to normal (N, 4, 2), and the largest unbalanced force to left (N,) [N].
+    start (N, 4, 2): vectors from the grooves' centres of curvature to the ball's centre along x, z [m]; interference (N,
+    4): interference of ball and groove [m], both before any displacement; C (N, 4): Hertz constants [m/N^(2/3)]; given (N,
+    3): applied forces on the ball along x, z and on the inner body [N]; goal: largest unbalanced force over the sum of all
+    forces; limit: largest number of Newton steps. x (N, 3): displacements of ball and inner body [m] from which the search
+    begins, overwritten by the result. Writes contact forces to force (N, 4) [N], contact normals to normal (N, 4, 2), and
+    the largest unbalanced force to left (N,) [N].
     """
     section, offset, stiff = along.copy().reshape(1, 2, 1), np.zeros((1, 2)), np.zeros((1, 4, 3))
     for k in range(x.shape[0]):

@@ -188,9 +188,10 @@ def assemble_equations(chain: ChainArrays, point: ChainPoint, law: Smoothing, K:
 
 @kernel
 def _add_ball_motions(contacts: Array, point: ChainPoint, x: Array) -> None:
-    """Add the relative motions that motions x (N, 3) of the balls cause at all contacts to the point's ``slip`` and ``pair``.
+    """Add the relative motions that motions x (N, 3) of the balls cause at all contacts to ``slip`` and ``pair``.
 
-    x: velocity and ball radius times two spins, over the carriage's speed; contacts: field of `ChainArrays`.
+    x: velocity and ball radius times two spins, over the carriage's speed; contacts: field of `ChainArrays`; point: has the
+    relative motions ``slip`` and ``pair``, which are overwritten.
     """
     slip, pair, _, _ = point
     p, q, nx, ny = x[:, 1:2], x[:, 2:3], contacts[:, :, 0], contacts[:, :, 1]

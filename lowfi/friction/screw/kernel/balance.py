@@ -212,9 +212,10 @@ def pair_blocks(
 ) -> None:
     """Write the derivatives of the forces between ball k and the next ball to ``out``, four blocks (4, 5, 5).
 
-    x, f, eps: as in `balance_residual`. The blocks are those on the diagonal at ball k, right of it, below it, and on the
-    diagonal at the next ball; rows and columns of a block are a ball's motion and its force on the next. slopes (N, 2):
-    derivatives of the complementarity by force and gap.
+    x (N, 4): motions over the nut's speed; f (N,): ball-to-ball forces over the unit of force; eps: regularising speed over
+    the nut's speed. The blocks are those on the diagonal at ball k, right of it, below it, and on the diagonal at the next
+    ball; rows and columns of a block are a ball's motion and its force on the next. slopes (N, 2): derivatives of the
+    complementarity by force and gap.
     """
     first, second, closing = groove.first, groove.second, groove.closing
     u, v, size = ball_sliding(groove, x[k], x[(k + 1) % f.shape[0]], eps)
@@ -274,7 +275,7 @@ def balance_jacobian(
 def ball_after_open_gap(groove: GrooveArrays, balls: BallArrays, x: Array, f: Array) -> int:
     """Return the number of the ball after the most clearly open gap, at which the equations of a closed track are cut.
 
-    x, f: motions and ball-to-ball forces as in `balance_residual`.
+    x (N, 4): motions over the nut's speed; f (N,): ball-to-ball forces over the unit of force.
     """
     start, most = 0, -np.inf
     for k in range(f.shape[0]):
@@ -290,7 +291,8 @@ def newton_step(
 ) -> None:
     """Write Newton's step of the motions to dx (N, 4) and of the ball-to-ball forces to df (N,).
 
-    x, f, eps: as in `balance_residual`; parts: residuals and derivatives that it has written at x and f.
+    x (N, 4): motions over the nut's speed; f (N,): ball-to-ball forces over the unit of force; eps: regularising speed over
+    the nut's speed; parts: residuals and derivatives that `balance_residual` has written at x and f.
     """
     n, start = f.shape[0], ball_after_open_gap(groove, balls, x, f)
     K, side = np.empty((5 * n, 3 * HALF + 1)), np.empty((5 * n, 1))
@@ -322,10 +324,11 @@ def solve_balance(
 ) -> tuple[float, int]:
     """Solve the balance by Newton's method at one regularising speed, with steps halved until the residual falls.
 
-    x (N, 4), f (N,), eps: motions, forces and regularising speed as in `balance_residual`; x and f are the start and are
-    overwritten by the solution; ``parts`` are overwritten by residuals and derivatives there. The iteration ends when the
-    residual (root of the sum of squares) is at most ``goal``, after ``limit`` steps, or when no step lets it fall; below
-    ``near``, where round-off may be the reason, few halvings are tried. Returns the residual and the number of steps.
+    x (N, 4): motions over the nut's speed; f (N,): ball-to-ball forces over the unit of force; both are the start and are
+    overwritten by the solution; eps: regularising speed over the nut's speed; ``parts`` are overwritten by residuals and
+    derivatives there. The iteration ends when the residual (root of the sum of squares) is at most ``goal``, after
+    ``limit`` steps, or when no step lets it fall; below ``near``, where round-off may be the reason, few halvings are
+    tried. Returns the residual and the number of steps.
     """
     n, dx, df = f.shape[0], np.empty_like(x), np.empty_like(f)
     size = balance_residual(groove, balls, x, f, eps, parts)
