@@ -39,8 +39,8 @@ from rollbench.meshes.fields import keyed, usual
 #: Names of a ball's contacts: inner or outer ring, left or right.
 SIDES = ("IL", "IR", "OR", "OL")
 
-#: Order of a screw's contacts (SL, SR, NL, NR) that gives ``SIDES``; order of a screw's unknowns that gives those used
-#: here.
+#: Indices of a screw's contacts (SL, SR, NL, NR) in the order of ``SIDES``; indices of a screw's unknowns (omega_B,
+#: omega_x3, omega_y3, omega_z3) in the order of this module (omega_B, omega_x, omega_y, omega_z).
 AROUND, TURNS = [0, 1, 3, 2], [0, 3, 1, 2]
 
 #: Signs of the contacts' positions from the ball's centre along x and y; which contacts are on the inner ring.

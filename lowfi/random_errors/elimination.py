@@ -26,9 +26,9 @@ from rollbench.lowfi.hertz import contact_approach, contact_force
 from rollbench.lowfi.random_errors.chain import Chain, check_errors
 from rollbench.meshes.arrays import Array
 
-#: Largest numbers of Newton steps in a round, and of halvings of a step.
+#: Largest number of Newton steps in a round of the elimination, and of halvings of a step.
 MAX_STEPS, MAX_HALVINGS = 100, 30
-#: Largest residual of the equations over the load.
+#: Residual of the equations over the load at which Newton's method ends.
 TOLERANCE = 1e-10
 
 

@@ -30,7 +30,7 @@ Status = Literal["exact", "overlapping", "failed"]
 #: accepted as zero.
 ACCEPTED = 1e-8
 
-#: k_S of the source's sigmoid in its searches for touching balls, for which the text prints none.
+#: Sharpness k_S of Lin's sigmoid in searches for touching balls, for which his thesis prints no value.
 SHARPNESS = 100.0
 
 

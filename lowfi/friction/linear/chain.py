@@ -65,10 +65,11 @@ ACCEPTED = 1e-9
 #: Least difference of the ball-to-ball forces of two different states, over the largest friction bound of a ball.
 ANOTHER = 1e-3
 
-#: Coefficients of friction between balls from which a jammed state is sought too, and the factor by which they then fall.
+#: Raised coefficients of friction between balls at which a search for a jammed state also begins, and the factor by which
+#: the coefficient is then reduced step by step.
 RISEN, FALLING = (0.3, 1.0), 0.85
 
-#: Most Newton steps.
+#: Largest number of Newton steps.
 STEPS = 50_000
 
 #: Least ratio b/a of the semi-axes for which the friction of a contact is accurate to many digits.

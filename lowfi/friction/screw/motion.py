@@ -152,8 +152,8 @@ def screw_rows(groove: ScrewGroove, azimuth: Array, free: str) -> Array:
 #: What friction may change: nothing; the loads of the balls (section 3.4.1 of Lin's thesis); also the screw's position.
 Coupling = Literal["none", "ball", "ball and screw"]
 
-#: Change of the friction forces between rounds, over the sum of the contact loads, at which loads and friction agree, and
-#: largest number of rounds.
+#: Change of the friction forces in one iteration, over the sum of the contact loads, at which loads and friction agree, and
+#: largest number of iterations.
 AGREED, ROUNDS = 1e-11, 100
 
 

@@ -60,19 +60,21 @@ class ClosedTrack(NamedTuple):
 
 Scheme = Literal["located", "equal"]
 
-#: Length of the pieces before and after an event, least length of a piece, as parts of a step; most pieces of a step.
+#: Duration of the pieces before and after an event and least duration of a piece, both as fractions of a time step; largest
+#: number of pieces of a step.
 SHORT, TINY, PIECES = 1e-2, 1e-6, 100
 
-#: Gap [rad] up to which neighbours touch.
+#: Gap [rad] up to which neighbouring balls count as touching.
 CLOSED = 1e-10
 
-#: Rate of closing over the largest speed of a ball that no pair reaches.
+#: Ratio of the closing rate of two neighbours to the largest speed of a ball that is never reached: gaps that would need a
+#: faster closing stay open in a step.
 FASTEST = 10.0
 
 #: Fields of `History` with the torques of the three entries of ``Instant.losses``, in their order.
 TORQUES = ("groove_torque", "ball_torque", "closing_torque")
 
-#: Steps to begin with where none are given: number per ball diameter travelled, and least and most of them.
+#: First number of time steps where none is given: steps per ball diameter travelled, and smallest and largest number.
 STEPS_PER_PITCH, FIRST_STEPS = 2.0, (8, 400)
 
 
@@ -474,8 +476,8 @@ def _state_after_piece(setting: Setting, place: Place, instant: Instant, piece: 
     return Place(place.azimuth + piece * instant.omega, gap, instant.omega, instant.memory)
 
 
-#: Order of convergence of smooth motion, that of jumps of the torque, and the factor from the change between two levels
-#: to the error where no order is observed.
+#: Order of convergence of smooth motion and of jumps of the torque; factor by which the change between two simulations is
+#: multiplied to estimate the error where no order is observed.
 SMOOTH, OF_JUMPS, UNCLEAR = 2.0, 1.0, 10.0
 
 #: Order below which Richardson's extrapolation has the factor ``UNCLEAR`` too.
@@ -484,10 +486,10 @@ LEAST = float(np.log2(1.0 + 1.0 / UNCLEAR))
 #: Safety factor on an extrapolated error.
 SAFETY = 1.25
 
-#: Most steps of a run.
+#: Largest number of time steps of a simulation.
 MOST = 20_000
 
-#: Change between levels, as a part of the mean torque, below which its ratios are round-off and tell no order.
+#: Change between two simulations, as a fraction of the mean torque, below which it is round-off and shows no order.
 ROUND_OFF = 1e-9
 
 

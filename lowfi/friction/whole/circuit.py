@@ -33,7 +33,7 @@ from rollbench.meshes.helix import BallLayout, layout_at, reduced_lead
 from rollbench.meshes.parts import Circulation, Friction, Scene
 from rollbench.meshes.parts import Motion as Drive
 
-#: Angle [rad] by which arcs may overlap, and balls reach beyond them, before it counts.
+#: Tolerance [rad] for overlapping arcs, and for balls beyond the ends of their arc.
 CLOSE = 1e-9
 
 #: Distance between neighbours over the median distance from which on a gap lies between two circuits.
@@ -400,10 +400,10 @@ def balls_of(scene: Scene, friction: Friction, drive: Drive, drawn: Drawn, membe
     return balls
 
 
-#: Motion in which the onset is given.
+#: Motion for which `contact_onset` is computed by default: the nut turns at 1 rad/s.
 NUT = Drive(1.0, "nut")
 
-#: Closing speed over that of the part that turns below which neighbours do not close in.
+#: Ratio of the closing speed of neighbours to the speed of the turning part below which they count as not approaching.
 CLOSING = 1e-9
 
 

@@ -25,7 +25,7 @@ from rollbench.meshes.helix import BallLayout, ball_layout, groove_radii
 from rollbench.meshes.parts import Errors, Scene
 from rollbench.meshes.surface import printed_radii
 
-#: Part of a ball's largest contact load that sets the least size of its contact ellipses, also for unloaded contacts.
+#: Fraction of a ball's largest contact load by which the smallest size of its ellipses, also of unloaded ones, is computed.
 FAINT = 1e-9
 
 

@@ -27,8 +27,8 @@ from rollbench.meshes.parts import Motion as Drive
 #: Difference between the friction in the contacts and the friction that they balance, as a fraction of a ball's contact
 #: loads: the tolerance that the iteration aims at, and the largest difference that is accepted.
 AGREED, ACCEPTED = 1e-7, 1e-4
-#: Rounds after which a ball is solved by Newton's method. Where a lightly loaded contact is about to slip or to stick,
-#: friction changes its direction with the smallest change of position, and the rounds go to and fro about the equilibrium.
+#: Number of iterations after which a ball is solved by Newton's method. Where a lightly loaded contact is about to slip or
+#: to stick, friction changes its direction at the smallest change of position, and the iteration oscillates.
 ROUNDS = 40
 #: Newton's method: step of the finite differences and final step, as fractions of a ball's contact loads; largest number of
 #: evaluations.

@@ -32,7 +32,7 @@ from rollbench.meshes.parts import Motion as Drive
 #: Causes of the losses of a contact: sliding of its centre across the groove or along the path, spin about the normal.
 CAUSES = ("sliding_across", "sliding_along", "spin")
 
-#: Force out of balance, as a part of a ball's sum of mu F, beyond which its motion has failed.
+#: Force out of balance, as a fraction of a ball's sum of mu F, above which the solution for its motion counts as failed.
 UNBALANCED = 1e-6
 
 
@@ -254,7 +254,8 @@ def closing_speeds(scene: Scene, at: StaticContacts, by_ball: BallFriction, driv
 #: Numbers of quadrature points along a radius of a contact ellipse and around it.
 OUTWARDS, ROUND = 10, 20
 
-#: Regularising speeds as parts of the sliding without curvature, Newton steps at each, halvings of a step.
+#: Regularising speeds as fractions of a typical sliding speed, largest number of Newton steps at each of them, and of
+#: halvings of a step.
 SPEEDS, STEPS, HALVINGS = (0.3, 0.1, 0.03, 0.01, 0.003), 12, 12
 
 #: Relative increase of the losses by Heathcote slip from which on a warning is given.

@@ -29,8 +29,8 @@ from rollbench.meshes.helix import BallLayout, layout_at, reduced_lead
 from rollbench.meshes.parts import Friction, Scene, Track
 from rollbench.meshes.parts import Motion as Drive
 
-#: Length of a window of `TravellingCompliance` and the least one [rad], how far beyond it balls may be as a part of it, and
-#: how far they may move against each other [rad].
+#: Length and least length of a window of `TravellingCompliance` [rad], distance of balls beyond its ends that is allowed,
+#: as a fraction of its length, and largest motion of the balls relative to each other within it [rad].
 WINDOW, LEAST, BEYOND, APART = np.radians(8.0), 1e-4, 0.01, 5e-4
 
 
@@ -65,9 +65,9 @@ class TravellingCompliance:
     def __call__(self, scene: Scene, layout: BallLayout, screw: bool, backend: Backend, flanks: Sequence[int]) -> Array:
         """Return the compliance of screw or nut between its contacts [m/N].
 
-        ``layout``: positions of the balls; ``screw``: whether the body is the screw (True) or the nut; ``backend``: array
-        library; ``flanks``: numbers of the flanks with contacts. The result is ``(2 c, 2 c)`` for c contacts, each with two
-        axes, as from `whole_body`.
+        ``layout``: positions of the balls; ``screw``: whether the body is the screw (True) or the nut; ``backend``: models
+        for the compliance of the parts; ``flanks``: numbers of the flanks with contacts. The result is ``(2 c, 2 c)`` for c
+        contacts, each with two axes, as from `whole_body`.
         """
         track, rate = scene.track, reduced_lead(scene.track)
         known = self.windows.setdefault((screw, tuple(flanks), layout.z.size), [])

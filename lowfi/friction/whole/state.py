@@ -19,8 +19,8 @@ from rollbench.meshes.errors import draw_errors
 from rollbench.meshes.parts import Friction, Scene
 from rollbench.meshes.parts import Motion as Drive
 
-#: Number of balls up to which no run waits until functions are compiled: in plain Python they take some 0.05 s a ball, and
-#: a whole answer, with its drag and the band of coefficients, has up to seven.
+#: Number of balls up to which a command does not wait until functions are compiled. In plain Python they take some 0.05 s
+#: for each ball, and the answer of a command, with drag torque and a range of coefficients, needs up to seven solutions.
 UNCOMPILED = 120
 #: Gap [m] up to which neighbours count as touching.
 TOUCHING = 1e-6

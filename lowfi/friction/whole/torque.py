@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from rollbench.lowfi.friction.whole.losses import BallFriction
 
 
-#: Axial load over the sum of contact loads below which it is round-off: no efficiency is made of it.
+#: Ratio of axial load to the sum of contact loads below which the axial load is round-off, so that there is no efficiency.
 ROUND_OFF = 1e-6
 
 
@@ -161,10 +161,10 @@ def axial_force_and_moment(at: StaticContacts, wrench: Array) -> tuple[Array, Ar
     return force[..., 2], moment[..., 2] + arm[..., 0] * force[..., 1] - arm[..., 1] * force[..., 0]
 
 
-#: Motion where the scene gives none: the screw turns once a second.
+#: Motion that is assumed if the scene gives none: the screw turns once a second.
 ONE_TURN = Motion(2.0 * pi)
 
-#: Numbers of balls from which compilation (20 s, once) saves time in a single solution, without and with feedback.
+#: Numbers of balls above which compilation (20 s, once) saves time in one solution, without and with effect on the loads.
 COMPILE_ABOVE, COUPLED_ABOVE = 1000, 8
 
 

@@ -27,7 +27,7 @@ HALF = 5
 #: Columns of the banded matrix: half a band, the diagonal, half a band.
 WIDTH = 11
 
-#: Columns while rows are exchanged: what lies right of the diagonal may grow to twice the band.
+#: Number of columns while rows are exchanged, because the part right of the diagonal may then grow to twice the half band.
 FILLED = 16
 
 

@@ -34,10 +34,11 @@ FIRST = 0.1
 #: Largest residual of a point on the path, and largest number of Newton steps back to the path.
 ON_PATH, STEPS = 1e-9, 7
 
-#: Difference of the parameter s for derivatives by it.
+#: Step of the path parameter s in the finite difference for derivatives by s.
 DIFFERENCE = 1e-6
 
-#: Distance of points that belong to the same path whatever the step's length: what the residual leaves open at folds.
+#: Distance up to which a corrected point belongs to the same path, also for shorter steps along the path: at folds, a point
+#: with the accepted residual may lie so far from the path.
 NEAR = 1e-4
 
 #: Length of the first step along the path, shortest length, and the length below which a kink may turn the path.
@@ -182,7 +183,8 @@ def trace_path(chain: ChainArrays, point: ChainPoint, eps: float, work: Work, li
 #: solution.
 SPRING = 1e-3
 
-#: Product of ball-to-ball force and rate of the gap in the first, smoothed solution, which tells which balls press.
+#: Product of ball-to-ball force and rate of the gap in the first, smoothed solution, which shows which balls press on each
+#: other.
 ROUND = 1e-3
 
 #: Friction between balls, over that of the grooves, up to which Newton's method may try without the path, and up to
@@ -190,10 +192,10 @@ ROUND = 1e-3
 #: Forces of N - 1 contacts that push at random add up like the root of their number.
 LARGE, SLIGHT = 0.8, 0.3
 
-#: Contacts of a ball without which it has a motion that meets no resistance.
+#: Number of loaded contacts below which a ball has a motion without resistance.
 SUPPORTS = 3
 
-#: Most damping of velocities in the last solution, and largest number of undamped steps there.
+#: Largest damping of velocities in the last solution, and largest number of undamped Newton steps there.
 FIRMEST, LEAPS = 1.0, 20
 
 #: Residual that counts as converged between creeping speeds, and largest number of Newton steps at one of them, where
