@@ -206,7 +206,7 @@ class SourceScrew:
 
 
 def solve_coupled_group(cell: Cell, law: Law, start: SourceState, scale: float) -> SourceState:
-    """Return the state of N touching balls whose loads and motions are one root, with the screw held in position.
+    """Return loads and motions of N touching balls as the root of one system, with the screw held in position.
 
     The equations are 3.71 and 3.75 to 3.77 of Lin's thesis. ``cell``: the balls and their grooves; ``law``: friction law;
     ``start``: state from which the search starts, which also gives the screw's position; ``scale``: sum of a ball's contact
@@ -249,9 +249,11 @@ def solve_coupled_group(cell: Cell, law: Law, start: SourceState, scale: float) 
 
 
 def solve_coupled_groups(cell: Cell, law: Law, touching: Mask, start: SourceState, scale: float) -> SourceState:
-    """Return the coupled state of all N balls, group by group, if it is given which balls touch.
+    """Return loads and motions of all N balls with the screw held in position, if it is known which balls touch.
 
-    ``touching``: whether each ball touches the next one ``(N-1,)``; the other arguments are those of `solve_coupled_group`.
+    Each group of touching balls is solved separately. ``cell``: the balls and their grooves; ``law``: friction law;
+    ``touching``: whether each ball touches the next one ``(N-1,)``; ``start``: state of all balls from which the searches
+    start; ``scale``: sum of a ball's contact loads [N], by which the equations are scaled.
     """
     n = cell.angle.shape[0]
     ball, gamma, q = start.at.ball.copy(), start.at.gamma.copy(), start.q.copy()

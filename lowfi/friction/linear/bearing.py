@@ -279,7 +279,7 @@ def _elastic_loads_and_angles(bearing: LinearBearing, angles: Array, vertical: f
 
 
 def elliptic_integral_second_kind(axis_ratio: float) -> float:
-    """Return the complete elliptic integral of the second kind E(e), e = sqrt(1 - (b/a)^2), of an ellipse of given b/a."""
+    """Return the complete elliptic integral of the second kind E(e), e = sqrt(1 - (b/a)^2); ``axis_ratio``: b/a."""
     from scipy.special import ellipe
 
     return float(ellipe(1.0 - axis_ratio**2))

@@ -343,9 +343,10 @@ def _next_piece(left: float, step: float, event: float, after: bool) -> tuple[fl
 def _history_of_pieces(rows: list[dict[str, Any]], setting: Setting, span: float, steps: int, status: str) -> History:
     """Return the history that consists of the given values at all pieces of the time steps.
 
-    ``rows``: for each piece a dictionary of values by the names of the fields of `History`; ``span``: time that was to be
-    simulated [s]; ``steps``: number of equal time steps; ``status``: see `History`. The status "converged" is replaced if a
-    piece did not converge, by a text with the first angle at which this happened.
+    ``setting``: screw or bearing that was simulated; ``rows``: for each piece a dictionary of values by the names of the
+    fields of `History`; ``span``: time that was to be simulated [s]; ``steps``: number of equal time steps; ``status``: see
+    `History`. The status "converged" is replaced if a piece did not converge, by a text with the first angle at which this
+    happened.
     """
     direct = ("setting", "span", "steps", "status")
     arrays = {f.name: np.array([row[f.name] for row in rows]) for f in fields(History) if f.name not in direct}
@@ -466,7 +467,8 @@ def run_with_step_errors(
 def _state_after_piece(setting: Setting, place: Place, instant: Instant, piece: float) -> Place:
     """Return positions and speeds of the balls after one piece of a time step.
 
-    ``place``: state before it; ``instant``: solution whose speeds the balls keep during the piece; ``piece``: duration [s].
+    ``setting``: screw or bearing with its tracks; ``place``: state before the piece; ``instant``: solution whose speeds the
+    balls keep during the piece; ``piece``: duration [s].
     """
     gap = np.empty_like(place.gap)
     for track in setting.tracks:

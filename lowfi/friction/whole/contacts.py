@@ -117,7 +117,7 @@ def contacts_at(scene: Scene, result: StaticResult | ContactLoads, drawn: Specim
 
 
 def _force_cube_root(force: Array) -> Array:
-    """Return the cube roots of contact forces ``(N, 4)`` [N^(1/3)], which the semi-axes are proportional to.
+    """Return the cube roots of contact forces ``force`` ``(N, 4)`` [N], to which the semi-axes are proportional.
 
     For unloaded contacts they are tiny but not zero, so that semi-axes can be divided by.
     """

@@ -284,8 +284,8 @@ def _screw_torque(setting: Setting, at: StaticContacts, wrench: Array, axial: fl
     """Return the torque about +z that drives the screw under an external axial load ``axial`` [N], in N m.
 
     It is the moment of contact loads and friction about the axis. The axial force of friction that the contact loads do not
-    balance adds its work along the helix. ``at``: contacts of the N balls; ``wrench``: friction on the balls, forces [N]
-    and moments [N m] in their sections' axes ``(N, 4, 6)``.
+    balance adds its work along the helix. ``setting``: screw with its thread; ``at``: contacts of the N balls; ``wrench``:
+    friction on the balls, forces [N] and moments [N m] in their sections' axes ``(N, 4, 6)``.
     """
     wrenches = wrench.copy()
     wrenches[..., :3] -= at.force[..., None] * at.normals

@@ -256,6 +256,10 @@ def dissipation(a: float, b: float, vx: float, vz: float, spin: float, speed: fl
 
 @kernel
 def dissipation_of_contacts(a: Array, b: Array, motion: Array, speed: float, out: Array) -> None:
-    """Write the terms of `dissipation` for n contacts to out (n, 11); a, b (n,) [m]; motion (n, 3): vx, vz, spin."""
+    """Write the dissipated power of n contacts over mu F, and its derivatives, to out (n, 11).
+
+    a, b (n,): semi-axes [m]; motion (n, 3): sliding vx, vz [m/s] and spin [rad/s]; speed: regularising speed [m/s]. The
+    eleven values are the fields of `DissipationTerms`.
+    """
     for i in range(a.shape[0]):
         out[i] = dissipation(a[i], b[i], motion[i, 0], motion[i, 1], motion[i, 2], speed)

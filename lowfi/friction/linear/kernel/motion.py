@@ -72,8 +72,9 @@ def _path_tangent(
 ) -> float:
     """Write the tangent of the path at a point; return 1 if the path goes on along it, or -1 if against it.
 
-    tau (4 N + 1,): tangent of unit length, with four entries a ball and last that of s, which is positive; change (4 N,):
-    derivative of the residual by s. Both are overwritten. ``work`` must have the equations at the point.
+    s: parameter of the path at the point; eps: creeping speed at the end of the path; tau (4 N + 1,): tangent of unit
+    length, with four entries for each ball and last that of s, which is positive; change (4 N,): derivative of the residual
+    by s. Both are overwritten. ``work`` must have the equations at the point.
     """
     K, factors, g, _, other = work
     assemble_equations(chain, point, path_smoothing(s + DIFFERENCE, eps), factors, other)
@@ -102,9 +103,9 @@ def _correct_point(
 ) -> tuple[bool, int, float]:
     """Correct a predicted point by Newton steps to the path, normal to the tangent tau or, if ``fixed``, at constant s.
 
-    change (4 N,): derivative of the residual by s; length: length of the step along the path. The correction is given up
-    where it exceeds most of this length, because it may lead to another path. Returns whether the point is on the path, the
-    number of Newton steps, and the parameter s there.
+    eps: creeping speed at the end of the path; change (4 N,): derivative of the residual by s; length: length of the step
+    along the path. The correction is given up where it exceeds most of this length, because it may lead to another path.
+    Returns whether the point is on the path, the number of Newton steps, and the parameter s there.
     """
     K, factors, g, step, other = work
     n, moved = g.shape[0], 0.0
@@ -290,8 +291,9 @@ def motion_from_other_start(
 ) -> tuple[int, float]:
     """Solve for motion and forces as `chain_motion`, from one of ``STARTS`` other starts.
 
-    start: 0 for the end of the path, 1 for the balls as they move without friction between them, 2 for all pairs pressed
-    together. Returns the number of Newton steps and the largest residual.
+    eps: creeping speed of the result; tolerance: largest residual aimed at; limit: largest number of Newton steps on the
+    path; start: 0 for the end of the path, 1 for the balls as they move without friction between them, 2 for all pairs
+    pressed together. Returns the number of Newton steps and the largest residual.
     """
     total = _solve_without_ball_friction(chain, point, work)
     if start == 0:

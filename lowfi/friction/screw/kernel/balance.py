@@ -202,7 +202,7 @@ def balance_residual(groove: GrooveArrays, balls: BallArrays, x: Array, f: Array
 
 @kernel
 def largest_residual(parts: BalanceParts) -> float:
-    """Return the largest absolute entry of the forces out of balance and of the complementarity."""
+    """Return the largest absolute force out of balance or complementarity function in ``parts``."""
     return float(max(np.max(np.abs(parts.balance)), np.max(np.abs(parts.complementarity))))
 
 

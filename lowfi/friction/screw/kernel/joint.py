@@ -43,9 +43,10 @@ def _dissipation_derivatives(
 ) -> None:
     """Write the derivatives of the dissipation D of contact i over its friction bound mu F.
 
-    f: contact force F [N]; rows (3, 4): map of the contact; x (4,): motion of the ball. Written are the gradient g (3,) by
-    (vx, vz, spin), the Hessian in h[:3], and the derivative of F g by F in h[3]. The semi-axes grow with F^(1/3), and
-    D(s a, s b, vx, vz, spin) = D(a, b, vx, vz, s spin).
+    f: contact force F [N]; rows (3, 4): map of the contact (`contact_map`); x (4,): motion of the ball, surface speeds over
+    the nut's speed; eps: regularising speed over the nut's speed. Written are the gradient g (3,) by (vx, vz, spin), the
+    Hessian in h[:3], and the derivative of F g by F in h[3]. The semi-axes grow with F^(1/3), and D(s a, s b, vx, vz, spin)
+    = D(a, b, vx, vz, s spin).
     """
     cube = f ** (1.0 / 3.0)
     vx, vz, spin = contact_motion(groove, i, rows, x)
@@ -196,7 +197,8 @@ def _add_pair_force(
     """Add the force between two balls, in the plane of the groove's section, to the balance of one of them.
 
     which: 0 for the first ball, 1 for the second; row, other: first row of each ball in the matrix; rub: direction (u, v)
-    of the sliding of the first on the second ball, and its size; f: force between them; mu: coefficient of friction.
+    of the sliding of the first on the second ball, and its size; f: force between them; mu: coefficient of friction; share:
+    fraction of this force and friction that acts on the loads.
     """
     first, second, push, slide = system.groove.first, system.groove.second, system.push, system.slide
     side, K = matrix.side, matrix.band
