@@ -89,7 +89,7 @@ class Balls:
 
 @dataclass(frozen=True)
 class Balance:
-    """Forces and losses of N balls in given motions, with n unknowns for each ball."""
+    """Forces out of balance, friction and losses of N balls in given motions, with n unknowns for each ball."""
 
     #: Generalised forces out of balance ``(N, n)``: power per unit of each unknown.
     left: Array

@@ -32,7 +32,7 @@ BOTH, SHIFTED = (1.0, 1.0, 0.0, 0.0), (1.0, -1.0, 0.0, 0.0)
 @keyed
 @dataclass(frozen=True)
 class Pair:
-    """Two balls that touch, the first behind the second, with their loads."""
+    """Two neighbouring balls of a ball screw that touch, the first behind the second, with their loads."""
 
     #: Grooves of screw and nut with their speeds.
     groove: ScrewGroove
@@ -67,7 +67,7 @@ class Pair:
 
 @dataclass(frozen=True)
 class PairResult:
-    """Loads and motion of two balls of a screw, each alone and both in contact."""
+    """Loads and motion of two balls of a screw, without and with contact of the balls with each other."""
 
     #: State without ball-to-ball contact.
     free: CoupledChain

@@ -204,7 +204,7 @@ def grooves_of(scene: Scene, friction: Friction, drive: Drive) -> SceneGrooves:
 
 @dataclass(frozen=True)
 class SceneChain(AnyChain):
-    """Balls of one closed track that may differ in size and in their coefficients of friction."""
+    """Balls of one closed track with their contact loads; sizes and coefficients of friction may differ."""
 
     #: Contact forces, angles and ellipses of the balls.
     at: StaticContacts
@@ -295,7 +295,7 @@ FULL = 1e-9
 
 @dataclass(frozen=True)
 class Balls:
-    """All N balls of a scene, circuit after circuit."""
+    """All N balls of a scene in their circuits, in the order of the circuits."""
 
     #: Tracks of the circuits.
     tracks: tuple[ClosedTrack, ...]

@@ -49,7 +49,7 @@ class ComplianceWindow(NamedTuple):
 
 @dataclass
 class TravellingCompliance:
-    """Compliance of bodies between contacts that travel round the track together, in place of `whole_body`.
+    """Compliance of screw or nut between contacts that travel along the track together; replaces `whole_body`.
 
     The compliance is computed at three positions of a window, and between them by the parabola through these. A body of
     revolution with a groove in it responds in the same way to balls that turn and advance together, except near its ends,

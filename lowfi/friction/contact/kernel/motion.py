@@ -378,11 +378,11 @@ def least_dissipation(
 
     Written are the motion q, the negative friction and reactions ``forces`` [N, N m], ``rest`` (1 for contacts at rest, 0
     for others), and the lower and upper bound [W] of the least dissipation less the power of ``push``, by joint convexity
-    in motion and speed. Other arguments are those of `evaluate_dissipation`. The regularising speed decreases from 0.1 to
-    1e-6 times the drive's speed (to 1e-10 if a contact is on the verge of slip); each minimum is the start of the next.
-    Then contacts that stand still are set to rest. start: ``ROLLING``, ``GIVEN`` (start from q), or ``NEAR`` (start from q
-    with the speed 1e-6 at once, and from ``ROLLING`` if this fails). Returns the status (``EXACT``, ``REGULARISED``,
-    ``AT_REST``), the largest unbalanced force [N], and the number of steps.
+    in motion and speed. shape, maps, drives, push: contacts, kinematics and other forces, see `evaluate_dissipation`. The
+    regularising speed decreases from 0.1 to 1e-6 times the drive's speed (to 1e-10 if a contact is on the verge of slip);
+    each minimum is the start of the next. Then contacts that stand still are set to rest. start: ``ROLLING``, ``GIVEN``
+    (start from q), or ``NEAR`` (start from q with the speed 1e-6 at once, and from ``ROLLING`` if this fails). Returns the
+    status (``EXACT``, ``REGULARISED``, ``AT_REST``), the largest unbalanced force [N], and the number of steps.
     """
     top = drive_speed(shape, drives)
     if top == 0.0 and np.sum(np.abs(push)) == 0.0:

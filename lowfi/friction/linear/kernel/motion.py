@@ -143,8 +143,8 @@ def trace_path(chain: ChainArrays, point: ChainPoint, eps: float, work: Work, li
     """Follow the path of solutions from a point near its beginning, while friction between balls rises to its full value.
 
     Returns the number of Newton steps, and whether the end of the path was reached. The sign of the Jacobian's determinant
-    tells in which direction the path goes on, as it changes where s turns. The point is moved; limit: number of Newton
-    steps after which no further step along the path is taken.
+    tells in which direction the path goes on, as it changes where s turns. ``point`` is overwritten; eps: creeping speed at
+    the end of the path; limit: number of Newton steps after which no further step along the path is taken.
     """
     n: int = work.g.shape[0]
     change, tau, ahead = np.zeros(n), np.zeros(n + 1), np.zeros(n + 1)
