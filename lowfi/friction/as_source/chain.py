@@ -2,9 +2,9 @@
 
 Numbers of sections and equations in this module are those of Lin's thesis (2019): 3.25 to 3.31 and 3.75 to 3.77.
 
-The motion of every ball is computed separately first. Neighbours in reach that approach each other then count as touching.
-Each group of touching balls is one system of equations: the force balance of all its balls and equal velocities of
-neighbours, with the ball-to-ball forces as further unknowns.
+The motion of every ball is computed separately first. Neighbours that are near enough to touch and approach each other then
+count as touching. Each group of touching balls is one system of equations: the force balance of all its balls and equal
+velocities of neighbours, with the ball-to-ball forces as further unknowns.
 
 Balls in a linear bearing (sections 3.3.1 and 3.3.2) are solved in the same way.
 """

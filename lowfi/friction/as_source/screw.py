@@ -12,8 +12,9 @@ its motion (4); two touching balls add the force between them. The loads without
 computed first, and this position is then held.
 
 A whole ball screw over time (section 3.4.4): in each step the loads are found as a root, then the motion of every ball
-separately, then that of the groups of balls which are within reach and approach each other (equation 3.77). The positions
-advance with these speeds. The method does not prevent negative gaps; `SourceRun.overlap` says how large they become.
+separately, then the motion of groups of balls which are near enough to touch and approach each other (equation 3.77). The
+positions advance with these speeds. The method does not prevent negative gaps; `SourceRun.overlap` says how large they
+become.
 
 To count failures, the root is searched from several starts: from rolling balls, and from random deviations from rollbench's
 own solution. Every search yields the motion that it found, or None if Lin's method finds no contact loads to begin with.

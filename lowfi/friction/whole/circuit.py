@@ -1,6 +1,6 @@
 """Balls of a scene in their circuits: positions, gaps between neighbours, and how they push each other along the track.
 
-Circuits are angles of the track: loaded arcs and returns of a screw, or the one closed turn of a bearing.
+A circuit is given by azimuths on the track: those of the loaded arc and the return of a screw, or one turn of a bearing.
 """
 
 from __future__ import annotations

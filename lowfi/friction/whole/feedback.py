@@ -1,8 +1,9 @@
 """Effect of friction on the position of a ball: new contact loads and angles at the same axial load of every ball.
 
 Friction across the groove pushes each ball sideways until its contacts resist, at other contact angles or on a third flank
-(section 3.4.1 of Lin's thesis). Each ball moves in its section and the screw along its axis by as much as keeps the axial
-load that this ball carries, friction included; how loads are shared among balls stays as the static model has it.
+(section 3.4.1 of Lin's thesis). For each ball separately, the ball moves in its groove section and the screw along its axis
+until the axial load of this ball, friction included, is that of the static model. The distribution of the axial load over
+the balls therefore remains that of the static model.
 """
 
 from __future__ import annotations

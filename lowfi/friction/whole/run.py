@@ -1,6 +1,7 @@
-"""Screw or bearing over time: balls travel through circuits, loads are solved at their positions; see ``screw.travel``.
+"""Simulation of a screw or bearing over time: contact loads and friction of its balls at any positions in their circuits.
 
-Loads are solved again and again while balls travel; the compliance of their bodies changes slowly.
+The balls travel by ``lowfi.friction.screw.travel``. Contact loads are solved at every instant, while the compliance of
+screw and nut between the contacts changes slowly.
 """
 
 from __future__ import annotations
