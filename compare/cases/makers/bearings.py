@@ -11,8 +11,15 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 from scipy.optimize import brentq
 
-from rollbench.compare.cases.makers.outside import Band, Outside, compare_row
-from rollbench.compare.cases.makers.tables import Table, half_step, read_table, read_tables
+from rollbench.compare.cases.makers.outside import (
+    Band,
+    MakerTable,
+    Outside,
+    compare_row,
+    half_step,
+    read_table,
+    read_tables,
+)
 from rollbench.compare.scenes import catalogue
 from rollbench.lowfi.bearings.angular_contact import CatalogueBearings, conformity_of_pair, thrust_state_under_load
 from rollbench.lowfi.bearings.axis import PointRow, equal_rows, equilibrium
@@ -207,7 +214,7 @@ def compare_ball_bearings() -> Iterator[Outside]:
 
 
 def _compare_one_bearing(
-    source: Table, rows: list[Mapping[str, str]], forces: Array, moved: Array, rigid: Array
+    source: MakerTable, rows: list[Mapping[str, str]], forces: Array, moved: Array, rigid: Array
 ) -> Iterator[Outside]:
     """Yield the printed axial clearances and rigidities of one bearing at p preloads, with computed values.
 
@@ -240,7 +247,7 @@ def _compare_one_bearing(
         )
 
 
-def _compare_factor_f0(source: Table, row: Mapping[str, str], factor: float) -> Outside:
+def _compare_factor_f0(source: MakerTable, row: Mapping[str, str], factor: float) -> Outside:
     """Return the printed factor f_0 = C_0/(Z D^2 cos alpha) of a bearing with the computed value.
 
     ``factor``: the computed value [N/mm^2], with number Z and diameter D of the balls that follow from the printed ratings.

@@ -13,8 +13,15 @@ from math import pi, prod, radians, sqrt
 
 import numpy as np
 
-from rollbench.compare.cases.makers.outside import Band, Outside, compare_row
-from rollbench.compare.cases.makers.tables import Table, half_step, read_table, read_tables
+from rollbench.compare.cases.makers.outside import (
+    Band,
+    MakerTable,
+    Outside,
+    compare_row,
+    half_step,
+    read_table,
+    read_tables,
+)
 from rollbench.compare.models.registry import Options, run_model
 from rollbench.compare.scenes import catalogue
 from rollbench.compare.scenes.from_keys import angle_of_touching_balls, oversize_for_preload
@@ -138,7 +145,7 @@ def read_turns(row: Mapping[str, str]) -> tuple[float, bool]:
     return float(prod(map(float, turns.split("x")))), False
 
 
-def read_nut(source: Table, row: Mapping[str, str]) -> Nut:
+def read_nut(source: MakerTable, row: Mapping[str, str]) -> Nut:
     """Return the dimensions of a nut from its row in a catalogue.
 
     ``source``: table of the catalogue; ``row``: texts of the nut's row, by column. If the ball is not printed, it is the
@@ -156,7 +163,7 @@ def read_nut(source: Table, row: Mapping[str, str]) -> Nut:
     return Nut(1e-3 * ball, 1e-3 * pitch, 1e-3 * source.number(row["lead_mm"]), turns, short)
 
 
-def maker_and_type(source: Table, row: Mapping[str, str]) -> str:
+def maker_and_type(source: MakerTable, row: Mapping[str, str]) -> str:
     """Return the maker's name, followed by the type of nut if this maker rates several types by different rules.
 
     ``source``: table of the maker; ``row``: texts of the nut's row, by column.

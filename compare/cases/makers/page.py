@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from rollbench.compare.cases.makers import bearings, nuts, outside
-from rollbench.compare.cases.makers.tables import read_tables
+from rollbench.compare.cases.makers.outside import read_tables
 from rollbench.compare.measure import error_percent
 from rollbench.compare.models.study import Study
 from rollbench.lowfi.rating.rigidity import PRACTICE
