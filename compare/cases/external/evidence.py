@@ -77,7 +77,7 @@ def read_input(case: str, key: str, quantity: str) -> float:
 
 
 def assumptions() -> dict[str, tuple[str, ...]]:
-    """Return the assumptions, as sentences, made for each external case that no scene file describes, by name of the case."""
+    """Return the assumptions of each external case that no scene file describes, as sentences, by name of the case."""
     return {name: tuple(table["assumed"]) for name, table in read_inputs().items() if "assumed" in table}
 
 
@@ -285,7 +285,7 @@ def constant_angle_rigidity(bearing: BallBearing, preload: float) -> float:
 
 
 def constant_angle_lift_off() -> float:
-    """Return the lift-off load of a bearing pair over its preload, 2^(3/2), for contact angles that stay constant under load."""
+    """Return lift-off load over preload of a bearing pair, 2^(3/2), for contact angles that stay constant under load."""
     return float(2.0**1.5)
 
 
@@ -494,7 +494,7 @@ def push_and_roll_example(case: str, steps: int) -> list[OnsetStep]:
 
 
 def _compute_transients(findings: Findings) -> None:
-    """Compute CONTACT's examples of a ball pushed sideways, and rolled from there towards steady rolling, into ``findings``."""
+    """Compute CONTACT's examples of a ball pushed sideways, then rolled towards steady rolling, into ``findings``."""
     found = {"cattaneo": push_and_roll_example("cattaneo", 0), "onset": push_and_roll_example("onset", ONSET_STEPS)}
     for row in load_table(findings.table):
         case, _, rest = row.key.partition("_")
@@ -584,7 +584,7 @@ def double_nut_rigidity_ratio(study: Study) -> float:
     moved = preload / rigidity_by_parts(scene, preload)[1]
 
     def displacement_error(force: float) -> float:
-        """Return the displacement [m] of the single nut at a force [N], less its displacement at lift-off of the double nut."""
+        """Return the single nut's displacement [m] at a force [N], less its displacement where the double nut lifts off."""
         return force / rigidity_by_parts(scene, force)[1] - 2.0 * moved
 
     unloads = float(brentq(displacement_error, preload, 4.0 * preload, rtol=1e-6))
@@ -592,7 +592,7 @@ def double_nut_rigidity_ratio(study: Study) -> float:
 
 
 def _compute_drag_torque(study: Study, findings: Findings) -> None:
-    """Compute the drag torque of a preloaded double nut by THK's formula, and by the sliding of its balls, into ``findings``."""
+    """Compute the drag torque of a preloaded double nut by THK's formula, and by sliding balls, into ``findings``."""
     case = read_inputs()["thk"]
     preload, lead, mu = (
         read_input("thk", "preload", "force"),

@@ -74,7 +74,7 @@ STARTS = 0.01
 def agreement_sentence(found: Sequence[Evidence]) -> str:
     """Return the sentence on how many published values and claims agree with the computed ones.
 
-    ``found``: published values and claims with what is computed for them.
+    ``found``: published values and claims of all external cases, each with its computed value and verdict.
     """
     judged = [e for e in found if e.printed.cls != "open"]
     good = sum(e.agrees is True for e in judged)
@@ -89,7 +89,10 @@ def agreement_sentence(found: Sequence[Evidence]) -> str:
 
 
 def assumptions_table(study: Study) -> Table:
-    """Return the table of assumptions made where a publication leaves inputs open."""
+    """Return the table of assumptions made where a publication leaves inputs open.
+
+    ``study``: knows which scenes were used; the table has a row for each of their assumptions.
+    """
     rows: list[dict[str, Cell]] = []
     for name, thing in study.used.items():
         if name.startswith(PREFIX) and isinstance(thing, Scene | Assembly):
@@ -103,7 +106,11 @@ def assumptions_table(study: Study) -> Table:
 
 
 def agreement_figure(found: Sequence[Evidence]) -> Figure:
-    """Draw the errors of computed values against published ones of class hard and band, by publisher."""
+    """Draw the errors [%] of computed values against published ones, with a column of markers for each publisher.
+
+    Only values of the classes "hard" (same theory) and "band" (stated tolerance) count. ``found``: published values with
+    the computed ones.
+    """
     errors: dict[str, list[float]] = {}
     for e in found:
         if e.printed.cls in ("hard", "band") and e.error_percent is not None:
@@ -116,10 +123,10 @@ def agreement_figure(found: Sequence[Evidence]) -> Figure:
 
 
 def catalogue_rigidities(study: Study) -> list[tuple[str, float, dict[str, float | None]]]:
-    """Return the axial rigidities of each catalogue nut, computed with growing detail and printed.
+    """Return the axial rigidities of each catalogue nut: computed with growing detail, and printed.
 
     Each entry: name of the scene; axial load [N]; rigidities [N/um] of the "contacts" alone, with the "bodies", with
-    "unequal" ball loads, and "printed" in the catalogue, None where unknown.
+    "unequal" ball loads, and as "printed" in the catalogue, None where unknown. ``study``: solved scenes.
     """
     out: list[tuple[str, float, dict[str, float | None]]] = []
     for size in (*external.THK, *external.HIWIN):
@@ -139,7 +146,7 @@ def catalogue_rigidities(study: Study) -> list[tuple[str, float, dict[str, float
 
 
 def displacement_in_3d(scene: Scene, found: Reference) -> float:
-    """Return the screw's axial displacement [m] at the nut's centre by the finest run ``found`` of the 3D reference."""
+    """Return the screw's axial displacement [m] at the nut's centre by the 3D reference on its finest mesh."""
     line = found.best.centreline
     return float(np.interp(scene.nut.position, line[:, 0], line[:, 3]))
 
@@ -147,8 +154,9 @@ def displacement_in_3d(scene: Scene, found: Reference) -> float:
 def nut_rigidity_row(study: Study, name: str) -> dict[str, Cell] | None:
     """Return the table row of a nut's rigidities [N/um]: by the effects included in the model, and by the 3D reference.
 
-    None without a stored reference, without axial load, or if the screw is displaced at zero load, which the
-    reference's displacements do not subtract.
+    ``study``: solved scenes and stored 3D references; ``name``: name of the scene. Returns None without a stored
+    reference, without axial load, or if the screw is displaced at zero load, which the reference's displacements do not
+    subtract.
     """
     scene, found = study.scene(name), study.reference(name)
     if found is None:
@@ -179,7 +187,8 @@ def rigidities_table(
 ) -> Table:
     """Return the table of nut rigidities by the effects included: catalogue sizes, then scenes with a 3D reference.
 
-    ``catalogue``: result of `catalogue_rigidities`; ``names``: scenes to compare with the 3D reference.
+    ``study``: solved scenes and stored 3D references; ``catalogue``: result of `catalogue_rigidities`; ``names``: names
+    of the scenes that are compared with the 3D reference.
     """
     rows: list[dict[str, Cell]] = []
     for name, force, stages in catalogue:
@@ -219,7 +228,10 @@ def rigidities_table(
 
 
 def make_section(study: Study, step: Callable[[str], None]) -> Section:
-    """Return the report's section on values of other programs, makers' catalogues and textbooks."""
+    """Return the report's section on values of other programs, makers' catalogues and textbooks.
+
+    ``study``: solved scenes and stored 3D references; ``step``: function that receives a message before each step.
+    """
     step("values of other programs, makers and textbooks")
     tables = [name for name in computations_by_table() if name.startswith(PREFIX)]
     found = evidence(study, *tables)
@@ -301,14 +313,18 @@ def scenes_by_fixation(scene: Scene) -> dict[str, Scene]:
 
 @cache
 def stored_results(store: Path) -> list[dict[str, Any]]:
-    """Read the stored 3D results: scene, fixation, mesh level, status, rigidity [N/m], ball loads by flank [N]."""
+    """Read the stored 3D results of nuts that are fixed at different surfaces.
+
+    Each entry has the scene, fixation, mesh level, status, rigidity [N/m], and ball loads [N] by flank. ``store``: folder
+    of the file `FIXATION_FILE`.
+    """
     return list(json.loads((store / FIXATION_FILE).read_text(encoding="utf-8")))
 
 
 def stored_contact_loads(row: dict[str, Any]) -> Array:
-    """Return the contact loads (n, 4) [N] of n balls from a stored 3D result.
+    """Return the contact loads (n, 4) [N] of n balls on the flanks SL, SR, NL and NR, from one stored 3D result.
 
-    Loads on flanks that the result does not contain are zero; ``row``: the result, by key of the JSON file.
+    Loads on flanks that the result does not contain are zero. ``row``: the result, by key of the JSON file.
     """
     by_side = row["load"]
     return np.stack([by_side.get(side, np.zeros(len(next(iter(by_side.values()))))) for side in SIDES], axis=1)
@@ -330,7 +346,10 @@ class FixationResult(NamedTuple):
 
 
 def runs_by_level(scene: str, held: str) -> dict[int, dict[str, Any]]:
-    """Return the converged stored 3D results of a scene with one fixation of its nut, by mesh level from coarse to fine."""
+    """Return the converged stored 3D results of a scene with one fixation of its nut, by mesh level from coarse to fine.
+
+    ``scene``: name of the scene; ``held``: name of the fixation, a key of `scenes_by_fixation`.
+    """
     runs = [
         x for x in stored_results(shipped_store()) if (x["scene"], x["held"], x["status"]) == (scene, held, "converged")
     ]
@@ -338,10 +357,10 @@ def runs_by_level(scene: str, held: str) -> dict[int, dict[str, Any]]:
 
 
 def mesh_percent(scene: Scene, loads: Mapping[int, Array]) -> float:
-    """Return the largest mesh uncertainty of any contact load [% of the mean load], on the finest given level.
+    """Return the largest mesh uncertainty of any contact load [% of the mean load], on the finest given mesh level.
 
-    It is the sum of the 95 % uncertainty by `grid_parts` (from experience if there is one level) and of the error near a
-    free face.
+    It is the sum of two parts: the 95 % uncertainty by `grid_parts`, estimated from other scenes if only one level is
+    given, and the error near a free face.
 
     Parameters
     ----------
@@ -356,10 +375,11 @@ def mesh_percent(scene: Scene, loads: Mapping[int, Array]) -> float:
 
 
 def fixation_rows(study: Study, size: str) -> list[dict[str, Cell]]:
-    """Return the table rows of a catalogue screw: largest load, life and rigidity for each fixation and model.
+    """Return table rows of a catalogue screw: largest load, life and rigidity for each fixation of its nut and each model.
 
-    ``size``: name of the catalogue size, one of `SIZES`. The default model comes first (without bolts, as it fixes the
-    whole annulus of a flange), then every stored level of the 3D reference.
+    ``study``: solved scenes; ``size``: name of the catalogue size, one of `SIZES`. The rows of the default model come
+    first, then those of every stored mesh level of the 3D reference. The default model fixes the whole annulus of a
+    flange, so it has no row for a flange fixed by bolts.
     """
     printed = entry("external-thk", f"rigidity_{size}").value
     name = scene_name(size)
@@ -405,7 +425,7 @@ def fixation_rows(study: Study, size: str) -> list[dict[str, Cell]]:
 
 
 def bolts_sentence() -> str:
-    """Return the sentence on the change of loads and rigidity in 3D where bolts fix the flange, not its whole annulus."""
+    """Return the sentence on how loads and rigidity change in 3D if bolts fix the flange instead of its whole annulus."""
     words = []
     for size in SIZES:
         scene = scene_name(size)
@@ -428,9 +448,9 @@ def bolts_sentence() -> str:
 
 
 def mesh_uncertainty_sentence(rows: list[dict[str, Cell]]) -> str:
-    """Return the sentence on the mesh uncertainty of the 3D loads, and on the change by a finer mesh level.
+    """Return the sentence on the mesh uncertainty of the loads in 3D, and on the change of results on a finer mesh.
 
-    ``rows``: rows of the table of all sizes, fixations and models.
+    ``rows``: table rows of all catalogue sizes, fixations and models, from `fixation_rows`.
     """
     bars = [float(row["mesh"] or 0.0) for row in rows if row["mesh"] is not None]
     if not bars:
@@ -457,16 +477,20 @@ def mesh_uncertainty_sentence(rows: list[dict[str, Cell]]) -> str:
 
 
 def range_text(rows: list[dict[str, Cell]], column: str, held: str = "", form: str = "+.1f") -> str:
-    """Return in words the range of a table column over the rows of the default model.
+    """Return in words the smallest and largest value of a table column, over the rows of the default model.
 
-    ``held``: how the names of the fixations begin that count; ``form``: format of the numbers.
+    ``rows``: table rows from `fixation_rows`; ``column``: key of the column; ``held``: only fixations whose names begin
+    so count; ``form``: format of the numbers.
     """
     values = [float(row[column] or 0.0) for row in rows if row["by"] == DEFAULT and str(row["held"]).startswith(held)]
     return f"{min(values):{form}} to {max(values):{form}}"
 
 
 def flanged_nuts_sentence() -> str:
-    """Return the sentence on the default model's errors for randomly drawn screws whose nuts are fixed at flanges."""
+    """Return the sentence on the default model's errors for randomly drawn screws whose nuts are fixed at flanges.
+
+    The errors are those of contact loads against the 3D reference.
+    """
     nuts = [p for p in points_of_drawn_screws() if p.model == DEFAULT and FLANGE in p.features]
     if not nuts:
         return "No drawn nut fixed at a flange was compared with the 3D reference."
@@ -478,7 +502,10 @@ def flanged_nuts_sentence() -> str:
 
 
 def fixation_section(study: Study, step: Callable[[str], None]) -> Section:
-    """Return the report's section on the effect of the nut's fixation on loads, life and rigidity."""
+    """Return the report's section on the effect of the nut's fixation on contact loads, life and rigidity.
+
+    ``study``: solved scenes; ``step``: function that receives a message before each step.
+    """
     step("ways of holding a nut")
     rows = [row for size in SIZES for row in fixation_rows(study, size)]
     shares = {held: range_text(rows, "share", held, ".2f") for held in ("left", "flange, whole", "flange, outer")}

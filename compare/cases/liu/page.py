@@ -52,9 +52,9 @@ ABOUT = (
 
 
 def loaded_counts_sentence(found: dict[str, float]) -> str:
-    """Return in words how many printed numbers of loaded balls lie in the central 99 % interval of computed ones.
+    """Return in words how many printed numbers of loaded balls lie in the central 99 % interval of randomly drawn screws.
 
-    The computed numbers are those of randomly drawn screws. ``found``: printed values by key, such as "loaded_2_500".
+    ``found``: printed values by key, such as "loaded_2_500".
     """
     total, out = 0, []
     for key, value in found.items():
@@ -73,10 +73,10 @@ def loaded_counts_sentence(found: dict[str, float]) -> str:
 
 
 def stiffness_sentence(found: dict[str, float]) -> str:
-    """Return in words the deviation of printed stiffnesses from the median of the randomly drawn screws.
+    """Return in words the deviation of printed stiffnesses from the median stiffness of randomly drawn screws.
 
-    Only axial loads count under which most of these screws have no unloaded ball. ``found``: printed values by key,
-    such as "K_2_3000".
+    Only axial loads count at which the median screw has no unloaded ball. ``found``: printed values by key, such as
+    "K_2_3000".
     """
     off = []
     for key, value in found.items():
@@ -142,7 +142,7 @@ def change_errors_and_load(scene: Scene, errors: Array, load: float) -> Scene:
 
 
 def rigid_nut_model(scene: Scene) -> ModelInputs:
-    """Return the inputs of Liu's axial model of a scene, with two assumptions of the beam model.
+    """Return the inputs of Liu's axial model for a scene, changed to two assumptions of the beam model.
 
     These are a rigid nut, and contact angles that follow exactly from the displacements.
     """
@@ -151,9 +151,10 @@ def rigid_nut_model(scene: Scene) -> ModelInputs:
 
 
 def compare_models(study: Study) -> tuple[ModelLoads, ...]:
-    """Return the contact loads of Liu's screw by all models, for several ball errors and axial loads.
+    """Return the contact loads of Liu's screw by the axial, the beam and the refined model.
 
-    The ball errors are none, ball 33 too small or too large by 2 um, and random errors.
+    There is an entry for each axial load and each set of ball errors: none, ball 33 too small or too large by 2 um, and
+    random errors. ``study``: solved scenes.
     """
     scene = study.scene(SCENE)
     chain = rigid_nut_model(scene).chain
@@ -180,7 +181,7 @@ def _compute_loads(study: Study, scene: Scene, chain: Chain, name: str, errors: 
 
 @dataclass(frozen=True)
 class DifferenceFrom3D:
-    """Differences of one model's contact loads from the 3D reference, for one scene of Liu's screw."""
+    """Difference of one model's contact loads from the 3D reference, for one scene of Liu's screw."""
 
     #: Name of the scene.
     scene: str
@@ -203,7 +204,10 @@ class DifferenceFrom3D:
 
 
 def compare_with_3d(study: Study) -> tuple[DifferenceFrom3D, ...]:
-    """Return the differences of Liu's axial, the beam and the refined model from 3D, for scenes with a stored reference."""
+    """Return the differences of Liu's axial, the beam and the refined model from the 3D reference.
+
+    There are three entries for each scene that has a stored reference. ``study``: solved scenes and stored 3D references.
+    """
     rows = []
     for name, found in study.references(SOLID).items():
         scene, bar = study.scene(name), uncertainty_percent(found)
@@ -218,24 +222,26 @@ def compare_with_3d(study: Study) -> tuple[DifferenceFrom3D, ...]:
 
 
 def axial_model_loads(scene: Scene) -> Array:
-    """Return the contact loads (78, 4) [N] by Liu's axial model, which are equal at both contacts SL and NR of a ball."""
+    """Return the contact loads (78, 4) [N] of a scene by Liu's axial model.
+
+    The loads of a ball are equal at its contacts on the flanks SL and NR, and zero on the other two.
+    """
     row, load = rigid_nut_model(scene), np.zeros((scene.ball_count, 4))
     load[row.order, 0] = load[row.order, 3] = row.solved(row.force).load
     return load
 
 
 def references(fresh: bool) -> Iterator[tuple[tuple[str, ...], tuple[int, ...]]]:
-    """Yield the scenes of Liu's screw and their mesh levels, whose 3D solutions a report computes again.
+    """Yield the scenes of Liu's screw, with their mesh levels, whose 3D solutions a report must compute again.
 
-    ``fresh``: whether the report computes 3D solutions again; else nothing is yielded, and stored solutions are used,
-    since these take longer than the rest.
+    ``fresh``: whether 3D solutions are to be computed again; else nothing is yielded, and the stored ones are used.
     """
     if fresh:
         yield SOLID, SOLID_LEVELS
 
 
 def model_loads_table(study: Study) -> Table:
-    """Return the table of contact loads by Liu's axial model, the beam model and the refined model, for several errors."""
+    """Return the table of contact loads of Liu's screw by the axial, the beam and the refined model, by ball errors."""
     rows: list[Row] = []
     for c in study.once(compare_models):
         row: Row = {"errors": c.errors, Quantity("load", "axial load", "N", ".0f"): c.load}
@@ -293,7 +299,10 @@ def errors_against_3d_table(study: Study) -> Table:
 
 
 def make_section(study: Study, step: Callable[[str], None]) -> tuple[Section, ...]:
-    """Return the report's sections on Liu et al. (2025)."""
+    """Return the report's sections on Liu et al. (2025).
+
+    ``study``: solved scenes and stored 3D references; ``step``: function that receives a message before each step.
+    """
     step("random errors of a ball screw")
     found = evidence(study, *PRINTED)
     by_name = {f.printed.name: f for f in found}

@@ -531,7 +531,7 @@ def pair_interpretation_rows() -> list[Row]:
 
 
 def implied_contact_load() -> float:
-    """Return the contact load [N] of a ball that follows from the force and loss increase printed in Table 3.7, case (a)."""
+    """Return the contact load [N] of a ball that force and loss increase printed in Table 3.7, case (a), imply."""
     force, increase = (value_of("lin-3.7", f"{what}_a") for what in ("force", "increase"))
     return implied_load(source_cases.pair_with_inferred_oversize(radians(THETA["a"])), force, 1e-2 * increase)
 

@@ -437,7 +437,7 @@ def find_crossings(values: Array, level: float) -> list[float]:
 
 
 def oversize_map_figure() -> Figure:
-    """Draw ball-to-ball force and loss increase of two balls of a screw over the balls' oversize, for several axial loads."""
+    """Draw ball-to-ball force and loss increase of two balls of a screw over their oversize, for several axial loads."""
     sets: tuple[tuple[str, Coupling], ...] = (("a", "none"), ("b", "none"), ("a", "ball"))
     panels = [p for case, coupling in sets for p in oversize_map_panels(case, coupling)]
     caption = (
@@ -626,7 +626,7 @@ def introduction(pairs: Table, runs: Table) -> Text:
 
 
 def _pair_paragraph(pairs: Table) -> str:
-    """Return the paragraph on the contact loads of the two balls in Lin's Table 3.7; ``pairs``: results by interpretation."""
+    """Return the paragraph on the contact loads of two balls in Lin's Table 3.7; ``pairs``: results by interpretation."""
     rows = {str(row["reading"]): row for row in pairs.rows}
     loose, coupled = rows[screw.UNCOUPLED], rows[screw.AS_TEXT]
     uncoupled, moved = (
@@ -647,7 +647,7 @@ def _pair_paragraph(pairs: Table) -> str:
 
 
 def _simulation_paragraph(runs: Table) -> str:
-    """Return the paragraph on the whole-screw simulation of Lin's section 3.4.4; ``runs``: table of results by assumption."""
+    """Return the paragraph on the whole-screw simulation of Lin's section 3.4.4; ``runs``: results by assumption."""
     cases = [row for row in runs.rows if row["assumption"] == screw.AS_CASE]
     source = next(row for row in runs.rows if row["assumption"] == screw.SOURCE_RULE)
     at, none_at = (entry("lin-3.4.4", key).printed for key in ("largest_at", "none_at"))
