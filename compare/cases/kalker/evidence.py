@@ -185,9 +185,9 @@ def static_reference_contact(cells: tuple[int, int] = STATIC_CELLS) -> tuple[flo
 
 
 def _most_loaded_contact() -> tuple[ContactPosition, float, tuple[float, float]]:
-    """Return the most loaded contact of two balls of a ball screw at rest.
+    """Return the most loaded contact of two touching balls of a ball screw.
 
-    First: position and curvatures of the contact; second: its load [N]; third: Young's modulus [Pa] and Poisson's ratio.
+    First: its position on the groove; second: its load [N]; third: Young's modulus [Pa] and Poisson's ratio.
     """
     scene = rolling_case(case(SCREW, KindScene), Choices(LEVELS[1])).touching
     touch = max((t for b in scene.balls for t in b.touches), key=lambda t: t.load)
