@@ -39,16 +39,16 @@ class MakerTable:
     rows: tuple[Mapping[str, str], ...]
 
     def number(self, text: str) -> float:
-        """Convert a printed text to a number, with the table's decimal and thousands separators."""
+        """Convert a printed text to a number; the table's head states its decimal and thousands separators."""
         plain = re.sub(r"[\s\u00a0]", "", text).replace(self.head.get("thousands", " "), "")
         return float(plain.replace(self.head.get("decimal", "."), "."))
 
     def unit(self, key: str) -> float:
-        """Return the factor to SI of a unit that the table's head states; ``key``: name of the line, as "load_unit"."""
+        """Return the factor from a printed unit to SI; ``key``: line of the table's head with the unit, as "load_unit"."""
         return UNITS[self.head[key]]
 
     def misprinted(self, what: str) -> bool:
-        """Return whether the table's head lists an entry as a misprint.
+        """Return whether the table's head lists a printed value as a misprint.
 
         ``what``: name of the part, or name of the part and quantity, such as "SFE1632-3 rigidity". A name that is listed
         without a quantity stands for all quantities of the part.
@@ -66,7 +66,7 @@ def read_table(name: str) -> MakerTable:
 
 
 def read_tables(prefix: str) -> list[MakerTable]:
-    """Read all makers' tables whose file name begins with ``prefix``, sorted by name."""
+    """Read all makers' tables whose file name begins with ``prefix``, such as "nuts-", sorted by name."""
     return [read_table(path.stem) for path in sorted(TABLES_FOLDER.glob(f"{prefix}*.csv"))]
 
 
@@ -79,7 +79,7 @@ def half_step(text: str) -> float:
 
 
 class Band(NamedTuple):
-    """A computed value, with the range that follows from inputs that are rounded or not printed."""
+    """A computed value with the range of values that rounded or unprinted inputs allow; all three in the same unit."""
 
     value: float
     low: float
@@ -87,7 +87,7 @@ class Band(NamedTuple):
 
     @classmethod
     def of(cls, values: Iterable[float], slack: float = 0.0) -> Band:
-        """Return the band with the first of some computed values, and with the range of all of them.
+        """Return a band from computed values: the first one is its value, and their range is its range.
 
         ``slack``: amount by which the range is widened at each end, in the unit of the values.
         """
@@ -96,7 +96,7 @@ class Band(NamedTuple):
 
     @classmethod
     def within(cls, value: float, share: float) -> Band:
-        """Return the band with a computed value and a range of plus or minus a fraction of it.
+        """Return a band from one computed value, with a range of plus or minus a fraction of this value.
 
         ``share``: half width of the range over the value.
         """
@@ -158,12 +158,12 @@ def compare_row(
     computed: Band,
     **others: Any,
 ) -> Outside:
-    """Return a number printed in a row of a maker's table together with the computed value.
+    """Return a number printed in a maker's table together with the computed value.
 
-    ``source``: the table; ``row``: printed texts by column; ``line``: name of the column that gives the line in the
+    ``source``: the table; ``row``: printed texts by column; ``line``: name of the column with the line number in the
     original file; ``column``: name of the column of the number. ``what``: quantity, name of the model, part, and unit of
     the number, in this order. ``computed``: computed value and range in that unit. ``others``: values of further fields
-    of `Outside`.
+    of `Outside`, by name.
     """
     quantity, law, item, unit = what
     fields: dict[str, Any] = {"maker": source.head["maker"], "rounding": half_step(row[column])} | others
@@ -214,9 +214,9 @@ def bias_and_scatter(found: Sequence[Outside]) -> ErrorStatistics | None:
 
 
 def group_values(found: Iterable[Outside], *keys: str) -> dict[tuple[str, ...], list[Outside]]:
-    """Group published values by fields of `Outside`, in order of first occurrence.
+    """Group published values by fields of `Outside`, in the order in which they first occur.
 
-    ``keys``: names of these fields. The groups are returned by the tuple of the fields' values.
+    ``keys``: names of these fields. The result has the values of a group by the tuple of the fields' values.
     """
     groups: dict[tuple[str, ...], list[Outside]] = {}
     for one in found:
@@ -232,13 +232,16 @@ NUMBER = Quantity("number", "outside values", "", ".0f")
 
 
 def statistics_by_quantity(found: Sequence[Outside]) -> dict[str, dict[Quantity, Cell]]:
-    """Return the cells with number, bias [%] and scatter [%] of the judged values, by name of the quantity."""
+    """Return table cells with number, bias [%] and scatter [%] of the errors of all judged values, by quantity."""
     rows = {key: bias_and_scatter(values) for (key,), values in group_values(found, "quantity").items()}
     return {key: {NUMBER: s.number, BIAS: s.bias, SCATTER: s.scatter} for key, s in rows.items() if s is not None}
 
 
 def summary_table(found: Sequence[Outside]) -> Table:
-    """Return the table of bias and scatter of the computed values' errors: a row for each quantity, model and publisher."""
+    """Return the table of bias and scatter of the computed values, with a row for each quantity, model and publisher.
+
+    ``found``: published values with the computed ones.
+    """
     rows: list[dict[Quantity | str, Cell]] = []
     without: list[str] = []
     for (quantity, law, group), values in group_values(found, "quantity", "law", "group").items():
@@ -274,7 +277,7 @@ def summary_table(found: Sequence[Outside]) -> Table:
 
 
 def published_values_table(found: Sequence[Outside]) -> Table:
-    """Return the table of all published values, each with its computed value and band."""
+    """Return the table of all published values, each with its computed value, band, error and verdict."""
     rows: list[dict[Quantity | str, Cell]] = [
         {
             "quantity": x.quantity,
@@ -331,9 +334,9 @@ OTHERS = {("external-contact", "approach"): "displacement"}
 
 
 def compare_external_tables(study: Study) -> Iterator[Outside]:
-    """Yield every number of the printed tables `PRINTED` with its computed value, if it has one.
+    """Yield every number of the printed tables `PRINTED` that has a computed value, with this value.
 
-    Numbers of class "open", whose basis is not printed, are yielded but not judged.
+    Numbers of class "open", whose basis is not printed, are yielded but not judged. ``study``: solved scenes.
     """
     for name, (maker, cls) in PRINTED.items():
         if name not in computations_by_table():
@@ -361,9 +364,10 @@ def compare_external_tables(study: Study) -> Iterator[Outside]:
 
 
 def compare_calculix(study: Study) -> Iterator[Outside]:
-    """Yield the contact loads [N] by the program CalculiX, extrapolated over its meshes, with those of the 3D reference.
+    """Yield the contact loads [N] by the program CalculiX, each with the load by the 3D reference as the computed value.
 
-    The loads of the 3D reference stand for the computed values; errors are in per cent of the mean contact load.
+    CalculiX's loads are extrapolated over its meshes. Errors are in per cent of the mean contact load. ``study``: stored
+    3D references.
     """
     from rollbench.compare.studies.crosscheck.results import contact_rows, load_results, result_path, shipped_results
     from rollbench.compare.studies.crosscheck.study import STUDIES

@@ -76,7 +76,7 @@ def _statement_row(place: str, printed: str, computed: str, verdict: str) -> Row
 
 
 def _run_time_row(study: Study) -> Row:
-    """Return the table row on run times: that printed for ANSYS, and that measured for a 3D model with cells of equal size."""
+    """Return the table row on run times: printed for ANSYS, and measured for a 3D model with cells of equal size."""
     run = load_run(study.scene("lin-case1"), SOURCE_LEVEL, stores=[shipped_store()])
     hours, elements = (value_of("lin-2.2", key) for key in ("time_ansys_1", "elements_ansys"))
     time = (
@@ -295,7 +295,7 @@ def _fall_in_percent_of_printed(c: combined.CombinationResult) -> float:
 
 
 def _range_in_words(values: Sequence[float], digits: int = 2) -> str:
-    """Return in words the first and the last of some values that rise or fall steadily; ``digits``: decimals of the numbers."""
+    """Return in words the first and last of values that rise or fall steadily; ``digits``: decimals of the numbers."""
     return f"{values[0]:.{digits}f} to {values[-1]:.{digits}f}"
 
 
@@ -346,7 +346,7 @@ def scatter_paragraph(study: Study, found: list[combined.CombinationResult]) -> 
 
 
 def friction_paragraph(study: Study) -> str:
-    """Return the paragraph on the effect of the printed coefficient of friction in 3D, for rolling and for sliding balls."""
+    """Return the paragraph on the effect of the printed coefficient of friction in 3D, for rolling and sliding balls."""
     scene, base = study.scene(CASES[0]), combined.loads_in_3d(study, ())
     changed = {r.key: combined.loads_in_3d(study, (r,)) for r in SOLID if r.choice == FRICTION}
     moved = {
@@ -428,7 +428,7 @@ def _ratio_and_error_cells(values: Sequence[float], ratio: str, error: str, unit
 
 
 def _error_cells(c: combined.CombinationResult) -> Row:
-    """Return table cells with a combination's load ratios by both models, and its errors in per cent of each and of mean load."""
+    """Return table cells of a combination: load ratios by both models, and errors in per cent of each and of mean load."""
     row: Row = {
         Quantity("low_ratio", "ratio, low order", "", ".3f"): c.low_ratio,
         Quantity("solid_ratio", "ratio, 3D", "", ".3f"): c.solid_ratio,

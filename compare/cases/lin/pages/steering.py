@@ -62,7 +62,7 @@ def lash_figure(scene: Scene) -> Figure:
 
 
 def _displacement_curve(name: str, test: LoadCurve) -> Series:
-    """Return the curve of displacement [um] over load [N] of a lash test; ``name``: legend; ``test``: computed load curve."""
+    """Return the curve of displacement [um] over load [N] of a lash test; ``name``: legend; ``test``: load curve."""
     known = [(p.load, 1e6 * p.displacement) for p in test.points if p.displacement is not None]
     return Series(name, [f for f, _ in known], [u for _, u in known], "line")
 

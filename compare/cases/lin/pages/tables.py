@@ -289,7 +289,10 @@ def load_figure(study: Study) -> Figure:
 
 
 def _case_1_marks(study: Study) -> list[Series]:
-    """Return the curve of case 1's contact loads by Mei's model, and a line at the printed largest load."""
+    """Return the curve of case 1's contact loads by Mei's model, and a line at the smallest load times the printed ratio.
+
+    The ratio is that of the largest to the smallest load.
+    """
     load = study.solve("lin-case1").load[:, 0]
     printed = value_of("lin-2.4.1", "case1_ratio") * float(load.min())
     mei = load_curve("Mei: uniformly decreasing", study.solve("lin-case1", "mei"), 0, "line")
