@@ -82,13 +82,13 @@ def assumptions() -> dict[str, tuple[str, ...]]:
 
 
 def shipped_assembly(name: str) -> Assembly:
-    """Return the shipped scene ``external-NAME``: a shaft with bearing rows or nuts.
+    """Return the shipped scene ``external-NAME``, a shaft with bearing rows or nuts; ``name``: last part of its name.
 
     Raises AssertionError for a scene of another kind.
     """
     found = catalogue.shipped(PREFIX + name)
     if not isinstance(found, Assembly):
-        raise AssertionError(f"{PREFIX}{name}: expected a scene of a shaft with bearing rows or nuts")
+        raise AssertionError(f"{PREFIX}{name}: expected a shaft with bearing rows or nuts, got {type(found).__name__}")
     return found
 
 
@@ -103,10 +103,13 @@ def solve_bearing(study: Study, name: str) -> tuple[AxisResult, SetResult]:
 
 
 def _solve_assembly(study: Study, name: str) -> AxisResult:  # noqa: ARG001 - kept by the study
-    """Solve the shipped scene ``external-NAME`` by the beam model; raises AssertionError if it does not converge."""
+    """Solve the shipped scene ``external-NAME`` by the beam model; raises AssertionError if it does not converge.
+
+    ``study``: not used; ``name``: last part of the scene's name.
+    """
     result = run_model(shipped_assembly(name), "lin")
     if not result.converged:
-        raise AssertionError(f"{PREFIX}{name}: {result.status}")
+        raise AssertionError(f"{PREFIX}{name}: expected convergence, got status {result.status!r}")
     return result
 
 
@@ -386,7 +389,10 @@ def ball_of_bearing(findings: Findings, study: Study) -> None:  # noqa: ARG001 -
 
 
 def sphere_on_plane(findings: Findings, study: Study) -> None:  # noqa: ARG001 - every table takes the study
-    """Compute the contact radius of an elastic sphere on a rigid plane, Ansys's verification case 63."""
+    """Compute the contact radius of an elastic sphere on a rigid plane, Ansys's verification case 63.
+
+    ``findings``: receives the contact radius [mm].
+    """
     radius = read_input("vm63", "radius", "length")
     modulus = read_input("vm63", "youngs_modulus", "pressure") / (1.0 - read_inputs()["vm63"]["poissons_ratio"] ** 2)
     found = hertz_constants(np.array(1.0 / radius), np.array(1.0 / radius), modulus)
@@ -522,15 +528,15 @@ UNPRINTED = 0.05
 
 
 def scene_name(size: str) -> str:
-    """Return the name of the shipped scene of a catalogue size."""
+    """Return the name of the shipped scene for a nut of THK or HIWIN; ``size``: its size, such as "bnf-4010-5"."""
     return f"{PREFIX}{size}" if size in HIWIN else f"{PREFIX}thk-{size}"
 
 
 def rigidity_by_parts(scene: Scene, force: float) -> tuple[float, float]:
-    """Return the axial rigidity [N/m] of a nut under an axial load [N] that all balls share equally, in two ways.
+    """Return the axial rigidity [N/m] of a nut under an axial load that all balls share equally, in two ways.
 
     First: with the deformation of the contacts only; second: also with that of the bodies, the tubes of nut and screw.
-    Raises ValueError if nut or screw has no wall thickness.
+    ``scene``: screw and nut; ``force``: axial load [N]. Raises ValueError if nut or screw has no wall thickness.
     """
     alone, body = contacts_displacement(scene, force), body_compliance(scene)
     assert body is not None

@@ -146,7 +146,10 @@ def catalogue_rigidities(study: Study) -> list[tuple[str, float, dict[str, float
 
 
 def displacement_in_3d(scene: Scene, found: Reference) -> float:
-    """Return the screw's axial displacement [m] at the nut's centre by the 3D reference on its finest mesh."""
+    """Return the screw's axial displacement [m] at the nut's centre by the 3D reference on its finest mesh.
+
+    ``scene``: screw and nut; ``found``: stored 3D reference of the scene.
+    """
     line = found.best.centreline
     return float(np.interp(scene.nut.position, line[:, 0], line[:, 3]))
 

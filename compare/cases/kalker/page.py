@@ -248,7 +248,10 @@ def _finite_body_row(row: RollingRow) -> Row:
 
 
 def _slip_and_traction_maps(patches: Sequence[PatchField]) -> list[Text | Table | Figure | PressureMap]:
-    """Return two maps of the contact patches: slip, and tangential traction with the sticking cells marked."""
+    """Return two figures of rolling contacts: slip velocity, and tangential traction with the sticking cells marked.
+
+    ``patches``: slip and traction over the cells of each contact.
+    """
 
     def draw_patch(p: PatchField, what: NDArray[np.float64], unit_of: float, note: str, *, marked: bool) -> PressurePanel:
         """Draw the magnitude of a vector field over the cells of one contact, and its direction by arrows.
@@ -331,7 +334,10 @@ def _introduction(found: dict[str, list[RollingRow]], proof: Sequence[Verificati
 
 
 def _spin_pole_sentence(proof: Sequence[Verification]) -> str:
-    """Return the sentence on the grid's error where a contact slips about a spin pole inside a cell; empty if unknown."""
+    """Return the sentence on the grid's error where a contact slips about a spin pole inside a cell; empty if unknown.
+
+    ``proof``: verifications of the 3D rolling model.
+    """
     worst = [
         max((abs(p.error) for p in proof if p.case == f"full slip {way}, pole inside"), default=np.nan)
         for way in (BY_GRID, RESOLVED, AS_RUNS)
@@ -446,7 +452,10 @@ def _numerical_choice_row(c: ChoiceEffect) -> Row:
 
 
 def _from_rest_figure(series: Sequence[RunFromRest]) -> Figure:
-    """Draw ball-to-ball force and speed of the balls over time, for two balls started from rest."""
+    """Draw ball-to-ball force and speed of the balls over time, for two balls started from rest.
+
+    ``series``: transient solutions with several numbers of time steps.
+    """
     forces = [Curve(f"{s.steps} steps", [1e3 * t for t in s.time], s.force) for s in series]
     last = series[-1]
     time = [1e3 * t for t in last.time]

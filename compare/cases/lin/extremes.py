@@ -184,10 +184,10 @@ class BallProblem:
 
 
 def rotary_ball_problem(bearing: Bearing, axial: float, u_y: float, sharpness: float = SHARPNESS) -> BallProblem:
-    """Return the motion problem of one ball of the rotary bearing of Lin's section 3.2.
+    """Return the motion problem of one ball of the rotary bearing of section 3.2 of Lin's thesis.
 
-    ``axial``: axial load on the inner ring [N]; ``u_y``: radial displacement of the inner ring [m]; ``sharpness``: k_S of
-    Lin's sigmoid friction law, the larger the closer to Coulomb's law.
+    ``bearing``: grooves, balls and friction; ``axial``: axial load on the inner ring [N]; ``u_y``: radial displacement of
+    the inner ring [m]; ``sharpness``: k_S of Lin's sigmoid friction law, the larger the closer to Coulomb's law.
     """
     s = solve_ball(bearing, axial, u_y, fast=True)
     return BallProblem(s.problem, screw_sigmoid(bearing, sharpness), lambda f: _drive_power(s.problem, f))
@@ -196,8 +196,9 @@ def rotary_ball_problem(bearing: Bearing, axial: float, u_y: float, sharpness: f
 def screw_ball_problem(pair: Pair, force: Array | None = None, sharpness: float = SHARPNESS) -> BallProblem:
     """Return the motion problem of the second of two balls of a screw that do not touch each other.
 
-    ``force``: loads (4,) [N] of the ball's contacts SL, SR, NL, NR at the nominal contact angle; None: loads and contact
-    angles that the solved pair has. ``sharpness``: k_S of Lin's sigmoid friction law.
+    ``pair``: both balls with their grooves; ``force``: loads (4,) [N] of the ball's contacts SL, SR, NL, NR at the
+    nominal contact angle; None: loads and contact angles of the solved pair. ``sharpness``: k_S of Lin's sigmoid friction
+    law.
     """
     g = pair.groove
     angle = np.full(4, g.contact_angle)
@@ -262,7 +263,7 @@ def screw_ball_problem_with_diagonal(share: float) -> BallProblem:
 
 
 def single_ball_results() -> list[GroupResult]:
-    """Solve all groups of single balls under given loads and return their results."""
+    """Solve all groups of single balls under given contact loads, and return the results of each group."""
     two, rest = radians(2.0), groove_of_table_3_6(nut_speed=0.0)
     around = 1e-6 * np.linspace(4.2, 4.5, 13)
     loose = [replace(ROTARY, clearance=c) for c in CLEARANCE]
@@ -518,9 +519,10 @@ def solve_screw_chains() -> GroupResult:
 
 
 def solve_bearing_with_clearance() -> GroupResult:
-    """Solve loads and motions of the four-point bearing of Lin's Table 4.2 with clearance; return the group's results.
+    """Solve the four-point bearing of Lin's Table 4.2 with several clearances, and return the results of all cases.
 
-    The load acts at 12 deg to the axis; the inner ring is free to tilt or not.
+    Loads and motions are solved under a load at 12 deg to the axis, for an inner ring that is free to tilt and one that
+    is not.
     """
     tally = SolutionTally()
     for c, tilt in product(CLEARANCE, (False, True)):
@@ -531,7 +533,7 @@ def solve_bearing_with_clearance() -> GroupResult:
 
 
 def chain_results() -> list[GroupResult]:
-    """Solve all groups of two and more neighbouring balls and return their results."""
+    """Solve all groups of two and more neighbouring balls, and of a bearing with clearance; return each group's results."""
     two = radians(2.0)
     base, few = pair_with_inferred_oversize(two), f"one random start; source up to {SOURCE_BALLS} balls"
     return [
@@ -600,7 +602,7 @@ def extreme_linear_pairs() -> list[tuple[str, list[Chain]]]:
     """
 
     def make_pair(theta: float, rho: float, vertical: float, mu: float) -> Chain:
-        """Return two balls of the linear bearing, prepared for the solver; arguments as in `linear_pair`."""
+        """Return two balls of the linear bearing, prepared for the solver, with the arguments of `linear_pair`."""
         bearing = replace(LINEAR, mu=mu, mu_balls=mu)
         return prepare_chain(bearing, *pair_angles_and_loads(bearing, radians(theta), rho, vertical, loads="elastic"))
 
@@ -653,9 +655,10 @@ def extreme_pair_rows() -> list[Row]:
 
 
 def root_finding_rows() -> list[Row]:
-    """Return table rows that compare Lin's root finding and least dissipation on the rotary bearing's cases I to III.
+    """Return table rows that compare Lin's root finding with least dissipation on the rotary bearing's cases I to III.
 
-    Both start from random motions of the ball within 1 % and within 50 % of the solution.
+    Both start from random motions of the ball, within 1 % and within 50 % of the solution; a row counts the starts from
+    which each finds it.
     """
     rng, rows = np.random.default_rng(5), list[Row]()
     first = {case: solve_rotary(case, "as printed") for case in CASES}

@@ -48,7 +48,10 @@ def _random_ball_errors(half_range: int, number: int = 0) -> Array:
 
 
 def _curve_over_balls(values: Array, label: str, *, emphasis: bool = False) -> Series:
-    """Return a curve over the number of the ball; ``values``: value of each ball (78,); ``label``: legend."""
+    """Return a curve over the number of the ball.
+
+    ``values``: value of each ball (78,); ``label``: legend; ``emphasis``: whether the curve is drawn bold.
+    """
     return Series(label, list(range(1, liu.ball_count() + 1)), [float(v) for v in values], "line", emphasis=emphasis)
 
 
@@ -104,7 +107,7 @@ def _solve_without_errors(force: float) -> tuple[float, float]:
 
 
 def ball_deformation_figure() -> Figure:
-    """Draw Liu's Figure 11: normal deformation of each ball with errors of +-2 um, under three axial loads."""
+    """Draw Liu's Figure 11: normal deformation of each ball under three axial loads, with random ball errors of ±2 um."""
     errors, panels = _random_ball_errors(2), []
     for force in (2000.0, 1000.0, 500.0):
         load = _ball_loads(errors, force)

@@ -99,7 +99,7 @@ def compare_bearing_sets() -> Iterator[Outside]:
 
 @cache
 def _bearing_with_iso_material() -> Scene:
-    """Return the shipped scene of a nine-ball bearing, with the elastic constants assumed for ratings by ISO 281 and ISO 76."""
+    """Return the shipped scene of a nine-ball bearing, with the elastic constants assumed for ISO 281 and ISO 76."""
     found = catalogue.shipped("bearing-9")
     assert isinstance(found, Scene)
     material = replace(found.nut.material, youngs_modulus=YOUNG, poissons_ratio=POISSON)
@@ -259,7 +259,7 @@ def _compare_factor_f0(source: MakerTable, row: Mapping[str, str], factor: float
 
 
 def compare_constant_angle_pairs() -> Iterator[Outside]:
-    """Yield SNFA's printed rigidity of preloaded bearing pairs, with one computed for contact angles that change under load.
+    """Yield SNFA's printed rigidity of preloaded bearing pairs, with values for contact angles that change under load.
 
     The printed values follow the catalogue's formula for a constant angle, so they are shown, but not judged.
     """

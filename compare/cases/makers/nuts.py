@@ -111,10 +111,11 @@ def nut_load_ratings(nut: Nut, conformity: float, filling: float) -> tuple[float
 
 
 def nut_displacement(nut: Nut, conformity: float, filling: float, load: float, *, bodies: bool = True) -> float:
-    """Return the axial displacement [m] of a nut without preload under an axial load [N], all balls loaded equally.
+    """Return the axial displacement [m] of a nut without preload, all balls loaded equally.
 
     ``conformity``: groove radius over ball diameter; ``filling``: fraction of the turns that is filled with balls;
-    ``bodies``: whether the radial deformation of nut and screw, as thick tubes, is added to that of the Hertz contacts.
+    ``load``: axial load [N]; ``bodies``: whether the radial deformation of nut and screw, as thick tubes, is added to
+    that of the Hertz contacts.
     """
     one = scene_of_one_turn(nut, conformity)
     constants, slope = error_free_hertz(one).C, approach_per_displacement(one)

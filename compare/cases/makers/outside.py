@@ -58,7 +58,7 @@ class MakerTable:
 
 @cache
 def read_table(name: str) -> MakerTable:
-    """Read a maker's table from the file ``tables/NAME.csv``; further calls return the same object."""
+    """Read a maker's table from the file ``tables/NAME.csv``; ``name``: NAME. Further calls return the same object."""
     lines = (TABLES_FOLDER / f"{name}.csv").read_text(encoding="utf-8").splitlines()
     remarks = [line[2:].partition(": ") for line in lines if line.startswith("# ")]
     body = csv.DictReader(line for line in lines if not line.startswith("#"))

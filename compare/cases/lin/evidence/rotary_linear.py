@@ -365,7 +365,8 @@ def appendix_g(findings: Findings, study: Study) -> None:  # noqa: ARG001 - ever
 def balance_rows() -> list[Row]:
     """Return table rows of the rotary bearing's friction torque [N mm], power input [W] and friction losses [W].
 
-    Each case has three rows: with correct constants and laws, with correct motion at Lin's loads, and as Lin printed.
+    There are three rows for each case of Lin's Table 3.2: correct Hertz constants and friction law; least dissipation at
+    the contact loads that Lin computed; and as Lin printed.
     """
     rows: list[Row] = []
     for case in CASES:

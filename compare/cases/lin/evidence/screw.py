@@ -234,7 +234,7 @@ def _compare_force_with_ansys(findings: Findings, study: Study, case: str) -> No
 
 
 def _both_interpretations(as_text: float, oversized: float) -> str:
-    """Return in words a value by two interpretations: text as printed, and balls with the inferred oversize."""
+    """Return in words a value by two interpretations: text as printed, then balls with the inferred oversize."""
     return f"plain reading {as_text:.4g}, inferred reading {oversized:.4g}"
 
 

@@ -30,7 +30,7 @@ BEARINGS = "lin-bearing-pairs"
 
 
 def rotary_scene(name: str, *, printed: bool = False) -> BearingBallScene:
-    """Return the scene of one ball of the rotary bearing in Lin's Table 3.2.
+    """Return the scene of one ball of the rotary bearing in a case of Lin's Table 3.2.
 
     ``name``: case "I", "II" or "III"; ``printed``: whether with the Hertz constants and the friction law that Lin used.
     """
@@ -38,14 +38,15 @@ def rotary_scene(name: str, *, printed: bool = False) -> BearingBallScene:
 
 
 def linear_pair_scene(name: str = LINEAR_PAIR) -> LinearPairScene:
-    """Return a scene of two neighbouring balls in the linear bearing of Lin's Table 3.3."""
+    """Return a scene of two neighbouring balls in the linear bearing of Lin's Table 3.3; ``name``: name of the scene."""
     return case(name, LinearPairScene)
 
 
 def printed_friction_slope() -> float:
-    """Return the slope of the normalised friction force over c/a that Lin reads off his Figure 3.11.
+    """Return the slope of the friction force over c/a that Lin reads off his Figure 3.11.
 
-    c is the distance of the spin pole from the contact's centre, a the major semi-axis of the contact ellipse.
+    The friction force is divided by its largest value; c is the distance of the spin pole from the contact's centre, a
+    the major semi-axis of the contact ellipse.
     """
     return value_of("lin-G", "k_f")
 

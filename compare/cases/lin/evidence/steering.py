@@ -56,7 +56,7 @@ def ball_azimuths(scene: Scene, pattern: str) -> tuple[float, ...]:
 
 
 def place_balls(scene: Scene, pattern: str) -> Scene:
-    """Return a copy of the screw with its balls arranged in a pattern of Lin's Figure 4.2."""
+    """Return a copy of the screw with its balls in a pattern of Lin's Figure 4.2; ``pattern``: one of `PATTERNS`."""
     return replace(scene, balls=replace(scene.balls, azimuths=ball_azimuths(scene, pattern)))
 
 
@@ -164,14 +164,15 @@ def steering_gear() -> Assembly:
     """Return the shipped scene of Lin's steering gear: a rack with ball screw and bearing."""
     found = catalogue.shipped(RACK)
     if not isinstance(found, Assembly):
-        raise AssertionError(f"{RACK}: expected a scene of a shaft with ball screw and bearing")
+        raise AssertionError(f"{RACK}: expected a scene of a shaft with ball screw and bearing, got {type(found).__name__}")
     return found
 
 
 def solve_at_tie_rod_angle(gear: Assembly, angle: float, *, opposed: bool = False) -> AxisResult:
-    """Solve the steering gear under half of the rack force at each end, with both tie rods at an angle [deg] to the rack.
+    """Solve the steering gear under half of the rack force at each end of the rack, at one angle of both tie rods.
 
-    ``opposed``: whether the lateral forces of both tie rods have opposite directions.
+    ``angle``: angle between tie rod and rack [deg]; ``opposed``: whether the lateral forces of both tie rods have
+    opposite directions.
     """
     t = np.radians(angle)
     sides = (1.0, -1.0 if opposed else 1.0)
@@ -181,7 +182,10 @@ def solve_at_tie_rod_angle(gear: Assembly, angle: float, *, opposed: bool = Fals
 
 
 def largest_loads(result: AxisResult) -> tuple[float, float]:
-    """Return the largest contact load [N] of the steering gear's ball screw, then that of its bearing."""
+    """Return the largest contact load [N] of the steering gear's ball screw, then that of its bearing.
+
+    ``result``: solution of the steering gear; a part without loads counts as zero.
+    """
     screw, bearing = (0.0 if s.balls is None else float(s.balls.load.max()) for s in result.sets)
     return screw, bearing
 
@@ -274,7 +278,7 @@ def _nonzero_loads(result: AxisResult, i: int) -> Array:
     """Return the nonzero contact loads [N] of one part of the steering gear; ``i``: 0 for ball screw, 1 for bearing."""
     balls = result.sets[i].balls
     if balls is None:
-        raise AssertionError("expected contact loads of balls")
+        raise AssertionError(f"expected contact loads of balls in set {i} of the steering gear, got none")
     return np.asarray(balls.load[balls.load > 0.0])
 
 

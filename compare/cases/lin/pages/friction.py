@@ -52,7 +52,10 @@ from rollbench.reports.content import Figure, Panel, Section, Series, Table, Tex
 
 
 def balance_table() -> Table:
-    """Return the table of the rotary bearing's power balance in cases I to III, for three sets of assumptions."""
+    """Return the table of the rotary bearing's friction torque, power input and friction losses in cases I to III.
+
+    Each case has three rows: correct, with least dissipation at Lin's loads, and as printed.
+    """
     table = Table.of(
         "friction-balance", "Rotary bearing (Lin 3.2): power input against friction losses, by model", balance_rows()
     )
@@ -68,7 +71,10 @@ def balance_table() -> Table:
 
 
 def sensitivity_table() -> Table:
-    """Return the table of force and losses of two balls in the linear bearing, by assumption on loads and friction."""
+    """Return the table of ball-to-ball force and friction losses of two balls in the linear bearing, by assumption.
+
+    The assumptions are on the contact loads and on the friction between the balls.
+    """
     printed = entry("lin-3.5", "a_force_numerical")
     table = Table.of(
         "friction-sensitivity",

@@ -491,7 +491,10 @@ def _combination_row(c: combined.CombinationResult) -> Row:
 
 
 def combinations_figure(found: list[combined.CombinationResult]) -> Figure:
-    """Draw load ratios and errors of all combinations of interpretations, with the printed ones."""
+    """Draw load ratios and errors of all combinations of interpretations, with the printed ones.
+
+    ``found``: results of the combinations.
+    """
     shown, aim = [*combined.shown_combinations(found).values()], combined.printed_load_ratio()
     others = [c for c in found if c not in shown]
     printed_errors = combined.printed_errors()

@@ -71,12 +71,15 @@ def printed_seconds(name: str) -> float:
 
 
 def printed_count(table: str, key: str) -> str:
-    """Return in words the number of elements printed in a table under a key."""
+    """Return the number of elements that Lin's thesis prints, as text; ``table``, ``key``: names of the printed number."""
     return f"{value_of(table, key):,.0f}"
 
 
 def model_size_in_3d(study: Study, name: str) -> str:
-    """Return in words the number of unknowns or cells of a scene's finest stored 3D model; empty if none is stored."""
+    """Return in words the number of unknowns or cells of a scene's finest stored 3D model; empty if none is stored.
+
+    ``study``: stored 3D results; ``name``: name of the scene.
+    """
     if name in STATIC.values():
         found = study.reference(name)
         return (
@@ -87,7 +90,10 @@ def model_size_in_3d(study: Study, name: str) -> str:
 
 
 def beam_element_count(study: Study, name: str) -> str:
-    """Return in words the number of beam elements in the low-order model of a scene, and with Lin's partition."""
+    """Return in words the number of beam elements in the low-order model of a scene, and with Lin's partition.
+
+    ``study``: shipped scenes; ``name``: name of the scene.
+    """
     return f"{len(fixed_partition(study.scene(name))) - 1} ({chapter_2.partition_elements(study)} with Lin's partition)"
 
 
@@ -150,7 +156,7 @@ def times_table(study: Study, layout: Layout, found: Mapping[str, Evidence]) -> 
 
 
 def error_or_none(value: float | None, reference: float | None) -> float | None:
-    """Return the error [%] of a value against a reference; None if one of them is missing."""
+    """Return the error [%] of ``value`` against ``reference``; None if one of them is None."""
     return None if value is None or reference is None else float(error_percent(value, reference))
 
 

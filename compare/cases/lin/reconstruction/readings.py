@@ -65,7 +65,8 @@ def radius_difference(scene: Scene) -> float:
     Raises ValueError if screw and nut have different groove radii.
     """
     if scene.screw.groove_radius != scene.nut.groove_radius:
-        raise ValueError("screw and nut have different groove radii: a rolling ball leaves the line of the arcs' centres")
+        radii = f"{scene.screw.groove_radius:g} and {scene.nut.groove_radius:g} m"
+        raise ValueError(f"a ball that rolls needs equal groove radii of screw and nut, got {radii}")
     return scene.screw.groove_radius - scene.balls.radius
 
 
@@ -261,7 +262,10 @@ def combinations_in_3d() -> list[Combination]:
 
 
 def scenes_in_3d(readings: Combination) -> tuple[Scene, ...]:
-    """Return the scenes of Lin's cases 1 and 2, changed for the 3D model as a combination of interpretations requires."""
+    """Return the scenes of Lin's cases 1 and 2, changed for the 3D model as a combination of interpretations requires.
+
+    ``readings``: the combination. The names of the scenes contain its key.
+    """
     name = combination_key(readings).replace("/", "-")
     return tuple(replace(scene_for_3d(catalogue.scene(c), readings), name=f"{c}-{name}") for c in CASES)
 
@@ -269,7 +273,8 @@ def scenes_in_3d(readings: Combination) -> tuple[Scene, ...]:
 def stored_runs(readings: Combination, level: int | None = None) -> tuple[Run, ...] | None:
     """Return the stored 3D results of Lin's cases 1 and 2 under a combination of interpretations.
 
-    None if a result is missing or did not converge. ``level``: mesh level; None: that of the combination.
+    None if a result is missing or did not converge. ``readings``: the combination; ``level``: mesh level; None: that of
+    the combination.
     """
     level = mesh_level_of(readings) if level is None else level
     found = [load_run(scene, level, stores=[RUNS]) for scene in scenes_in_3d(readings)]
@@ -280,7 +285,8 @@ def stored_runs(readings: Combination, level: int | None = None) -> tuple[Run, .
 def stored_loads(readings: Combination, level: int | None = None) -> tuple[Array, ...] | None:
     """Return the stored contact loads of Lin's cases 1 and 2 in 3D under a combination; None if a result is missing.
 
-    Each array is (n, 4) [N] for n balls and the flanks SL, SR, NL and NR. ``level``: mesh level; None: the combination's.
+    Each array is (n, 4) [N] for n balls and the flanks SL, SR, NL and NR. ``readings``: combination of interpretations;
+    ``level``: mesh level; None: the combination's.
     """
     runs = stored_runs(readings, level)
     return None if runs is None else tuple(run.load for run in runs)
@@ -447,7 +453,7 @@ def low_order_combinations() -> list[Combination]:
 def low_order_loads(study: Study, readings: Combination) -> tuple[Array, ...]:
     """Return the contact loads of Lin's cases 1 and 2 by the low-order model under a combination of interpretations.
 
-    Each array is (n, 4) [N] for n balls. ``study``: solved scenes.
+    Each array is (n, 4) [N] for n balls. ``study``: solved scenes; ``readings``: the combination.
     """
     return tuple(study.solve(scene_for_low_order(catalogue.scene(c), readings), "lin").load for c in CASES)
 
@@ -455,8 +461,8 @@ def low_order_loads(study: Study, readings: Combination) -> tuple[Array, ...]:
 def loads_in_3d(study: Study, readings: Combination, level: int | None = None) -> tuple[Array, ...]:
     """Return the contact loads of Lin's cases 1 and 2 by the 3D model under a combination of interpretations.
 
-    Each array is (n, 4) [N] for n balls. ``study``: keeps results that were read; ``level``: mesh level; None: the
-    combination's. Raises LookupError if a result is not stored.
+    Each array is (n, 4) [N] for n balls. ``study``: keeps results that were read; ``readings``: the combination;
+    ``level``: mesh level; None: the combination's. Raises LookupError if a result is not stored.
     """
     return tuple(run.load for run in study.once(_require_runs, readings, level))
 
@@ -465,7 +471,7 @@ def _require_runs(study: Study, readings: Combination, level: int | None = None)
     """Return the stored 3D results of cases 1 and 2 under a combination; raises LookupError if one is missing."""
     found = stored_runs(readings, level)
     if found is None:
-        raise LookupError(f"no stored 3D run of {combination_key(readings)}; compute it by: python -m {__package__}")
+        raise LookupError(f"no stored 3D run of {combination_key(readings)!r}; compute it by: python -m {__package__}")
     return found
 
 
@@ -489,8 +495,8 @@ def printed_errors() -> tuple[float, ...]:
 def nearest_combination(found: list[CombinationResult], first: int = 6) -> CombinationResult:
     """Return the combination whose results are nearest to the printed numbers, of those that the text does not contradict.
 
-    The distance is the root sum of squares of the deviations `CombinationResult.misses`. ``first``: how many of these
-    count; 2: only the load ratios, 6: all.
+    The distance is the root sum of squares of the deviations `CombinationResult.misses`. ``found``: results of all
+    combinations; ``first``: how many of the deviations count; 2: only the load ratios, 6: all.
     """
     allowed = [c for c in found if not c.against_text]
     return min(allowed, key=lambda c: float(np.linalg.norm(c.misses[:first])))

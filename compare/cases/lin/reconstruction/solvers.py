@@ -55,7 +55,7 @@ def solve_with_penalty(scenes: Sequence[Scene], runs: Sequence[Run], share: floa
     for scene, run in zip(scenes, runs, strict=True):
         found = solve_reference(setup, scene, frozen=True)
         if found.status != "converged" or found.frozen is None:
-            raise ValueError(f"{scene.name}: {found.status}")
+            raise ValueError(f"{scene.name}: no convergence in 3D with penalty contacts, got status {found.status!r}")
         changed = replace(
             run,
             scene=scene.name,
@@ -72,11 +72,11 @@ def solve_with_penalty(scenes: Sequence[Scene], runs: Sequence[Run], share: floa
 
 
 class SlidingLoadCase(LoadCase):
-    """A load case of the 3D reference whose balls slide across their grooves, with friction of ``mu`` times the load.
+    """A load case of the 3D reference in which balls slide across their grooves, with friction of ``mu`` times the load.
 
     The friction resists an axial motion of the screw in the direction of its load (negative ``mu``: against it). It
     balances between the two contacts of a ball. On a body, a force across the contact's load is applied as a force
-    through the arc's centre, by normal forces on the contact's nodes; its moment about that centre, the arc's radius
+    through the arc's centre, by normal forces on the contact's nodes. Its moment about that centre, the arc's radius
     times mu times the load, is neglected.
     """
 
@@ -130,6 +130,6 @@ def solve_with_sliding(scenes: Sequence[Scene], runs: Sequence[Run], mu: float, 
     for scene, run in zip(scenes, runs, strict=True):
         ended = SlidingLoadCase(setup, scene, mu).solve(ROUNDS)
         if ended.status != "converged":
-            raise ValueError(f"{scene.name}: {ended.status}")
+            raise ValueError(f"{scene.name}: no convergence in 3D with sliding balls, got status {ended.status!r}")
         out.append(replace(run, load=ended.load, angle=np.degrees(ended.contact_angle)))
     return out

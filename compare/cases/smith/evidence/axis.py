@@ -133,12 +133,12 @@ def _solve_layout_scene(study: Study, layout: Layout, place: float) -> EndThrust
     """
     found = catalogue.shipped(layout.scene)
     if not isinstance(found, Assembly):
-        raise AssertionError(f"{layout.scene}: expected a scene of an axis")
+        raise AssertionError(f"{layout.scene}: expected a scene of an axis, got {type(found).__name__}")
     at = FIRST + place * bearings.screw_axis().length
     loads = tuple(replace(x, at=at, force=(0.0, 0.0, -bearings.APPLIED)) for x in found.loads)
     result = run_model(replace(found, loads=loads, stiffness_at=at), "lin", Options(engine="compiled"))
     if not result.converged or result.stiffness is None:
-        raise AssertionError(f"{layout.scene}: {result.status}")
+        raise AssertionError(f"{layout.scene}: expected convergence and a stiffness, got status {result.status!r}")
     thrust = {end: sum(float(s.force[2]) for s in result.sets if s.of.name.startswith(end)) for end in ("left", "right")}
     return EndThrusts(-thrust["left"], thrust["right"], float(result.stiffness[2, 2]))
 
