@@ -168,7 +168,7 @@ def bearing_218(findings: Findings, study: Study) -> None:
 def half_load_zone(findings: Findings, study: Study) -> None:
     """Compute the load distribution of a bearing whose load zone is half the circumference (Sjövall).
 
-    The ball loads are those of a row of many balls; the thrust follows from load-distribution integrals. ``findings``:
+    The ball loads are computed with a row of many balls, the thrust by load-distribution integrals. ``findings``:
     receives the computed value for each published number; ``study``: keeps solved scenes.
     """
     for key, name in (("radial", "sjovall-radial"), ("combined", "sjovall-combined")):
@@ -533,10 +533,10 @@ def scene_name(size: str) -> str:
 
 
 def rigidity_by_parts(scene: Scene, force: float) -> tuple[float, float]:
-    """Return the axial rigidity [N/m] of a nut under an axial load that all balls share equally, in two ways.
+    """Return the axial rigidity [N/m] of a nut with equally loaded balls: of the contacts only, then also with the bodies.
 
-    First: with the deformation of the contacts only; second: also with that of the bodies, the tubes of nut and screw.
-    ``scene``: screw and nut; ``force``: axial load [N]. Raises ValueError if nut or screw has no wall thickness.
+    The bodies are nut and screw as tubes. ``scene``: screw and nut; ``force``: axial load [N]. Raises ValueError if nut
+    or screw has no wall thickness.
     """
     alone, body = contacts_displacement(scene, force), body_compliance(scene)
     assert body is not None

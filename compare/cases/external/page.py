@@ -67,7 +67,7 @@ SOURCES = {
 }
 
 #: Largest axial displacement without loads over that with loads that is neglected. Scenes with more are left out, because
-#: the 3D reference has no run without loads to subtract.
+#: the 3D reference has no solution without loads to subtract.
 STARTS = 0.01
 
 
@@ -269,11 +269,12 @@ SIZES = ("bnf-3205-2p5", "bnf-3205-5", "bnf-4010-5", "hiwin-63-10k5")
 #: File with the 3D results, written by ``tests/nut_holding.py``.
 FIXATION_FILE = "nut_holding.json"
 THREE = "3D"
-#: Number of bolts that fix a flange, and names of both ways of fixing it: its whole annulus, or bolts only.
+#: Number of bolts that fix a flange, and names of two fixations: of its whole annulus, or by bolts only.
 BOLTS = 6
 WHOLE, BOLTED = "flange, whole face", f"flange, {BOLTS} bolts"
 #: Length of the centring fit over the length of the nut beyond its flange.
 FIT = 0.5
+#: Columns of the table of nuts fixed at different surfaces.
 FIXATION_COLUMNS = (
     Quantity("scene", "scene", "", "s"),
     Quantity("by", "computed by", "", "s"),

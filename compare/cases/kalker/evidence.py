@@ -38,9 +38,9 @@ class Coefficient:
     key: str
     #: Values by grid.
     values: tuple[float, ...]
-    #: Extrapolated to first order in the cell size if the values converge monotonically, else that of the finest grid.
+    #: Value extrapolated to first order in the cell size if the values converge monotonically, else the finest grid's.
     answer: float
-    #: Whether it is extrapolated.
+    #: Whether ``answer`` is extrapolated.
     extrapolated: bool
 
 
@@ -83,7 +83,7 @@ def table_e3(findings: Findings, study: Study) -> None:  # noqa: ARG001 - every 
 GROOVE, MU = (100.0, (5e-3, 46.667e-3), 210e9, 0.28), 0.1
 #: Creepages (along, across, spin [1/m]) of full slip with the spin pole outside and inside the contact ellipse.
 SLIPS = {"pole outside": verification.Creep(0.02, 0.004, 30.0), "pole inside": verification.Creep(0.02, 0.004, 400.0)}
-#: How full slip is computed on a grid: one slip per cell, slip resolved within cells, differences as in stored runs.
+#: How full slip is computed on a grid: one slip per cell, slip resolved within cells, differences as in stored 3D results.
 BY_GRID, RESOLVED, AS_RUNS = "on a grid alone", "on a grid, slip resolved within cells", "as runs have it, worst level"
 #: Resultants by which full slip is compared.
 WRENCH = ("force [N]", "moment [N mm]")

@@ -1,10 +1,10 @@
 """Robustness of the friction solvers on extreme cases: least dissipation compared with the root finding of Lin's thesis.
 
-The cases are single balls, pairs, chains, and bearings with clearance, varied far from the printed cases; further
-runs start around these. Every case is solved here from the solver's start and from random ones: each solution must
-converge, balance power input and dissipation, and agree with the first. Lin's method finds a root of the force
-balance under its sigmoid friction law from random starts: for one ball at the loads of the same case, for several
-balls as ``lowfi.friction.as_source.screw`` does.
+The cases are single balls, pairs, rows of neighbouring balls, and bearings with clearance, with inputs far from those of
+the printed cases; further cases have starts around the printed ones. Every case is solved from the solver's default start
+and from random ones. Each solution must converge, balance power input and dissipation, and agree with the first one.
+Lin's method finds a root of the force balance under his sigmoid friction law from random starts. For one ball it uses the
+same contact loads; for several balls it is the method in ``lowfi.friction.as_source.screw``.
 """
 
 from __future__ import annotations

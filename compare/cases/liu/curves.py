@@ -127,7 +127,7 @@ def ball_deformation_figure() -> Figure:
 def free_screw_elongation(force: float) -> float:
     """Return the elongation [um] of the part of the screw outside the nut in Liu's experiment, under an axial force [N].
 
-    The cross section, which is not printed, is that of the scene liu-screw.
+    The cross section is not printed; it is taken from the scene liu-screw.
     """
     return 1e6 * force * FREE_LENGTH / screw_section(liu.liu_screw()).EA
 

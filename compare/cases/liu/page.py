@@ -94,6 +94,7 @@ def stiffness_sentence(found: dict[str, float]) -> str:
     return f"with all balls loaded printed stiffness is {min(off):+.1f} to {max(off):+.1f} % off the median of the draws"
 
 
+#: Name of the scene of Liu's screw.
 SCENE = "liu-screw"
 
 #: Scenes of Liu's screw with 3D reference solutions, and the mesh levels of these (156 contacts).

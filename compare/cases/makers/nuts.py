@@ -278,7 +278,7 @@ DEFAULT, LEAST = 0.1, 0.003
 #: Name of the friction model in the tables.
 SLIDING = "sliding of the balls, coefficient 0.1"
 
-#: Number of balls computed, in place of all balls of a nut.
+#: Number of balls that are computed instead of all balls of a nut.
 FEW = 8
 
 

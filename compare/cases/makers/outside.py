@@ -21,6 +21,7 @@ from rollbench.compare.models.study import Study
 from rollbench.reports.content import Cell, Quantity, Table
 
 MAKER, MEASURED, PROGRAM = "printed by a maker", "measured", "another program"
+#: Folder of the CSV files with makers' printed tables.
 TABLES_FOLDER = Path(__file__).parent / "tables"
 #: Factors from the printed units to SI.
 UNITS = {"N": 1.0, "kN": 1e3, "kgf": 9.80665, "daN": 10.0, "N/um": 1e6, "kgf/um": 9.80665e6}
@@ -108,11 +109,11 @@ class Outside:
     """One published value of a maker, program, textbook or measurement, with the computed value.
 
     ``quantity``: such as "rigidity"; ``law``: name of the model that computes the quantity; ``maker``: publisher;
-    ``item``: part whose value it is; ``cls``: kind of source, such as "measured"; ``origin``: place of the value in the
-    source. ``value``: published value in ``unit``; ``rounding``: half a step of its last digit, or half of a published
-    range. ``computed``: computed value and its range in the same unit. ``scale``: value that errors in per cent refer to;
-    0: the published value. ``practice``: computed value reduced as makers reduce it (80 % of a nut's rigidity), or None.
-    ``left``: why the value is not judged, such as a misprint; empty if it is judged.
+    ``item``: part to which the value belongs; ``cls``: kind of source, such as "measured"; ``origin``: file and line, or
+    section, of the value in the source. ``value``: published value in ``unit``; ``rounding``: half a step of its last
+    digit, or half of a published range. ``computed``: computed value and its range in the same unit. ``scale``: value
+    that errors in per cent refer to; 0: the published value. ``practice``: computed value reduced as makers reduce it (80
+    % of a nut's rigidity), or None. ``left``: why the value is not judged, such as a misprint; empty if it is judged.
     """
 
     quantity: str

@@ -47,7 +47,7 @@ AMPLITUDES = tuple(source_cases.RUN_SCENES)
 ANGLES = source_cases.bearing_pair_scene().angle
 #: Permitted time-step error of a simulation, over its mean torque.
 STEP_GOAL = 0.003
-#: Level of the stored 3D runs of a ball pair that is used.
+#: Level of the grid of the stored 3D results of a ball pair.
 FINEST = 3
 #: Scenes of section 4.3.2, by kind of geometric error.
 SCREWS = {"pitch": "lin-pitch-4p1", "roundness": "lin-roundness-4p1", "none": "lin-nominal-4p1"}

@@ -191,9 +191,9 @@ def table_3_7_extra_cells(study: Study) -> dict[str, Row]:  # noqa: ARG001 - eve
 
 
 def table_b_1_extra_cells(study: Study) -> dict[str, Row]:
-    """Return cells that are added to Lin's Table B.1, by name of the printed number beside which they are shown.
+    """Return cells that are added to Lin's Table B.1, by name of the printed number next to which they are shown.
 
-    They are the correct values for the groove with which Lin computed the table, which is not that of his Table 2.1.
+    They are the correct values for the groove with which Lin computed the table; his Table 2.1 states another groove.
     """
     scene = with_groove(study.scene("lin-case1"), chapter_2.TABLE_CONFORMITY)
     return {f"lin-B1:{key}": {OTHER_GROOVE: value} for key, value in chapter_2.correct_table_b_1(scene).items()}
@@ -245,7 +245,7 @@ def reason_without_3d(name: str) -> str:
 
 
 def substitute_texts(study: Study) -> dict[str, str]:
-    """Return texts on run times and model sizes that are shown in Lin's tables in place of computed numbers, by their name.
+    """Return texts on run times and model sizes, by name of the printed number for which Lin's tables show no computed one.
 
     ``study``: stored run times and 3D results.
     """

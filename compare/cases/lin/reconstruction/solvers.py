@@ -1,9 +1,9 @@
 """The 3D reference with penalty contacts, whose pressure is proportional to penetration, and with sliding friction.
 
-An augmented Lagrangian reduces the penetration only where it exceeds a tolerance; below that it acts as a penalty:
-each pair of nodes has a spring k A in series, with k the penalty [N/m3] and A the area of the pair's pressure hat.
-The effect of a contact's place on its grid is known only without penetration. It is left out here, so a mesh is
-needed on which it is small.
+An augmented Lagrangian reduces the penetration only where it exceeds a tolerance; below that it acts as a penalty: each
+pair of contact nodes has a spring k A in series, with k the penalty [N/m3] and A the area over which the node's pressure
+acts. How the position of a contact on its grid changes the result is known only without penetration. This effect is left
+out here, so a mesh is needed on which it is small.
 """
 
 from __future__ import annotations

@@ -84,7 +84,7 @@ class EndThrusts:
     """Thrust on the supports of an axis, and its stiffness.
 
     ``left``, ``right``: thrust on the left and right supports, positive in tension of the screw [N]; ``stiffness``: axial
-    stiffness of screw and supports at the nut, without that of the nut [N/m].
+    stiffness of screw and supports at the nut [N/m], without the stiffness of the nut.
     """
 
     left: float
