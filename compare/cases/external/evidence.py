@@ -231,7 +231,7 @@ def gmn_rigidities(findings: Findings, study: Study) -> None:  # noqa: ARG001 - 
     """Compute the rigidities printed in GMN's catalogue for preloaded pairs of a series of spindle bearings.
 
     ``findings``: receives the computed rigidity for each printed one, and whether the claim on their growth with preload
-    holds.
+    holds. ``study``: not used here.
     """
     inferred = float(read_inputs()["gmn"]["conformity"])
     for name in read_inputs()["gmn"]["rows"]:
@@ -257,7 +257,7 @@ def snfa_rigidities(findings: Findings, study: Study) -> None:  # noqa: ARG001 -
     """Compute rigidity, its growth with preload, and lift-off load of a preloaded bearing pair in SNFA's catalogue.
 
     The catalogue keeps contact angles constant ("as printed"); in the correct values they change under load.
-    ``findings``: receives both values for each printed number.
+    ``findings``: receives both values for each printed number. ``study``: not used here.
     """
     case = read_inputs()["snfa"]
     row = [1e3 * read_input("snfa", k, "length") for k in ("pitch_diameter", "ball_diameter")]
@@ -369,7 +369,7 @@ ONSET_STEPS = 20
 def ball_of_bearing(findings: Findings, study: Study) -> None:  # noqa: ARG001 - every table takes the study
     """Compute the Hertz contacts of one ball of NSK's screw-support bearing at the published ball load and contact angle.
 
-    ``findings``: receives contact angle, approaches and semi-axes for the published numbers.
+    ``findings``: receives contact angle, approaches and semi-axes for the published numbers. ``study``: not used here.
     """
     parts = shipped_assembly("nsk-25bswz01").sets[0].parts
     assert isinstance(parts, Scene)
@@ -391,7 +391,7 @@ def ball_of_bearing(findings: Findings, study: Study) -> None:  # noqa: ARG001 -
 def sphere_on_plane(findings: Findings, study: Study) -> None:  # noqa: ARG001 - every table takes the study
     """Compute the contact radius of an elastic sphere on a rigid plane, Ansys's verification case 63.
 
-    ``findings``: receives the contact radius [mm].
+    ``findings``: receives the contact radius [mm]. ``study``: not used here.
     """
     radius = read_input("vm63", "radius", "length")
     modulus = read_input("vm63", "youngs_modulus", "pressure") / (1.0 - read_inputs()["vm63"]["poissons_ratio"] ** 2)
@@ -456,7 +456,7 @@ def rolling_examples(findings: Findings, study: Study) -> None:  # noqa: ARG001 
     """Compute the published examples of the program CONTACT: steady rolling, a wheel, and rolling from rest.
 
     Steady rolling has lateral creepage and spin; its Hertz contact, force and moment on elastic half spaces are computed.
-    ``findings``: receives the computed value for each published number.
+    ``findings``: receives the computed value for each published number. ``study``: not used here.
     """
     load, hertz = _hertz_of_example("contact")
     cube = float(np.cbrt(load))
@@ -619,7 +619,7 @@ def _compute_drag_torque(study: Study, findings: Findings) -> None:
 def drag_torque(study: Study, preload: float, mu: float) -> float:
     """Return the friction torque [N m] of a preloaded double nut of the size `DOUBLE` by the sliding of its balls.
 
-    ``preload``: axial force between both nuts [N]; ``mu``: coefficient of friction.
+    ``preload``: axial force between both nuts [N]; ``mu``: coefficient of friction. ``study``: solved scenes.
     """
     scene = study.scene(scene_name(DOUBLE))
     nut = replace(scene, loads=tuple(replace(x, force=(0.0, 0.0, preload)) for x in scene.loads))

@@ -71,7 +71,7 @@ def table_e3(findings: Findings, study: Study) -> None:  # noqa: ARG001 - every 
     """Compute the creep coefficients of Kalker's Table E3, for semi-axes ratios of 0.2, 1 and 5 and three Poisson's ratios.
 
     ``findings``: receives each coefficient, with its values on several grids as a remark. Poisson's ratios are 0, 0.25
-    and 0.5.
+    and 0.5. ``study``: not used here.
     """
     for one in coefficients():
         grids = ", ".join(f"{v:.4g}" for v in one.values)

@@ -92,7 +92,7 @@ def stored_run_times(study: Study, name: str, way: str) -> RunTimes:
     """Return the stored run times of one model for a scene; without any, the fields of the result are None or empty.
 
     ``name``: name of the scene; ``way``: model, "lin" (static model), "numerical" (friction model of two balls),
-    "formula" (Lin's formula for two balls) or "3D".
+    "formula" (Lin's formula for two balls) or "3D". ``study``: solved scenes and stored 3D results.
     """
     kept = study.once(times_of_page, "lin")
     found = study.reference(name) if name in STATIC.values() and way == "3D" else None

@@ -164,7 +164,7 @@ LIGHT, HEAVY = 1000.0, 5000.0
 def section_2(e: Findings, study: Study) -> None:  # noqa: ARG001 - every table takes the study
     """Compute the numbers and claims printed in section 2.1 and Table 2 of Liu et al. (2025).
 
-    ``e``: receives the computed value for each printed number, and whether each claim holds.
+    ``e``: receives the computed value for each printed number, and whether each claim holds. ``study``: not used here.
     """
     scene = liu_screw()
     track, balls, angle, lead = scene.track, scene.balls, scene.track.contact_angle, lead_angle(scene.track)
@@ -200,7 +200,7 @@ def compare_with_elimination() -> tuple[int, int, float]:
 def section_3(e: Findings, study: Study) -> None:  # noqa: ARG001 - every table takes the study
     """Compute the numbers and claims printed in section 3 of Liu et al. (2025).
 
-    ``e``: receives the computed value for each printed number, and whether each claim holds.
+    ``e``: receives the computed value for each printed number, and whether each claim holds. ``study``: not used here.
     """
     steps = max(solve_chain(calibrated_model(), x, 500.0).iterations for x in draw_errors(SEED, 0, FEW, ball_count(), 2e-6))
     same, rounds, worst = compare_with_elimination()
@@ -246,7 +246,7 @@ def mei_deviations(chain: Chain, errors: np.ndarray[tuple[int], np.dtype[np.floa
 def section_4_1(e: Findings, study: Study) -> None:  # noqa: ARG001 - every table takes the study
     """Compute the numbers and claims printed in section 4.1 of Liu et al. (2025).
 
-    ``e``: receives the computed value for each printed number, and whether each claim holds.
+    ``e``: receives the computed value for each printed number, and whether each claim holds. ``study``: not used here.
     """
     load = calibration_load()
     area = 1e6 * implied_area(26.0)
@@ -310,7 +310,7 @@ def first_carrying_loads() -> tuple[float, float]:
 def section_4_2(e: Findings, study: Study) -> None:  # noqa: ARG001 - every table takes the study
     """Compute the numbers and claims printed in section 4.2 of Liu et al. (2025).
 
-    ``e``: receives the computed value for each printed number, and whether each claim holds.
+    ``e``: receives the computed value for each printed number, and whether each claim holds. ``study``: not used here.
     """
     for name, error in (("minus", -2.0), ("plus", 2.0)):
         for load in (LIGHT, HEAVY):
@@ -413,7 +413,7 @@ def falls_with_range(quantity: Quantity, load: float) -> np.ndarray[tuple[int, .
 def section_4_3(e: Findings, study: Study) -> None:  # noqa: ARG001 - every table takes the study
     """Compute the numbers and claims printed in section 4.3 of Liu et al. (2025), by randomly drawn screws.
 
-    ``e``: receives the computed value for each printed number, and whether each claim holds.
+    ``e``: receives the computed value for each printed number, and whether each claim holds. ``study``: not used here.
     """
     for row in (f.printed for f in e.evidence()):
         if row.value is not None:
@@ -536,7 +536,7 @@ def agreement_by_load_step(rows: Sequence[Printed]) -> str:
 def section_4_4(e: Findings, study: Study) -> None:  # noqa: ARG001 - every table takes the study
     """Compute the numbers and claims printed in section 4.4 of Liu et al. (2025), by randomly drawn screws.
 
-    ``e``: receives the computed value for each printed number, and whether each claim holds.
+    ``e``: receives the computed value for each printed number, and whether each claim holds. ``study``: not used here.
     """
     bare, printed_K = e.printed("K_0_3000"), [f.printed for f in e.evidence() if f.printed.key.startswith("K_")]
     for row in printed_K:

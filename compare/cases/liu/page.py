@@ -173,7 +173,7 @@ def _compute_loads(study: Study, scene: Scene, chain: Chain, name: str, errors: 
     """Compute the contact loads of one screw under one axial load by Liu's axial, the beam and the refined model.
 
     ``chain``: axial model of the scene; ``name``: ball errors in words; ``errors``: errors of the ball diameters (78,)
-    [m]; ``load``: axial load [N].
+    [m]; ``load``: axial load [N]. ``study``: solved scenes.
     """
     changed = change_errors_and_load(scene, errors, load)
     beam, refined = (study.solve(changed, model).load[:, 0] for model in ("lin", "refined"))
@@ -242,7 +242,10 @@ def references(fresh: bool) -> Iterator[tuple[tuple[str, ...], tuple[int, ...]]]
 
 
 def model_loads_table(study: Study) -> Table:
-    """Return the table of contact loads of Liu's screw by the axial, the beam and the refined model, by ball errors."""
+    """Return the table of contact loads of Liu's screw by the axial, the beam and the refined model, by ball errors.
+
+    ``study``: solved scenes.
+    """
     rows: list[Row] = []
     for c in study.once(compare_models):
         row: Row = {"errors": c.errors, Quantity("load", "axial load", "N", ".0f"): c.load}
@@ -269,7 +272,10 @@ def model_loads_table(study: Study) -> Table:
 
 
 def errors_against_3d_table(study: Study) -> Table:
-    """Return the table of the low-order models' errors against the 3D reference, for scenes of Liu's screw."""
+    """Return the table of the low-order models' errors against the 3D reference, for scenes of Liu's screw.
+
+    ``study``: solved scenes.
+    """
     words = {"axial": "axial only", "lin": "beam model", "refined": "refined model"}
     rows: list[Row] = [
         {

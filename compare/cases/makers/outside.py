@@ -202,7 +202,10 @@ class ErrorStatistics:
 
 
 def bias_and_scatter(found: Sequence[Outside]) -> ErrorStatistics | None:
-    """Return the statistics of the errors of all judged values; None if no value is judged."""
+    """Return the statistics of the errors of all judged values; None if no value is judged.
+
+    ``found``: published values with the computed ones.
+    """
     judged = [x for x in found if not x.left]
     if not judged:
         return None
@@ -217,7 +220,8 @@ def bias_and_scatter(found: Sequence[Outside]) -> ErrorStatistics | None:
 def group_values(found: Iterable[Outside], *keys: str) -> dict[tuple[str, ...], list[Outside]]:
     """Group published values by fields of `Outside`, in the order in which they first occur.
 
-    ``keys``: names of these fields. The result has the values of a group by the tuple of the fields' values.
+    ``keys``: names of these fields. The result has the values of a group by the tuple of the fields' values. ``found``:
+    published values with the computed ones.
     """
     groups: dict[tuple[str, ...], list[Outside]] = {}
     for one in found:
@@ -233,7 +237,10 @@ NUMBER = Quantity("number", "outside values", "", ".0f")
 
 
 def statistics_by_quantity(found: Sequence[Outside]) -> dict[str, dict[Quantity, Cell]]:
-    """Return table cells with number, bias [%] and scatter [%] of the errors of all judged values, by quantity."""
+    """Return table cells with number, bias [%] and scatter [%] of the errors of all judged values, by quantity.
+
+    ``found``: published values with the computed ones.
+    """
     rows = {key: bias_and_scatter(values) for (key,), values in group_values(found, "quantity").items()}
     return {key: {NUMBER: s.number, BIAS: s.bias, SCATTER: s.scatter} for key, s in rows.items() if s is not None}
 
@@ -278,7 +285,10 @@ def summary_table(found: Sequence[Outside]) -> Table:
 
 
 def published_values_table(found: Sequence[Outside]) -> Table:
-    """Return the table of all published values, each with its computed value, band, error and verdict."""
+    """Return the table of all published values, each with its computed value, band, error and verdict.
+
+    ``found``: published values with the computed ones.
+    """
     rows: list[dict[Quantity | str, Cell]] = [
         {
             "quantity": x.quantity,

@@ -226,7 +226,10 @@ def drag_torque_table() -> Table:
 
 
 def errors_figure(found: Sequence[outside.Outside]) -> Figure:
-    """Draw the sorted errors against published values, one curve for each quantity with more than 20 values."""
+    """Draw the sorted errors against published values, one curve for each quantity with more than 20 values.
+
+    ``found``: published values with the computed ones.
+    """
     series = []
     for (quantity,), values in outside.group_values([x for x in found if not x.left and not x.scale], "quantity").items():
         if len(values) > 20:

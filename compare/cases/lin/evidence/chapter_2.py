@@ -127,7 +127,10 @@ def partition_elements(study: Study) -> int:
 
 
 def table_2_2(findings: Findings, study: Study) -> None:
-    """Compute the number of beam elements in Table 2.2 of Lin's thesis; ``findings``: receives it."""
+    """Compute the number of beam elements in Table 2.2 of Lin's thesis.
+
+    ``findings``: receives this number; ``study``: shipped scenes.
+    """
     findings.number("elements_proposed", float(partition_elements(study)), "12 outside + 3 of 15 mm inside + 12 outside")
 
 
@@ -243,6 +246,7 @@ def _compute_case_3(study: Study, findings: Findings) -> None:
     """Check Lin's claims on four-point contact and on the last balls in his case study 3, into ``findings``.
 
     In this case study the right end of the screw is displaced laterally, and the loads of the last balls rise most.
+    ``study``: solved scenes.
     """
     smallest = [float(study.solve(name).load.min()) for name in CASES[2:]]
     words = f"smallest load of any contact in all readings {min(smallest):.1f} N"
@@ -465,7 +469,8 @@ def section_4_3_2(findings: Findings, study: Study) -> None:
 def _check_claims_of_screw(study: Study, findings: Findings, screw: str) -> None:
     """Check the claims of section 4.3.2 of Lin's thesis on pitch and roundness errors for one screw, into ``findings``.
 
-    The claims are on two-point contact, uneven loads and unloaded balls; ``screw``: key of `SCREWS`.
+    The claims are on two-point contact, uneven loads and unloaded balls; ``screw``: key of `SCREWS`. ``study``: solved
+    scenes.
     """
     pitch, roundness = study.solve(f"lin-pitch-{screw}"), study.solve(f"lin-roundness-{screw}")
     third = [float(r.load[:, [1, 2]].max()) for r in (pitch, roundness)]

@@ -108,7 +108,7 @@ def force_and_loss_maps() -> PairMaps:
 def table_3_1(findings: Findings, study: Study) -> None:  # noqa: ARG001 - every table takes the study
     """Record the inputs of the rotary bearing in Table 3.1 of Lin's thesis.
 
-    ``findings``: receives the value for each number of the table.
+    ``findings``: receives the value for each number of the table. ``study``: not used here.
     """
     b = ROTARY
     values = {
@@ -186,7 +186,8 @@ def table_3_2(findings: Findings, study: Study) -> None:
 def table_3_3(findings: Findings, study: Study) -> None:  # noqa: ARG001 - every table takes the study
     """Compute inputs, worst case and claims of the linear bearing: Table 3.3 and section 3.3.4.1 of Lin's thesis.
 
-    ``findings``: receives the computed value for each printed number, and whether each claim holds.
+    ``findings``: receives the computed value for each printed number, and whether each claim holds. ``study``: not used
+    here.
     """
     b = LINEAR
     values = {
@@ -338,7 +339,7 @@ def straight_groove_contact(conformity: float, pressure: float) -> tuple[float, 
 def appendix_g(findings: Findings, study: Study) -> None:  # noqa: ARG001 - every table takes the study
     """Compute slope and linear range of the friction force over the offset of the spin pole: appendix G of Lin's thesis.
 
-    ``findings``: receives the computed value for each printed number.
+    ``findings``: receives the computed value for each printed number. ``study``: not used here.
     """
     pressure = MULTIPLE * YIELD
     ratio = straight_groove_contact(LINEAR.conformity, 1e6 * pressure)[0]

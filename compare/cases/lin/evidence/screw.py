@@ -151,7 +151,7 @@ def onset_of_ball_contact(study: Study, errors: str, idle: float) -> Onset:
 def given_3_6(findings: Findings, study: Study) -> None:  # noqa: ARG001 - every table takes the study
     """Record the inputs of the ball screw in Table 3.6 of Lin's thesis, as the scenes contain them.
 
-    ``findings``: receives the value for each number of the table, in the table's unit.
+    ``findings``: receives the value for each number of the table, in the table's unit. ``study``: not used here.
     """
     g = source_cases.groove_of_table_3_6()
     values = {
@@ -224,7 +224,7 @@ def _compare_force_with_ansys(findings: Findings, study: Study, case: str) -> No
     """Record the ball-to-ball force by the 3D rolling model in ``findings``, as the counterpart of Lin's ANSYS force.
 
     The remark states the force for both interpretations of the contact loads: the text as printed, and balls with the
-    inferred oversize. ``case``: "a" or "b" of Lin's Table 3.7.
+    inferred oversize. ``study``: stored 3D results; ``case``: "a" or "b" of Lin's Table 3.7.
     """
     scenes = source_cases.PAIR_SCENES[case], f"{source_cases.PAIR_SCENES[case]}-inferred"
     as_text, oversized = (source_cases.results_in_3d(study, scene).get("force 1-2 N") for scene in scenes)
@@ -284,7 +284,8 @@ def steps_sentence(amplitude: float) -> str:
 def section_3_4_4(findings: Findings, study: Study) -> None:  # noqa: ARG001 - every table takes the study
     """Compute inputs, numbers and claims of the simulation of the whole screw in section 3.4.4 of Lin's thesis.
 
-    ``findings``: receives the computed value for each printed number, and whether each claim holds.
+    ``findings``: receives the computed value for each printed number, and whether each claim holds. ``study``: not used
+    here.
     """
     base = source_cases.run_of_section_3_4_4()
     inputs = {
@@ -341,7 +342,7 @@ def _check_simulation_claims(findings: Findings) -> None:
 def table_4_2(findings: Findings, study: Study) -> None:  # noqa: ARG001 - every table takes the study
     """Record the inputs of the four-point and the double-row bearing in Table 4.2 of Lin's thesis.
 
-    ``findings``: receives the value for each number of the table, in the table's unit.
+    ``findings``: receives the value for each number of the table, in the table's unit. ``study``: not used here.
     """
     four, double = source_cases.four_point_bearing(tilt=False), source_cases.double_row_bearing(tilt=False)
     g = four.groove

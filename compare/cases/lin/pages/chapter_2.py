@@ -114,7 +114,10 @@ def choice_rows(found: Sequence[chapter_2.ModelChoice]) -> list[Row]:
 
 
 def load_table(study: Study) -> Table:
-    """Return the table of the contact loads of all case studies, with a row for each ball and a column for each flank."""
+    """Return the table of the contact loads of all case studies, with a row for each ball and a column for each flank.
+
+    ``study``: solved scenes.
+    """
     rows: list[Row] = [{"ball": i + 1} for i in range(32)]
     for name in chapter_2.CASES:
         r = study.solve(name)
@@ -129,7 +132,10 @@ def load_table(study: Study) -> Table:
 
 
 def summary_table(study: Study) -> Table:
-    """Return the table of largest and smallest load on each flank, balance of forces and residual, for all case studies."""
+    """Return the table of largest and smallest load on each flank, balance of forces and residual, for all case studies.
+
+    ``study``: solved scenes.
+    """
     rows: list[Row] = []
     for name in chapter_2.CASES:
         r = study.solve(name)
@@ -166,7 +172,10 @@ def largest_pair_difference(study: Study) -> float:
 
 
 def case_study_figures(study: Study) -> tuple[Figure, ...]:
-    """Draw contact loads of Lin's case studies 1 to 3 and the screw's centreline of cases 1 and 3."""
+    """Draw contact loads of Lin's case studies 1 to 3 and the screw's centreline of cases 1 and 3.
+
+    ``study``: solved scenes.
+    """
     case1, mei, nut = (study.solve("lin-case1", m) for m in ("lin", "mei", "mei-nut"))
     coarse = study.solve(study.changed("lin-case1", partition="source", section="groove squared"))
     case2 = study.solve("lin-case2")

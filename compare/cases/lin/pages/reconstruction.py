@@ -113,7 +113,7 @@ def _case_3_row(study: Study, model: str) -> Row:
     """Return the table row on Lin's case 3, in which the right end of the screw is displaced laterally.
 
     It names the supports of this end for which the displacement changes the contact loads as printed. ``model``: name of
-    the model of the contact loads.
+    the model of the contact loads. ``study``: solved scenes.
     """
     largest, right = [], []
     for reading in END_SUPPORTS:
@@ -300,7 +300,10 @@ def _range_in_words(values: Sequence[float], digits: int = 2) -> str:
 
 
 def penalty_paragraph(study: Study) -> str:
-    """Return the paragraph on contacts with a penalty in 3D: how much softer they are, and the influence of the mesh."""
+    """Return the paragraph on contacts with a penalty in 3D: how much softer they are, and the influence of the mesh.
+
+    ``study``: solved scenes and stored 3D results.
+    """
     soft = [(r, combined.relative_penalty_approach(study, (r,))) for r in SOLID if r.penalty]
     sizes = ", ".join(f"{r.label}: {100.0 * x / (1.0 + x):.0f} %" for r, x in soft)
     levels = PENALTY_LEVEL, PENALTY_LEVEL + 1
@@ -346,7 +349,10 @@ def scatter_paragraph(study: Study, found: list[combined.CombinationResult]) -> 
 
 
 def friction_paragraph(study: Study) -> str:
-    """Return the paragraph on the effect of the printed coefficient of friction in 3D, for rolling and sliding balls."""
+    """Return the paragraph on the effect of the printed coefficient of friction in 3D, for rolling and sliding balls.
+
+    ``study``: solved scenes and stored 3D results.
+    """
     scene, base = study.scene(CASES[0]), combined.loads_in_3d(study, ())
     changed = {r.key: combined.loads_in_3d(study, (r,)) for r in SOLID if r.choice == FRICTION}
     moved = {

@@ -102,6 +102,7 @@ def model_sizes(study: Study, name: str, way: str) -> tuple[str, str]:
 
     Both are numbers of elements, unknowns or cells, and empty if the model has none. ``name``: name of the scene;
     ``way``: "lin" (static model), "numerical" (friction model of two balls), "formula" (Lin's formula) or "3D".
+    ``study``: solved scenes.
     """
     if way == "lin":
         return printed_count("lin-2.2", "elements_proposed"), beam_element_count(study, name)
@@ -164,7 +165,7 @@ def table_3_4_extra_cells(study: Study) -> dict[str, Row]:  # noqa: ARG001 - eve
     """Return cells that are added to Lin's Table 3.4, by name of the printed number beside which they are shown.
 
     They are velocity deviations [%] under the contact loads that section 3.3.4.1 of the thesis assumes, equal at both
-    contacts of each diagonal.
+    contacts of each diagonal. ``study``: not used here.
     """
     found = {case: 100.0 * solve_linear_pair(loads="diagonal", mated=case == "b").free.deviation for case in "ab"}
     cells = {(case, k): float(value[k - 1]) for case, value in found.items() for k in (1, 2)}
@@ -175,7 +176,7 @@ def table_3_5_extra_cells(study: Study) -> dict[str, Row]:  # noqa: ARG001 - eve
     """Return cells that are added to Lin's Table 3.5, by name of the printed number beside which they are shown.
 
     They are printed differences from ANSYS [%], and the ball-to-ball force [N] under the contact loads that section
-    3.3.4.1 of the thesis assumes, equal at both contacts of each diagonal.
+    3.3.4.1 of the thesis assumes, equal at both contacts of each diagonal. ``study``: not used here.
     """
     low, ansys = (value_of("lin-3.5", f"a_force_{way}") for way in ("analytic", "ansys"))
     numerical: Row = {
@@ -186,7 +187,10 @@ def table_3_5_extra_cells(study: Study) -> dict[str, Row]:  # noqa: ARG001 - eve
 
 
 def table_3_7_extra_cells(study: Study) -> dict[str, Row]:  # noqa: ARG001 - every table takes the study
-    """Return cells that are added to Lin's Table 3.7, by name of the printed force: printed differences from ANSYS [%]."""
+    """Return cells that are added to Lin's Table 3.7, by name of the printed force: printed differences from ANSYS [%].
+
+    ``study``: not used here.
+    """
     return {f"lin-3.7:force_{case}": {SOURCES_OWN: value_of("lin-3.7", f"difference_{case}")} for case in SCREW}
 
 
@@ -194,6 +198,7 @@ def table_b_1_extra_cells(study: Study) -> dict[str, Row]:
     """Return cells that are added to Lin's Table B.1, by name of the printed number next to which they are shown.
 
     They are the correct values for the groove with which Lin computed the table; his Table 2.1 states another groove.
+    ``study``: solved scenes.
     """
     scene = with_groove(study.scene("lin-case1"), chapter_2.TABLE_CONFORMITY)
     return {f"lin-B1:{key}": {OTHER_GROOVE: value} for key, value in chapter_2.correct_table_b_1(scene).items()}
@@ -297,7 +302,7 @@ def load_figure(study: Study) -> Figure:
 def _case_1_marks(study: Study) -> list[Series]:
     """Return the curve of case 1's contact loads by Mei's model, and a line at the smallest load times the printed ratio.
 
-    The ratio is that of the largest to the smallest load.
+    The ratio is that of the largest to the smallest load. ``study``: solved scenes.
     """
     load = study.solve("lin-case1").load[:, 0]
     printed = value_of("lin-2.4.1", "case1_ratio") * float(load.min())
@@ -392,7 +397,7 @@ def case_study_rows(study: Study) -> Iterator[Row]:
 
 
 def case_study_table(study: Study) -> Table:
-    """Return the table of loads and errors of Lin's case studies by model."""
+    """Return the table of loads and errors of Lin's case studies by model; ``study``: solved scenes and 3D references."""
     title = "Lin's case studies: largest and smallest contact load and errors against 3D, by model"
     note = (
         "Case 3: the right end is held in x and y, as a bearing does; with x only, as the text says, loads change as "
@@ -475,6 +480,7 @@ def table_section(study: Study, layout: Layout, found: Mapping[str, Evidence]) -
     """Return the report's section on one table of Lin's thesis, or on the numbers in its sentences.
 
     ``layout``: rows and columns of the table in the thesis; ``found``: printed values with the computed ones, by name.
+    ``study``: solved scenes.
     """
     items: list[Table | Figure] = []
     if layout.kind == "inputs":
@@ -492,7 +498,7 @@ def table_section(study: Study, layout: Layout, found: Mapping[str, Evidence]) -
 
 
 def times_note(study: Study) -> str:
-    """Return the note on how printed and measured run times were obtained."""
+    """Return the note on how printed and measured run times were obtained; ``study``: stored run times."""
     kept = study.once(times_of_page, "lin")
     return (
         f"Printed: {MACHINE}. Ours, cold: a new process with empty caches, imports included; further: the next load case "

@@ -480,7 +480,8 @@ def _require_runs(study: Study, readings: Combination, level: int | None = None)
 def evaluate_combinations(study: Study) -> list[CombinationResult]:
     """Return load ratios and errors for each pair of a low-order and a 3D combination of interpretations.
 
-    The first result has all choices by default. Raises LookupError if a 3D result is not stored.
+    The first result has all choices by default. Raises LookupError if a 3D result is not stored. ``study``: solved scenes
+    and stored 3D results.
     """
     low = [(c, low_order_loads(study, c)) for c in low_order_combinations()]
     solid = [(c, loads_in_3d(study, c)) for c in combinations_in_3d()]

@@ -129,7 +129,7 @@ def end_thrusts_by_scene(study: Study, layout: Layout, place: float) -> EndThrus
 def _solve_layout_scene(study: Study, layout: Layout, place: float) -> EndThrusts:  # noqa: ARG001 - kept by the study
     """Solve the scene of an axis under a load at the nut; raises AssertionError if it does not converge.
 
-    ``place``: position of the nut over the length between the supports.
+    ``place``: position of the nut over the length between the supports. ``study``: not used here.
     """
     found = catalogue.shipped(layout.scene)
     if not isinstance(found, Assembly):
@@ -239,7 +239,7 @@ def row_loads_as_printed(kind: str, end: str, state: str, preload: tuple[float, 
 def section_4_1(e: Findings, study: Study) -> None:  # noqa: ARG001 - every table takes the study
     """Compute the stretch of the screw and the warming that relieves it: section 4.1 of Smith (1994).
 
-    ``e``: receives the computed value for each printed number.
+    ``e``: receives the computed value for each printed number. ``study``: not used here.
     """
     a = bearings.screw_axis()
     diameter = 2.0 * float(np.sqrt(a.area / np.pi))
@@ -339,7 +339,7 @@ def _compute_axis_stiffness(e: Findings, kind: str, as_scenes: str) -> None:
 def section_4_3(e: Findings, study: Study) -> None:  # noqa: ARG001 - every table takes the study
     """Compute the torque that the motor must supply: section 4.3 of Smith (1994).
 
-    ``e``: receives the computed value for each printed number.
+    ``e``: receives the computed value for each printed number. ``study``: not used here.
     """
     rows = {"ball": (3, value_of("smith-2.3", "M")), "taper": (2, value_of("smith-3", "M"))}
     e.number("nut", 18.0)
@@ -451,7 +451,7 @@ def _compute_reduced_preload(e: Findings) -> None:
 def chapter_5(e: Findings, study: Study) -> None:  # noqa: ARG001 - every table takes the study
     """Compute the numbers and claims printed in chapter 5 of Smith (1994).
 
-    ``e``: receives the computed value for each printed number, and whether each claim holds.
+    ``e``: receives the computed value for each printed number, and whether each claim holds. ``study``: not used here.
     """
     for fill in (
         _compute_drive,

@@ -180,6 +180,7 @@ def table_2_1(e: Findings, study: Study) -> None:  # noqa: ARG001 - every table 
     """Compute the Hertz contact parameters delta*, a*, b* of Smith's Table 2-1 by elliptic integrals.
 
     ``e``: receives the computed value for each number of the table, and whether each claim on the line contact holds.
+    ``study``: not used here.
     """
     for i, difference in enumerate(DIFFERENCES):
         e.number(f"F_{i}", difference)
@@ -299,7 +300,7 @@ def approach_fit_range() -> tuple[float, float, float]:
 def section_2_1(e: Findings, study: Study) -> None:  # noqa: ARG001 - every table takes the study
     """Compute the numbers and claims printed in Figure 2-10 and section 2.1.2 of Smith (1994).
 
-    ``e``: receives the computed value for each printed number, and whether each claim holds.
+    ``e``: receives the computed value for each printed number, and whether each claim holds. ``study``: not used here.
     """
     _compute_dimensions(e)
     _compute_loaded_cells(e)
@@ -315,7 +316,7 @@ def section_2_1(e: Findings, study: Study) -> None:  # noqa: ARG001 - every tabl
 def section_2_2(e: Findings, study: Study) -> None:  # noqa: ARG001 - every table takes the study
     """Compute the ball bearing's axial stiffness over thrust: Table 2-2 of Smith (1994).
 
-    ``e``: receives the computed value for each printed number, and whether each claim holds.
+    ``e``: receives the computed value for each printed number, and whether each claim holds. ``study``: not used here.
     """
     loads = [row.key.removeprefix("theory_") for row in load_table(e.table) if row.key.startswith("theory_")]
     measured, theory = (np.array([e.printed(f"{k}_{n}") for n in loads]) for k in ("measured", "theory"))
@@ -340,7 +341,7 @@ def section_2_2(e: Findings, study: Study) -> None:  # noqa: ARG001 - every tabl
 def section_2_3(e: Findings, study: Study) -> None:  # noqa: ARG001 - every table takes the study
     """Compute the friction torque of the ball bearing: section 2.3 of Smith (1994).
 
-    ``e``: receives the computed value for each printed number, and whether each claim holds.
+    ``e``: receives the computed value for each printed number, and whether each claim holds. ``study``: not used here.
     """
     b = ball_bearing()
     e.numbers({"nu": 1e6 * VISCOSITY, "n": SPEED / RPM, "f_0": 2.0, "F": BALL_TORQUE_LOAD / POUND, "Y_0": 0.3, "X_0": 0.5})
@@ -583,7 +584,7 @@ def _compute_taper_tests(e: Findings) -> None:
 def chapter_3(e: Findings, study: Study) -> None:  # noqa: ARG001 - every table takes the study
     """Compute the numbers and claims printed in chapter 3 of Smith (1994).
 
-    ``e``: receives the computed value for each printed number, and whether each claim holds.
+    ``e``: receives the computed value for each printed number, and whether each claim holds. ``study``: not used here.
     """
     _compute_taper_spreadsheet(e)
     _compute_taper_contacts(e)
