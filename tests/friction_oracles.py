@@ -5,8 +5,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.special import ellipe
 
+from rollbench.lowfi.friction.contact.equilibrium import SettledCell
 from rollbench.lowfi.friction.contact.laws import Contacts
-from rollbench.lowfi.friction.contact.rings import SettledCell
 from rollbench.lowfi.friction.linear.bearing import LinearBearing
 from rollbench.lowfi.friction.screw import motion
 from rollbench.lowfi.friction.screw.chain import PATIENCE, solve_joint

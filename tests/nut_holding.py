@@ -12,7 +12,7 @@ from tempfile import TemporaryDirectory
 import numpy as np
 
 from rollbench.compare.cases.external.evidence import scene_name
-from rollbench.compare.cases.external.holding import FILE, scenes_by_fixation
+from rollbench.compare.cases.external.page import FIXATION_FILE, scenes_by_fixation
 from rollbench.compare.models.model_form import axial_contact_force
 from rollbench.compare.reference.store import shipped_store
 from rollbench.compare.reference.tasks import needed_sides, settings_of
@@ -48,7 +48,7 @@ def solved(scene: Scene, first: Scene, level: int, cells: float, cache: Path) ->
 
 def main() -> None:
     """Solve all ways of all cases that are not yet there and write them."""
-    path = shipped_store() / FILE
+    path = shipped_store() / FIXATION_FILE
     rows = json.loads(path.read_text(encoding="utf-8")) if path.exists() else []
     with TemporaryDirectory() as cache:
         for size, level, cells in CASES:

@@ -1,4 +1,4 @@
 """Publications whose results are reproduced, one folder each; `rollbench.compare.case` describes their contents.
 
-To add one: `tests/acme.py` is a whole case in one page.
+An example of how to add one is `tests/acme.py`, which contains all parts of a case.
 """

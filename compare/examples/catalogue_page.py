@@ -8,7 +8,7 @@ import rollbench
 
 
 def main() -> rollbench.Result:
-    """Solve it and print displacement, rigidity, pressure and preload."""
+    """Solve the screw of the catalogue page, and print displacement, rigidity, pressure and preload."""
     result = rollbench.solve(Path(__file__).with_name("catalogue_page.toml"))
     if result.displacement is not None and result.rigidity is not None:
         print(f"displacement {1e6 * result.displacement[2]:.4g} um, rigidity {1e-6 * result.rigidity:.4g} N/um")

@@ -9,7 +9,10 @@ import rollbench
 
 
 def main(factor: float = 1.08) -> rollbench.Verdict:
-    """Write loads as a colleague's spreadsheet would, and judge them against the shipped 3D reference."""
+    """Write loads as a colleague's spreadsheet would, and judge them against the shipped 3D reference.
+
+    ``factor``: factor on the load of one contact. Returns the verdict, which is also printed.
+    """
     load = rollbench.solve("lin-case1").loads
     assert load is not None, "the scene converges"
     load[4] *= factor

@@ -110,7 +110,7 @@ PLACED = (
     ReportPart("liu", "liu", "cases.liu.page"),
     ReportPart("outside", "makers", "cases.makers.page"),
     ReportPart("external", "external", "cases.external.page", runs=True),
-    ReportPart("holding", "external", "cases.external.holding", runs=True),
+    ReportPart("holding", "external", "cases.external.page:fixation_section", runs=True),
     ReportPart("fit", "trust", "sections.fit", quick=True),
     ReportPart("notes", "trust", "sections.how_to_read:notes_section", quick=True, runs=True),
     ReportPart("verdicts", "entries", "sections.verdicts", runs=True),

@@ -87,7 +87,7 @@ def compute_references(study: Study, engine: Engine, step: Step, *, fresh: bool 
 
     if study.stores is None:
         return
-    from rollbench.compare.cases.liu.bodies import references as bodies_references
+    from rollbench.compare.cases.liu.page import references as liu_references
     from rollbench.compare.models.modelling import DEEP, UNSEEN
     from rollbench.compare.studies.crosscheck.study import find_references as checked_references
 
@@ -99,7 +99,7 @@ def compute_references(study: Study, engine: Engine, step: Step, *, fresh: bool 
         for name in VARIED:
             tasks += plan([study.scene(name)], (), (*all_variants(), *(refinements() if name == REFINED else ())))
         tasks += plan([study.scene(name) for name in UNSEEN], STUDIED)
-        for names, levels in (*checked_references(fresh), *bodies_references(fresh)):
+        for names, levels in (*checked_references(fresh), *liu_references(fresh)):
             tasks += plan([study.scene(name) for name in names], levels)
         tasks += plan([study.scene(name) for name in DEEP], (max(LEVELS),))
         tasks.sort(key=lambda task: -expected_cost(task).seconds)

@@ -19,16 +19,17 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from rollbench.lowfi.friction.contact.kernel_types import CellArrays
-from rollbench.lowfi.friction.contact.laws import Contacts, Sigmoid, equal_contacts
-from rollbench.lowfi.friction.contact.motion import (
+from rollbench.lowfi.friction.contact.equilibrium import (
     Motion,
     Problem,
+    SettledCell,
     balance_by_root,
     balance_by_sharpening,
     least_dissipation,
+    settle_cell,
 )
-from rollbench.lowfi.friction.contact.rings import SettledCell, settle_cell
+from rollbench.lowfi.friction.contact.kernel_types import CellArrays
+from rollbench.lowfi.friction.contact.laws import Contacts, Sigmoid, equal_contacts
 from rollbench.lowfi.friction.screw.groove import ON_SCREW, SIGN_X, SIGN_Z, Constants, ScrewGroove, section_frame
 from rollbench.lowfi.friction.screw.motion import Cell, ball_motion, bare_cell, settle_load
 from rollbench.lowfi.hertz import contact_modulus, hertz_constants
@@ -38,8 +39,8 @@ from rollbench.meshes.fields import keyed, usual
 #: Names of a ball's contacts: inner or outer ring, left or right.
 SIDES = ("IL", "IR", "OR", "OL")
 
-#: Order of a screw's contacts (SL, SR, NL, NR) that gives ``SIDES``; order of a screw's unknowns that gives those used
-#: here.
+#: Indices of a screw's contacts (SL, SR, NL, NR) in the order of ``SIDES``; indices of a screw's unknowns (omega_B,
+#: omega_x3, omega_y3, omega_z3) in the order of this module (omega_B, omega_x, omega_y, omega_z).
 AROUND, TURNS = [0, 1, 3, 2], [0, 3, 1, 2]
 
 #: Signs of the contacts' positions from the ball's centre along x and y; which contacts are on the inner ring.
@@ -94,10 +95,10 @@ class BallSolution:
 
 
 def bearing_load(bearing: Bearing, force_x: float, u_y: float) -> SettledCell:
-    """Return the contact loads of a ball between the rings, by the minimum of energy (`lowfi.friction.contact.rings`).
+    """Return the contact loads of a ball between the rings, by the minimum of elastic energy (`settle_cell`).
 
-    The contact forces are unique. A ball with clearance and without force has no unique position; that at the end of the
-    search is returned.
+    The contact forces are unique. A ball with clearance and without force has no unique position; the position at the end
+    of the search is then returned.
 
     Parameters
     ----------
@@ -110,7 +111,7 @@ def bearing_load(bearing: Bearing, force_x: float, u_y: float) -> SettledCell:
 
     Returns
     -------
-    Settled
+    SettledCell
         Contact loads ``(4,)`` [N], contact angles from the radial direction ``(4,)`` [rad], positions of the ball along x,
         y ``(2,)`` [m] and of the inner ring along x ``(1,)`` [m].
 
@@ -137,16 +138,16 @@ def bearing_load(bearing: Bearing, force_x: float, u_y: float) -> SettledCell:
 
 
 def contact_maps(bearing: Bearing, angles: Array) -> tuple[Array, Array]:
-    """Return the kinematics of a ball's contacts at the contact angles ``angles`` ``(4,)`` [rad].
+    """Return the linear relation between the motion of a ball and the motions of its four contacts with the rings.
 
-    The unknowns are the orbital speed omega_B and the ball's rotation omega_x, omega_y, omega_z [rad/s] relative to the
-    frame that rotates with the orbit.
+    ``angles``: contact angles ``(4,)`` [rad]. The unknowns are the orbital speed omega_B and the ball's rotation omega_x,
+    omega_y, omega_z [rad/s] relative to the frame that rotates with the orbit.
 
     Returns
     -------
     tuple[Array, Array]
-        Motions (vx, vz, spin) of the contacts by unit unknowns ``(4, 3, 4)``, and those imposed by the inner ring
-        ``(4, 3)``.
+        Motion of each contact, sliding vx, vz [m/s] and spin [rad/s], by unit of each unknown ``(4, 3, 4)``; then the
+        motion of each contact that the inner ring imposes while the ball does not move ``(4, 3)``.
 
     References
     ----------
@@ -157,7 +158,7 @@ def contact_maps(bearing: Bearing, angles: Array) -> tuple[Array, Array]:
 
 
 def ball_contacts(bearing: Bearing, load: SettledCell) -> Contacts:
-    """Return ellipses, loads and friction coefficients of a loaded ball's contacts; unloaded ellipses are tiny, not zero.
+    """Return ellipses, loads and friction coefficients of a ball's contacts; unloaded ones get a tiny ellipse, not zero.
 
     Parameters
     ----------
@@ -172,9 +173,9 @@ def ball_contacts(bearing: Bearing, load: SettledCell) -> Contacts:
 
 
 def motion_problem(bearing: Bearing, load: SettledCell, at: Contacts) -> Problem:
-    """Return the equations for a ball's motion at given contact loads and angles.
+    """Return the contacts, kinematics and forces that determine a ball's motion at given contact loads and angles.
 
-    The unknown omega_z is left out, because it is zero by symmetry.
+    The unknowns are omega_B, omega_x and omega_y [rad/s]. Omega_z is left out, because it is zero by symmetry.
 
     Parameters
     ----------
@@ -262,7 +263,7 @@ def solve_ball_as_printed(bearing: Bearing, force_x: float, u_y: float, law: Sig
 def solve_over_displacements(
     bearing: Bearing, force_x: float, u_y: Array, law: Sigmoid | None = None
 ) -> list[BallSolution]:
-    """Return the solutions of one ball for several radial displacements of the inner ring (Figure 3.7 of Lin's thesis).
+    """Return loads and friction of one ball for several radial displacements of the inner ring (Lin's Figure 3.7).
 
     Parameters
     ----------
@@ -293,7 +294,7 @@ class BallRow:
 
     #: Axial position [m].
     place: float
-    #: Whether its grooves have the contacts SL, SR, NL, NR (S: inner ring, N: outer ring; L, R: left and right flank).
+    #: Whether its grooves have the contacts SL, SR, NL, NR (S: inner ring, N: outer ring; L, R: left or right flank).
     contacts: tuple[bool, bool, bool, bool]
 
 
@@ -322,7 +323,10 @@ class BearingCase:
     def __post_init__(self) -> None:
         """Check that the lead is zero and that there are rows with balls; raise ValueError otherwise."""
         if self.groove.lead != 0.0 or self.count < 1 or not self.rows:
-            raise ValueError("a bearing needs zero lead, at least one row, and at least one ball in a row")
+            raise ValueError(
+                "a bearing needs zero lead, at least one row, and at least one ball in a row, "
+                f"got lead {self.groove.lead} m, {len(self.rows)} rows, {self.count} balls in a row"
+            )
 
 
 @dataclass(frozen=True)
@@ -362,9 +366,9 @@ def ring_motion_maps(case: BearingCase) -> Array:
 
 
 def bearing_cell(case: BearingCase, angle: float) -> Cell:
-    """Return geometry and load of all balls of a bearing whose force makes ``angle`` [rad] with its axis.
+    """Return all balls of a bearing between its rings, with the force on the inner ring, as data for `settle_load`.
 
-    ``case``: the bearing and its force.
+    ``case``: the bearing and the size of the force; ``angle``: angle of the force from the bearing's axis [rad].
     """
     g, rows = case.groove, ring_motion_maps(case)
     has = np.repeat(np.array([r.contacts for r in case.rows]), case.count, axis=0)
@@ -376,7 +380,9 @@ def bearing_cell(case: BearingCase, angle: float) -> Cell:
 
 
 def describe_free_motion(case: BearingCase, angle: float) -> str:
-    """Return a sentence part on a motion of the inner ring that the force drives and no contact resists; empty if none.
+    """Return a phrase that names a motion of the inner ring which the force drives and no contact resists.
+
+    The phrase is empty if there is no such motion.
 
     Parameters
     ----------
@@ -400,7 +406,7 @@ def describe_free_motion(case: BearingCase, angle: float) -> str:
 
 
 def solve_bearing(case: BearingCase, angle: float, near: BearingState | None = None) -> BearingState:
-    """Return contact loads, ball motions and friction torque of a bearing.
+    """Return contact loads, friction losses and friction torque of a bearing under a force on its inner ring.
 
     Parameters
     ----------
@@ -453,7 +459,7 @@ class TorqueCurve:
 
 
 def bearing_states(case: BearingCase, angle: Array) -> list[BearingState]:
-    """Return the states of a bearing at several angles of the force from its axis.
+    """Return contact loads and friction of a bearing at each of several angles of the force from its axis.
 
     The search at each angle starts from the state at the angle before.
 

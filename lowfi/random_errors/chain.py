@@ -54,7 +54,7 @@ LAWS: tuple[Law, ...] = ("constant", "implicit", "exact")
 
 @dataclass(frozen=True)
 class Chain:
-    """Ball screw under axial load as a sequence of balls that segments of screw and nut connect as springs.
+    """Ball screw under axial load: a sequence of balls, with segments of screw and nut as springs between them.
 
     Raises
     ------
@@ -83,11 +83,18 @@ class Chain:
     def __post_init__(self) -> None:
         """Check that the values are in range; raise ValueError otherwise."""
         if self.balls < 1 or self.stiffness <= 0.0 or self.compliance < 0.0 or self.groove_distance <= 0.0:
-            raise ValueError("balls, stiffness and groove distance must be positive, the compliance must not be negative")
+            raise ValueError(
+                "balls, stiffness and groove distance must be positive, the compliance must not be negative, "
+                f"got balls {self.balls}, stiffness {self.stiffness} N/m^1.5, groove_distance {self.groove_distance} m, "
+                f"compliance {self.compliance} m/N"
+            )
         if not 0.0 < self.contact_angle < 0.5 * np.pi or not 0.0 <= self.lead_angle < 0.5 * np.pi:
-            raise ValueError("contact angle must lie in (0, 90) deg, lead angle in [0, 90) deg")
+            raise ValueError(
+                "contact angle must lie in (0, 90) deg, lead angle in [0, 90) deg, "
+                f"got {np.degrees(self.contact_angle):g} and {np.degrees(self.lead_angle):g} deg"
+            )
         if self.law not in LAWS:
-            raise ValueError(f"law of the contact angle must be one of {', '.join(LAWS)}")
+            raise ValueError(f"law of the contact angle must be one of {', '.join(LAWS)}, got {self.law}")
         if self.spacing and (len(self.spacing) != self.balls - 1 or min(self.spacing) < 0.0):
             raise ValueError(f"{self.balls - 1} distances between neighbouring balls are needed, none of them negative")
 
@@ -98,7 +105,10 @@ class Chain:
 
     @property
     def parameters(self) -> Array:
-        """Values for compiled functions ``(5,)``: K, A, sine and cosine of the contact angle, cosine of the lead angle."""
+        """Constants for the kernels ``(5,)``: stiffness K [N/m^1.5], distance A [m], and three values of the angles.
+
+        These are sine and cosine of the contact angle without load, and the cosine of the lead angle.
+        """
         a = self.contact_angle
         return np.array([self.stiffness, self.groove_distance, np.sin(a), np.cos(a), np.cos(self.lead_angle)])
 
@@ -161,9 +171,12 @@ def check_errors(chain: Chain, errors: Array) -> Array:
     """
     e = np.ascontiguousarray(errors, dtype=float)
     if e.shape[-1:] != (chain.balls,) or not np.all(np.isfinite(e)):
-        raise ValueError(f"{chain.balls} finite errors are needed, one for each ball")
+        raise ValueError(f"{chain.balls} finite errors are needed, one for each ball, got an array of shape {e.shape}")
     if e.size and np.abs(e).max() >= 0.5 * chain.groove_distance:
-        raise ValueError("errors must be smaller than half the distance of the groove centres")
+        raise ValueError(
+            f"errors must be smaller than half the distance of the groove centres, {0.5 * chain.groove_distance:g} m, "
+            f"got up to {np.abs(e).max():g} m"
+        )
     return e
 
 
@@ -202,7 +215,7 @@ def solve_chain(chain: Chain, errors: Array, load: float, *, compiled: bool = Fa
     True
     """
     if not 0.0 < load < np.inf:
-        raise ValueError("the axial load on the ball screw must be positive")
+        raise ValueError(f"the axial load on the ball screw must be positive and finite, got {load} N")
     e, u, work = check_errors(chain, errors), np.empty(chain.balls), np.empty((3, chain.balls))
     k = kernels(RANDOM_ERRORS, compiled=compiled)
     law = LAWS.index(chain.law)
@@ -212,7 +225,7 @@ def solve_chain(chain: Chain, errors: Array, load: float, *, compiled: bool = Fa
 
 
 def end_ratio(chain: Chain, load: float) -> float:
-    """Return the contact load of the last ball over that of the first, for balls without errors.
+    """Return the contact load of the last ball over that of ball 1, where the load acts, for balls without errors.
 
     Parameters
     ----------
@@ -244,7 +257,8 @@ def calibrate_compliance(chain: Chain, ratio: float, load: float) -> Chain:
     """
     if not 0.0 < ratio < 1.0 or chain.balls < 2:
         raise ValueError(
-            "the ratio of the last ball's load to the first one's must lie in (0, 1); at least two balls are needed"
+            f"the ratio of the last ball's load to the first one's must lie in (0, 1), got {ratio}; at least two balls are "
+            f"needed, got {chain.balls}"
         )
     # scale: compliance at which the bodies stretch as much as a ball approaches, if all balls carry the same load
     share = load / (chain.balls * chain.slope)
@@ -254,7 +268,7 @@ def calibrate_compliance(chain: Chain, ratio: float, load: float) -> Chain:
         high *= 4.0
 
     def excess(scaled: float) -> float:
-        """Return by how much `end_ratio` exceeds the wanted ratio, for a compliance ``scaled`` by ``size``."""
+        """Return `end_ratio` less the required ratio, for the compliance ``scaled`` times ``size``."""
         return end_ratio(replace(chain, compliance=scaled * size), load) - ratio
 
     return replace(chain, compliance=float(brentq(excess, 0.0, high / size, xtol=1e-13)) * size)
@@ -277,12 +291,12 @@ def first_carrying_load(chain: Chain, errors: Array, ball: int, high: float) -> 
     Raises
     ------
     ValueError
-        The ball is still loose at the load ``high``.
+        The ball still carries no load at the axial load ``high``.
     """
     e = check_errors(chain, errors)
 
     def gap(load: float) -> float:
-        """Return the motion at the ball beyond the one at which it just touches [m]; negative if it is loose."""
+        """Return the axial motion at the ball less that at which it just touches [m]; negative if it has no contact."""
         return float(solve_chain(chain, e, load).motion[ball]) - start
 
     start = float(free_motion(chain, e[ball]))
@@ -294,9 +308,9 @@ def first_carrying_load(chain: Chain, errors: Array, ball: int, high: float) -> 
 
 
 def free_motion(chain: Chain, error: Array | float) -> Array:
-    """Return the axial motions at which balls with given errors [m] just touch [m], an array of the same shape.
+    """Return the axial motion of the nut at which each of several balls with errors just touches its grooves [m].
 
-    ``error``: oversize of each ball with its grooves along the contact normal [m], any shape.
+    ``error``: oversize of each ball with its grooves along the contact normal [m], any shape, which is that of the result.
     """
     e = np.asarray(error, dtype=float)
     if chain.law != "exact":
@@ -321,7 +335,7 @@ class Ensemble:
 
     #: Axial loads ``(L,)`` [N].
     loads: Array
-    #: Results of each screw under each load ``(n, L, 6)``; the last axis is in the order of ``QUANTITIES``.
+    #: Results of each screw under each load ``(n, L, 6)``; the last axis has the six ``QUANTITIES`` in their order.
     kept: Array
     #: Largest error of a ball's axial force over the axial load, of all screws and loads.
     residual: float
@@ -363,12 +377,16 @@ def draw_errors(seed: int, first: int, count: int, balls: int, half_range: float
 
 
 def solve_errors(chain: Chain, errors: Array, loads: Array) -> tuple[Array, Array]:
-    """Solve n ball screws with errors ``(n, M)`` [m] under L axial loads ``(L,)`` [N], by compiled functions.
+    """Solve n ball screws with errors of their M balls under L axial loads each, by compiled functions.
+
+    ``chain``: ball screw without errors; ``errors``: oversize of each ball ``(n, M)`` [m]; ``loads``: axial loads ``(L,)``
+    [N].
 
     Returns
     -------
     tuple[Array, Array]
-        Quantities in the order of ``QUANTITIES`` ``(n, L, 6)``, and residuals over the load ``(n, L)``.
+        Quantities in the order of ``QUANTITIES`` ``(n, L, 6)``, and the largest error of a ball's axial force over the load
+        ``(n, L)``.
 
     Raises
     ------
@@ -377,7 +395,7 @@ def solve_errors(chain: Chain, errors: Array, loads: Array) -> tuple[Array, Arra
     """
     f = np.ascontiguousarray(loads, dtype=float)
     if f.ndim != 1 or f.size == 0 or not np.all((f > 0.0) & np.isfinite(f)):
-        raise ValueError("all axial loads on the ball screws must be positive")
+        raise ValueError(f"all axial loads on the ball screws must be positive and finite, got {f.tolist()} N")
     e = check_errors(chain, errors)
     out = np.empty((len(e), f.size, len(QUANTITIES) + 1))
     k = kernels(RANDOM_ERRORS, compiled=True)
@@ -407,7 +425,7 @@ def solve_ensemble(
     seed
         Seed of the random numbers.
     chunk
-        Number of screws solved at a time; the result does not depend on it.
+        Number of screws that are solved together, which limits the memory; the result does not depend on it.
 
     Raises
     ------
@@ -416,7 +434,8 @@ def solve_ensemble(
     """
     if members < 1 or chunk < 1 or half_range < 0.0:
         raise ValueError(
-            "the numbers of screws (members, chunk) must be positive; half_range of errors must not be negative"
+            "the numbers of screws (members, chunk) must be positive; half_range of errors must not be negative, "
+            f"got members {members}, chunk {chunk}, half_range {half_range} m"
         )
     f = np.asarray(loads, dtype=float)
     kept, worst, failed = np.empty((members, f.size, len(QUANTITIES))), 0.0, 0

@@ -11,8 +11,8 @@ odd in the approach; the paper does not say so), and removes all balls with a ne
 
 The last round has the active set of the complementarity problem in `lowfi.random_errors.chain`. With tension allowed, the
 sum of forces H(u) is nowhere larger than without, and removing balls lowers H further. The solution of a round therefore
-lies above the true one in every component. A ball that is loose there is therefore loose in the true solution, and no ball
-is removed in error. The last round, in which no ball carries tension, solves the problem.
+lies above the true one in every component. A ball without contact there has no contact in the true solution either, so that
+no ball is removed in error. The last round, in which no ball carries tension, solves the problem.
 """
 
 from __future__ import annotations
@@ -26,9 +26,9 @@ from rollbench.lowfi.hertz import contact_approach, contact_force
 from rollbench.lowfi.random_errors.chain import Chain, check_errors
 from rollbench.meshes.arrays import Array
 
-#: Largest numbers of Newton steps in a round, and of halvings of a step.
+#: Largest number of Newton steps in a round of the elimination, and of halvings of a step.
 MAX_STEPS, MAX_HALVINGS = 100, 30
-#: Largest residual of the equations over the load.
+#: Residual of the equations over the load at which Newton's method ends.
 TOLERANCE = 1e-10
 
 
@@ -61,9 +61,10 @@ def _contact_angle_sine(chain: Chain, errors: Array, approach: Array) -> tuple[A
 
 
 def _motion_of_approach(chain: Chain, errors: Array, approach: Array) -> tuple[Array, Array]:
-    """Return the axial motion (A - B)/cos(lead) of the nut at every ball [m], and its derivative by the approach.
+    """Return the axial motion (A - B)/cos(lead) of the nut at every ball [m], and its derivative by the ball's approach.
 
-    ``errors``, ``approach``: oversize and approach of the k balls that are computed ``(k,)`` [m].
+    A and B are the terms of equation (17) of Liu et al. ``errors``, ``approach``: oversize and approach of the k balls that
+    are computed ``(k,)`` [m].
     """
     sine, turn = _contact_angle_sine(chain, errors, approach)
     if chain.law == "exact":
@@ -78,7 +79,7 @@ def _motion_of_approach(chain: Chain, errors: Array, approach: Array) -> tuple[A
 def _axial_forces(chain: Chain, errors: Array, approach: Array) -> tuple[Array, Array]:
     """Return the axial forces C(j) of the balls [N], odd in the approach, and their derivatives by the approach [N/m].
 
-    ``errors``, ``approach``: oversize and approach of the k balls that are computed ``(k,)`` [m].
+    Tension is allowed. ``errors``, ``approach``: oversize and approach of the k balls that are computed ``(k,)`` [m].
     """
     sine, turn = _contact_angle_sine(chain, errors, approach)
     root, lead = np.sqrt(np.abs(approach)), np.cos(chain.lead_angle)
@@ -159,7 +160,10 @@ def solve_by_elimination(chain: Chain, errors: Array, load: float) -> Eliminatio
     Liu et al. (2025), 14 to 24.
     """
     if chain.compliance <= 0.0 or not 0.0 < load < np.inf:
-        raise ValueError("Liu's elimination needs a compliance of screw and nut and a load, both above zero")
+        raise ValueError(
+            "Liu's elimination needs a compliance of screw and nut and a load, both above zero, "
+            f"got {chain.compliance} m/N and {load} N"
+        )
     e = check_errors(chain, errors)
     share = float(contact_approach(load / (chain.balls * chain.slope), chain.C))
     at = np.arange(chain.balls)

@@ -309,7 +309,7 @@ def printed_sides(scene: Scene) -> tuple[PrintedHertz, PrintedHertz]:
     ball = scene.balls.material
 
     def hertz_of(side: int, body: Material) -> PrintedHertz:
-        """Return the Hertz constants of one flank, whose body has a material."""
+        """Return the Hertz constants of one flank with Lin's mistakes; ``body``: material of the screw or nut."""
         modulus = contact_modulus(ball.youngs_modulus, ball.poissons_ratio, body.youngs_modulus, body.poissons_ratio)
         low, high = printed_radii(bare, drawn, side, gamma)[0]
         return printed_hertz(scene.balls.radius, (float(low), float(high)), modulus)

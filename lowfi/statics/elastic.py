@@ -77,12 +77,12 @@ class Elastic(OneSet):
         return a, 3 - a
 
     def iterate(self, from_linear: bool = True) -> Outcome:
-        """Solve with the present Hertz constants, from a linear start or else from the present state.
+        """Solve the equilibrium by Newton's method with the present Hertz constants.
 
         Parameters
         ----------
         from_linear
-            Whether to start from the linear solution.
+            Whether to start from the solution with linear springs for contacts, else from the present state.
         """
         if self.pair is not None:
             self.given.contacts.pair[:, 4] = self.problem.C[:, list(self.pair)].sum(axis=1)
@@ -185,7 +185,7 @@ class Elastic(OneSet):
 
 @dataclass(frozen=True, kw_only=True)
 class ElasticBuild(Build):
-    """Input of a ball screw's static problem with elastic bodies, from which it is built, and rebuilt with other flanks."""
+    """Input of a ball screw's static problem with elastic bodies; the problem is built from it, also with other flanks."""
 
     #: Method by which the compliance of screw, nut and balls is computed.
     backend: Backend = REFINED
@@ -211,7 +211,7 @@ class ElasticBuild(Build):
         """
         N = self.layout.z.size
         if N > LARGEST:
-            reason = f"balls.count gives {N} balls: the model with elastic bodies takes at most {LARGEST}; use model lin"
+            reason = f"balls.count gives {N} balls: elastic bodies are allowed with at most {LARGEST}; use the model lin"
             raise UnfitKey("balls.count", reason)
         response = response_of(problem, self.layout, self.backend, self.condensed, self.whole)
         shaft, ball, scale = response.shaft.under(problem), response.ball, scale_of(problem)
@@ -239,7 +239,7 @@ class ElasticBuild(Build):
         )
 
     def touched(self) -> str:
-        """Return the note that balls may touch flanks that were left out, so that all four flanks were solved."""
+        """Return the sentence for the result that balls may touch left-out flanks, so that all four flanks were solved."""
         return "two of the four flanks may touch balls in the solution without them: solved again with all four flanks"
 
 
@@ -405,7 +405,7 @@ class _System:
     """Equations of one solved specimen with elastic bodies, in which the ball radii of other specimens are put."""
 
     def __init__(self, elastic: Elastic) -> None:
-        """Store the solution as start for other specimens, and the contact terms that depend on the contact force."""
+        """Store the solution of ``elastic`` as start for other specimens, and terms that depend on the contact force."""
         self.elastic = elastic
         self.start = [array.copy() for array in elastic.state]
         self.local = elastic.given.contacts.local.copy()
@@ -454,7 +454,11 @@ class _System:
         return loads, outcome.residual, work
 
     def _place(self, radii: Array, offset: Array, closure: Array, C: Array) -> None:
-        """Write ball radii, distances and Hertz constants of a specimen into the kernels' arrays."""
+        """Write the data of a specimen into the kernels' arrays.
+
+        ``radii`` ``(N,)``: ball radii [m]; ``offset``, ``closure``: result of `centre_distances`; ``C`` ``(N, 4)``: Hertz
+        constants.
+        """
         elastic, problem = self.elastic, self.elastic.problem
         problem.geometry[..., :4], problem.geometry[..., 4] = offset, C
         problem.closure[:], problem.drawn.ball_radius[:] = closure, radii
@@ -471,10 +475,10 @@ class _System:
 
 
 def _work(elastic: Elastic) -> tuple[Array, Array, float]:
-    """Return coefficients of the work [J] that the external loads do on the motions where they act.
+    """Return coefficients of the work [J] that the external loads do on the motions of the points where they act.
 
-    The work is a linear function. The result holds its derivative by the forces of the balls on the c screw flanks
-    ``(2 c,)`` [J/N], its derivative by the amplitudes of the free motions ``(k,)``, and its constant part [J].
+    The work is a linear function. Entries: its derivative by the forces of the balls on the c screw flanks ``(2 c,)``
+    [J/N], its derivative by the amplitudes of the free motions ``(k,)`` [N], and its constant part [J].
     """
     problem, shaft, squeeze = elastic.problem, elastic.shaft, elastic.bodies.squeeze
     load = problem.load.ravel()

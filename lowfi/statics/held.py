@@ -117,7 +117,10 @@ def free_motions(problem: Problem) -> Mechanism:
 
 
 def _others(free: Array, pins: tuple[int, ...], arm: float) -> tuple[int, ...]:
-    """Return other degrees of freedom than ``pins`` that prevent all free motions ``(6, k)``; empty if there are none."""
+    """Return other degrees of freedom than ``pins`` that prevent all free motions ``(6, k)``; empty if there are none.
+
+    ``arm``: length [m] by which rotations are multiplied where they are compared with displacements.
+    """
     scaled = free * np.array([1.0, 1.0, 1.0, arm, arm, arm])[:, None]
     rest = [k for k in range(6) if k not in pins]
     others = tuple(rest[k] for k in pivots(scaled[rest].T))
@@ -126,7 +129,11 @@ def _others(free: Array, pins: tuple[int, ...], arm: float) -> tuple[int, ...]:
 
 
 def _name(free: Array, lead: float, arm: float) -> str:
-    """Return a description in words of the free motions ``(6, k)`` of the screw's section at the nut's centre."""
+    """Return a description in words of the free motions ``(6, k)`` of the screw's section at the nut's centre.
+
+    ``lead``: lead of the helix [m], 0 for a bearing; ``arm``: length [m] by which rotations are compared with
+    displacements.
+    """
     scaled = np.abs(free * np.array([1.0, 1.0, 1.0, arm, arm, arm])[:, None]).max(axis=1)
     if free.shape[1] == 1 and scaled[:2].max() + scaled[3:5].max() < 1e-6 * scaled.max():
         return "screw motion along the helix" if lead > 0.0 else "rotation about the screw's axis"
@@ -246,7 +253,8 @@ def opening(work: Array, approach: Any, held: Array) -> Array | None:
 def ran_away(motion: Callable[[], Array | None], body: str, opens: Callable[[Array], str]) -> Status:
     """Return the status of a body that moved without limit in the iteration.
 
-    The status is "not held" only if a linear program proves that the contacts cannot carry the load.
+    The status is "not held" only if a linear program proves that the contacts cannot carry the load; otherwise it is "not
+    converged".
 
     Parameters
     ----------

@@ -50,9 +50,9 @@ class BeamContacts(NamedTuple):
 
 
 class RowState(NamedTuple):
-    """State of the iteration with the motions of shaft nodes and other bodies as unknowns: motions, balls and contacts.
+    """State of the iteration that has the motions of shaft nodes and housings as unknowns: motions, balls and contacts.
 
-    Each of the r bodies has one row of six motions.
+    Each of the r bodies (shaft nodes, then moving housings) has one row of six motions.
     """
 
     #: Motions of the bodies (r, 6) [m, rad]: n nodes of the shaft, then the moving housings.
@@ -106,7 +106,7 @@ class Slopes(NamedTuple):
 
 
 class RowWorkspace(NamedTuple):
-    """Work arrays of the Newton iteration with the motions of shaft nodes and other bodies as unknowns."""
+    """Work arrays of the Newton iteration that has the motions of shaft nodes and housings as unknowns."""
 
     #: Derivatives of the energy.
     slopes: Slopes
@@ -123,7 +123,7 @@ class RowWorkspace(NamedTuple):
 
 
 class Options(NamedTuple):
-    """Parameters of the iteration in `lowfi.statics.kernel.descent` and of its end."""
+    """Parameters of the Newton iteration in `lowfi.statics.kernel.descent`: tolerance, limits and typical values."""
 
     #: Relative residual at which the iteration ends.
     tolerance: float
@@ -317,7 +317,7 @@ NO_ROLLERS = RollerContacts(np.zeros((0, 0)), np.zeros((0, 0)), np.zeros((0, 0))
 
 
 class BodyState(NamedTuple):
-    """State of the iteration with the contact forces of elastic bodies as unknowns: forces, free motions and contacts."""
+    """State of the iteration that has the contact forces as unknowns: forces, free motions of the bodies, and contacts."""
 
     #: Forces on the flanks (N, d) [N].
     phi: Array
@@ -378,7 +378,7 @@ class BodySystem(NamedTuple):
 
 
 class BodyWorkspace(NamedTuple):
-    """Work arrays of the Newton iteration with the contact forces of elastic bodies as unknowns."""
+    """Work arrays of the Newton iteration that has the contact forces on elastic bodies as unknowns."""
 
     #: Forces of the balls on the flanks (N, d) [N].
     f: Array

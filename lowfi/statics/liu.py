@@ -28,7 +28,7 @@ from rollbench.meshes.one_arc import distance_of_centres
 from rollbench.meshes.parts import Scene, UnfitKey
 from rollbench.meshes.section import screw_section
 
-#: Assumptions of every run of Liu's model.
+#: Assumptions of every result of Liu's model.
 ASSUMPTIONS = (
     "axial displacements only: no bending, no torsion, no lateral load or moment (Liu et al. 2025, 2.2)",
     "screw and nut are fixed and loaded at the same end of the row of balls, the one at the load (Liu et al. 2025, eq. 5)",
@@ -95,7 +95,7 @@ class Row:
 
 
 def row_of(scene: Scene, *, member: int = 0, law: Law = "implicit") -> Row:
-    """Return the balls of a single nut as the row of springs of Liu's axial model.
+    """Return the balls of a single nut as nonlinear springs between screw and nut, for Liu's axial model.
 
     Parameters
     ----------
@@ -271,7 +271,9 @@ def solve_liu(scene: Scene, *, member: int = 0, law: Law = "implicit", compiled:
 
 
 def sines(chain: Chain, errors: Array, state: ChainState) -> Array:
-    """Return the sine of the contact angle of every ball in Liu's model ``(M,)``; for unloaded balls of the nominal angle.
+    """Return the sine of the contact angle of every ball in Liu's model ``(M,)``.
+
+    An unloaded ball has the nominal contact angle.
 
     Parameters
     ----------
@@ -291,7 +293,10 @@ def sines(chain: Chain, errors: Array, state: ChainState) -> Array:
 
 
 def _screw_motion(row: Row, state: ChainState) -> Array:
-    """Return the axial motion of the screw at each ball along the load ``(M,)`` [m], with the nut's loaded end fixed."""
+    """Return the axial motion of the screw at each of the M balls along the load ``(M,)`` [m].
+
+    ``state``: solution of Liu's equations for the balls of ``row``. The nut's loaded end is fixed.
+    """
     lost = np.concatenate([[0.0], np.cumsum(-np.diff(state.motion))])
     return np.asarray(state.motion[0] - row.share * lost)
 
@@ -322,7 +327,7 @@ def _centreline(scene: Scene, row: Row, at_balls: Array, moved: Array) -> tuple[
 
 
 def _balance(applied: float, carried: float) -> Equilibrium:
-    """Return the check of axial equilibrium of the screw.
+    """Return the check of axial equilibrium of the screw in Liu's model.
 
     Parameters
     ----------

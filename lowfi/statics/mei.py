@@ -26,7 +26,7 @@ from rollbench.meshes.section import merge_stations, screw_section, tube_section
 
 #: Largest number of Newton steps.
 MAX_ITERATIONS = 100
-#: Assumptions of every run of Mei's model.
+#: Assumptions of every result of Mei's model.
 ASSUMPTIONS = (
     "axial displacements only: no bending, no torsion, no lateral load or moment (Mei et al. 2003; Lin 2.4.1)",
     "contact angles stay nominal; geometric errors count along the nominal contact normal",
@@ -69,14 +69,14 @@ def nut_bar(scene: Scene) -> float:
 
 
 def _bars(k: Array, order: NDArray[np.int64], stations: Array, stiffness: float) -> None:
-    """Add a row of bars to a stiffness matrix.
+    """Add the stiffness of bars in series to a stiffness matrix.
 
     Parameters
     ----------
     k
         Lower band of the stiffness matrix [N/m], changed in place.
     order
-        Unknowns at the ends of the bars.
+        Indices of the unknown axial motions at the ends of the bars.
     stations
         Axial positions of these ends [m].
     stiffness
@@ -91,7 +91,11 @@ def _bars(k: Array, order: NDArray[np.int64], stations: Array, stiffness: float)
 
 
 def _chain(scene: Scene, layout: BallLayout, member: int, *, elastic_nut: bool) -> _Chain:
-    """Return the arrays of Mei's model of a scene, for one specimen with random errors."""
+    """Return the arrays of Mei's model of a scene.
+
+    ``member``: number of the specimen with random errors; ``elastic_nut``: whether the nut is a row of bars too, else
+    rigid.
+    """
     drawn = specimen(scene, layout, member)
     _, closure = centre_distances(scene, drawn)
     constants = hertz_C(error_free(scene), drawn)
@@ -174,7 +178,10 @@ def _gradient(chain: _Chain, x: Array) -> tuple[Array, Array, Array]:
 
 
 def _newton(chain: _Chain) -> tuple[Array, int, float]:
-    """Minimise the convex energy by a regularised Newton iteration; return motions [m], steps and relative residual."""
+    """Minimise the convex energy of Mei's model by a regularised Newton iteration.
+
+    Returns the axial motions of all unknowns [m], the number of Newton steps, and the relative residual.
+    """
     x = np.where(chain.fixed, chain.prescribed, 0.0)
     free = ~chain.fixed
     total = max(float(np.abs(chain.load).sum()), 1e-300)

@@ -58,7 +58,7 @@ def beam_loads(scene: Scene, drawn: Specimen, layout: BallLayout, engine: Engine
     layout
         Positions of the balls.
     engine
-        Numerical kernels, as for `solve_static`.
+        Numerical kernels: ``"interpreted"``, ``"compiled"``, or ``"auto"``, which chooses by the number of balls.
     """
     known = centre_distances(scene, drawn)
     use = choose_sides(scene, drawn, known)
@@ -84,11 +84,11 @@ def elastic_loads(
     layout
         Positions of the balls.
     engine
-        Numerical kernels, as for `solve_static`.
+        Numerical kernels: ``"interpreted"``, ``"compiled"``, or ``"auto"``, which chooses by the number of balls.
     backend
         Method by which the compliance of screw, nut and balls is computed.
     whole
-        Function that computes the compliance of a screw or nut as a whole, see `body_compliance`.
+        Function that computes the compliance of one complete screw or nut, see `body_compliance`.
     """
     use = all_sides(scene) if drawn.profile.shape[1] else choose_sides(scene, drawn)
     parts = scene, drawn, layout, use, pick_engine(engine, layout.z.size)
@@ -96,7 +96,7 @@ def elastic_loads(
 
 
 def _loads(solved: Solution | UnrestrainedProblem) -> ContactLoads:
-    """Return the contact forces and angles of a solution; nan for a problem without equilibrium."""
+    """Return the contact forces and angles of a solution; forces and angles are nan for a problem without equilibrium."""
     if isinstance(solved, UnrestrainedProblem):
         C = solved.problem.C.copy()
         return ContactLoads(np.full(C.shape, np.nan), np.full(C.shape, np.nan), C, solved.status)
@@ -137,7 +137,7 @@ def nominal_contacts(scene: Scene, solved: StaticResult | None = None) -> int:
 
 @lru_cache(maxsize=256)
 def _contacts(scene: Scene) -> int:
-    """Return the number of loaded contacts of a nominal scene by the model lin, from a cache."""
+    """Return the number of loaded contacts of a nominal scene, computed by the model lin; the results are cached."""
     layout = ball_layout(scene)
     try:
         result = beam_loads(scene, specimen(scene, layout), layout)

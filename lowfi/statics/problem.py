@@ -123,7 +123,7 @@ def pack_geometry(
     use
         Which of the flanks SL, SR, NL, NR have contacts ``(4,)``.
     known
-        Result of `centre_distances` for these parts; None: computed here.
+        Distances and interferences of these parts as `centre_distances` returns them; None: computed here.
     """
     offset, closure = known or centre_distances(scene, drawn)
     n = offset.shape[0]
@@ -245,6 +245,8 @@ def wrench_rows(layout: BallLayout, r: Array) -> Array:
 def lever_arms(problem: Problem, centre: Array) -> Array:
     """Return the matrices from node motions to flank motions (`Problem.B`) for k specimens of a ball screw with errors.
 
+    The axes of the result are specimen, ball, screw flank (SL, SR), component in the section plane, and node motion.
+
     Parameters
     ----------
     problem
@@ -255,7 +257,7 @@ def lever_arms(problem: Problem, centre: Array) -> Array:
     Returns
     -------
     Array
-        ``(k, N, 2, 2, m)``.
+        ``(k, N, 2, 2, m)``, with m motions of one or two nodes.
     """
     parts = (problem.scene, replace(problem.drawn, centre=centre), problem.layout, None)
     B = np.zeros((len(centre), *problem.B.shape))
@@ -285,7 +287,10 @@ def _supports(scene: Scene, nodes: Array) -> tuple[NDArray[np.bool_], Array, Arr
         j = int(np.abs(nodes - support.at).argmin())
         for name, value in support.fixed:
             if fixed[j, FREEDOMS.index(name)]:
-                raise ValueError(f"two supports less than {1e6 * MERGE:g} um apart fix {name} at {1e3 * support.at:g} mm")
+                where = f"at {1e3 * support.at:g} mm"
+                raise ValueError(
+                    f"got two supports that fix {name} {where}; allowed: one within {1e6 * MERGE:g} um; remove one"
+                )
             fixed[j, FREEDOMS.index(name)] = True
             prescribed[j, FREEDOMS.index(name)] = value
     for x in scene.loads:
@@ -329,7 +334,7 @@ def build(
     section
         Cross-section of the screw; None: computed from the scene's dimensions (Lin C.8).
     known
-        Result of `centre_distances` for these parts; None: computed here.
+        Distances and interferences of these parts as `centre_distances` returns them; None: computed here.
 
     Raises
     ------
@@ -370,7 +375,7 @@ def build(
 
 
 def _nearest(nodes: Array, stations: Array) -> NDArray[np.int64]:
-    """Return the index of the nearest of the sorted nodes for each axial position."""
+    """Return for each axial position [m] the index of the nearest of the nodes, whose positions [m] are sorted."""
     j = np.clip(np.searchsorted(nodes, stations), 1, nodes.size - 1)
     return np.where(stations - nodes[j - 1] < nodes[j] - stations, j - 1, j).astype(np.int64)
 
@@ -384,7 +389,9 @@ def _rigid(
 ) -> Problem:
     """Return the static problem of a rigid screw, whose six motions are taken at the nut's centre.
 
-    The supports are linear constraints on these motions.
+    The supports are linear constraints on these motions. ``parts``: scene, dimensions with errors, ball positions, and
+    extra lever arms, as for `flank_rows`; ``use`` ``(4,)``: which flanks get contacts; ``geometry``, ``closure``: result of
+    `pack_geometry`; ``section``: cross-section of the screw.
 
     Raises
     ------

@@ -51,7 +51,10 @@ LENT = 0.25
 
 
 def by_ball(N: int, sides: int) -> NDArray[np.int64]:
-    """Return the permutation ``(N * sides * 2,)`` from the order (flank, ball, axis) to the order (ball, flank, axis)."""
+    """Return the permutation ``(N * sides * 2,)`` from the order (flank, ball, axis) to the order (ball, flank, axis).
+
+    ``N``: number of balls; ``sides``: number of flanks; axis: one of two components in the ball's section plane.
+    """
     return np.arange(sides * N * 2).reshape(sides, N, 2).swapaxes(0, 1).ravel()
 
 
@@ -127,7 +130,7 @@ class Compliance:
         return self.lending(self.lacks)
 
     def lending(self, lent: Array) -> tuple[Compliance, float]:
-        """Add compliance along the normals, and set eigenvalues that are still negative to zero.
+        """Return a copy with compliance added along the normals, in which remaining negative eigenvalues are set to zero.
 
         Rollers have no normal here; they move with the beam alone, whose compliance must not change. The negative
         eigenvalues are therefore those of the other contacts while the rollers do not move (`reduced`).
@@ -153,9 +156,10 @@ class Compliance:
         return Compliance(G, self.normals), max(0.0, -least)
 
     def positive(self, tangent: float) -> tuple[Compliance, Array, float]:
-        """Return the compliance without negative eigenvalues, what was added, and what was set to zero [m/N].
+        """Return the compliance without negative eigenvalues, as the function `positive` does.
 
-        See the function `positive`; ``tangent`` is the tangent compliance of a contact [m/N].
+        ``tangent``: tangent compliance of a contact [m/N]. Entries: the compliance; what was added to it along the normals
+        ``(n,)`` [m/N]; and the magnitude of the largest negative eigenvalue that was set to zero [m/N].
         """
         if self.is_positive:
             return self, np.zeros(len(self.normals)), 0.0
@@ -167,7 +171,8 @@ class Compliance:
 def reduced(G: Array, kept: NDArray[np.bool_]) -> Array:
     """Return the compliance of the ``kept`` degrees of freedom while all others are fixed (Schur complement).
 
-    The compliance of the others may be singular, since rollers on one node move together.
+    ``G`` ``(m, m)``: compliance matrix of all degrees of freedom [m/N]; ``kept`` ``(m,)``: truth values. The compliance of
+    the others may be singular, since rollers on one node move together.
     """
     if kept.all():
         return G
@@ -191,7 +196,10 @@ def _is_positive(G: Array) -> bool:
 
 
 def normals_of(geometry: Array) -> Array:
-    """Return the unit normals of contacts ``(..., 2)`` from their geometry ``(..., 9)`` (`lowfi.statics.kernel.ball`)."""
+    """Return the unit normals of contacts ``(..., 2)`` in the ball's section plane.
+
+    ``geometry`` ``(..., 9)``: contact data with the vector from groove centre to ball centre (`lowfi.statics.kernel.ball`).
+    """
     return np.asarray(geometry[..., :2] / np.maximum(geometry[..., 2:3], 1e-30))
 
 
@@ -248,7 +256,7 @@ class Response:
 
 @dataclass(frozen=True)
 class _Asked:
-    """Input of a compliance computation, as argument of the cache; inputs with equal ``key`` have the same result."""
+    """Input of a compliance computation, as argument of the cached function; equal ``key`` means an equal result."""
 
     key: tuple[object, ...]
     problem: Problem = field(compare=False)
@@ -274,7 +282,7 @@ def response_of(
     condensed
         Compliance condensed from a 3D model, in place of a computed one; None: computed.
     whole
-        Function that computes the compliance of a screw or nut as a whole, see `body_compliance`.
+        Function that computes the compliance of one complete screw or nut, see `body_compliance`.
     """
     if condensed is not None or whole is not whole_body or layout.z.size > KEPT:
         return _response(problem, layout, backend, condensed, whole)

@@ -208,7 +208,7 @@ class Solved(Answering):
         return self.status == "converged"
 
     def of_balls(self) -> tuple[StaticResult, ...]:
-        """Return the contact results of each ball nut and ball bearing."""
+        """Return the static result of each ball nut and ball bearing on the shaft."""
         return ()
 
     def answers(self) -> Self:
@@ -254,7 +254,7 @@ class StaticResult(Solved):
     )
 
     def of_balls(self) -> tuple[StaticResult, ...]:
-        """Return this result, as the only element of a tuple."""
+        """Return a tuple with this result as its only element."""
         return (self,)
 
 
@@ -373,7 +373,7 @@ class AxisResult(Solved):
     ANSWERS: ClassVar[tuple[str, ...]] = (*Solved.ANSWERS, "sets", "housings")
 
     def of_balls(self) -> tuple[StaticResult, ...]:
-        """Return the contact results of each ball nut and ball bearing."""
+        """Return the static result of each ball nut and ball bearing on the shaft."""
         return tuple(s.balls for s in self.sets if s.balls is not None)
 
     def without_answers(self) -> Self:
@@ -382,7 +382,7 @@ class AxisResult(Solved):
 
 
 def unknown(value: Any) -> Any:
-    """Return a placeholder for a value of a solution that did not converge.
+    """Return what replaces a value of a solution that did not converge.
 
     Numbers and arrays become nan, also within records and tuples; an `Equilibrium` becomes None.
     """

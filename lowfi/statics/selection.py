@@ -48,7 +48,7 @@ def choose_sides(scene: Scene, drawn: Specimen, known: tuple[Array, Array] | Non
     drawn
         Dimensions of the parts with their manufacturing errors.
     known
-        Result of `centre_distances` for these parts; None: computed here.
+        Distances and interferences of these parts as `centre_distances` returns them; None: computed here.
     """
     use = all_sides(scene)
     force = sum(load.force[2] for load in scene.loads)
@@ -146,7 +146,7 @@ def gaps(centres: Array, shift: Array, geometry: Array) -> Array:
     shift
         Motions of the flanks ``(k, N, 4, 2)`` [m].
     geometry
-        Geometry of the contacts ``(k, N, 4, 9)``, see ``kernel.ball``.
+        Contact data ``(k, N, 4, 9)``: nominal positions, approach and Hertz constant, see `lowfi.statics.kernel.ball`.
     """
     x, z = (centres[:, :, None, k] - shift[..., k] for k in range(2))
     wx, wz = geometry[..., 0], geometry[..., 1]
@@ -206,9 +206,7 @@ def _extreme(of_two: np.ufunc, values: Array) -> Array:
 
 
 def touched_sides(engine: ModuleType, problem: Problem, motion: Array, centres: Array, force: Array) -> Mask:
-    """Return which of all four flanks any ball would touch at the solution's screw motion ``(4,)``.
-
-    The equilibrium of each ball is solved with all four flanks, including those that the solution left out.
+    """Return which of all four flanks a ball would touch at the screw motion of the solution, as truth values ``(4,)``.
 
     Parameters
     ----------
@@ -244,7 +242,7 @@ def touched_sides(engine: ModuleType, problem: Problem, motion: Array, centres: 
 
 
 def describe_left_out(problem: Problem, mechanism: Mechanism, *, everything: bool) -> tuple[str, ...]:
-    """Return sentences that name the left-out parts of the model with the reasons.
+    """Return sentences for the result that name the parts which the model left out, with the reasons.
 
     Parameters
     ----------

@@ -60,12 +60,12 @@ class Scale(NamedTuple):
 
 
 def options_of(scale: Scale, arm: float, furthest: float, tolerance: float = TOLERANCE) -> Options:
-    """Return the parameters of the solver's iteration and of its end.
+    """Return the parameters of the kernels' Newton iteration: tolerance, limits, and typical stiffness and force.
 
     Parameters
     ----------
     scale
-        Typical force and stiffness of the problem.
+        Typical contact force and stiffness of the problem.
     arm
         Length [m] by which moments are divided where they are compared with forces.
     furthest
@@ -129,7 +129,7 @@ class Prepared(ABC):
     scale: float = 0.0
 
     def iterate(self, from_linear: bool = True) -> Outcome:
-        """Solve the equations with constant Hertz constants and lever arms.
+        """Solve the equilibrium by Newton's method while Hertz constants and lever arms stay constant.
 
         Parameters
         ----------
@@ -151,7 +151,7 @@ class Prepared(ABC):
 
     @abstractmethod
     def with_arms(self, arms: Sequence[Array]) -> Self:
-        """Return a copy with the present state and longer lever arms of the contacts.
+        """Return equations with changed lever arms of the contacts, which start from the present state.
 
         Parameters
         ----------
@@ -168,7 +168,7 @@ class Prepared(ABC):
         """Return the formulation, number of unknowns and assumptions of the model for the record of the solution."""
 
     def at_state(self, of: Prepared) -> Self:
-        """Copy the state of other equations ``of`` the same size into these, and return these."""
+        """Copy the state of the equations ``of``, which have the same size, into these equations; return these."""
         for mine, known in zip(self.state, of.state, strict=True):
             mine[:] = known
         return self
@@ -211,7 +211,7 @@ def settled(system: P, profile: bool = True) -> tuple[P, Outcome]:
 
 
 def least_residual(motions: float, stiffness: float, scale: float, problems: Iterable[Problem]) -> float:
-    """Return the relative residual that rounding errors leave in double precision.
+    """Return the relative residual that rounding errors of double precision leave at the solution.
 
     It is eight machine epsilons times the lengths whose difference is the approach, times the contact stiffness, divided by
     the largest force.
@@ -232,7 +232,7 @@ def least_residual(motions: float, stiffness: float, scale: float, problems: Ite
 
 
 def status_of(outcome: Outcome, bound: float, unheld: Callable[[], Status], far: bool = False) -> Status:
-    """Return whether a solve converged, and if not, the reason.
+    """Return the status of a solve: "converged", or else the kind of failure with its reason.
 
     Parameters
     ----------
@@ -303,6 +303,8 @@ def report_of(
 def follow_hertz(system: Prepared, outcome: Outcome) -> Outcome:
     """Update the Hertz constants to the actual contact angles and solve again, until they no longer change.
 
+    Returns the outcome of the last solve, with the iterations of all. ``system`` is left at the last state.
+
     Parameters
     ----------
     system
@@ -329,7 +331,8 @@ def follow_hertz(system: Prepared, outcome: Outcome) -> Outcome:
 def follow_profile(system: P, outcome: Outcome) -> tuple[P, Outcome]:
     """Update the lever arms to the centres of curvature at the contact points and solve again, until they no longer change.
 
-    If a flank deviates from a circular arc, its centre of curvature shifts by about the size of the deviation.
+    If a flank deviates from a circular arc, its centre of curvature shifts by about the size of the deviation. Returns the
+    equations with the last lever arms at their solution, and the outcome of the last solve.
 
     Parameters
     ----------
@@ -358,6 +361,8 @@ def uneven(problem: Problem) -> bool:
 
 def centre_shift(s: SetFlanks) -> Array:
     """Return the vector from the nominal arc's centre to the profile's centre of curvature at each loaded contact.
+
+    ``s``: contacts, ball centres and flank motions of one bearing or nut with N balls.
 
     Returns
     -------

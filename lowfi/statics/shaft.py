@@ -69,13 +69,13 @@ class Shaft:
     band: Array = field(repr=False)
 
     def under(self, problem: Problem) -> Shaft:
-        """Return a copy of the shaft with the loads and prescribed displacements of another problem."""
+        """Return a copy of this beam model with the loads and prescribed displacements of another ``problem``."""
         return replace(self, problem=problem, work=_work(problem, self.motions, self.pin))
 
     def solve(self, loads: Array) -> Array:
-        """Return the motions ``(6 n, c)`` of all nodes under c cases of nodal loads ``(6 n, c)``.
+        """Return the motions ``(6 n, c)`` [m, rad] of the n nodes under c cases of nodal loads ``(6 n, c)`` [N, N m].
 
-        Fixed and pinned degrees of freedom are zero.
+        The motions of fixed degrees of freedom are zero.
         """
         out = np.where(self.free[:, None], loads, 0.0)
         if self.free.any():
@@ -88,7 +88,7 @@ class Shaft:
         return free_state(self)
 
     def times(self, q: Array) -> Array:
-        """Return the nodal forces ``(6 n,)`` [N, N m] that nodal motions q ``(6 n,)`` [m, rad] require."""
+        """Return the nodal forces K q ``(6 n,)`` [N, N m]; K: stiffness matrix, q ``(6 n,)``: nodal motions [m, rad]."""
         out = self.band[0] * q
         for k in range(1, self.band.shape[0]):
             out[k:] += self.band[k, : q.size - k] * q[: q.size - k]
@@ -109,7 +109,10 @@ def unsupported_motions(problem: Problem) -> Array:
 
 
 def in_metres(problem: Problem) -> Array:
-    """Return factors ``(6,)`` from amplitudes in metres to motions: 1 for displacements, 1/pitch radius for rotations."""
+    """Return the factors ``(6,)`` that convert amplitudes in metres to motions of the screw.
+
+    They are 1 for the three displacements and 1/pitch radius [rad/m] for the three rotations.
+    """
     return np.repeat([1.0, 1.0 / problem.scene.track.pitch_radius], 3)
 
 
@@ -119,7 +122,10 @@ def pin_node(problem: Problem) -> int:
 
 
 def shaft_of(problem: Problem) -> Shaft:
-    """Return the beam model of a screw with its factored stiffness. A rigid screw has only its free rigid motions."""
+    """Return the beam model of a problem's screw with its factored stiffness matrix.
+
+    A rigid screw has no stiffness matrix, only the rigid motions that its supports leave free.
+    """
     if problem.basis is not None:
         motions = np.diag(in_metres(problem))[:, ~problem.fixed[0]]
         none, no = np.zeros(6, dtype=bool), np.zeros((0, 6, 6))
@@ -142,7 +148,10 @@ def shaft_of(problem: Problem) -> Shaft:
 
 
 def _work(problem: Problem, motions: Array, pin: int) -> Array:
-    """Return the work of the external loads on free rigid motions ``(6, k)``, per metre of amplitude ``(k,)`` [N]."""
+    """Return the work of the external loads on the k free rigid motions, per metre of amplitude ``(k,)`` [N].
+
+    ``motions`` ``(6, k)``: the motions at the node with the number ``pin``.
+    """
     if problem.basis is not None:
         return np.asarray(problem.load[0] @ motions)
     at_pin = np.einsum("nij,ni->j", rigid_transport(problem.nodes - problem.nodes[pin]), problem.load)
@@ -150,9 +159,10 @@ def _work(problem: Problem, motions: Array, pin: int) -> Array:
 
 
 def _factor(band: Array, free: NDArray[np.bool_]) -> Array:
-    """Return the factor of a beam's stiffness matrix, given as lower band ``(6 n, 12)``, see `kernel.matrices`.
+    """Return the factor of a beam's stiffness matrix, see `kernel.matrices`.
 
-    Degrees of freedom that are not ``free`` are decoupled and get a unit diagonal.
+    ``band`` ``(6 n, 12)``: lower band of the matrix; ``free`` ``(6 n,)``: whether a degree of freedom is free. The others
+    are decoupled and get a unit diagonal.
     """
     kept = band.copy()
     for k in range(1, band.shape[1]):
@@ -171,7 +181,8 @@ def rows_of(problem: Problem, used: list[int]) -> tuple[NDArray[np.int64], Array
     problem
         Static problem of N balls.
     used
-        Screw flanks in use, out of 0 and 1. The c = N len(used) flanks at the balls are ordered flank after flank.
+        Numbers of the screw flanks in use, 0 for SL and 1 for SR. The c = N len(used) flanks at the balls are ordered: all
+        balls of the first of these numbers, then all balls of the second.
     """
     m = problem.B.shape[3]
     dof = [6 * problem.node[:, s, None] + np.arange(m) for s in used]
@@ -186,12 +197,12 @@ def flank_response(shaft: Shaft, used: list[int]) -> tuple[Array, Array]:
     shaft
         The beam with k free rigid motions.
     used
-        Screw flanks in use, out of 0 and 1, at all balls: c flanks.
+        Numbers of the screw flanks in use, 0 for SL and 1 for SR; with all balls there are c flanks.
 
     Returns
     -------
     tuple[Array, Array]
-        Compliance ``(2 c, 2 c)`` [m/N], and motions per metre of free motion ``(2 c, k)``.
+        Compliance ``(2 c, 2 c)`` [m/N] of the flanks, and their motions per metre of each free rigid motion ``(2 c, k)``.
     """
     problem = shaft.problem
     dof, rows = rows_of(problem, used)
@@ -211,7 +222,11 @@ def flank_response(shaft: Shaft, used: list[int]) -> tuple[Array, Array]:
 
 
 def flank_motions_by_loads(shaft: Shaft, used: list[int]) -> Array:
-    """Return the motions ``(2 c,)`` [m] of the c screw flanks in use by external loads and prescribed displacements."""
+    """Return the motions ``(2 c,)`` [m] of c screw flanks by external loads and prescribed displacements.
+
+    ``used``: numbers of the screw flanks in use (0: SL, 1: SR). There are c = len(used) x number of balls flanks, all balls
+    of the first number first, with two components in the ball's section plane each.
+    """
     problem = shaft.problem
     dof, rows = rows_of(problem, used)
     if problem.basis is not None:
@@ -239,7 +254,7 @@ def free_state(shaft: Shaft) -> tuple[Array, Array]:
 
 
 def rigid_nodes(shaft: Shaft) -> Array:
-    """Return the motions of all nodes per metre of each free rigid motion ``(6 n, k)``."""
+    """Return the motions ``(6 n, k)`` [m, rad] of all n nodes per metre of each of the k free rigid motions."""
     z = shaft.problem.nodes
     return np.asarray((rigid_transport(z - z[shaft.pin]) @ shaft.motions).reshape(6 * z.size, -1))
 
@@ -265,12 +280,19 @@ def node_motions(shaft: Shaft, loads: Array, amplitudes: Array) -> Array:
 
 
 def node_forces(shaft: Shaft, loads: Array) -> Array:
-    """Return the forces and moments ``(n, 6)`` [N, N m] on the beam's nodes at the motions of `node_motions`."""
+    """Return the forces and moments ``(n, 6)`` [N, N m] on the beam's nodes that keep the motions of `node_motions`.
+
+    ``loads`` ``(6 n,)`` [N, N m]: nodal loads besides the external ones, as for `node_motions`.
+    """
     return shaft.times(shaft.by_loads[1] + shaft.solve(loads[:, None])[:, 0]).reshape(-1, 6)
 
 
 def flank_loads(problem: Problem, forces: Array, used: list[int]) -> Array:
-    """Return the nodal loads ``(6 n,)`` [N, N m] equivalent to the forces ``(c, 2)`` [N] on the screw's flanks in use."""
+    """Return the nodal loads ``(6 n,)`` [N, N m] equivalent to the contact forces ``(c, 2)`` [N] on the screw's flanks.
+
+    ``used``: numbers of the screw flanks in use (0: SL, 1: SR). The c flanks are all balls of the first of these numbers,
+    then all balls of the second.
+    """
     dof, rows = rows_of(problem, used)
     out = np.zeros(6 * problem.nodes.size)
     np.add.at(out, dof, np.einsum("cak,ca->ck", rows, forces))
@@ -282,7 +304,7 @@ Ints = NDArray[np.int64]
 
 @dataclass(frozen=True)
 class Stretch:
-    """Part of the shaft under one nut or bearing, which deforms beyond the rigid sections of a beam."""
+    """Part of the shaft under one nut or bearing, whose cross-sections deform, unlike the rigid sections of a beam."""
 
     #: Indices of its flanks' motions among those of all flanks ``(m,)``.
     flanks: Ints
@@ -314,16 +336,17 @@ class Inside:
     flanks: int
 
     def _moves(self, x: Stretch) -> tuple[Array, Ints]:
-        """Return the motions ``(m, 6, 6)`` of the first m nodes per unit jump at a stretch's cut, and nodes of the flanks.
+        """Return the motions of the first m nodes per unit jump at the cut of the stretch ``x``, and nodes of the flanks.
 
-        The second array holds, for each flank of the stretch, the number of the first node above it.
+        The first array ``(m, 6, 6)`` has the axes node, motion of the node and component of the jump. The second array
+        holds for each flank of the stretch the number of the first node above it.
         """
         nodes = self.problem.nodes
         z = nodes[: x.cut + 1] if loaded_beyond(self.problem, x.cut) else nodes
         return rigid_transport(z - nodes[x.cut]), np.searchsorted(z, x.stations - MERGE)
 
     def by_flanks(self, pushes: Array) -> Array:
-        """Return the motions ``(6 n,)`` [m, rad] of the shaft's nodes by the forces on the flanks ``(2 c,)`` [N]."""
+        """Return the motions ``(6 n,)`` [m, rad] of the n nodes by the forces ``pushes`` ``(2 c,)`` [N] on the c flanks."""
         out = np.zeros((self.problem.nodes.size, 6))
         for x in self.stretches:
             moves, first = self._moves(x)
@@ -335,7 +358,7 @@ class Inside:
         return out.ravel()
 
     def by_loads(self, loads: Array) -> Array:
-        """Return the motions of the flanks ``(2 c, k)`` under k cases of nodal loads ``(6 n, k)``.
+        """Return the motions ``(2 c, k)`` [m] of the c flanks under k cases of nodal loads ``(6 n, k)`` [N, N m].
 
         By Maxwell's reciprocity the coefficients are those of `by_flanks`.
         """
@@ -393,7 +416,10 @@ class Squeeze:
         return replace(self, moved=moved, given=self.bent @ wrench)
 
     def node_loads(self, pushes: Array) -> Array:
-        """Return the nodal loads ``(6 n,)`` [N, N m] equivalent to the jumps by forces on the flanks ``(2 c,)`` [N]."""
+        """Return the nodal loads ``(6 n,)`` [N, N m] equivalent to the jumps at the cuts that forces on the flanks cause.
+
+        ``pushes`` ``(2 c,)`` [N]: forces on the c flanks of the shaft, two components each.
+        """
         return np.asarray(self.wrenches.T @ (self.jumps @ pushes + self.given))
 
     def with_inside(self, motion: Array, pushes: Array, fixed: NDArray[np.bool_]) -> Array:
@@ -440,7 +466,7 @@ def stretch_of(
     backend
         Method by which the compliance of the shaft is computed.
     used
-        Screw flanks in use, out of 0 and 1.
+        Numbers of the screw flanks in use, 0 for SL and 1 for SR.
     balls
         Indices of its balls among all balls of the problem.
     """
@@ -511,7 +537,7 @@ def squeezed(shaft: Shaft, used: Sequence[int], stretches: Sequence[Stretch], st
     shaft
         The beam.
     used
-        Screw flanks in use, out of 0 and 1.
+        Numbers of the screw flanks in use, 0 for SL and 1 for SR.
     stretches
         Parts of the shaft under nuts and bearings.
     strain

@@ -104,7 +104,7 @@ def scale_of(problem: Problem) -> Scale:
 
 @dataclass(kw_only=True)
 class OneSet(Prepared):
-    """Equations of a single ball nut or ball bearing for the numerical kernels, whichever bodies are elastic."""
+    """Equations of a single ball nut or ball bearing for the kernels: base class for rigid and for elastic bodies."""
 
     #: Arrays of the contact problem.
     problem: Problem
@@ -117,7 +117,10 @@ class OneSet(Prepared):
         return (self.problem,)
 
     def with_arms(self, arms: Sequence[Array]) -> Self:
-        """Return a copy with the present state and longer lever arms of the contacts, see `Prepared.with_arms`."""
+        """Return equations with changed lever arms of the contacts, which start from the present state.
+
+        ``arms``: in its only element, the lengths ``(N, 4, 2)`` [m] added to the lever arms of N balls.
+        """
         longer: Any = self.build.ready(self.build.problem(arms[0]))
         longer.problem.C[:] = self.problem.C
         return longer.at_state(self)  # type: ignore[no-any-return]
@@ -168,7 +171,10 @@ class Beam(OneSet):
         return least_residual(motion, most, self.scale, [problem])
 
     def solved(self) -> SolvedState:
-        """Return motions, contact forces and support reactions: the gradient of the energy at the fixed freedoms."""
+        """Return motions, contact forces and support reactions at the solution.
+
+        The reactions are the gradient of the energy at the fixed degrees of freedom.
+        """
         problem, gradient, force = self.problem, np.zeros(self.state.q.shape), self.force.copy()
         motion, centre, normal = self.state.q.copy(), self.state.p.copy(), self.state.contact[..., 1:3].copy()
         if problem.basis is None:
@@ -217,7 +223,7 @@ def prepare(problem: Problem, engine: ModuleType, *, tolerance: float = TOLERANC
 
 @dataclass(frozen=True)
 class Build:
-    """Input of a ball screw's static problem, from which it is built, and rebuilt with other flanks or lever arms."""
+    """Input of a ball screw's static problem; the problem is built from it, also with other flanks or lever arms."""
 
     #: Scene: screw, nut, balls, supports and loads.
     scene: Scene
@@ -259,15 +265,15 @@ class Build:
         return found if held is None else replace(found, fixed=held[0], prescribed=held[1], pins=held[2])
 
     def holding(self, pinned: Problem) -> Self:
-        """Return a copy of this input with the fixed degrees of freedom of another problem."""
+        """Return a copy of this input with the fixed degrees of freedom of the problem ``pinned``."""
         return replace(self, held=(pinned.fixed, pinned.prescribed, pinned.pins))
 
     def ready(self, problem: Problem) -> OneSet:
-        """Return the equations of the problem for the numerical kernels."""
+        """Return the equations of the problem for the numerical kernels, with an initial state."""
         return prepare(problem, self.engine, build=self)
 
     def touched(self) -> str:
-        """Return the note that balls touch flanks that were left out, so that all four flanks were solved."""
+        """Return the sentence for the result that balls touched left-out flanks, so that all four flanks were solved."""
         names = ", ".join(name for name, used in zip(SIDES, self.use, strict=True) if not used)
         return f"flanks {names} touch balls in the solution without these flanks: solved again with all four flanks"
 
@@ -290,7 +296,7 @@ class Solution(NamedTuple):
 
     @property
     def status(self) -> Status:
-        """Return whether the solver converged, and if not, the reason."""
+        """Return the status of the solve: "converged", or else the kind of failure with its reason."""
         return status_of(self.outcome, self.system.round_off(), partial(runaway_status, self.system.problem))
 
 
@@ -486,9 +492,10 @@ def pin(problem: Problem, mechanism: Mechanism, other: bool = False) -> Problem:
 
 
 def runaway_status(problem: Problem) -> Status:
-    """Return the status of a screw that moved far away in the iteration.
+    """Return the status of a screw that moved without limit in the iteration.
 
-    The status is "not held" only if a linear program proves that contacts and supports cannot carry the load.
+    The status is "not held" only if a linear program proves that contacts and supports cannot carry the load; otherwise it
+    is "not converged".
     """
     from rollbench.lowfi.statics.held import describe_motion, opening_motion, ran_away
 

@@ -21,7 +21,7 @@ from rollbench.meshes.arrays import Array
 from rollbench.meshes.parts import FREEDOMS, Load, Scene, Support
 from rollbench.meshes.section import BeamSection
 
-#: Assumptions of every run of Lin's low-order model.
+#: Assumptions of every result of Lin's low-order model.
 MODEL_ASSUMPTIONS = (
     "the nut is rigid and fixed, apart from the Hertzian contacts (Lin 2.3.1)",
     "sections of the screw stay plane and rigid; the shaft is a straight Timoshenko beam (Lin 2.18)",
@@ -84,15 +84,19 @@ def stations_of(length: float, nodes: tuple[float, ...]) -> Array:
 
 @lru_cache(maxsize=8)
 def _shapes(length: float, nodes: tuple[float, ...], section: BeamSection) -> tuple[Array, NDArray[np.int64], Array]:
-    """Return the axial positions of `stations_of`, and the beam's `motion_matrices` there, from a cache of eight."""
+    """Return where a screw's centreline is reported, and how the motions there follow from those of the beam's nodes.
+
+    Entries: axial positions of `stations_of` ``(k,)`` [m]; first of the two nodes at each, and matrices, as
+    `motion_matrices` returns them. The last eight results are cached.
+    """
     stations = stations_of(length, nodes)
     return stations, *motion_matrices(stations, np.array(nodes), section)
 
 
 def contact_geometry(solved: SolvedState) -> tuple[Array, Array]:
-    """Return the contact points on the undeformed flanks [m], and unit vectors of the forces on the balls, in space.
+    """Return the contact points on the undeformed flanks [m], and the unit vectors of the contact forces on the balls.
 
-    Both arrays have shape ``(N, 4, 3)``.
+    Both arrays have the shape ``(N, 4, 3)``: balls, flanks SL, SR, NL, NR, and coordinates of the scene.
     """
     problem, normal = solved.problem, solved.normal
     layout = problem.layout
@@ -235,7 +239,8 @@ def balance_of(sums: Sequence[Array], size: float, arm: float, noise: tuple[floa
     Parameters
     ----------
     sums
-        Force and moment about the origin ``(6,)`` [N, N m] of external loads, support reactions, contact forces and pins.
+        Force and moment about the origin ``(6,)`` [N, N m] of external loads, support reactions, contact forces and pins,
+        in this order. Pins are degrees of freedom that the model fixes although no support does.
     size
         Largest force of the solution [N].
     arm
@@ -327,7 +332,7 @@ def where_not_unique(status: Status, warnings: Sequence[Warned]) -> Status:
 def contacts_of(
     solved: SolvedState, z: Array, motion: Array, report: SolverReport, *, both_ways: bool = False
 ) -> StaticResult:
-    """Return the result of a solve with loads, angles and points of all contacts, still without name and equilibrium.
+    """Return a static result with loads, angles and points of all contacts, without model name and check of equilibrium.
 
     Parameters
     ----------

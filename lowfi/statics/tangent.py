@@ -103,7 +103,7 @@ def tangent_stiffness(
     """
     if not 0.0 <= station <= scene.screw.length:
         length = f"{1e3 * scene.screw.length:g} mm"
-        raise ValueError(f"the position {1e3 * station:g} mm is not on the screw, which reaches from 0 to {length}")
+        raise ValueError(f"the position of the section must lie on the screw, from 0 to {length}, got {1e3 * station:g} mm")
     layout = ball_layout(scene)
     drawn = specimen(scene, layout, member)
     every = condensed is not None or "kernel" in (backend.screw, backend.nut) or drawn.profile.shape[1] > 0
@@ -119,7 +119,7 @@ def tangent_stiffness(
 
 
 def _condensed(solved: Any, clamped: Any, station: float) -> Array:
-    """Return the stiffness K ``(6, 6)`` of equation (1).
+    """Return the tangent stiffness K ``(6, 6)`` [N/m, N, N m] of equation (1) of this module.
 
     Parameters
     ----------

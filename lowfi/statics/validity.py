@@ -37,7 +37,7 @@ OVERLAP = 1e-9
 
 
 def warnings_of(solved: SolvedState, gamma: Array, z: Array, motion: Array) -> tuple[Warned, ...]:
-    """Return all warnings that a static solution leaves the model's range of validity.
+    """Return all warnings that a static solution lies outside the model's range of validity.
 
     Parameters
     ----------
@@ -84,7 +84,7 @@ def ends_of_arc(scene: Scene) -> str:
 
 
 def _places(problem: Problem, force: Array, gamma: Array, shift: Array) -> list[Warned]:
-    """Return warnings of contacts or contact ellipses that lie beyond the groove's arc, and of balls that move far.
+    """Return warnings of contacts or contact ellipses beyond the edge of the groove's arc, and of balls that move far.
 
     Parameters
     ----------

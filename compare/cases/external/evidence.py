@@ -63,48 +63,53 @@ PREFIX = "external-"
 
 
 def read_inputs() -> dict[str, Any]:
-    """Read the inputs of all external cases from ``cases.toml``; quantities with units remain text."""
+    """Read the inputs of all external cases from ``cases.toml``, by name of the case; quantities with units remain text."""
     return files.shipped_table("cases/external/cases.toml")
 
 
 def read_input(case: str, key: str, quantity: str) -> float:
-    """Read an input of an external case and convert it to SI; ``quantity``: such as "force" or "length".
+    """Read one input of an external case and convert it to SI units.
 
+    ``case``: name of the case; ``key``: name of the input; ``quantity``: kind of quantity, such as "force" or "length".
     Raises KeyError for an unknown case or key.
     """
     return parse_quantity(read_inputs()[case][key], quantity)
 
 
 def assumptions() -> dict[str, tuple[str, ...]]:
-    """Return the assumptions, as sentences, of each external case that has no scene file, by name of the case."""
+    """Return the assumptions of each external case that no scene file describes, as sentences, by name of the case."""
     return {name: tuple(table["assumed"]) for name, table in read_inputs().items() if "assumed" in table}
 
 
 def shipped_assembly(name: str) -> Assembly:
-    """Return the shipped scene ``external-NAME``: a shaft with bearing rows or nuts.
+    """Return the shipped scene ``external-NAME``, a shaft with bearing rows or nuts; ``name``: last part of its name.
 
     Raises AssertionError for a scene of another kind.
     """
     found = catalogue.shipped(PREFIX + name)
     if not isinstance(found, Assembly):
-        raise AssertionError(f"{PREFIX}{name}: expected a scene of a shaft with bearing rows or nuts")
+        raise AssertionError(f"{PREFIX}{name}: expected a shaft with bearing rows or nuts, got {type(found).__name__}")
     return found
 
 
 def solve_bearing(study: Study, name: str) -> tuple[AxisResult, SetResult]:
-    """Solve the shipped scene ``external-NAME`` of one bearing row between rigid rings, once per study.
+    """Solve the shipped scene ``external-NAME`` of one bearing row between rigid rings by the beam model.
 
-    Returns the result of the shaft, and that of its bearing row.
+    ``study``: keeps the result, so that each scene is solved once; ``name``: last part of the scene's name. Returns the
+    result of the shaft, then that of its bearing row.
     """
     result = study.once(_solve_assembly, name)
     return result, result.sets[0]
 
 
 def _solve_assembly(study: Study, name: str) -> AxisResult:  # noqa: ARG001 - kept by the study
-    """Solve the shipped scene ``external-NAME`` by the beam model; raises AssertionError if it does not converge."""
+    """Solve the shipped scene ``external-NAME`` by the beam model; raises AssertionError if it does not converge.
+
+    ``study``: not used; ``name``: last part of the scene's name.
+    """
     result = run_model(shipped_assembly(name), "lin")
     if not result.converged:
-        raise AssertionError(f"{PREFIX}{name}: {result.status}")
+        raise AssertionError(f"{PREFIX}{name}: expected convergence, got status {result.status!r}")
     return result
 
 
@@ -116,18 +121,19 @@ ANY = (0.53, 0.56)
 
 
 def _shaft_motion(found: AxisResult, station: float, freedom: str) -> float:
-    """Return the displacement [m] or rotation [rad] of the shaft at the computed section nearest to an axial position [m].
+    """Return the displacement [m] or rotation [rad] of the shaft at the computed section nearest to an axial position.
 
-    ``freedom``: "ux" to "rz".
+    ``found``: result of the shaft; ``station``: axial position [m]; ``freedom``: "ux", "uy", "uz", "rx", "ry" or "rz".
     """
     place = int(np.abs(found.centreline_z - station).argmin())
     return float(found.centreline[place, FREEDOMS.index(freedom)])
 
 
 def deep_groove_bearing(findings: Findings, study: Study) -> None:
-    """Compute displacements and lives of the deep-groove ball bearing that the program MASTA computed.
+    """Compute displacements and lives of the deep-groove ball bearing that was also computed by the program MASTA.
 
-    Rigid rings; the inner ring moves along each load only. Lives refer to the load rating that MASTA was given.
+    The rings are rigid, and the inner ring moves along each load only. Lives refer to the load rating that MASTA was
+    given. ``findings``: receives the computed value for each published number; ``study``: keeps solved scenes.
     """
     rated = read_input("masta", "rating", "force")
     for key, name, freedom, unit in (
@@ -145,7 +151,10 @@ def deep_groove_bearing(findings: Findings, study: Study) -> None:
 
 
 def bearing_218(findings: Findings, study: Study) -> None:
-    """Compute contact angle, displacement and ball load of the textbooks' 218 bearing under thrust (Jones, Harris)."""
+    """Compute contact angle, displacement and ball load of the textbooks' 218 bearing under thrust (Jones, Harris).
+
+    ``findings``: receives the computed value for each published number; ``study``: keeps solved scenes.
+    """
     result, ring = solve_bearing(study, "harris-218")
     assert ring.balls is not None
     angle, moved = float(np.degrees(ring.balls.contact_angle[0, 0])), 1e6 * _shaft_motion(result, ring.of.position, "uz")
@@ -159,7 +168,8 @@ def bearing_218(findings: Findings, study: Study) -> None:
 def half_load_zone(findings: Findings, study: Study) -> None:
     """Compute the load distribution of a bearing whose load zone is half the circumference (Sjövall).
 
-    By a row of many balls, and the thrust by load-distribution integrals.
+    The ball loads are computed with a row of many balls, the thrust by load-distribution integrals. ``findings``:
+    receives the computed value for each published number; ``study``: keeps solved scenes.
     """
     for key, name in (("radial", "sjovall-radial"), ("combined", "sjovall-combined")):
         ring = solve_bearing(study, name)[1]
@@ -194,9 +204,10 @@ def _preloaded_pair(bearing: BallBearing, preload: float) -> BearingSet:
 
 @cache
 def gmn_rigidity(name: str, which: str, conformity: float) -> float:
-    """Return the axial rigidity [N/um] of a preloaded pair of GMN's bearings ``name``: twice that of one row.
+    """Return the axial rigidity [N/um] of a preloaded pair of GMN's bearings, which is twice that of one bearing row.
 
-    ``which``: preload class, such as "light"; ``conformity``: groove radius over ball diameter.
+    ``name``: size of the bearing; ``which``: preload class "light", "medium" or "strong"; ``conformity``: groove radius
+    over ball diameter.
     """
     row = read_inputs()["gmn"]["rows"][name]
     one = BallRow(_catalogue_bearing("gmn", row, conformity))
@@ -204,9 +215,9 @@ def gmn_rigidity(name: str, which: str, conformity: float) -> float:
 
 
 def gmn_rigidity_growth_ratios(conformity: float) -> np.ndarray[tuple[int, ...], np.dtype[np.float64]]:
-    """Return for each bearing pair the growth of rigidity from light to strong preload, computed over printed by GMN.
+    """Return the computed growth of rigidity from light to strong preload over the growth that GMN prints, for each pair.
 
-    ``conformity``: groove radius over ball diameter.
+    The result has one ratio for each size of bearing; ``conformity``: groove radius over ball diameter.
     """
     out = []
     for name in read_inputs()["gmn"]["rows"]:
@@ -217,7 +228,11 @@ def gmn_rigidity_growth_ratios(conformity: float) -> np.ndarray[tuple[int, ...],
 
 
 def gmn_rigidities(findings: Findings, study: Study) -> None:  # noqa: ARG001 - every table takes the study
-    """Compute the rigidities printed in GMN's catalogue for preloaded pairs of a series of spindle bearings."""
+    """Compute the rigidities printed in GMN's catalogue for preloaded pairs of a series of spindle bearings.
+
+    ``findings``: receives the computed rigidity for each printed one, and whether the claim on their growth with preload
+    holds. ``study``: not used here.
+    """
     inferred = float(read_inputs()["gmn"]["conformity"])
     for name in read_inputs()["gmn"]["rows"]:
         for which in CLASSES:
@@ -228,7 +243,10 @@ def gmn_rigidities(findings: Findings, study: Study) -> None:  # noqa: ARG001 - 
 
 
 def gmn_rms_percent() -> float:
-    """Return the RMS error [%] of the computed rigidities of bearing pairs against those printed by GMN (class "band")."""
+    """Return the RMS error [%] of the computed rigidities of bearing pairs against those printed by GMN.
+
+    Only printed values of class "band" count, whose agreement is judged within a stated band.
+    """
     inferred = float(read_inputs()["gmn"]["conformity"])
     rows = [(r.key.rsplit("_", 1), r.value) for r in load_table("external-gmn") if r.cls == "band" and r.value is not None]
     off = [float(error_percent(gmn_rigidity(name, which, inferred), value)) for (name, which), value in rows]
@@ -236,9 +254,10 @@ def gmn_rms_percent() -> float:
 
 
 def snfa_rigidities(findings: Findings, study: Study) -> None:  # noqa: ARG001 - every table takes the study
-    """Compute rigidity, its growth with preload and lift-off load of a preloaded pair in SNFA's catalogue.
+    """Compute rigidity, its growth with preload, and lift-off load of a preloaded bearing pair in SNFA's catalogue.
 
-    The catalogue keeps contact angles constant ("as printed"); the correct values let them change under load.
+    The catalogue keeps contact angles constant ("as printed"); in the correct values they change under load.
+    ``findings``: receives both values for each printed number. ``study``: not used here.
     """
     case = read_inputs()["snfa"]
     row = [1e3 * read_input("snfa", k, "length") for k in ("pitch_diameter", "ball_diameter")]
@@ -257,7 +276,11 @@ def snfa_rigidities(findings: Findings, study: Study) -> None:  # noqa: ARG001 -
 
 
 def constant_angle_rigidity(bearing: BallBearing, preload: float) -> float:
-    """Return the rigidity [N/m] of a bearing pair at its preload [N] at a constant contact angle: 3 F/u, as F ~ u^(3/2)."""
+    """Return the rigidity [N/m] of a preloaded bearing pair whose contact angle stays constant under load.
+
+    ``preload``: axial force F [N] between the bearings. With the displacement u of one bearing, F ~ u^(3/2), so the
+    rigidity of the pair is 3 F/u.
+    """
     rest = thrust_state(bearing, 1e-9 * bearing.ball_diameter)
     sin = float(np.sin(bearing.free_angle))
     u = float(rest.inner.C + rest.outer.C) * float(np.cbrt(preload / (bearing.balls * sin))) ** 2 / sin
@@ -265,7 +288,7 @@ def constant_angle_rigidity(bearing: BallBearing, preload: float) -> float:
 
 
 def constant_angle_lift_off() -> float:
-    """Return lift-off load over preload of a bearing pair at constant contact angles: 2^(3/2)."""
+    """Return lift-off load over preload of a bearing pair, 2^(3/2), for contact angles that stay constant under load."""
     return float(2.0**1.5)
 
 
@@ -280,9 +303,9 @@ SCENE, PRELOAD, FORCE = "external-thk-bnf-4010-5", 5000.0, 3000.0
 
 
 def mean_speed_of_duty_cycle(case: str) -> float:
-    """Return the mean speed [rpm] of a duty cycle with the phases (speeds, times) of a maker's example.
+    """Return the mean speed [rpm] of a duty cycle that has the speeds and times of a maker's example.
 
-    ``case``: name of the example among the external cases.
+    ``case``: name of the example in ``cases.toml``.
     """
     given = read_inputs()[case]
     phases = zip(given["speeds"], given["time"], strict=True)
@@ -294,9 +317,9 @@ def mean_speed_of_duty_cycle(case: str) -> float:
 
 
 def equivalent_force_of_duty_cycle(case: str) -> float:
-    """Return the equivalent mean force of a duty cycle with the phases of a maker's example, in the unit of its forces.
+    """Return the equivalent mean force of a duty cycle that has the phases of a maker's example, in the unit of its forces.
 
-    ``case``: name of the example among the external cases.
+    ``case``: name of the example in ``cases.toml``.
     """
     given = read_inputs()[case]
     turned = np.array(given["speeds"], dtype=float) * np.array(given["time"], dtype=float)
@@ -304,7 +327,11 @@ def equivalent_force_of_duty_cycle(case: str) -> float:
 
 
 def equivalent_loads(findings: Findings, study: Study) -> None:
-    """Compute makers' examples of equivalent loads: mean forces, halves of a preloaded nut, factors e, X, Y of bearings."""
+    """Compute makers' examples of equivalent loads.
+
+    These are mean forces of duty cycles, forces and life of both halves of a preloaded nut, and factors e, X and Y of
+    bearings. ``findings``: receives the computed value for each printed number; ``study``: shipped scenes.
+    """
     for key, case in EXAMPLES.items():
         findings.number(key, equivalent_force_of_duty_cycle(case))
     findings.number("speed_rexroth", mean_speed_of_duty_cycle("rexroth"))
@@ -340,7 +367,10 @@ ONSET_STEPS = 20
 
 
 def ball_of_bearing(findings: Findings, study: Study) -> None:  # noqa: ARG001 - every table takes the study
-    """Compute Hertz contact of one ball of NSK's screw-support bearing at the published load and contact angle."""
+    """Compute the Hertz contacts of one ball of NSK's screw-support bearing at the published ball load and contact angle.
+
+    ``findings``: receives contact angle, approaches and semi-axes for the published numbers. ``study``: not used here.
+    """
     parts = shipped_assembly("nsk-25bswz01").sets[0].parts
     assert isinstance(parts, Scene)
     d, steel, track = 2.0 * parts.balls.radius, parts.nut.material, parts.track
@@ -359,7 +389,10 @@ def ball_of_bearing(findings: Findings, study: Study) -> None:  # noqa: ARG001 -
 
 
 def sphere_on_plane(findings: Findings, study: Study) -> None:  # noqa: ARG001 - every table takes the study
-    """Compute the contact radius of an elastic sphere on a rigid plane, Ansys's verification case 63."""
+    """Compute the contact radius of an elastic sphere on a rigid plane, Ansys's verification case 63.
+
+    ``findings``: receives the contact radius [mm]. ``study``: not used here.
+    """
     radius = read_input("vm63", "radius", "length")
     modulus = read_input("vm63", "youngs_modulus", "pressure") / (1.0 - read_inputs()["vm63"]["poissons_ratio"] ** 2)
     found = hertz_constants(np.array(1.0 / radius), np.array(1.0 / radius), modulus)
@@ -367,9 +400,10 @@ def sphere_on_plane(findings: Findings, study: Study) -> None:  # noqa: ARG001 -
 
 
 def _example_contact(case: str) -> tuple[float, tuple[float, float], float, float]:
-    """Return load [N], relative radii [m], Young's modulus [Pa] and Poisson's ratio of an example of the program CONTACT.
+    """Return the inputs of the normal contact in an example of the program CONTACT.
 
-    The relative radii are those along and across the rolling direction; ``case``: name of the example.
+    First: load [N]; second: relative radii [m] along and across the rolling direction; third: Young's modulus [Pa];
+    fourth: Poisson's ratio. ``case``: name of the example.
     """
     poisson, shear = read_inputs()[case]["poissons_ratio"], read_input(case, "shear_modulus", "pressure")
     radii = (read_input(case, "along", "length"), read_input(case, "across", "length"))
@@ -377,7 +411,7 @@ def _example_contact(case: str) -> tuple[float, tuple[float, float], float, floa
 
 
 def _hertz_of_example(case: str) -> tuple[float, HertzConstants]:
-    """Return load [N] and Hertz's constants of an example of the program CONTACT."""
+    """Return load [N], then Hertz's constants of the contact in an example of the program CONTACT; ``case``: its name."""
     load, radii, young, poisson = _example_contact(case)
     modulus = contact_modulus(young, poisson, young, poisson)
     return load, hertz_constants(np.array(1.0 / radii[0]), np.array(1.0 / radii[1]), modulus)
@@ -385,7 +419,7 @@ def _hertz_of_example(case: str) -> tuple[float, HertzConstants]:
 
 @dataclass(frozen=True)
 class ExampleResult:
-    """Computed results of the rolling example of the program CONTACT (lateral creepage and spin)."""
+    """Computed results of the steady-rolling example of the program CONTACT, which has lateral creepage and spin."""
 
     #: Lateral force over mu P.
     lateral: float
@@ -401,10 +435,10 @@ class ExampleResult:
 
 @lru_cache(maxsize=8)
 def solve_example(cells: int, *, by_cells: bool = False) -> ExampleResult:
-    """Solve the rolling example of the program CONTACT with lateral creepage and spin.
+    """Solve the steady-rolling example of the program CONTACT, which has lateral creepage and spin.
 
-    ``cells``: number of cells along each axis of the grid; ``by_cells``: whether with CONTACT's differences over one cell,
-    on CONTACT's grid.
+    ``cells``: number of cells of the grid along each axis; ``by_cells``: whether to use CONTACT's grid and its difference
+    scheme over one cell, instead of the scheme of this package.
     """
     case, touch = read_inputs()["contact"], _example_contact("contact")
     creep, mu = Creep(0.0, case["creep_across"], case["spin"]), case["friction"]
@@ -421,7 +455,8 @@ def solve_example(cells: int, *, by_cells: bool = False) -> ExampleResult:
 def rolling_examples(findings: Findings, study: Study) -> None:  # noqa: ARG001 - every table takes the study
     """Compute the published examples of the program CONTACT: steady rolling, a wheel, and rolling from rest.
 
-    Steady rolling with lateral creepage and spin: Hertz contact, then force and moment on half spaces.
+    Steady rolling has lateral creepage and spin; its Hertz contact, force and moment on elastic half spaces are computed.
+    ``findings``: receives the computed value for each published number. ``study``: not used here.
     """
     load, hertz = _hertz_of_example("contact")
     cube = float(np.cbrt(load))
@@ -438,7 +473,7 @@ def rolling_examples(findings: Findings, study: Study) -> None:  # noqa: ARG001 
 
 
 def _compute_wheel(findings: Findings) -> None:
-    """Compute the creep-force curve of CONTACT's locomotive wheel, by CONTACT's difference scheme."""
+    """Compute the creep-force curve of CONTACT's locomotive wheel, by CONTACT's difference scheme, into ``findings``."""
     load, hertz = _hertz_of_example("wheel")
     cube, mu = float(np.cbrt(load)), float(read_inputs()["wheel"]["friction"])
     findings.number("wheel_a", 1e3 * float(hertz.C_b) * cube)
@@ -453,10 +488,10 @@ def _compute_wheel(findings: Findings) -> None:
 
 @lru_cache(maxsize=4)
 def push_and_roll_example(case: str, steps: int) -> list[OnsetStep]:
-    """Solve an example of the program CONTACT: a ball is pushed sideways at rest, then rolls.
+    """Solve an example of the program CONTACT in which a ball is pushed sideways at rest, and then rolls.
 
-    ``case``: name of the example; ``steps``: number of steps of one cell that the ball rolls. The first result is that at
-    rest.
+    ``case``: name of the example; ``steps``: number of steps, each of one cell's length, that the ball rolls. The first
+    entry of the result is the state at rest.
     """
     numbers, (load, circle) = read_inputs()[case], _hertz_of_example(case)
     margin = 0.5 * read_input(case, "grid", "length") / (float(circle.C_a) * float(np.cbrt(load)))
@@ -465,7 +500,7 @@ def push_and_roll_example(case: str, steps: int) -> list[OnsetStep]:
 
 
 def _compute_transients(findings: Findings) -> None:
-    """Compute CONTACT's examples of a ball pushed sideways, and rolled from there towards steady rolling."""
+    """Compute CONTACT's examples of a ball pushed sideways, then rolled towards steady rolling, into ``findings``."""
     found = {"cattaneo": push_and_roll_example("cattaneo", 0), "onset": push_and_roll_example("onset", ONSET_STEPS)}
     for row in load_table(findings.table):
         case, _, rest = row.key.partition("_")
@@ -493,15 +528,15 @@ UNPRINTED = 0.05
 
 
 def scene_name(size: str) -> str:
-    """Return the name of the shipped scene of a catalogue size."""
+    """Return the name of the shipped scene for a nut of THK or HIWIN; ``size``: its size, such as "bnf-4010-5"."""
     return f"{PREFIX}{size}" if size in HIWIN else f"{PREFIX}thk-{size}"
 
 
 def rigidity_by_parts(scene: Scene, force: float) -> tuple[float, float]:
-    """Return the axial rigidity [N/m] of a nut under an axial load [N], all balls loaded equally.
+    """Return the axial rigidity [N/m] of a nut with equally loaded balls: of the contacts only, then also with the bodies.
 
-    First: of the contacts only; second: of contacts and bodies, that is the tubes of nut and screw. Raises ValueError if
-    nut or screw has no wall thickness.
+    The bodies are nut and screw as tubes. ``scene``: screw and nut; ``force``: axial load [N]. Raises ValueError if nut
+    or screw has no wall thickness.
     """
     alone, body = contacts_displacement(scene, force), body_compliance(scene)
     assert body is not None
@@ -509,13 +544,21 @@ def rigidity_by_parts(scene: Scene, force: float) -> tuple[float, float]:
 
 
 def rigidity_unequal_loads(study: Study, name: str, model: str) -> float:
-    """Return the axial rigidity [N/m] of a scene's nut by a model with unequal ball loads; zero if it did not converge."""
+    """Return the axial rigidity [N/m] of a nut by a model in which ball loads differ; zero if the model did not converge.
+
+    ``study``: solved scenes; ``name``: name of the scene; ``model``: name of the model.
+    """
     scene, found = study.scene(name), study.solve(name, model)
     return axial_force(found) / axial_displacement(scene, found) if found.converged else 0.0
 
 
 def nut_rigidities(findings: Findings, study: Study) -> None:
-    """Compute THK's and HIWIN's nuts: rigidities at 0.3 C, growth with the turns, double nut, drag torque."""
+    """Compute the rigidities of THK's and HIWIN's nuts at 0.3 of their dynamic rating C, and related printed values.
+
+    These are the growth of rigidity with the number of turns, the rigidity of a double nut, and its drag torque.
+    ``findings``: receives the computed value for each printed number, and whether each claim holds; ``study``: solved
+    scenes.
+    """
     alone, bodies = {}, {}
     for size in (*THK, *HIWIN):
         scene = study.scene(scene_name(size))
@@ -535,10 +578,10 @@ def nut_rigidities(findings: Findings, study: Study) -> None:
 
 
 def double_nut_rigidity_ratio(study: Study) -> float:
-    """Return the axial rigidity of a preloaded double nut over that of a single nut, contacts and bodies included.
+    """Return the axial rigidity of a preloaded double nut divided by that of a single nut, contacts and bodies included.
 
-    The preload is a third of the single nut's load. The double nut's rigidity is taken at the load that just unloads
-    one of its nuts: its displacement is then the deflection of one nut under the preload.
+    The preload is a third of the single nut's load. The double nut's rigidity is taken at the load that just unloads one
+    of its nuts: its displacement is then the deflection of one nut under the preload. ``study``: shipped scenes.
     """
     scene = study.scene(scene_name(DOUBLE))
     full = scene.loads[0].force[2]
@@ -547,7 +590,7 @@ def double_nut_rigidity_ratio(study: Study) -> float:
     moved = preload / rigidity_by_parts(scene, preload)[1]
 
     def displacement_error(force: float) -> float:
-        """Return the displacement [m] of the single nut at a force [N], less that at lift-off."""
+        """Return the single nut's displacement [m] at a force [N], less its displacement where the double nut lifts off."""
         return force / rigidity_by_parts(scene, force)[1] - 2.0 * moved
 
     unloads = float(brentq(displacement_error, preload, 4.0 * preload, rtol=1e-6))
@@ -555,7 +598,7 @@ def double_nut_rigidity_ratio(study: Study) -> float:
 
 
 def _compute_drag_torque(study: Study, findings: Findings) -> None:
-    """Compute the drag torque of a preloaded double nut by THK's formula, and by the sliding of its balls."""
+    """Compute the drag torque of a preloaded double nut by THK's formula, and by sliding balls, into ``findings``."""
     case = read_inputs()["thk"]
     preload, lead, mu = (
         read_input("thk", "preload", "force"),
@@ -576,7 +619,7 @@ def _compute_drag_torque(study: Study, findings: Findings) -> None:
 def drag_torque(study: Study, preload: float, mu: float) -> float:
     """Return the friction torque [N m] of a preloaded double nut of the size `DOUBLE` by the sliding of its balls.
 
-    ``preload``: axial force between both nuts [N]; ``mu``: coefficient of friction.
+    ``preload``: axial force between both nuts [N]; ``mu``: coefficient of friction. ``study``: solved scenes.
     """
     scene = study.scene(scene_name(DOUBLE))
     nut = replace(scene, loads=tuple(replace(x, force=(0.0, 0.0, preload)) for x in scene.loads))

@@ -32,21 +32,24 @@ NAMES = ("C11", "C22", "C23", "C33")
 
 @dataclass(frozen=True)
 class Coefficient:
-    """One of Kalker's linear creep coefficients, computed on several grids."""
+    """One of Kalker's linear creep coefficients, computed on several grids of the contact ellipse."""
 
     #: Key in the printed table: name, ratio of semi-axes, Poisson's ratio (``C11_0.2_0.25``).
     key: str
     #: Values by grid.
     values: tuple[float, ...]
-    #: Extrapolated to first order in the cell size if the values converge monotonically, else that of the finest grid.
+    #: Value extrapolated to first order in the cell size if the values converge monotonically, else the finest grid's.
     answer: float
-    #: Whether it is extrapolated.
+    #: Whether ``answer`` is extrapolated.
     extrapolated: bool
 
 
 @lru_cache(maxsize=1)
 def coefficients() -> tuple[Coefficient, ...]:
-    """Return the 36 creep coefficients of Kalker's table: four for each of nine contacts."""
+    """Return the 36 creep coefficients of Kalker's Table E3: four for each of nine contacts.
+
+    A contact is a ratio of the semi-axes with a Poisson's ratio.
+    """
     return tuple(_compute_coefficients())
 
 
@@ -65,9 +68,10 @@ def _compute_coefficients() -> Iterator[Coefficient]:
 
 
 def table_e3(findings: Findings, study: Study) -> None:  # noqa: ARG001 - every table takes the study
-    """Compute the creep coefficients of Kalker's Table E3, into ``findings``.
+    """Compute the creep coefficients of Kalker's Table E3, for semi-axes ratios of 0.2, 1 and 5 and three Poisson's ratios.
 
-    They are for ratios of the semi-axes of 0.2, 1 and 5 and Poisson's ratios of 0, 0.25 and 0.5.
+    ``findings``: receives each coefficient, with its values on several grids as a remark. Poisson's ratios are 0, 0.25
+    and 0.5. ``study``: not used here.
     """
     for one in coefficients():
         grids = ", ".join(f"{v:.4g}" for v in one.values)
@@ -79,7 +83,7 @@ def table_e3(findings: Findings, study: Study) -> None:  # noqa: ARG001 - every 
 GROOVE, MU = (100.0, (5e-3, 46.667e-3), 210e9, 0.28), 0.1
 #: Creepages (along, across, spin [1/m]) of full slip with the spin pole outside and inside the contact ellipse.
 SLIPS = {"pole outside": verification.Creep(0.02, 0.004, 30.0), "pole inside": verification.Creep(0.02, 0.004, 400.0)}
-#: How full slip is computed on a grid: one slip per cell, slip resolved within cells, differences as in stored runs.
+#: How full slip is computed on a grid: one slip per cell, slip resolved within cells, differences as in stored 3D results.
 BY_GRID, RESOLVED, AS_RUNS = "on a grid alone", "on a grid, slip resolved within cells", "as runs have it, worst level"
 #: Resultants by which full slip is compared.
 WRENCH = ("force [N]", "moment [N mm]")
@@ -113,12 +117,12 @@ RUB_REACH = 0.01
 
 @dataclass(frozen=True)
 class Verification:
-    """A verification of the rolling model: one quantity on three grids, compared with its exact or printed value.
+    """A verification of the 3D model of rolling contact: one quantity on three grids, and its exact or printed value.
 
     ``case``: contact problem in words; ``quantity``: name with unit; ``values``: computed on the coarse, middle and fine
-    grid; ``exact``: exact or printed value; ``reach``: permitted error of the answer [%]; ``answer``: value that is
-    compared, that of the finest grid unless stated otherwise; ``finer``: number of cells along an axis of the finest grid
-    over that of the coarsest, None if no order of convergence is expected.
+    grid; ``exact``: exact or printed value; ``reach``: permitted error of ``answer`` [%]; ``answer``: value that is
+    compared with ``exact``, that of the finest grid unless stated otherwise; ``finer``: number of cells along an axis of
+    the finest grid over that of the coarsest, None if no order of convergence is expected.
     """
 
     case: str
@@ -154,7 +158,10 @@ class Verification:
 
 @lru_cache(maxsize=2)
 def verifications(*, meshing: bool = True) -> tuple[Verification, ...]:
-    """Return all verifications of the rolling model; ``meshing=False`` leaves out the one that needs gmsh."""
+    """Return all verifications of the 3D model of rolling contact against known solutions.
+
+    ``meshing``: False leaves out the verification that needs the mesh generator gmsh.
+    """
     parts = (
         _verify_finite_elements,
         _verify_carter,
@@ -178,9 +185,9 @@ def static_reference_contact(cells: tuple[int, int] = STATIC_CELLS) -> tuple[flo
 
 
 def _most_loaded_contact() -> tuple[ContactPosition, float, tuple[float, float]]:
-    """Return the most loaded contact of a screw's two balls: its place, its load [N], and material.
+    """Return the most loaded contact of two touching balls of a ball screw.
 
-    The last entry is a pair of Young's modulus [Pa] and Poisson's ratio.
+    First: its position on the groove; second: its load [N]; third: Young's modulus [Pa] and Poisson's ratio.
     """
     scene = rolling_case(case(SCREW, KindScene), Choices(LEVELS[1])).touching
     touch = max((t for b in scene.balls for t in b.touches), key=lambda t: t.load)
@@ -201,12 +208,12 @@ def _verify_contact_at_rest() -> Iterator[Verification]:
 
 
 def _contact_quantities(one: verification.NormalContact) -> tuple[float, ...]:
-    """Return approach [um], semi-axes along and across [um] and peak pressure [MPa] of a normal contact."""
+    """Return approach [um], semi-axes along and across rolling [um], and peak pressure [MPa] of a normal contact."""
     return 1e6 * one.approach, 1e6 * one.semi[0], 1e6 * one.semi[1], 1e-6 * one.peak
 
 
 def _verify_finite_elements() -> Iterator[Verification]:
-    """Verify displacements of a finite-element half space under uniform traction against the closed form."""
+    """Verify displacements of a half space of finite elements under uniform traction against the closed-form solution."""
     load, radii, young, poisson = GROOVE
     at = ContactPosition(radii[0], radii, 0.25 * np.pi, None)
     zones = (at.zone(load, young, poisson, replace(Sizes(), cells=(n, n))) for n in (2, 3, 4))
@@ -258,7 +265,11 @@ def _verify_cattaneo_mindlin() -> Iterator[Verification]:
 
 
 def _verify_full_slip() -> Iterator[Verification]:
-    """Verify friction force and moment in full slip: by quadrature, on a grid, and by differences as in stored runs."""
+    """Verify friction force and moment of a contact that slips everywhere.
+
+    They are computed by quadrature, on a grid, and by differences between elastic and nearly rigid bodies as in stored 3D
+    results; the exact values are those of a fine quadrature.
+    """
     for where, creep in SLIPS.items():
         exact = _longitudinal_force_and_moment(*verification.full_slip_by_quadrature(*GROOVE, creep, MU, 1200))
         patches = [hertz_patch(*GROOVE, (n, n)) for n in (16, 24, 32)]
@@ -288,14 +299,15 @@ def _verify_full_slip() -> Iterator[Verification]:
 
 
 def _longitudinal_force_and_moment(force: Array, moment: float) -> tuple[float, float]:
-    """Return the force along the rolling direction [N] and the moment [N mm] from a force vector [N] and a moment [N m]."""
+    """Return the component along rolling [N] of a force vector [N], and a moment converted from [N m] to [N mm]."""
     return float(force[0]), 1e3 * moment
 
 
 def _rolling_force_and_moment(patch: Patch, creep: verification.Creep, share: float) -> tuple[float, float]:
-    """Return friction force [N] and moment [N mm] in steady rolling of bodies with scaled tangential compliance.
+    """Return friction force [N] and moment [N mm] in steady rolling of bodies whose tangential compliance is scaled.
 
-    ``share``: factor on the tangential compliance; the normal contact stays unchanged.
+    The force is the component along rolling. ``patch``: contact ellipse divided into cells; ``creep``: creepages and
+    spin; ``share``: factor on the tangential compliance (the normal contact stays unchanged).
     """
     found = verification.solve_steady_rolling(patch, creep, MU, elastic=share)
     return _longitudinal_force_and_moment(found.force, found.moment)
@@ -304,10 +316,11 @@ def _rolling_force_and_moment(patch: Patch, creep: verification.Creep, share: fl
 def _force_and_moment_by_differences(
     patch: Patch, creep: verification.Creep, limits: list[tuple[float, float]]
 ) -> tuple[float, float]:
-    """Return friction force [N] and moment [N mm] by differences, as stored runs are evaluated.
+    """Return friction force [N] and moment [N mm] as the stored 3D results of rolling contacts are evaluated.
 
-    That is the rigid limit plus the difference between elastic and nearly rigid bodies on the grid. ``limits``: force [N]
-    and moment [N mm] of the rigid limit by several quadratures, of which the mean counts.
+    They are the rigid limit, plus the difference between elastic and nearly rigid bodies on the same grid. ``patch``:
+    contact ellipse divided into cells; ``creep``: creepages and spin; ``limits``: force [N] and moment [N mm] of the
+    rigid limit by several quadratures, of which the mean counts.
     """
     limit, elastic, near = (
         np.mean(limits, axis=0),

@@ -58,7 +58,7 @@ SHAPE = LEVELS[1]
 
 @dataclass(frozen=True)
 class PatchField:
-    """Slip, traction and stick zone over the cells of one rolling contact."""
+    """Slip, traction and stick zone over the n cells of one rolling contact."""
 
     #: Title of the drawing.
     title: str
@@ -90,9 +90,10 @@ def patch_fields() -> tuple[PatchField, ...]:
 
 
 def _to_patch_field(title: str, scene: Rolling, one: ContactOut) -> PatchField:
-    """Convert a solved contact to a `PatchField`: first component across the groove, slip divided by the rolling speed.
+    """Convert a solved contact to slip and traction for drawing: first component across the groove, second along it.
 
-    ``title``: of the drawing; ``scene``: rolling balls with their contacts; ``one``: solved contact of a ball.
+    Slip is divided by the rolling speed. ``title``: title of the drawing; ``scene``: rolling balls with their contacts;
+    ``one``: solved contact of a ball.
     """
     touch = scene.balls[one.ball].touches[one.touch]
     speed = rolling_speed(touch, scene)
@@ -107,8 +108,8 @@ def _to_patch_field(title: str, scene: Rolling, one: ContactOut) -> PatchField:
 def make_section(study: Study, step: Callable[[str], None]) -> Section:
     """Return the report's section on the 3D model of rolling contact.
 
-    Results of the 3D runs are read from the stores; the section names the scenes without a stored run. ``step``: function
-    that is told in words what is computed next.
+    ``study``: stores of the 3D results; the section names the scenes without a stored result. ``step``: function that
+    receives a message before each step.
     """
     stores = study.stores or (shipped_store(),)
     step("rolling contacts with known answers")
@@ -175,9 +176,10 @@ def make_section(study: Study, step: Callable[[str], None]) -> Section:
 def _finite_body_items(
     stores: Sequence[Path], sizes: StoredVariants, proof: Sequence[Verification]
 ) -> list[Text | Table | Figure | PressureMap]:
-    """Return text and tables comparing finite bodies with half spaces, for several sizes and meshes of the bodies.
+    """Return text and tables that compare bodies of finite size with elastic half spaces in the 3D rolling model.
 
-    ``sizes``: results of two touching balls by size and mesh of the bodies; ``proof``: verifications of the rolling model.
+    ``stores``: folders of the stored 3D results; ``sizes``: results of two touching balls by size and mesh of the bodies;
+    ``proof``: verifications of the model.
     """
     found = {name: stored_rows(name, stores, FINITE) for name in (*PAIRS, *RINGS)}
     missing = [name for name, rows in found.items() if not rows]
@@ -224,13 +226,13 @@ def _finite_body_items(
 
 
 def _finite_body_change(row: RollingRow) -> float | None:
-    """Return the change [%] of a quantity from half spaces to finite bodies; None if it is not defined."""
+    """Return the change [%] of a quantity from half spaces to bodies of finite size; None if it is not defined."""
     change = None if row.half_space is None else float(error_percent(row.reference, row.half_space))
     return change if change is not None and np.isfinite(change) and row.error_percent != 0.0 else None
 
 
 def _finite_body_row(row: RollingRow) -> Row:
-    """Return the table row with one quantity's values for rigid bodies, elastic half spaces and finite elastic bodies."""
+    """Return the table row of a quantity for rigid bodies, elastic half spaces, and elastic bodies of finite size."""
     finite = np.isfinite(row.uncertainty)
     return {
         "scene": row.scene,
@@ -246,12 +248,15 @@ def _finite_body_row(row: RollingRow) -> Row:
 
 
 def _slip_and_traction_maps(patches: Sequence[PatchField]) -> list[Text | Table | Figure | PressureMap]:
-    """Return two maps of the contact patches: slip, and tangential traction with the sticking cells marked."""
+    """Return two figures of rolling contacts: slip velocity, and tangential traction with the sticking cells marked.
+
+    ``patches``: slip and traction over the cells of each contact.
+    """
 
     def draw_patch(p: PatchField, what: NDArray[np.float64], unit_of: float, note: str, *, marked: bool) -> PressurePanel:
         """Draw the magnitude of a vector field over the cells of one contact, and its direction by arrows.
 
-        ``what``: vectors (n, 2) on n cells; ``unit_of``: value that magnitudes are divided by; ``note``: text below the
+        ``what``: vectors (n, 2) on n cells; ``unit_of``: value by which magnitudes are divided; ``note``: text below the
         drawing; ``marked``: whether sticking cells are marked.
         """
         size = np.linalg.norm(what, axis=1)
@@ -291,9 +296,9 @@ def _slip_and_traction_maps(patches: Sequence[PatchField]) -> list[Text | Table 
 
 
 def _ball_force_conclusion(found: dict[str, list[RollingRow]]) -> str:
-    """Return the sentence on the low-order model's error of the ball-to-ball force; empty without a stored 3D run.
+    """Return the sentence on the low-order model's error of the ball-to-ball force; empty without a stored 3D result.
 
-    ``found``: comparisons of the low-order models with 3D, by scene.
+    ``found``: comparisons of the low-order friction models with the 3D model, by scene.
     """
     row = next((r for r in found["lin-pair-a"] if r.quantity == "force 1-2"), None)
     if row is None or row.error_percent is None:
@@ -302,9 +307,10 @@ def _ball_force_conclusion(found: dict[str, list[RollingRow]]) -> str:
 
 
 def _introduction(found: dict[str, list[RollingRow]], proof: Sequence[Verification]) -> list[str]:
-    """Return the paragraphs of the introduction: the 3D model, verifications passed, forces and torques beyond the limit.
+    """Return the introductory paragraphs: the 3D model, verifications passed, quantities with errors above the limit.
 
-    ``found``: comparisons of the low-order models with 3D, by scene; ``proof``: verifications of the rolling model.
+    ``found``: comparisons of the low-order friction models with the 3D model, by scene; ``proof``: verifications of the
+    model. The quantities are ball-to-ball forces and torques.
     """
     reached = sum(p.reached for p in proof)
     gated = [r for rows in found.values() for r in rows if r.quantity in ("force 1-2", "torque")]
@@ -328,7 +334,10 @@ def _introduction(found: dict[str, list[RollingRow]], proof: Sequence[Verificati
 
 
 def _spin_pole_sentence(proof: Sequence[Verification]) -> str:
-    """Return the sentence on the grid error of full slip about a pole inside a cell; empty if it was not computed."""
+    """Return the sentence on the grid's error where a contact slips about a spin pole inside a cell; empty if unknown.
+
+    ``proof``: verifications of the 3D rolling model.
+    """
     worst = [
         max((abs(p.error) for p in proof if p.case == f"full slip {way}, pole inside"), default=np.nan)
         for way in (BY_GRID, RESOLVED, AS_RUNS)
@@ -360,7 +369,7 @@ def _verification_row(p: Verification) -> Row:
 
 
 def _comparison_row(row: RollingRow) -> Row:
-    """Return the table row that compares a quantity of the low-order friction model with 3D and with printed values."""
+    """Return the table row that compares a quantity by the low-order model with the 3D model and printed values."""
     finite = np.isfinite(row.uncertainty)
     return {
         "scene": row.scene,
@@ -381,14 +390,20 @@ def _comparison_row(row: RollingRow) -> Row:
 
 
 def _stored_runs(name: str, stores: Sequence[Path]) -> list[RollingRun]:
-    """Return a scene's stored runs of the 3D rolling model; the run with the cell size of Lin's thesis is the first."""
+    """Return the stored results of the 3D rolling model for a scene, on all grids.
+
+    ``name``: name of the scene; ``stores``: folders of the results. The first result has the cell size of Lin's thesis.
+    """
     scene = shipped_case(name, KindScene)
     found = (load_run(scene, level, stores) for level in (SOURCE_LEVEL, *LEVELS))
     return [run for run in found if run is not None]
 
 
 def _grid_rows(stores: Sequence[Path]) -> list[Row]:
-    """Return a table row for each stored run: grid, force or torque, effect of elasticity, processor time."""
+    """Return a table row for each stored result of the 3D rolling model, to show the influence of the grid.
+
+    Columns: grid, force or torque, its change by elasticity, power lost, sticking cells, processor time.
+    """
     out: list[Row] = []
     every = [(name, run) for name in (*PAIRS, *RINGS) for run in _stored_runs(name, stores)]
     common = most_of(run.measured for _, run in every)
@@ -412,7 +427,7 @@ def _grid_rows(stores: Sequence[Path]) -> list[Row]:
 
 
 def _from_rest_row(s: RunFromRest) -> Row:
-    """Return the table row of a transient run from rest: final force, steady force, time at which the balls meet."""
+    """Return the table row of two balls started from rest: final force, force of steady rolling, time of first contact."""
     meet = next((t for t, f in zip(s.time, s.force, strict=True) if f > 0.0), None)
     return {
         Quantity("steps", "steps", "", "d"): s.steps,
@@ -425,7 +440,7 @@ def _from_rest_row(s: RunFromRest) -> Row:
 
 
 def _numerical_choice_row(c: ChoiceEffect) -> Row:
-    """Return the table row of one numerical choice: change of the ball-to-ball force, and the stated uncertainty."""
+    """Return the table row of one numerical choice: largest change of the ball-to-ball force, and stated uncertainty."""
     return {
         "scene": c.scene,
         "choice": c.choice,
@@ -437,7 +452,10 @@ def _numerical_choice_row(c: ChoiceEffect) -> Row:
 
 
 def _from_rest_figure(series: Sequence[RunFromRest]) -> Figure:
-    """Draw ball-to-ball force and speed of the balls over time, for two balls started from rest."""
+    """Draw ball-to-ball force and speed of the balls over time, for two balls started from rest.
+
+    ``series``: transient solutions with several numbers of time steps.
+    """
     forces = [Curve(f"{s.steps} steps", [1e3 * t for t in s.time], s.force) for s in series]
     last = series[-1]
     time = [1e3 * t for t in last.time]
@@ -454,7 +472,10 @@ def _from_rest_figure(series: Sequence[RunFromRest]) -> Figure:
 
 
 def _error_over_time_figure(stores: Sequence[Path]) -> Figure | None:
-    """Draw the force's difference from the finest grid over processor time; None without stored runs on every level."""
+    """Draw the error of the ball-to-ball force against the finest grid over processor time.
+
+    None without stored 3D results on every grid. ``stores``: folders of the results.
+    """
     curves = []
     found = {name: [r for r in _stored_runs(name, stores) if r.level != SOURCE_LEVEL] for name in PAIRS}
     common = most_of(r.measured for runs in found.values() for r in runs)

@@ -1,10 +1,10 @@
 """Robustness of the friction solvers on extreme cases: least dissipation compared with the root finding of Lin's thesis.
 
-The cases are single balls, pairs, chains, and bearings with clearance, varied far from the printed cases; further
-runs start around these. Every case is solved here from the solver's start and from random ones: each solution must
-converge, balance power input and dissipation, and agree with the first. Lin's method finds a root of the force
-balance under its sigmoid friction law from random starts: for one ball at the loads of the same case, for several
-balls as ``lowfi.friction.as_source.screw`` does.
+The cases are single balls, pairs, rows of neighbouring balls, and bearings with clearance, with inputs far from those of
+the printed cases; further cases have starts around the printed ones. Every case is solved from the solver's default start
+and from random ones. Each solution must converge, balance power input and dissipation, and agree with the first one.
+Lin's method finds a root of the force balance under his sigmoid friction law from random starts. For one ball it uses the
+same contact loads; for several balls it is the method in ``lowfi.friction.as_source.screw``.
 """
 
 from __future__ import annotations
@@ -31,8 +31,8 @@ from rollbench.lowfi.friction.as_source.screw import (
     screw_solutions_from_starts,
 )
 from rollbench.lowfi.friction.bearing import Bearing, solve_ball, solve_bearing
+from rollbench.lowfi.friction.contact.equilibrium import Problem, balance_by_root, least_dissipation
 from rollbench.lowfi.friction.contact.laws import Sigmoid
-from rollbench.lowfi.friction.contact.motion import Problem, balance_by_root, least_dissipation
 from rollbench.lowfi.friction.linear.bearing import LinearBearing, angle_deviations, balanced_loads
 from rollbench.lowfi.friction.linear.chain import Chain, pair_angles_and_loads, prepare_chain, solve_linear_chain
 from rollbench.lowfi.friction.screw.chain import Chain as ScrewChain
@@ -73,7 +73,7 @@ OTHER = 1e-3
 
 @dataclass(frozen=True)
 class GroupResult:
-    """Results of one group of extreme cases: solutions that converged, power balance, spread over the starts."""
+    """Results of one group of extreme cases of the friction models, each case solved from several starts."""
 
     #: Name of the group.
     group: str
@@ -99,7 +99,7 @@ class GroupResult:
 
 @dataclass
 class SolutionTally:
-    """Counts of solved cases and largest errors of one group of extreme cases, updated with each solution."""
+    """Running counts and largest errors of the solutions of one group of extreme cases; each solution updates them."""
 
     cases: int = 0
     ours: int = 0
@@ -117,9 +117,9 @@ class SolutionTally:
         """Count one attempt by Lin's root finding, and compare its ball-to-ball forces with those of least dissipation.
 
         ``found``: the root that Lin's method found, or None if it found no loads; ``force``: ball-to-ball forces (n,) [N]
-        by this package's solver, n: number of pairs of neighbouring balls; ``bound``: largest possible friction force
-        between two balls [N], over which differences of forces are taken. A root counts as solved if no two balls
-        overlap or pull at each other; the field ``other`` counts solved roots whose forces differ from ``force``.
+        by this package's solver, for n pairs of neighbouring balls; ``bound``: largest possible friction force between
+        two balls [N], by which differences of forces are divided. A root counts as solved if no two balls overlap or pull
+        at each other; the field ``other`` counts solved roots whose forces differ from ``force``.
         """
         self.source_tries += 1
         if found is None or found.status == "failed":
@@ -142,10 +142,10 @@ class SolutionTally:
         self.spread = max(self.spread, apart)
 
     def to_group_result(self, group: str, model: str, note: str = "") -> GroupResult:
-        """Return the results of the group of cases from the counts so far.
+        """Return the results of the group of cases, from the solutions counted so far.
 
-        ``group``: name of the group, such as the inputs that are varied; ``model``: name of the model in the table;
-        ``note``: remark for the table, to which remarks on random starts and on other roots are added.
+        ``group``: name of the inputs that are varied in the group; ``model``: name of the model; ``note``: remark, to
+        which remarks on random starts and on differing roots are added.
         """
         tried = self.source_tries or None
         if self.restarts:
@@ -171,11 +171,11 @@ class SolutionTally:
 
 @dataclass(frozen=True)
 class BallProblem:
-    """The motion problem of one ball under given contact loads, for both methods of solution.
+    """The motion of one ball under given contact loads, as posed to both methods: least dissipation and Lin's root finding.
 
     ``problem``: contacts of the ball and velocities of the driven surfaces; ``law``: Lin's sigmoid friction law;
-    ``power``: function that returns the power input [W] of the driven surfaces for the friction forces [N] and moments
-    [N m] on the ball, (m, 3) with two force components and the spin moment at each of m contacts.
+    ``power``: function that returns the power input [W] of the driven surfaces from the friction on the ball: an array
+    (m, 3) with two force components [N] and the spin moment [N m] at each of m contacts.
     """
 
     problem: Problem
@@ -184,10 +184,10 @@ class BallProblem:
 
 
 def rotary_ball_problem(bearing: Bearing, axial: float, u_y: float, sharpness: float = SHARPNESS) -> BallProblem:
-    """Return the motion problem of one ball of the rotary bearing of Lin's section 3.2.
+    """Return the motion problem of one ball of the rotary bearing of section 3.2 of Lin's thesis.
 
-    ``axial``: axial load on the inner ring [N]; ``u_y``: radial displacement of the inner ring [m]; ``sharpness``: k_S of
-    Lin's sigmoid friction law, the larger the closer to Coulomb's law.
+    ``bearing``: grooves, balls and friction; ``axial``: axial load on the inner ring [N]; ``u_y``: radial displacement of
+    the inner ring [m]; ``sharpness``: k_S of Lin's sigmoid friction law, the larger the closer to Coulomb's law.
     """
     s = solve_ball(bearing, axial, u_y, fast=True)
     return BallProblem(s.problem, screw_sigmoid(bearing, sharpness), lambda f: _drive_power(s.problem, f))
@@ -196,8 +196,9 @@ def rotary_ball_problem(bearing: Bearing, axial: float, u_y: float, sharpness: f
 def screw_ball_problem(pair: Pair, force: Array | None = None, sharpness: float = SHARPNESS) -> BallProblem:
     """Return the motion problem of the second of two balls of a screw that do not touch each other.
 
-    ``force``: loads (4,) [N] of the ball's contacts SL, SR, NL, NR at the nominal contact angle; None: loads and contact
-    angles that the solved pair has. ``sharpness``: k_S of Lin's sigmoid friction law.
+    ``pair``: both balls with their grooves; ``force``: loads (4,) [N] of the ball's contacts SL, SR, NL, NR at the
+    nominal contact angle; None: loads and contact angles of the solved pair. ``sharpness``: k_S of Lin's sigmoid friction
+    law.
     """
     g = pair.groove
     angle = np.full(4, g.contact_angle)
@@ -210,9 +211,9 @@ def screw_ball_problem(pair: Pair, force: Array | None = None, sharpness: float 
 
 
 def _drive_power(problem: Problem, wrench: Array) -> float:
-    """Return the power [W] that the driven surfaces put in against the friction on the ball.
+    """Return the power [W] that the driven surfaces must supply against the friction on the ball.
 
-    ``wrench``: two friction force components [N] and the friction moment [N m] on the ball at each of m contacts, (m, 3).
+    ``wrench``: friction on the ball at each of m contacts, (m, 3): two force components [N] and the spin moment [N m].
     """
     return -float(np.sum(wrench * problem.drives))
 
@@ -220,8 +221,8 @@ def _drive_power(problem: Problem, wrench: Array) -> float:
 def solve_ball_by_both_methods(tally: SolutionTally, ball: BallProblem, rng: np.random.Generator, off: float) -> None:
     """Solve a ball's motion by least dissipation and by Lin's root finding from random starts, and count the solutions.
 
-    ``tally``: counts of the group, which are updated; ``rng``: generator of the random starts; ``off``: largest relative
-    distance of the starts from the solution of least dissipation.
+    ``tally``: counts of the group of cases, which are updated; ``ball``: motion problem; ``rng``: generator of the random
+    starts; ``off``: largest relative distance of the starts from the solution of least dissipation.
     """
     tally.cases += 1
     first = least_dissipation(ball.problem, fast=True)
@@ -244,8 +245,8 @@ def solve_ball_group(
 ) -> GroupResult:
     """Solve a group of single balls by least dissipation and by Lin's root finding, and return the group's results.
 
-    ``group``, ``model``, ``note``: names of what is varied and of the model, and remark, for the table; ``off``: largest
-    relative distance of the random starts from the solution.
+    ``group``: name of the inputs that are varied; ``model``: name of the model; ``balls``: motion problems; ``note``:
+    remark for the table; ``off``: largest relative distance of the random starts from the solution.
     """
     rng, tally = np.random.default_rng(1), SolutionTally()
     for ball in balls:
@@ -254,15 +255,15 @@ def solve_ball_group(
 
 
 def screw_ball_problem_with_diagonal(share: float) -> BallProblem:
-    """Return the motion problem of a screw's ball whose two contact diagonals carry different loads.
+    """Return the motion problem of a screw's ball whose two pairs of opposite contacts carry different loads.
 
-    ``share``: load of the second diagonal over that of the first, which is 100 N.
+    ``share``: load of the pair SR and NL divided by that of the pair SL and NR, which is 100 N.
     """
     return screw_ball_problem(pair_with_inferred_oversize(0.0), 100.0 * np.array([1.0, share, share, 1.0]))
 
 
 def single_ball_results() -> list[GroupResult]:
-    """Solve all groups of single balls under given loads and return their results."""
+    """Solve all groups of single balls under given contact loads, and return the results of each group."""
     two, rest = radians(2.0), groove_of_table_3_6(nut_speed=0.0)
     around = 1e-6 * np.linspace(4.2, 4.5, 13)
     loose = [replace(ROTARY, clearance=c) for c in CLEARANCE]
@@ -340,7 +341,8 @@ def single_ball_results() -> list[GroupResult]:
 class LinearCase:
     """Neighbouring balls of a linear bearing that may touch each other.
 
-    ``angles``, ``loads``: contact angles [rad] and contact loads [N], (N, 4).
+    ``bearing``: grooves, balls and friction; ``angles``, ``loads``: contact angles [rad] and contact loads [N], each (N,
+    4) for the four contacts of N balls.
     """
 
     bearing: LinearBearing
@@ -348,7 +350,7 @@ class LinearCase:
     loads: Array
 
     def chain(self) -> Chain:
-        """Prepare the balls for the solver of neighbouring balls."""
+        """Return the row of balls in the form that the solver for neighbouring balls takes."""
         return prepare_chain(self.bearing, self.angles, self.loads)
 
 
@@ -362,8 +364,9 @@ def solve_chain_group(
 ) -> GroupResult:
     """Solve neighbouring balls of a linear bearing by least dissipation and by Lin's method; return the group's results.
 
-    ``group``, ``model``, ``note``: names of what is varied and of the model, and remark, for the table; ``starts``: number
-    of random starts in addition to the solver's own; ``most``: largest number of balls that Lin's method also solves.
+    ``group``: name of the inputs that are varied; ``cases``: rows of balls; ``model``: name of the model; ``starts``:
+    number of random starts in addition to the solver's own; ``most``: largest number of balls in a row that Lin's method
+    also solves; ``note``: remark for the table.
     """
     rng, tally = np.random.default_rng(2), SolutionTally()
     for case in cases:
@@ -384,35 +387,40 @@ def solve_chain_group(
 def linear_pair(
     theta: float, rho: float, vertical: float = VERTICAL, mu: float = LINEAR.mu, speed: float = LINEAR.speed
 ) -> LinearCase:
-    """Return two neighbouring balls of the linear bearing of Lin's section 3.3.
+    """Return two neighbouring balls of the linear bearing of section 3.3 of Lin's thesis, with their contact loads.
 
-    ``theta``: deviation of the contact angle from nominal [deg]; ``rho``: side force over vertical load; ``vertical``:
-    vertical load on each ball [N]; ``mu``: friction coefficient of grooves and of touching balls; ``speed``: speed of the
-    carriage [m/s].
+    ``theta``: deviation of the contact angle from nominal [deg]; ``rho``: side force divided by vertical load;
+    ``vertical``: vertical load on each ball [N]; ``mu``: friction coefficient of grooves and of touching balls;
+    ``speed``: speed of the carriage [m/s].
     """
     bearing = replace(LINEAR, mu=mu, mu_balls=mu, speed=speed)
     return LinearCase(bearing, *pair_angles_and_loads(bearing, radians(theta), rho, vertical, loads="elastic"))
 
 
 def random_chain_state(count: int) -> tuple[Array, Array]:
-    """Return random contact angles [rad] and loads [N], (N, 4), of ``count`` neighbouring balls in the linear bearing."""
+    """Return random contact angles [rad], then contact loads [N], of neighbouring balls in the linear bearing.
+
+    Both are (N, 4) for N balls. ``count``: the number N, also the seed of the random numbers. The loads balance the
+    vertical load and a random side force of each ball.
+    """
     rng = np.random.default_rng(count)
     angles = LINEAR.contact_angle + angle_deviations(np.radians(rng.uniform(-3.0, 3.0, count)))
     return angles, balanced_loads(angles, VERTICAL, rng.uniform(-0.6, 0.6, count))
 
 
 def linear_chain(count: int, mu: float = LINEAR.mu) -> LinearCase:
-    """Return ``count`` neighbouring balls of the linear bearing with random contact angles and loads.
+    """Return neighbouring balls of the linear bearing of Lin's section 3.3 with random contact angles and loads.
 
-    ``mu``: friction coefficient of grooves and of touching balls.
+    ``count``: number of balls; ``mu``: friction coefficient of grooves and of touching balls.
     """
     return LinearCase(replace(LINEAR, mu=mu, mu_balls=mu), *random_chain_state(count))
 
 
 def chain_with_unloaded_contacts(count: int, mu: float) -> LinearCase:
-    """Return ``count`` neighbouring balls of the linear bearing with random contact loads, about a quarter of them zero.
+    """Return neighbouring balls of the linear bearing with random contact loads, about a quarter of which are zero.
 
-    The contact loads of a ball are not in equilibrium. ``mu``: friction coefficient of grooves and of touching balls.
+    The contact loads of a ball are not in equilibrium. ``count``: number of balls; ``mu``: friction coefficient of
+    grooves and of touching balls.
     """
     case, rng = linear_chain(count, mu), np.random.default_rng(1000 + count)
     loads = case.loads * rng.uniform(0.2, 1.8, case.loads.shape)
@@ -420,17 +428,18 @@ def chain_with_unloaded_contacts(count: int, mu: float) -> LinearCase:
 
 
 def pair_with_relieved_diagonal(share: float) -> LinearCase:
-    """Return two balls of the linear bearing with one contact diagonal nearly unloaded.
+    """Return two balls of the linear bearing of which one pair of opposite contacts is nearly unloaded.
 
-    ``share``: excess of the side force ratio over -1, at which the diagonal carries no load.
+    ``share``: side force over vertical load, plus 1. At zero, this pair of opposite contacts carries no load.
     """
     return linear_pair(2.0, -1.0 + share)
 
 
 def solve_screw_pairs(group: str, pairs: Sequence[Pair], note: str = "") -> GroupResult:
-    """Solve loads and motions of two balls of a screw, by this package and by Lin's method; return the group's results.
+    """Solve two touching balls of a screw by this package and by Lin's method; return the group's results.
 
-    Both also start from random motions and ball-to-ball forces. ``group``, ``note``: what is varied, and a remark.
+    Contact loads and motions are solved; both methods also start from random motions and ball-to-ball forces. ``group``:
+    name of the inputs that are varied; ``pairs``: the cases; ``note``: remark for the table.
     """
     rng, tally = np.random.default_rng(3), SolutionTally()
     for p in pairs:
@@ -452,8 +461,9 @@ def solve_from_random_starts(
 ) -> None:
     """Solve neighbouring balls of a screw from random starts, and count the solutions in ``tally``.
 
-    ``first``: known solution, with whose ball-to-ball forces the others are compared; ``rng``: generator of the random
-    starts; ``off``: largest relative distance of the starting motion from the known solution.
+    ``chain``: the balls with given contact loads; ``first``: known solution, with whose ball-to-ball forces the others
+    are compared; ``rng``: generator of the random starts; ``off``: largest relative distance of the starting motion from
+    the known solution.
     """
     bound = chain.groove.mu * float(chain.force.sum(axis=1).max())
     size = np.maximum(first.ball_force, NO_FORCE * bound)
@@ -480,18 +490,18 @@ def random_screw_chain_state(count: int) -> tuple[Array, Array, Array]:
 
 
 def screw_chain(count: int) -> ScrewChain:
-    """Return ``count`` neighbouring balls of a screw with random contact loads, contact angles and slacks.
+    """Return neighbouring balls of a screw with random contact loads, contact angles and slacks.
 
-    The slack of a ball is the largest rate [rad/s] at which it may gain on the next one.
+    ``count``: number of balls. The slack of a ball is the largest rate [rad/s] at which it may gain on the next one.
     """
     g, (force, angle, slack) = groove_of_table_3_6(), random_screw_chain_state(count)
     return ScrewChain(g, force, g.normals(angle), slack)
 
 
 def solve_screw_chains() -> GroupResult:
-    """Solve chains of neighbouring balls of a screw by this package and by Lin's method; return the group's results.
+    """Solve rows of neighbouring balls of a screw by this package and by Lin's method; return the results of all rows.
 
-    The chains have the numbers of balls in `BALLS`.
+    The rows have the numbers of balls in `BALLS`.
     """
     rng, tally = np.random.default_rng(4), SolutionTally()
     for count in BALLS:
@@ -509,9 +519,10 @@ def solve_screw_chains() -> GroupResult:
 
 
 def solve_bearing_with_clearance() -> GroupResult:
-    """Solve loads and motions of the four-point bearing of Lin's Table 4.2 with clearance; return the group's results.
+    """Solve the four-point bearing of Lin's Table 4.2 with several clearances, and return the results of all cases.
 
-    The load acts at 12 deg to the axis; the inner ring is free to tilt or not.
+    Loads and motions are solved under a load at 12 deg to the axis, for an inner ring that is free to tilt and one that
+    is not.
     """
     tally = SolutionTally()
     for c, tilt in product(CLEARANCE, (False, True)):
@@ -522,7 +533,7 @@ def solve_bearing_with_clearance() -> GroupResult:
 
 
 def chain_results() -> list[GroupResult]:
-    """Solve all groups of two and more neighbouring balls and return their results."""
+    """Solve all groups of two and more neighbouring balls, and of a bearing with clearance; return each group's results."""
     two = radians(2.0)
     base, few = pair_with_inferred_oversize(two), f"one random start; source up to {SOURCE_BALLS} balls"
     return [
@@ -585,13 +596,13 @@ ROOT_STARTS = 8
 
 
 def extreme_linear_pairs() -> list[tuple[str, list[Chain]]]:
-    """Return groups of extreme cases of two balls in the linear bearing.
+    """Return groups of extreme cases of two balls in the linear bearing of Lin's section 3.3.
 
-    Each entry: name of the inputs that are varied, then the pairs of balls of the group, prepared for the solver.
+    Each entry: names of the varied inputs with their ranges; then the ball pairs of the group, prepared for the solver.
     """
 
     def make_pair(theta: float, rho: float, vertical: float, mu: float) -> Chain:
-        """Return two balls of the linear bearing, prepared for the solver; arguments as in `linear_pair`."""
+        """Return two balls of the linear bearing, prepared for the solver, with the arguments of `linear_pair`."""
         bearing = replace(LINEAR, mu=mu, mu_balls=mu)
         return prepare_chain(bearing, *pair_angles_and_loads(bearing, radians(theta), rho, vertical, loads="elastic"))
 
@@ -615,7 +626,11 @@ def extreme_linear_pairs() -> list[tuple[str, list[Chain]]]:
 
 
 def extreme_pair_rows() -> list[Row]:
-    """Return table rows of extreme cases of two balls in the linear bearing, each solved from three starts."""
+    """Return table rows of extreme cases of two balls in the linear bearing, each case solved from three starts.
+
+    Each row is one group of cases: numbers of cases and of solutions, largest residual, energy error, and spread over the
+    starts.
+    """
     rng, rows = np.random.default_rng(3), list[Row]()
     for group, chains in extreme_linear_pairs():
         solved, energy, spread, residual = 0, 0.0, 0.0, 0.0
@@ -640,9 +655,10 @@ def extreme_pair_rows() -> list[Row]:
 
 
 def root_finding_rows() -> list[Row]:
-    """Return table rows that compare Lin's root finding and least dissipation on the rotary bearing's cases I to III.
+    """Return table rows that compare Lin's root finding with least dissipation on the rotary bearing's cases I to III.
 
-    Both start from random motions of the ball within 1 % and within 50 % of the solution.
+    Both start from random motions of the ball, within 1 % and within 50 % of the solution; a row counts the starts from
+    which each finds it.
     """
     rng, rows = np.random.default_rng(5), list[Row]()
     first = {case: solve_rotary(case, "as printed") for case in CASES}
@@ -679,9 +695,9 @@ COLUMNS = (
 
 
 def root_finding_by_model(tried: Sequence[GroupResult]) -> str:
-    """Return in words from how many starts Lin's root finding finds a solution, by model, the worst first.
+    """Return in words from how many starts Lin's root finding finds a solution, for each model, the lowest fraction first.
 
-    ``tried``: results of the groups that Lin's method can solve.
+    ``tried``: results of the groups of cases that Lin's method can solve.
     """
     counts: dict[str, tuple[int, int]] = {}
     for r in tried:
@@ -692,9 +708,9 @@ def root_finding_by_model(tried: Sequence[GroupResult]) -> str:
 
 
 def table_section_items(found: Sequence[GroupResult] | None = None) -> tuple[Text | Table, ...]:
-    """Return text and table on all extreme cases for the report.
+    """Return text and table of the report on all extreme cases of the friction models.
 
-    ``found``: results of all groups of cases; None: they are computed here.
+    ``found``: results of all groups of cases; None: all cases are solved here.
     """
     found = all_group_results() if found is None else found
     cells = list[dict[str, Cell]]()

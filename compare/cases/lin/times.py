@@ -49,10 +49,11 @@ CALLS = {
 
 
 def measure_run_times(study: Study, step: Callable[[str], None]) -> Kept:
-    """Measure all run times that are compared with Lin's tables; this takes ten to fifteen minutes on two idle cores.
+    """Measure all run times that are compared with the tables of Lin's thesis.
 
-    ``study``: solved scenes and stored 3D references; ``step``: function that is told in words what is measured next.
-    Returns the times with the conditions of measurement, to be stored.
+    This takes ten to fifteen minutes on two idle cores. ``study``: solved scenes and stored 3D references; ``step``:
+    function that receives a message before each measurement. Returns the times with the conditions of measurement, to be
+    stored.
     """
     times: dict[tuple[str, str], RunTime] = {}
     levels: list[ColdLevelTime] = []
@@ -88,10 +89,10 @@ class RunTimes:
 
 
 def stored_run_times(study: Study, name: str, way: str) -> RunTimes:
-    """Return the stored run times of a scene by one model.
+    """Return the stored run times of one model for a scene; without any, the fields of the result are None or empty.
 
-    ``name``: of the scene; ``way``: "lin" (static model), "numerical" (friction model of two balls), "formula" (Lin's
-    formula for two balls) or "3D".
+    ``name``: name of the scene; ``way``: model, "lin" (static model), "numerical" (friction model of two balls),
+    "formula" (Lin's formula for two balls) or "3D". ``study``: solved scenes and stored 3D results.
     """
     kept = study.once(times_of_page, "lin")
     found = study.reference(name) if name in STATIC.values() and way == "3D" else None

@@ -48,7 +48,10 @@ def _random_ball_errors(half_range: int, number: int = 0) -> Array:
 
 
 def _curve_over_balls(values: Array, label: str, *, emphasis: bool = False) -> Series:
-    """Return a line of one value for each ball, over the ball's number."""
+    """Return a curve over the number of the ball.
+
+    ``values``: value of each ball (78,); ``label``: legend; ``emphasis``: whether the curve is drawn bold.
+    """
     return Series(label, list(range(1, liu.ball_count() + 1)), [float(v) for v in values], "line", emphasis=emphasis)
 
 
@@ -91,7 +94,8 @@ def _percentile_curves(half_range: int, quantity: Spread, unit: float, loads: Se
 def _curve_without_errors(value: Callable[[float], float], loads: Sequence[float] = LOADS) -> Series:
     """Return the curve of a quantity of the screw without errors over the axial load.
 
-    ``value``: function that returns the quantity, in the panel's unit, at an axial load [N]; ``loads``: these loads [N].
+    ``value``: function that returns the quantity, in the panel's unit, at an axial load [N]; ``loads``: the axial loads
+    [N].
     """
     return Series("no errors", list(loads), [value(f) for f in loads], "line")
 
@@ -103,7 +107,7 @@ def _solve_without_errors(force: float) -> tuple[float, float]:
 
 
 def ball_deformation_figure() -> Figure:
-    """Draw Liu's Figure 11: normal deformation of each ball with errors of +-2 um, under three axial loads."""
+    """Draw Liu's Figure 11: normal deformation of each ball under three axial loads, with random ball errors of ±2 um."""
     errors, panels = _random_ball_errors(2), []
     for force in (2000.0, 1000.0, 500.0):
         load = _ball_loads(errors, force)
@@ -121,15 +125,15 @@ def ball_deformation_figure() -> Figure:
 
 
 def free_screw_elongation(force: float) -> float:
-    """Return the elongation [um] of the screw outside the nut in the test, under an axial force [N].
+    """Return the elongation [um] of the part of the screw outside the nut in Liu's experiment, under an axial force [N].
 
-    The cross section, which is not printed, is that of the scene liu-screw.
+    The cross section is not printed; it is taken from the scene liu-screw.
     """
     return 1e6 * force * FREE_LENGTH / screw_section(liu.liu_screw()).EA
 
 
 def test_figure() -> Figure:
-    """Draw Liu's Figure 13: predicted displacement and stiffness of the nut over the load of the test."""
+    """Draw Liu's Figure 13: computed displacement and stiffness of the nut over the axial load of the experiment."""
     found = _percentile_curves(3, "displacement_first_loaded", 1e-6, TEST_LOADS)
     free = [float(v) + free_screw_elongation(f) for f, v in zip(TEST_LOADS, found[1].y, strict=True)]
     series = (
@@ -159,7 +163,7 @@ def test_figure() -> Figure:
 
 
 def test_table() -> Table:
-    """Return the table of the predicted displacements of the test in Liu's Figure 13."""
+    """Return the table of computed displacements for the experiment of Liu's Figure 13, at several axial loads."""
     rows: list[Row] = []
     for force in (500.0, 1000.0, 3000.0, 5000.0, 7000.0, 9000.0, 10845.0):
         moved = 1e6 * _ensemble_of_screws(3).values_at("displacement_first_loaded", force)
@@ -230,9 +234,9 @@ def one_ball_figure() -> Figure:
 
 
 def _load_curves_and_ranges(half_range: int, loads: Iterable[float]) -> list[Series]:
-    """Return curves of the ball loads of one randomly drawn screw, and markers of the printed ranges of these loads.
+    """Return curves of the ball loads over the ball's number, with the printed smallest and largest loads as markers.
 
-    ``half_range``: of the ball errors [um]; 0: no errors, for which no range is printed; ``loads``: axial loads [N].
+    The screw has random ball errors. ``half_range``: half range of these errors [um]; ``loads``: axial loads [N].
     """
     series = []
     for force in loads:
@@ -266,9 +270,9 @@ def loads_by_range_figure() -> Figure:
 
 
 def loaded_balls_figure(found: dict[str, float], words: str) -> Figure:
-    """Draw Liu's Figure 18: number of loaded balls over the axial load, with the counts printed in section 4.3.
+    """Draw Liu's Figure 18: number of loaded balls over the axial load, with the numbers printed in section 4.3.
 
-    ``found``: printed values by key; ``words``: end of the caption.
+    ``found``: printed values by key, such as "loaded_2_500"; ``words``: text that ends the caption.
     """
     panels = []
     for h in liu.RANGES:
@@ -312,7 +316,7 @@ def _printed_stiffness_markers(found: dict[str, float], which: int | str, label:
 def stiffness_figure(found: dict[str, float], words: str) -> Figure:
     """Draw Liu's Figure 20: axial stiffness over the axial load, with the values printed in section 4.4.
 
-    ``found``: printed values by key; ``words``: added to the caption.
+    ``found``: printed values by key, such as "K_2_3000"; ``words``: text that ends the caption.
     """
     free, panels = _curve_without_errors(lambda f: _solve_without_errors(f)[1]), []
     for h in liu.RANGES:
@@ -328,7 +332,10 @@ def stiffness_figure(found: dict[str, float], words: str) -> Figure:
 
 
 def three_draws_figure(found: dict[str, float]) -> Figure:
-    """Draw Liu's Figure 21: stiffness of three screws drawn with errors of +-2 um, and the range of the three values."""
+    """Draw Liu's Figure 21: stiffness of three randomly drawn screws over the axial load, and the range of the three.
+
+    The ball errors are within ±2 um. ``found``: printed values by key.
+    """
     curves = []
     for i, name in enumerate(liu.SETS):
         values = [1e-8 * solve_chain(liu.calibrated_model(), _random_ball_errors(2, i), f).stiffness for f in LOADS]

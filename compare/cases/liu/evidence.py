@@ -82,18 +82,21 @@ def printed_load_ratio() -> float:
 
 
 def calibration_load() -> float:
-    """Return the axial load [N] at which the model's compliance is calibrated: that of Liu et al. (2025), 4.1."""
+    """Return the axial load [N] at which the model's compliance is calibrated: that of section 4.1 of Liu et al. (2025)."""
     return liu_screw().loads[0].force[2]
 
 
 @cache
 def calibrated_model(law: Law = "implicit") -> Chain:
-    """Return Liu's axial model, calibrated to the printed Q78/Q1; ``law``: contact-angle law (Liu's: "implicit")."""
+    """Return Liu's axial model of the screw, with a compliance that gives the printed load ratio Q78/Q1.
+
+    ``law``: contact-angle law, "implicit" (Liu's), "exact" or "constant".
+    """
     return calibrate_compliance(row_of(liu_screw(), law=law).chain, printed_load_ratio(), calibration_load())
 
 
 def implied_area(balls_a_turn: float) -> float:
-    """Return the cross sections of nut and screw in series, 1/(1/A_n + 1/A_s) [m^2], that the calibrated model implies.
+    """Return the cross sections of nut and screw in series [m^2], 1/(1/A_n + 1/A_s), implied by the calibrated model.
 
     ``balls_a_turn``: number of balls in a turn, which determines the length of a segment between two balls.
     """
@@ -102,7 +105,7 @@ def implied_area(balls_a_turn: float) -> float:
 
 
 def errors_of_ball_33(error: float) -> Array:
-    """Return diameter errors [m] of all balls: ``error`` for ball 33, zero for the others."""
+    """Return the diameter errors (78,) [m] of all balls, where only ball 33 has the given ``error``."""
     errors = np.zeros(ball_count())
     errors[32] = error
     return errors
@@ -110,9 +113,9 @@ def errors_of_ball_33(error: float) -> Array:
 
 @cache
 def single_error_state(error_um: float, load: float, chain: Chain | None = None) -> ChainState:
-    """Solve the contact loads of the screw with an error of ball 33 only, under an axial load.
+    """Solve the contact loads of the screw under an axial load, where only ball 33 has an error.
 
-    ``error_um``: error of the ball's diameter [um]; ``load``: axial load [N]; ``chain``: axial model; None: Liu's,
+    ``error_um``: error of the ball's diameter [um]; ``load``: axial load [N]; ``chain``: axial model; None: Liu's model,
     calibrated.
     """
     return solve_chain(chain or calibrated_model(), errors_of_ball_33(1e-6 * error_um), load)
@@ -139,10 +142,10 @@ def sample_of_drawn_screws(half_range_um: int, quantity: Quantity, load: float) 
 
 
 def percentile_sentence(values: Array, printed: float, half_digit: float) -> tuple[PercentileRank, str]:
-    """Return the percentile of a printed number among the values of randomly drawn screws, and the percentile in words.
+    """Return the percentile of a printed number among randomly drawn screws, then the same in words.
 
-    ``values``: values of these screws, in the unit of the printed number; ``half_digit``: half a step of the printed
-    number's last digit.
+    ``values``: computed values of these screws, in the unit of the printed number; ``half_digit``: half a step of the
+    printed number's last digit.
     """
     p = percentile_rank(values, printed, half_digit)
     low, high = np.quantile(values, [UNLIKELY, 1.0 - UNLIKELY])
@@ -159,7 +162,10 @@ LIGHT, HEAVY = 1000.0, 5000.0
 
 
 def section_2(e: Findings, study: Study) -> None:  # noqa: ARG001 - every table takes the study
-    """Compute the numbers and claims printed in section 2.1 and Table 2 of Liu et al. (2025), into ``e``."""
+    """Compute the numbers and claims printed in section 2.1 and Table 2 of Liu et al. (2025).
+
+    ``e``: receives the computed value for each printed number, and whether each claim holds. ``study``: not used here.
+    """
     scene = liu_screw()
     track, balls, angle, lead = scene.track, scene.balls, scene.track.contact_angle, lead_angle(scene.track)
     mm = {"R": track.pitch_radius, "D": 2.0 * balls.radius, "P_h": track.lead, "r": scene.screw.groove_radius}
@@ -192,7 +198,10 @@ def compare_with_elimination() -> tuple[int, int, float]:
 
 
 def section_3(e: Findings, study: Study) -> None:  # noqa: ARG001 - every table takes the study
-    """Compute the numbers and claims printed in section 3 of Liu et al. (2025), into ``e``."""
+    """Compute the numbers and claims printed in section 3 of Liu et al. (2025).
+
+    ``e``: receives the computed value for each printed number, and whether each claim holds. ``study``: not used here.
+    """
     steps = max(solve_chain(calibrated_model(), x, 500.0).iterations for x in draw_errors(SEED, 0, FEW, ball_count(), 2e-6))
     same, rounds, worst = compare_with_elimination()
     e.claim(
@@ -219,15 +228,15 @@ def section_3(e: Findings, study: Study) -> None:  # noqa: ARG001 - every table 
 
 
 def mei_model() -> Chain:
-    """Return Mei's model as Liu et al. use it: constant contact angle of 45 deg, compliance of Liu's model."""
+    """Return Mei's axial model as Liu et al. use it: constant contact angle of 45 deg, compliance as in Liu's model."""
     return replace(calibrated_model(), law="constant")
 
 
 def mei_deviations(chain: Chain, errors: np.ndarray[tuple[int], np.dtype[np.float64]]) -> tuple[float, float]:
     """Return the largest difference [%] between a ball's loads by an axial model and by Mei's model, at 5000 N.
 
-    First: over the load by Mei's model; second: over the load by the model ``chain``. ``errors``: errors of the ball
-    diameters (78,) [m].
+    First: relative to the load by Mei's model; second: relative to the load by the other model. ``chain``: the other
+    model; ``errors``: errors of the ball diameters (78,) [m].
     """
     load = solve_chain(chain, errors, calibration_load()).load
     mei = solve_chain(replace(chain, law="constant"), errors, calibration_load()).load
@@ -235,7 +244,10 @@ def mei_deviations(chain: Chain, errors: np.ndarray[tuple[int], np.dtype[np.floa
 
 
 def section_4_1(e: Findings, study: Study) -> None:  # noqa: ARG001 - every table takes the study
-    """Compute the numbers and claims printed in section 4.1 of Liu et al. (2025), into ``e``."""
+    """Compute the numbers and claims printed in section 4.1 of Liu et al. (2025).
+
+    ``e``: receives the computed value for each printed number, and whether each claim holds. ``study``: not used here.
+    """
     load = calibration_load()
     area = 1e6 * implied_area(26.0)
     words = f"compliance of a segment {calibrated_model().compliance:.4g} m/N"
@@ -254,27 +266,28 @@ def section_4_1(e: Findings, study: Study) -> None:  # noqa: ARG001 - every tabl
 
 
 def load_ratio(error_um: float, load: float) -> float:
-    """Return the load ratio Q78/Q1 of last and first ball, where only ball 33 has an error, under an axial load [N].
+    """Return the ratio Q78/Q1 of the loads of last and first ball, where only ball 33 has an error.
 
-    ``error_um``: error of the diameter of ball 33 [um].
+    ``error_um``: error of the diameter of ball 33 [um]; ``load``: axial load [N].
     """
     q = single_error_state(error_um, load).load
     return float(q[-1] / q[0])
 
 
 def load_by_other_angle_laws(error_um: float, load: float) -> str:
-    """Return in words the load [N] of ball 33 by the other contact-angle laws, each calibrated to the printed Q78/Q1.
+    """Return in words the load [N] of ball 33 by the exact and by the constant contact-angle law.
 
-    ``error_um``: error of the diameter of ball 33 [um]; ``load``: axial load [N].
+    The model is calibrated to the printed ratio Q78/Q1 for each law. ``error_um``: error of the diameter of ball 33 [um];
+    ``load``: axial load [N].
     """
     found = {law: single_error_state(error_um, load, calibrated_model(law)).load[32] for law in ("exact", "constant")}
     return "; ".join(f"{law} contact angle {value:.2f} N" for law, value in found.items())
 
 
 def load_change_of_other_balls(error_um: float) -> list[float]:
-    """Return the smallest, then the largest change [N] of the other balls' loads by an error of ball 33.
+    """Return the smallest, then the largest change [N] of the loads of all balls but ball 33 by an error of ball 33.
 
-    The range is over these balls and the axial loads `LIGHT` and `HEAVY`. ``error_um``: error of its diameter [um].
+    Both are taken over the axial loads `LIGHT` and `HEAVY`. ``error_um``: error of the diameter of ball 33 [um].
     """
     change = [np.delete(single_error_state(error_um, f).load - single_error_state(0.0, f).load, 32) for f in (LIGHT, HEAVY)]
     return [float(np.min(change)), float(np.max(change))]
@@ -286,7 +299,7 @@ def error_for_load(load: float) -> float:
 
 
 def first_carrying_loads() -> tuple[float, float]:
-    """Return the axial load [N] above which ball 1 is loaded, then that of ball 78, with ball 33 too large by 2 um."""
+    """Return the axial loads [N] from which on ball 1, then ball 78, carries load, with ball 33 too large by 2 um."""
     errors = errors_of_ball_33(2e-6)
     return (
         first_carrying_load(calibrated_model(), errors, 0, LIGHT),
@@ -295,7 +308,10 @@ def first_carrying_loads() -> tuple[float, float]:
 
 
 def section_4_2(e: Findings, study: Study) -> None:  # noqa: ARG001 - every table takes the study
-    """Compute the numbers and claims printed in section 4.2 of Liu et al. (2025), into ``e``."""
+    """Compute the numbers and claims printed in section 4.2 of Liu et al. (2025).
+
+    ``e``: receives the computed value for each printed number, and whether each claim holds. ``study``: not used here.
+    """
     for name, error in (("minus", -2.0), ("plus", 2.0)):
         for load in (LIGHT, HEAVY):
             q = float(single_error_state(error, load).load[32])
@@ -340,9 +356,10 @@ SETS = "abc"
 
 
 def sample_for_printed_number(key: str) -> Array:
-    """Return the values of all randomly drawn screws for one printed number, in its printed unit.
+    """Return the values of all randomly drawn screws (n,) that belong to one printed number, in its printed unit.
 
-    ``key``: of the printed number: quantity, half range of the ball errors [um] and axial load [N], such as "K_2_3000".
+    ``key``: key of the printed number: quantity, half range of the ball errors [um], and axial load [N], such as
+    "K_2_3000".
     """
     name, which, load = key.removesuffix("_again").split("_")
     values = sample_of_drawn_screws(2 if which in SETS else int(which), NAMES[name], float(load))
@@ -363,9 +380,10 @@ def count_matching_screws(half_range: int, at_500: int, at_1000: int) -> str:
 
 
 def record_percentile(e: Findings, key: str, *remarks: str) -> None:
-    """Record the median of the randomly drawn screws as the computed value of a printed number, into ``e``.
+    """Record the median of the randomly drawn screws in ``e`` as the computed value of a printed number.
 
-    The remark states the percentile of the printed value. ``key``: of the printed number; ``remarks``: further remarks.
+    The remark states the percentile of the printed number among these screws. ``key``: key of the printed number;
+    ``remarks``: further remarks.
     """
     row = next(f.printed for f in e.evidence() if f.printed.key == key)
     values = sample_for_printed_number(key)
@@ -375,25 +393,28 @@ def record_percentile(e: Findings, key: str, *remarks: str) -> None:
 
 
 def judge_fraction_of_screws(mask: np.ndarray[tuple[int, ...], np.dtype[np.bool_]]) -> tuple[bool, str]:
-    """Return whether the fraction of random screws with a property reaches `UNLIKELY`, and this fraction in words.
+    """Return whether the fraction of randomly drawn screws with a property reaches `UNLIKELY`, then the fraction in words.
 
-    ``mask``: whether each randomly drawn screw has the property.
+    ``mask``: for each of these screws, whether it has the property.
     """
     p = float(np.mean(mask))
     return p >= UNLIKELY, f"probability {p:.3f} ± {np.sqrt(p * (1.0 - p) / mask.size):.3f}"
 
 
 def falls_with_range(quantity: Quantity, load: float) -> np.ndarray[tuple[int, ...], np.dtype[np.bool_]]:
-    """Return for each randomly drawn screw (n,) whether a quantity falls as the range of the ball errors grows.
+    """Return for each randomly drawn screw (n,) whether a quantity falls when the half range of ball errors grows.
 
-    The half ranges are 1, 2 and 3 um; ``quantity``: name, such as "stiffness"; ``load``: axial load [N].
+    The half ranges are 1, 2 and 3 um. ``quantity``: name of the quantity, such as "stiffness"; ``load``: axial load [N].
     """
     a, b, c = (sample_of_drawn_screws(h, quantity, load) for h in RANGES)
     return np.asarray((a > b) & (b > c))
 
 
 def section_4_3(e: Findings, study: Study) -> None:  # noqa: ARG001 - every table takes the study
-    """Compute the numbers and claims printed in section 4.3 of Liu et al. (2025), into ``e``."""
+    """Compute the numbers and claims printed in section 4.3 of Liu et al. (2025), by randomly drawn screws.
+
+    ``e``: receives the computed value for each printed number, and whether each claim holds. ``study``: not used here.
+    """
     for row in (f.printed for f in e.evidence()):
         if row.value is not None:
             record_percentile(e, row.key)
@@ -423,7 +444,7 @@ def section_4_3(e: Findings, study: Study) -> None:  # noqa: ARG001 - every tabl
 
 
 def _check_displacement_claims(e: Findings) -> None:
-    """Check Liu's claims on the curves of displacement over load, by the medians of randomly drawn screws."""
+    """Check Liu's claims on displacement over load by the medians of randomly drawn screws; ``e``: receives the results."""
     loads = np.array(LOADS[1])
     curve = np.array([[np.median(sample_of_drawn_screws(h, "displacement", f)) for f in loads] for h in RANGES])
     power = np.diff(np.log(curve[1])) / np.diff(np.log(loads))
@@ -436,19 +457,20 @@ def _check_displacement_claims(e: Findings) -> None:
 
 
 def stiffness_spreads(load: float) -> Array:
-    """Return the largest minus the smallest stiffness [1e8 N/m] of triples of randomly drawn screws, (triples,).
+    """Return the largest minus the smallest stiffness [1e8 N/m] in each group of three randomly drawn screws, (groups,).
 
-    The ball errors are within +-2 um; ``load``: axial load [N].
+    The ball errors are within ±2 um. ``load``: axial load [N].
     """
     values = 1e-8 * sample_of_drawn_screws(2, "stiffness", load)
     return np.asarray(np.ptp(values[: values.size // 3 * 3].reshape(-1, 3), axis=1))
 
 
 def relative_stiffness_percentile(key: str, printed: float, reference: float) -> str:
-    """Return in words the percentile of a printed stiffness that is divided by the printed stiffness without errors.
+    """Return in words the percentile of a printed stiffness divided by the printed stiffness without errors.
 
-    ``key``: of the printed stiffness; ``printed``: its value; ``reference``: printed stiffness without errors. The ratio
-    does not change if all stiffnesses differ from the publication's by the same factor.
+    The percentile is that among randomly drawn screws. The ratio does not change if all stiffnesses differ from the
+    publication's by one factor. ``key``: key of the printed stiffness; ``printed``: its value; ``reference``: printed
+    stiffness without errors.
     """
     h, load = int(key.split("_")[1]), float(key.split("_")[2])
     ratio = (
@@ -486,7 +508,7 @@ def drawn_secant_stiffness(half_range_um: int, load: float, share: float) -> Arr
 
 
 def stiffness_agrees(row: Printed, share: float) -> bool:
-    """Return whether a printed stiffness lies in the range of the randomly drawn screws' secant stiffness.
+    """Return whether a printed stiffness lies in the range of the secant stiffness of randomly drawn screws.
 
     ``row``: printed number; ``share``: load step of the secant over the load; 0: tangent stiffness. A stiffness without
     errors must agree with the computed one to 1 %, as the publication's other results do.
@@ -500,9 +522,9 @@ def stiffness_agrees(row: Printed, share: float) -> bool:
 
 
 def agreement_by_load_step(rows: Sequence[Printed]) -> str:
-    """Return in words how many printed stiffnesses agree with the tangent stiffness, and how many with a secant.
+    """Return in words how many printed stiffnesses agree with the tangent stiffness, and how many with a secant stiffness.
 
-    ``rows``: printed numbers; the load step of the secant is `STEP` times the load.
+    ``rows``: printed stiffnesses; the load step of the secant is `STEP` times the load.
     """
     counts = [sum(stiffness_agrees(row, share) for row in rows) for share in (0.0, STEP)]
     return (
@@ -512,7 +534,10 @@ def agreement_by_load_step(rows: Sequence[Printed]) -> str:
 
 
 def section_4_4(e: Findings, study: Study) -> None:  # noqa: ARG001 - every table takes the study
-    """Compute the numbers and claims printed in section 4.4 of Liu et al. (2025), into ``e``."""
+    """Compute the numbers and claims printed in section 4.4 of Liu et al. (2025), by randomly drawn screws.
+
+    ``e``: receives the computed value for each printed number, and whether each claim holds. ``study``: not used here.
+    """
     bare, printed_K = e.printed("K_0_3000"), [f.printed for f in e.evidence() if f.printed.key.startswith("K_")]
     for row in printed_K:
         if row.value is not None and row.key != "K_0_3000":
@@ -538,7 +563,7 @@ def section_4_4(e: Findings, study: Study) -> None:  # noqa: ARG001 - every tabl
 
 
 def _check_stiffness_claims(e: Findings) -> None:
-    """Check the claims of section 4.4 of Liu et al. (2025) on the stiffness of screws with random errors."""
+    """Check Liu's claims on the stiffness of screws with random errors, section 4.4; ``e``: receives the results."""
     s = {load: stiffness_spreads(load) for load in (100.0, 1100.0, 2100.0)}
     e.claim("largest_1100", *judge_fraction_of_screws((s[1100.0] > s[100.0]) & (s[1100.0] > s[2100.0])))
     percent = 100.0 * s[100.0] / (1e-8 * np.median(sample_of_drawn_screws(2, "stiffness", 100.0)))

@@ -1,20 +1,30 @@
-"""Report pages on Liu et al. (2025): printed numbers and figures of each section, with the computed ones."""
+"""Report pages on Liu et al. (2025): printed numbers and figures of each section, with the computed ones.
+
+The last page shows the error of Liu's axial-only model: the same screw by it, the beam model, the refined model and in 3D.
+"""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from rollbench.compare.case import CASES
-from rollbench.compare.cases.liu import bodies, curves
+from rollbench.compare.cases.liu import curves
 from rollbench.compare.cases.liu import evidence as liu
 from rollbench.compare.evidence import counts, evidence, trust
-from rollbench.compare.measure import error_percent
+from rollbench.compare.measure import error_percent, load_error
 from rollbench.compare.models.study import Study
+from rollbench.compare.reference.estimate import uncertainty_percent
 from rollbench.compare.sections.source_tables import computation_tables, read_layouts, shown_tables
 from rollbench.compare.sections.verdicts import misprints_table
+from rollbench.lowfi.random_errors.chain import Chain, draw_errors, solve_chain
+from rollbench.lowfi.statics.liu import Row as ModelInputs
+from rollbench.lowfi.statics.liu import row_of
+from rollbench.meshes.arrays import Array
+from rollbench.meshes.parts import Scene
 from rollbench.reports.content import Quantity, Row, Section, Table, Text
 
 #: Sections of the report by name: title, names of the printed tables.
@@ -42,9 +52,9 @@ ABOUT = (
 
 
 def loaded_counts_sentence(found: dict[str, float]) -> str:
-    """Return in words how many printed numbers of loaded balls lie in the central 99 % interval of computed ones.
+    """Return in words how many printed numbers of loaded balls lie in the central 99 % interval of randomly drawn screws.
 
-    The computed numbers are those of randomly drawn screws. ``found``: printed values by key, such as "loaded_2_500".
+    ``found``: printed values by key, such as "loaded_2_500".
     """
     total, out = 0, []
     for key, value in found.items():
@@ -63,10 +73,10 @@ def loaded_counts_sentence(found: dict[str, float]) -> str:
 
 
 def stiffness_sentence(found: dict[str, float]) -> str:
-    """Return in words the deviation of printed stiffnesses from the median of the randomly drawn screws.
+    """Return in words the deviation of printed stiffnesses from the median stiffness of randomly drawn screws.
 
-    Only axial loads count under which most of these screws have no unloaded ball. ``found``: printed values by key,
-    such as "K_2_3000".
+    Only axial loads count at which the median screw has no unloaded ball. ``found``: printed values by key, such as
+    "K_2_3000".
     """
     off = []
     for key, value in found.items():
@@ -84,10 +94,160 @@ def stiffness_sentence(found: dict[str, float]) -> str:
     return f"with all balls loaded printed stiffness is {min(off):+.1f} to {max(off):+.1f} % off the median of the draws"
 
 
+#: Name of the scene of Liu's screw.
+SCENE = "liu-screw"
+
+#: Scenes of Liu's screw with 3D reference solutions, and the mesh levels of these (156 contacts).
+SOLID = (SCENE, "liu-small", "liu-drawn", "liu-drawn-1kN")
+
+SOLID_LEVELS = (1, 2)
+
+#: Axial loads [N]; half range of the random ball errors [m]; number of randomly drawn screws.
+LOADS, HALF_RANGE, DRAWN = (1000.0, 5000.0), 2e-6, 3
+
+
+@dataclass(frozen=True)
+class ModelLoads:
+    """Contact loads of the 78 balls of one screw under one axial load, by three models.
+
+    ``errors``: ball errors of the screw in words; ``load``: axial load [N]; ``axial``, ``beam``, ``refined``: contact
+    loads (78,) [N] by Liu's axial model, the beam model and the refined model.
+    """
+
+    errors: str
+    load: float
+    axial: Array
+    beam: Array
+    refined: Array
+
+    def difference_from_axial(self, model: Array) -> tuple[float, float, int]:
+        """Return the differences of the axial model's loads from those of another model.
+
+        First: RMS difference; second: largest difference, with its sign [both in % of the mean load]; third: number of the
+        ball with the largest difference, from 1. ``model``: contact loads (78,) [N] by the other model.
+        """
+        change = error_percent(model, self.axial, float(model.mean()))
+        ball = int(np.abs(change).argmax())
+        return float(np.sqrt(np.mean(change**2))), float(change[ball]), ball + 1
+
+
+def change_errors_and_load(scene: Scene, errors: Array, load: float) -> Scene:
+    """Return a copy of the scene with other ball errors and another axial load.
+
+    ``errors``: errors of the ball diameters (78,) [m]; ``load``: axial load [N].
+    """
+    listed = tuple((i + 1, 0.5 * float(e)) for i, e in enumerate(errors) if e != 0.0)
+    balls = replace(scene.errors.balls, listed=listed)
+    force = replace(scene.loads[0], force=(0.0, 0.0, load))
+    return replace(scene, errors=replace(scene.errors, balls=balls), loads=(force,))
+
+
+def rigid_nut_model(scene: Scene) -> ModelInputs:
+    """Return the inputs of Liu's axial model for a scene, changed to two assumptions of the beam model.
+
+    These are a rigid nut, and contact angles that follow exactly from the displacements.
+    """
+    row = row_of(scene, law="exact")
+    return replace(row, chain=replace(row.chain, compliance=row.share * row.chain.compliance))
+
+
+def compare_models(study: Study) -> tuple[ModelLoads, ...]:
+    """Return the contact loads of Liu's screw by the axial, the beam and the refined model.
+
+    There is an entry for each axial load and each set of ball errors: none, ball 33 too small or too large by 2 um, and
+    random errors. ``study``: solved scenes.
+    """
+    scene = study.scene(SCENE)
+    chain = rigid_nut_model(scene).chain
+    drawn = draw_errors(liu.SEED + 2, 0, DRAWN, liu.ball_count(), HALF_RANGE)
+    kinds = [
+        ("none", np.zeros(liu.ball_count())),
+        ("ball 33: -2 um", liu.errors_of_ball_33(-2e-6)),
+        ("ball 33: +2 um", liu.errors_of_ball_33(2e-6)),
+    ]
+    kinds += [(f"drawn, +-2 um, screw {i + 1}", errors) for i, errors in enumerate(drawn)]
+    return tuple(_compute_loads(study, scene, chain, name, errors, load) for name, errors in kinds for load in LOADS)
+
+
+def _compute_loads(study: Study, scene: Scene, chain: Chain, name: str, errors: Array, load: float) -> ModelLoads:
+    """Compute the contact loads of one screw under one axial load by Liu's axial, the beam and the refined model.
+
+    ``chain``: axial model of the scene; ``name``: ball errors in words; ``errors``: errors of the ball diameters (78,)
+    [m]; ``load``: axial load [N]. ``study``: solved scenes.
+    """
+    changed = change_errors_and_load(scene, errors, load)
+    beam, refined = (study.solve(changed, model).load[:, 0] for model in ("lin", "refined"))
+    return ModelLoads(name, load, solve_chain(chain, errors, load).load, beam, refined)
+
+
+@dataclass(frozen=True)
+class DifferenceFrom3D:
+    """Difference of one model's contact loads from the 3D reference, for one scene of Liu's screw."""
+
+    #: Name of the scene.
+    scene: str
+    #: Title of the scene.
+    title: str
+    #: Name of the model.
+    model: str
+    #: RMS difference [% of the mean load].
+    rms: float
+    #: Largest difference [% of the mean load].
+    largest: float
+    #: Ball with the largest difference.
+    ball: int
+    #: Grid uncertainty of the reference [% of the mean load].
+    uncertainty: float | None
+    #: Number of loaded balls in the model.
+    loaded: int
+    #: Number of loaded balls in 3D.
+    loaded_in_3d: int
+
+
+def compare_with_3d(study: Study) -> tuple[DifferenceFrom3D, ...]:
+    """Return the differences of Liu's axial, the beam and the refined model from the 3D reference.
+
+    There are three entries for each scene that has a stored reference. ``study``: solved scenes and stored 3D references.
+    """
+    rows = []
+    for name, found in study.references(SOLID).items():
+        scene, bar = study.scene(name), uncertainty_percent(found)
+        for model in ("axial", "lin", "refined"):
+            load = axial_model_loads(scene) if model == "axial" else study.solve(scene, model).load
+            e = load_error(load, found.load, found.contacts)
+            carried, held = (int(np.count_nonzero(x[:, 0] > 0.0)) for x in (load, found.load))
+            rows.append(
+                DifferenceFrom3D(name, scene.title, model, e.rms_percent, e.max_percent, e.ball, bar, carried, held)
+            )
+    return tuple(rows)
+
+
+def axial_model_loads(scene: Scene) -> Array:
+    """Return the contact loads (78, 4) [N] of a scene by Liu's axial model.
+
+    The loads of a ball are equal at its contacts on the flanks SL and NR, and zero on the other two.
+    """
+    row, load = rigid_nut_model(scene), np.zeros((scene.ball_count, 4))
+    load[row.order, 0] = load[row.order, 3] = row.solved(row.force).load
+    return load
+
+
+def references(fresh: bool) -> Iterator[tuple[tuple[str, ...], tuple[int, ...]]]:
+    """Yield the scenes of Liu's screw, with their mesh levels, whose 3D solutions a report must compute again.
+
+    ``fresh``: whether 3D solutions are to be computed again; else nothing is yielded, and the stored ones are used.
+    """
+    if fresh:
+        yield SOLID, SOLID_LEVELS
+
+
 def model_loads_table(study: Study) -> Table:
-    """Return the table of contact loads by Liu's axial model, the beam model and the refined model, for several errors."""
+    """Return the table of contact loads of Liu's screw by the axial, the beam and the refined model, by ball errors.
+
+    ``study``: solved scenes.
+    """
     rows: list[Row] = []
-    for c in study.once(bodies.compare_models):
+    for c in study.once(compare_models):
         row: Row = {"errors": c.errors, Quantity("load", "axial load", "N", ".0f"): c.load}
         for name, words, model in (
             ("axial", "axial only", c.axial),
@@ -112,7 +272,10 @@ def model_loads_table(study: Study) -> Table:
 
 
 def errors_against_3d_table(study: Study) -> Table:
-    """Return the table of the low-order models' errors against the 3D reference, for scenes of Liu's screw."""
+    """Return the table of the low-order models' errors against the 3D reference, for scenes of Liu's screw.
+
+    ``study``: solved scenes.
+    """
     words = {"axial": "axial only", "lin": "beam model", "refined": "refined model"}
     rows: list[Row] = [
         {
@@ -125,10 +288,10 @@ def errors_against_3d_table(study: Study) -> Table:
             Quantity("loaded", "loaded balls", "", "s"): c.loaded,
             Quantity("solid", "in 3D", "", "s"): c.loaded_in_3d,
         }
-        for c in study.once(bodies.compare_with_3d)
+        for c in study.once(compare_with_3d)
     ]
-    levels = " and ".join(str(k) for k in bodies.SOLID_LEVELS)
-    contacts = 2 * study.scene(bodies.SCENE).ball_count
+    levels = " and ".join(str(k) for k in SOLID_LEVELS)
+    contacts = 2 * study.scene(SCENE).ball_count
     note = (
         f"3D reference on the mesh levels {levels}: {contacts} contacts. Both models of the first two rows hold the nut "
         "rigid. "
@@ -143,7 +306,10 @@ def errors_against_3d_table(study: Study) -> Table:
 
 
 def make_section(study: Study, step: Callable[[str], None]) -> tuple[Section, ...]:
-    """Return the report's sections on Liu et al. (2025)."""
+    """Return the report's sections on Liu et al. (2025).
+
+    ``study``: solved scenes and stored 3D references; ``step``: function that receives a message before each step.
+    """
     step("random errors of a ball screw")
     found = evidence(study, *PRINTED)
     by_name = {f.printed.name: f for f in found}
@@ -168,8 +334,8 @@ def make_section(study: Study, step: Callable[[str], None]) -> tuple[Section, ..
         Section(name, title, (*shown_tables(tables, listed, by_name), *drawn.get(name, ())))
         for name, (title, tables) in CHAPTERS.items()
     ]
-    study.uses(bodies.SOLID)
-    beyond = [model_loads_table(study), *([errors_against_3d_table(study)] if study.references(bodies.SOLID) else ())]
+    study.uses(SOLID)
+    beyond = [model_loads_table(study), *([errors_against_3d_table(study)] if study.references(SOLID) else ())]
     return (
         Section(
             "liu",

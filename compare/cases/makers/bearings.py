@@ -11,8 +11,15 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 from scipy.optimize import brentq
 
-from rollbench.compare.cases.makers.outside import Band, Outside, compare_row
-from rollbench.compare.cases.makers.tables import Table, half_step, read_table, read_tables
+from rollbench.compare.cases.makers.outside import (
+    Band,
+    MakerTable,
+    Outside,
+    compare_row,
+    half_step,
+    read_table,
+    read_tables,
+)
 from rollbench.compare.scenes import catalogue
 from rollbench.lowfi.bearings.angular_contact import CatalogueBearings, conformity_of_pair, thrust_state_under_load
 from rollbench.lowfi.bearings.axis import PointRow, equal_rows, equilibrium
@@ -35,14 +42,14 @@ TORQUE = 4.0 / 3.0
 
 @cache
 def ratios_of_set_to_pair(name: str) -> tuple[float, float, float]:
-    """Return preload, tangent rigidity and starting torque of a bearing set, in this order, over those of a DB pair.
+    """Return the ratios of a set of bearings to a DB pair: of preload, of tangent rigidity, and of starting torque.
 
-    ``name``: of the arrangement of the rows, such as "DBD". All rows have equal gaps and a constant contact angle.
+    ``name``: arrangement of the rows, such as "DBD". All rows have equal gaps and a constant contact angle.
     """
     one = PointRow()
 
     def set_totals(name: str) -> Array:
-        """Return preload, tangent rigidity and starting torque (3,) of a bearing set, in arbitrary units."""
+        """Return preload, tangent rigidity and starting torque (3,) of a set of bearings, in arbitrary units."""
         rows = tuple(1 if way == "+z" else -1 for way in ARRANGEMENTS[name])
         state = equilibrium(equal_rows(one, rows, 1e-6))
         loads = state.loads
@@ -61,7 +68,7 @@ SET_QUANTITIES = (
 
 
 def compare_bearing_sets() -> Iterator[Outside]:
-    """Yield printed preload, rigidity and starting torque of NSK's bearing sets, and values computed from DB pairs."""
+    """Yield printed preload, rigidity and starting torque of NSK's bearing sets, with values computed from DB pairs."""
     for source in read_tables("nsk-tac"):
         named = dict(entry.split("=") for entry in source.head["sets"].split("; "))
         pairs = {(r["bearing"], r["preload_class"]): r for r in source.rows if named[r["arrangement"]] == "DB"}
@@ -92,7 +99,7 @@ def compare_bearing_sets() -> Iterator[Outside]:
 
 @cache
 def _bearing_with_iso_material() -> Scene:
-    """Return the shipped scene of a nine-ball bearing, with the elastic constants used for all bearings."""
+    """Return the shipped scene of a nine-ball bearing, with the elastic constants assumed for ISO 281 and ISO 76."""
     found = catalogue.shipped("bearing-9")
     assert isinstance(found, Scene)
     material = replace(found.nut.material, youngs_modulus=YOUNG, poissons_ratio=POISSON)
@@ -103,10 +110,10 @@ def _bearing_with_iso_material() -> Scene:
 
 
 def bearing_scene(balls: int, ball: float, pitch: float, angle: float, conformity: float = CONFORMITY) -> Scene:
-    """Return the scene of a single bearing row.
+    """Return the scene of a single-row ball bearing with given dimensions.
 
-    ``balls``: number of balls; ``ball``, ``pitch``: diameters of ball and pitch circle [m]; ``angle``: contact angle [rad];
-    ``conformity``: groove radius over ball diameter, the same on both rings.
+    ``balls``: number of balls; ``ball``, ``pitch``: diameters of ball and pitch circle [m]; ``angle``: contact angle
+    [rad]; ``conformity``: groove radius over ball diameter, the same on both rings.
     """
     one = _bearing_with_iso_material()
     groove = conformity * ball
@@ -126,7 +133,7 @@ FEW, PITCH, RELATIVE = 10, 0.1, np.linspace(0.03, 0.36, 23)
 
 @cache
 def rating_factors(angle: float) -> tuple[CubicSpline, CubicSpline]:
-    """Return splines of the factors of a bearing's load ratings over D/d_m, by ISO 281 and ISO 76.
+    """Return the factors of a bearing's load ratings by ISO 281 and ISO 76, as splines over D/d_m.
 
     First: C/(Z^(2/3) D^1.8) of the dynamic rating C; second: C_0/(Z D^2) of the static rating C_0, in N and m. Z: number
     of balls; D: ball diameter; d_m: pitch diameter; ``angle``: contact angle [rad].
@@ -182,7 +189,7 @@ def compare_ball_bearings() -> Iterator[Outside]:
     bearings = list(groups.values())
 
     def column_values(key: str) -> Array:
-        """Return a column of the table as numbers, (bearings, preloads)."""
+        """Return a column of the table as an array of numbers, (bearings, preloads); ``key``: name of the column."""
         return np.array([[source.number(row[key]) for row in rows] for rows in bearings])
 
     pitch, angle = np.array([_mean_diameter(rows[0]) for rows in bearings]), np.radians(column_values("angle_deg")[:, 0])
@@ -207,7 +214,7 @@ def compare_ball_bearings() -> Iterator[Outside]:
 
 
 def _compare_one_bearing(
-    source: Table, rows: list[Mapping[str, str]], forces: Array, moved: Array, rigid: Array
+    source: MakerTable, rows: list[Mapping[str, str]], forces: Array, moved: Array, rigid: Array
 ) -> Iterator[Outside]:
     """Yield the printed axial clearances and rigidities of one bearing at p preloads, with computed values.
 
@@ -240,10 +247,11 @@ def _compare_one_bearing(
         )
 
 
-def _compare_factor_f0(source: Table, row: Mapping[str, str], factor: float) -> Outside:
-    """Return the printed factor f_0 = C_0/(Z D^2 cos alpha) of a bearing with the computed value.
+def _compare_factor_f0(source: MakerTable, row: Mapping[str, str], factor: float) -> Outside:
+    """Return the printed factor f_0 = C_0/(Z D^2 cos alpha) of a bearing together with the computed value.
 
-    ``factor``: the computed value [N/mm^2], with number Z and diameter D of the balls that follow from the printed ratings.
+    ``source``: the maker's table; ``row``: texts of the bearing's row, by column; ``factor``: the computed value
+    [N/mm^2], with number Z and diameter D of the balls that follow from the printed ratings.
     """
     off = factor * sum(half_step(row[key]) / source.number(row[key]) for key in ("Cr_kN", "C0r_kN"))
     what = ("rating", "ISO 281 and ISO 76", f"{row['bearing']} f0", "")
@@ -251,14 +259,14 @@ def _compare_factor_f0(source: Table, row: Mapping[str, str], factor: float) -> 
 
 
 def compare_constant_angle_pairs() -> Iterator[Outside]:
-    """Yield SNFA's printed rigidity of preloaded pairs, with that of a model whose contact angle changes under load.
+    """Yield SNFA's printed rigidity of preloaded bearing pairs, with values for contact angles that change under load.
 
     The printed values follow the catalogue's formula for a constant angle, so they are shown, but not judged.
     """
     source = read_table("snfa-angular")
 
     def column_values(key: str, factor: float = 1.0) -> Array:
-        """Return a column of the table as numbers, times a factor."""
+        """Return a column of the table as an array of numbers, times a factor; ``key``: name of the column."""
         return factor * np.array([source.number(row[key]) for row in source.rows])
 
     pitch, angle = np.array([_mean_diameter(row) for row in source.rows]), np.radians(column_values("angle_deg"))
@@ -274,7 +282,7 @@ def compare_constant_angle_pairs() -> Iterator[Outside]:
 
 
 def compare_ratings_of_printed_balls() -> Iterator[Outside]:
-    """Yield SNFA's printed load ratings C and C_0, with those by ISO 281 and ISO 76 for the printed balls.
+    """Yield SNFA's printed load ratings C and C_0, each with the value by ISO 281 or ISO 76 for the printed balls.
 
     The band of the computed value covers pitch diameters within 2 % of the mean of bore and outside diameter, and the
     rounding of the printed ball diameter.

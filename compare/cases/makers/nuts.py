@@ -13,8 +13,15 @@ from math import pi, prod, radians, sqrt
 
 import numpy as np
 
-from rollbench.compare.cases.makers.outside import Band, Outside, compare_row
-from rollbench.compare.cases.makers.tables import Table, half_step, read_table, read_tables
+from rollbench.compare.cases.makers.outside import (
+    Band,
+    MakerTable,
+    Outside,
+    compare_row,
+    half_step,
+    read_table,
+    read_tables,
+)
 from rollbench.compare.models.registry import Options, run_model
 from rollbench.compare.scenes import catalogue
 from rollbench.compare.scenes.from_keys import angle_of_touching_balls, oversize_for_preload
@@ -45,7 +52,7 @@ LIFT = 2.0**1.5
 
 @cache
 def _base_screw() -> Scene:
-    """Return the shipped scene of a 40x10 ball screw, whose dimensions are replaced by those of each nut."""
+    """Return the shipped scene of a 40x10 ball screw, from which the scenes of catalogue nuts are made."""
     found = catalogue.shipped("unseen-40x10")
     assert isinstance(found, Scene)
     return found
@@ -53,7 +60,7 @@ def _base_screw() -> Scene:
 
 @dataclass(frozen=True)
 class Nut:
-    """A ball nut of a catalogue.
+    """Dimensions of a ball nut in a catalogue.
 
     ``ball``, ``pitch``: diameters of ball and pitch circle [m]; ``lead``: lead of the screw [m]; ``turns``: number of
     loaded turns; ``short``: whether each circuit has one turn only, so that its deflector takes a part of the turn.
@@ -67,7 +74,7 @@ class Nut:
 
     @property
     def touching(self) -> float:
-        """Number of balls in one full turn without gaps between the balls."""
+        """Number of balls in one full turn if each ball touches the next one; in general not a whole number."""
         return float(2.0 * pi / angle_of_touching_balls(0.5 * self.pitch, self.lead, self.ball))
 
     @property
@@ -104,10 +111,11 @@ def nut_load_ratings(nut: Nut, conformity: float, filling: float) -> tuple[float
 
 
 def nut_displacement(nut: Nut, conformity: float, filling: float, load: float, *, bodies: bool = True) -> float:
-    """Return the axial displacement [m] of a nut without preload under an axial load [N], all balls loaded equally.
+    """Return the axial displacement [m] of a nut without preload, all balls loaded equally.
 
     ``conformity``: groove radius over ball diameter; ``filling``: fraction of the turns that is filled with balls;
-    ``bodies``: whether the radial deformation of nut and screw, as thick tubes, is added to that of the Hertz contacts.
+    ``load``: axial load [N]; ``bodies``: whether the radial deformation of nut and screw, as thick tubes, is added to
+    that of the Hertz contacts.
     """
     one = scene_of_one_turn(nut, conformity)
     constants, slope = error_free_hertz(one).C, approach_per_displacement(one)
@@ -122,8 +130,8 @@ def nut_displacement(nut: Nut, conformity: float, filling: float, load: float, *
 def read_turns(row: Mapping[str, str]) -> tuple[float, bool]:
     """Return the number of loaded turns of a nut in a catalogue, then whether each circuit has only one turn.
 
-    ``row``: texts of the nut's row, by column. The function understands ``4`` of ``T4`` or ``K4``, ``2x2.5`` (also without
-    the sign), circuits and turns in separate columns, and ``1,2x4`` of nuts with several starts.
+    ``row``: texts of the nut's row, by column. Makers write the number as ``4`` of ``T4`` or ``K4``, as ``2x2.5`` (also
+    without the sign), as circuits and turns in separate columns, or as ``1,2x4`` for nuts with several starts.
     """
     circuits, turns = row["circuits"], row["turns"].replace(",", ".")
     if "of the name" in turns:
@@ -138,7 +146,7 @@ def read_turns(row: Mapping[str, str]) -> tuple[float, bool]:
     return float(prod(map(float, turns.split("x")))), False
 
 
-def read_nut(source: Table, row: Mapping[str, str]) -> Nut:
+def read_nut(source: MakerTable, row: Mapping[str, str]) -> Nut:
     """Return the dimensions of a nut from its row in a catalogue.
 
     ``source``: table of the catalogue; ``row``: texts of the nut's row, by column. If the ball is not printed, it is the
@@ -156,8 +164,8 @@ def read_nut(source: Table, row: Mapping[str, str]) -> Nut:
     return Nut(1e-3 * ball, 1e-3 * pitch, 1e-3 * source.number(row["lead_mm"]), turns, short)
 
 
-def maker_and_type(source: Table, row: Mapping[str, str]) -> str:
-    """Return the maker's name, followed by the type of nut if this maker rates several types by different rules.
+def maker_and_type(source: MakerTable, row: Mapping[str, str]) -> str:
+    """Return the maker's name, with the type of nut if this maker rates several types by different rules.
 
     ``source``: table of the maker; ``row``: texts of the nut's row, by column.
     """
@@ -173,9 +181,10 @@ def maker_and_type(source: Table, row: Mapping[str, str]) -> str:
 
 
 def compare_nut_ratings() -> Iterator[Outside]:
-    """Yield printed load ratings C and C_0 of nuts with those by ISO 3408-5, where the ball diameter is printed.
+    """Yield printed load ratings C and C_0 of nuts, each with the value by ISO 3408-5.
 
-    The band of the computed value covers the usual ranges of conformity and of the fraction of turns filled with balls.
+    Only nuts whose ball diameter is printed are compared. The band of the computed value covers the usual ranges of
+    conformity and of the fraction of turns filled with balls.
     """
     for source in read_tables("nuts-"):
         for row in source.rows:
@@ -190,16 +199,19 @@ def compare_nut_ratings() -> Iterator[Outside]:
 
 
 def filled_fraction(nut: Nut, static: float) -> float:
-    """Return the fraction of the turns filled with loaded balls that a maker's C_0 [N] implies by ISO 3408-5."""
+    """Return the fraction of a nut's turns filled with loaded balls that follows from the static rating by ISO 3408-5.
+
+    ``static``: static rating C_0 that the maker prints [N].
+    """
     return static / nut_load_ratings(nut, CONFORMITY, 1.0)[1]
 
 
 def compare_nut_rigidity() -> Iterator[Outside]:
-    """Yield printed secant rigidities of nuts under an axial load of 0.3 C, with computed ones.
+    """Yield printed secant rigidities of nuts, each with the computed value.
 
-    The secant of preloaded nuts starts at a load of 0.1 C. The rigidity is computed from Hertz contacts and thick tubes.
-    The number of balls follows from the maker's C_0, so that the band covers the range of conformity, and 5 % more or
-    fewer balls only.
+    The secant ends at an axial load of 0.3 C and starts at zero, for preloaded nuts at 0.1 C (C: dynamic rating). The
+    computed rigidity has the deformations of Hertz contacts and thick tubes. The number of balls follows from the printed
+    C_0, so that the band covers the range of conformity, and 5 % more or fewer balls only.
     """
     for source in read_tables("nuts-"):
         for row in source.rows:
@@ -213,7 +225,7 @@ def compare_nut_rigidity() -> Iterator[Outside]:
             def secant_rigidity(
                 conformity: float, filling: float, nut: Nut = nut, load: float = load, held: float = preload
             ) -> float:
-                """Return the secant rigidity [N/m] of the nut: load over the displacement from preload to load."""
+                """Return the load over the nut's displacement [N/m] between the loads ``held`` and ``load`` [N]."""
                 start = nut_displacement(nut, conformity, filling, held) if held else 0.0
                 return load / (nut_displacement(nut, conformity, filling, load) - start)
 
@@ -226,9 +238,9 @@ def compare_nut_rigidity() -> Iterator[Outside]:
 
 
 def compare_preloaded_nuts() -> Iterator[Outside]:
-    """Yield Rexroth's printed rigidities of preloaded nuts at several preloads, with computed ones.
+    """Yield Rexroth's printed rigidities of preloaded nuts at several preloads, each with the computed value.
 
-    The rigidity at the highest preload is computed from contacts and tubes. Those at the other preloads are the printed
+    At the highest preload, the rigidity is computed from contacts and tubes. At the other preloads it is the printed
     rigidity at the highest preload times the cube root of the ratio of the preloads.
     """
     source = read_table("rexroth-preload")
@@ -266,12 +278,12 @@ DEFAULT, LEAST = 0.1, 0.003
 #: Name of the friction model in the tables.
 SLIDING = "sliding of the balls, coefficient 0.1"
 
-#: Number of balls computed, in place of all balls of a nut.
+#: Number of balls that are computed instead of all balls of a nut.
 FEW = 8
 
 
 def _screw_with_few_balls(nut: Nut) -> Scene:
-    """Return the scene of one turn of a nut with `FEW` balls, on a screw that is supported at both ends."""
+    """Return the scene of a nut with one turn and only `FEW` balls, on a screw that is supported at both ends."""
     one = scene_of_one_turn(nut, CONFORMITY)
     ends = (("ux", "uy", "rx", "ry", "rz"), ("ux", "uy"))
     at = (0.0, one.screw.length)
@@ -288,8 +300,9 @@ def _screw_with_few_balls(nut: Nut) -> Scene:
 def torque_of_ball(nut: Nut, share: float, coefficient: float, *, double: bool) -> float:
     """Return the drag torque [N m] of one ball of a preloaded nut, or of two balls of a double nut, one in each nut.
 
-    ``share``: axial force [N] by which the preload acts on the ball; ``coefficient``: of friction; ``double``: whether the
-    nut is double, so that its balls are loaded on two flanks. In a single nut, oversize balls are loaded on four flanks.
+    ``share``: axial force [N] that the preload exerts on the ball; ``coefficient``: coefficient of friction; ``double``:
+    whether the nut is double, so that its balls are loaded on two flanks. In a single nut, oversize balls are loaded on
+    four flanks.
     """
     scene = _screw_with_few_balls(nut)
     if double:
@@ -305,8 +318,8 @@ def torque_of_ball(nut: Nut, share: float, coefficient: float, *, double: bool) 
 def drag_torque(nut: Nut, preload: float, coefficient: float = DEFAULT, *, double: bool = False) -> float:
     """Return the drag torque [N m] of a nut under an axial preload [N], with all turns filled with balls.
 
-    ``coefficient``: of friction; ``double``: whether it is a double nut with balls loaded on two flanks, instead of a
-    single nut with oversize balls.
+    ``coefficient``: coefficient of friction; ``double``: whether it is a double nut with balls loaded on two flanks,
+    instead of a single nut with oversize balls.
     """
     balls = nut.touching * nut.turns
     return balls * torque_of_ball(nut, preload / balls, coefficient, double=double)
@@ -348,11 +361,11 @@ FORMULAS = (
 
 @dataclass(frozen=True)
 class DragComparison:
-    """Drag torques of nuts of one nominal diameter and lead, each divided by preload times nominal diameter.
+    """Drag torques computed and by makers' formulas, for nuts of one nominal diameter and lead.
 
-    ``diameter``: nominal diameter [m]; ``lead``: lead [m]; ``single``, ``double``: drag torque of a single and of a double
-    nut, computed at the default coefficient of friction; ``least``: the same two at the least coefficient; ``formulas``:
-    by the makers' `FORMULAS`, in their order.
+    Each torque is divided by preload times nominal diameter. ``diameter``: nominal diameter [m]; ``lead``: lead [m];
+    ``single``, ``double``: computed torque of a single and of a double nut at the default coefficient of friction;
+    ``least``: the same two at the least coefficient; ``formulas``: by the makers' `FORMULAS`, in their order.
     """
 
     diameter: float
@@ -368,14 +381,14 @@ SWEPT, BALL, SHARE = (32.0, (8.0, 10.0, 16.0, 20.0, 32.0)), 4.763, 60.0
 
 
 def compared_nut(lead: float) -> Nut:
-    """Return the nut with one turn at which the drag formulas are compared, with a given lead [m]."""
+    """Return the nut for which the makers' drag-torque formulas are compared: one turn, and a given lead [m]."""
     return Nut(1e-3 * BALL, 1e-3 * (SWEPT[0] + 0.22 * BALL), lead, 1.0, short=False)
 
 
 def compare_drag_over_lead() -> list[DragComparison]:
     """Return the drag torque of a nut for several leads, by the sliding of its balls and by the makers' formulas.
 
-    The axial force on a ball is the same for all leads.
+    The axial force on each ball is the same for all leads.
     """
     rows = []
     for lead in SWEPT[1]:
@@ -392,7 +405,7 @@ def power_exponent(values: list[float], over: list[float]) -> float:
 
 
 def compare_printed_torques() -> Iterator[Outside]:
-    """Yield Rexroth's printed ranges of drag torque with computed torques.
+    """Yield Rexroth's printed ranges of drag torque, each with the computed torque.
 
     They are not judged, since the printed torques follow a formula.
     """
@@ -419,10 +432,11 @@ MEASURED_LEAD, MEASURED_C, MEASURED_PRELOAD, DIAMETERS = 8e-3, 16_400.0, 1_500.0
 
 
 def torque_of_measured_screws() -> Band:
-    """Return the computed drag torque [N m] of the measured screws, with its range, at the default friction coefficient.
+    """Return the computed drag torque [N m] of two ball screws whose friction torque was measured, with its range.
 
-    The value is that of the middle nominal diameter as a double nut; the range covers all diameters, single and double
-    nuts. The number of turns follows from C, the ball is the largest stock size for the lead.
+    The value is that of the middle nominal diameter as a double nut, at the default coefficient of friction; the range
+    covers all diameters, single and double nuts. The number of turns follows from the dynamic rating C, the ball is the
+    largest stock size for the lead.
     """
     ball = 1e-3 * max(b for b in STOCK if b <= 0.635e3 * MEASURED_LEAD)
     found = {}

@@ -1,25 +1,86 @@
-"""Comparison of computed values with values that makers, other programs and textbooks publish; bias and scatter."""
+"""Comparison of computed values with values that makers, other programs and textbooks publish; bias and scatter.
+
+Makers' printed tables are CSV files that begin with ``# key: value`` (maker, origin, format).
+"""
 
 from __future__ import annotations
 
+import csv
+import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from rollbench.compare.cases.makers.tables import Table as Printed
-from rollbench.compare.cases.makers.tables import half_step
 from rollbench.compare.evidence import computations_by_table, evidence
 from rollbench.compare.measure import error_percent
 from rollbench.compare.models.study import Study
 from rollbench.reports.content import Cell, Quantity, Table
 
 MAKER, MEASURED, PROGRAM = "printed by a maker", "measured", "another program"
+#: Folder of the CSV files with makers' printed tables.
+TABLES_FOLDER = Path(__file__).parent / "tables"
+#: Factors from the printed units to SI.
+UNITS = {"N": 1.0, "kN": 1e3, "kgf": 9.80665, "daN": 10.0, "N/um": 1e6, "kgf/um": 9.80665e6}
+
+
+@dataclass(frozen=True)
+class MakerTable:
+    """A table printed by a maker, from one CSV file.
+
+    ``name``: name of the file without ``.csv``; ``head``: texts of the file's first lines by key (maker, origin, class,
+    number format, remarks); ``rows``: for each row, the printed texts by name of the column.
+    """
+
+    name: str
+    head: Mapping[str, str]
+    rows: tuple[Mapping[str, str], ...]
+
+    def number(self, text: str) -> float:
+        """Convert a printed text to a number; the table's head states its decimal and thousands separators."""
+        plain = re.sub(r"[\s\u00a0]", "", text).replace(self.head.get("thousands", " "), "")
+        return float(plain.replace(self.head.get("decimal", "."), "."))
+
+    def unit(self, key: str) -> float:
+        """Return the factor from a printed unit to SI; ``key``: line of the table's head with the unit, as "load_unit"."""
+        return UNITS[self.head[key]]
+
+    def misprinted(self, what: str) -> bool:
+        """Return whether the table's head lists a printed value as a misprint.
+
+        ``what``: name of the part, or name of the part and quantity, such as "SFE1632-3 rigidity". A name that is listed
+        without a quantity stands for all quantities of the part.
+        """
+        return any(what.startswith(known) for known in self.head.get("misprints", "-").split("; "))
+
+
+@cache
+def read_table(name: str) -> MakerTable:
+    """Read a maker's table from the file ``tables/NAME.csv``; ``name``: NAME. Further calls return the same object."""
+    lines = (TABLES_FOLDER / f"{name}.csv").read_text(encoding="utf-8").splitlines()
+    remarks = [line[2:].partition(": ") for line in lines if line.startswith("# ")]
+    body = csv.DictReader(line for line in lines if not line.startswith("#"))
+    return MakerTable(name, {key: text for key, _, text in remarks if key != "note"}, tuple(body))
+
+
+def read_tables(prefix: str) -> list[MakerTable]:
+    """Read all makers' tables whose file name begins with ``prefix``, such as "nuts-", sorted by name."""
+    return [read_table(path.stem) for path in sorted(TABLES_FOLDER.glob(f"{prefix}*.csv"))]
+
+
+def half_step(text: str) -> float:
+    """Return half a step of the last nonzero digit of a printed number: 5 for ``"2 150"``, 0.005 for ``"0.14"``."""
+    plain = "".join(text.split()).replace(",", ".").lstrip("+-")
+    places = len(plain.partition(".")[2])
+    zeros = 0 if places else len(plain) - len(plain.rstrip("0"))
+    return float(0.5 * 10.0 ** (zeros - places))
 
 
 class Band(NamedTuple):
-    """A computed value, with the range that follows from inputs that are rounded or not printed."""
+    """A computed value with the range of values that rounded or unprinted inputs allow; all three in the same unit."""
 
     value: float
     low: float
@@ -27,7 +88,7 @@ class Band(NamedTuple):
 
     @classmethod
     def of(cls, values: Iterable[float], slack: float = 0.0) -> Band:
-        """Return the band with the first of some computed values, and with the range of all of them.
+        """Return a band from computed values: the first one is its value, and their range is its range.
 
         ``slack``: amount by which the range is widened at each end, in the unit of the values.
         """
@@ -36,7 +97,7 @@ class Band(NamedTuple):
 
     @classmethod
     def within(cls, value: float, share: float) -> Band:
-        """Return the band with a computed value and a range of plus or minus a fraction of it.
+        """Return a band from one computed value, with a range of plus or minus a fraction of this value.
 
         ``share``: half width of the range over the value.
         """
@@ -48,11 +109,11 @@ class Outside:
     """One published value of a maker, program, textbook or measurement, with the computed value.
 
     ``quantity``: such as "rigidity"; ``law``: name of the model that computes the quantity; ``maker``: publisher;
-    ``item``: part whose value it is; ``cls``: kind of source, such as "measured"; ``origin``: place of the value in the
-    source. ``value``: published value in ``unit``; ``rounding``: half a step of its last digit, or half of a published
-    range. ``computed``: computed value and its range in the same unit. ``scale``: value that errors in per cent refer to;
-    0: the published value. ``practice``: computed value reduced as makers reduce it (80 % of a nut's rigidity), or None.
-    ``left``: why the value is not judged, such as a misprint; empty if it is judged.
+    ``item``: part to which the value belongs; ``cls``: kind of source, such as "measured"; ``origin``: file and line, or
+    section, of the value in the source. ``value``: published value in ``unit``; ``rounding``: half a step of its last
+    digit, or half of a published range. ``computed``: computed value and its range in the same unit. ``scale``: value
+    that errors in per cent refer to; 0: the published value. ``practice``: computed value reduced as makers reduce it (80
+    % of a nut's rigidity), or None. ``left``: why the value is not judged, such as a misprint; empty if it is judged.
     """
 
     quantity: str
@@ -90,7 +151,7 @@ class Outside:
 
 
 def compare_row(
-    source: Printed,
+    source: MakerTable,
     row: Mapping[str, str],
     line: str,
     column: str,
@@ -98,12 +159,12 @@ def compare_row(
     computed: Band,
     **others: Any,
 ) -> Outside:
-    """Return a number printed in a row of a maker's table together with the computed value.
+    """Return a number printed in a maker's table together with the computed value.
 
-    ``source``: the table; ``row``: printed texts by column; ``line``: name of the column that gives the line in the
+    ``source``: the table; ``row``: printed texts by column; ``line``: name of the column with the line number in the
     original file; ``column``: name of the column of the number. ``what``: quantity, name of the model, part, and unit of
     the number, in this order. ``computed``: computed value and range in that unit. ``others``: values of further fields
-    of `Outside`.
+    of `Outside`, by name.
     """
     quantity, law, item, unit = what
     fields: dict[str, Any] = {"maker": source.head["maker"], "rounding": half_step(row[column])} | others
@@ -141,7 +202,10 @@ class ErrorStatistics:
 
 
 def bias_and_scatter(found: Sequence[Outside]) -> ErrorStatistics | None:
-    """Return the statistics of the errors of all judged values; None if no value is judged."""
+    """Return the statistics of the errors of all judged values; None if no value is judged.
+
+    ``found``: published values with the computed ones.
+    """
     judged = [x for x in found if not x.left]
     if not judged:
         return None
@@ -154,9 +218,10 @@ def bias_and_scatter(found: Sequence[Outside]) -> ErrorStatistics | None:
 
 
 def group_values(found: Iterable[Outside], *keys: str) -> dict[tuple[str, ...], list[Outside]]:
-    """Group published values by fields of `Outside`, in order of first occurrence.
+    """Group published values by fields of `Outside`, in the order in which they first occur.
 
-    ``keys``: names of these fields. The groups are returned by the tuple of the fields' values.
+    ``keys``: names of these fields. The result has the values of a group by the tuple of the fields' values. ``found``:
+    published values with the computed ones.
     """
     groups: dict[tuple[str, ...], list[Outside]] = {}
     for one in found:
@@ -172,13 +237,19 @@ NUMBER = Quantity("number", "outside values", "", ".0f")
 
 
 def statistics_by_quantity(found: Sequence[Outside]) -> dict[str, dict[Quantity, Cell]]:
-    """Return the cells with number, bias [%] and scatter [%] of the judged values, by name of the quantity."""
+    """Return table cells with number, bias [%] and scatter [%] of the errors of all judged values, by quantity.
+
+    ``found``: published values with the computed ones.
+    """
     rows = {key: bias_and_scatter(values) for (key,), values in group_values(found, "quantity").items()}
     return {key: {NUMBER: s.number, BIAS: s.bias, SCATTER: s.scatter} for key, s in rows.items() if s is not None}
 
 
 def summary_table(found: Sequence[Outside]) -> Table:
-    """Return the table of bias and scatter of the computed values' errors: a row for each quantity, model and publisher."""
+    """Return the table of bias and scatter of the computed values, with a row for each quantity, model and publisher.
+
+    ``found``: published values with the computed ones.
+    """
     rows: list[dict[Quantity | str, Cell]] = []
     without: list[str] = []
     for (quantity, law, group), values in group_values(found, "quantity", "law", "group").items():
@@ -214,7 +285,10 @@ def summary_table(found: Sequence[Outside]) -> Table:
 
 
 def published_values_table(found: Sequence[Outside]) -> Table:
-    """Return the table of all published values, each with its computed value and band."""
+    """Return the table of all published values, each with its computed value, band, error and verdict.
+
+    ``found``: published values with the computed ones.
+    """
     rows: list[dict[Quantity | str, Cell]] = [
         {
             "quantity": x.quantity,
@@ -271,9 +345,9 @@ OTHERS = {("external-contact", "approach"): "displacement"}
 
 
 def compare_external_tables(study: Study) -> Iterator[Outside]:
-    """Yield every number of the printed tables `PRINTED` with its computed value, if it has one.
+    """Yield every number of the printed tables `PRINTED` that has a computed value, with this value.
 
-    Numbers of class "open", whose basis is not printed, are yielded but not judged.
+    Numbers of class "open", whose basis is not printed, are yielded but not judged. ``study``: solved scenes.
     """
     for name, (maker, cls) in PRINTED.items():
         if name not in computations_by_table():
@@ -301,9 +375,10 @@ def compare_external_tables(study: Study) -> Iterator[Outside]:
 
 
 def compare_calculix(study: Study) -> Iterator[Outside]:
-    """Yield the contact loads [N] by the program CalculiX, extrapolated over its meshes, with those of the 3D reference.
+    """Yield the contact loads [N] by the program CalculiX, each with the load by the 3D reference as the computed value.
 
-    The loads of the 3D reference stand for the computed values; errors are in per cent of the mean contact load.
+    CalculiX's loads are extrapolated over its meshes. Errors are in per cent of the mean contact load. ``study``: stored
+    3D references.
     """
     from rollbench.compare.studies.crosscheck.results import contact_rows, load_results, result_path, shipped_results
     from rollbench.compare.studies.crosscheck.study import STUDIES

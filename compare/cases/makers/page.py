@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from rollbench.compare.cases.makers import bearings, nuts, outside
-from rollbench.compare.cases.makers.tables import read_tables
+from rollbench.compare.cases.makers.outside import read_tables
 from rollbench.compare.measure import error_percent
 from rollbench.compare.models.study import Study
 from rollbench.lowfi.rating.rigidity import PRACTICE
@@ -31,7 +31,7 @@ COMPARISONS = (
 
 
 def published_values(study: Study) -> tuple[outside.Outside, ...]:
-    """Return all published values with their computed values, sorted by quantity; computed once per study."""
+    """Return all published values with their computed values, sorted by quantity; ``study``: keeps the result."""
     return study.once(_compare_all)
 
 
@@ -47,9 +47,9 @@ def _compare_all(study: Study) -> tuple[outside.Outside, ...]:
 
 
 def first_page(study: Study) -> dict[str, dict[Quantity, Cell]]:
-    """Return number, bias [%] and scatter [%] of the published values, as table cells for the report's first page.
+    """Return the cells for the report's first page with number, bias [%] and scatter [%] of the errors, by quantity.
 
-    The outer keys are the names of the quantities.
+    The errors are those of computed against published values. ``study``: solved scenes and stored 3D references.
     """
     return outside.statistics_by_quantity(published_values(study))
 
@@ -59,7 +59,8 @@ def _statistics_of(
 ) -> outside.ErrorStatistics:
     """Return the statistics of the errors of one quantity, of which at least one value must be judged.
 
-    ``law``, ``maker``: how the names of the models and makers begin that count; empty: all.
+    ``found``: published values with the computed ones; ``law``, ``maker``: only models and makers count whose names begin
+    so; empty: all.
     """
     values = [x for x in found if x.quantity == quantity and x.law.startswith(law) and x.maker.startswith(maker)]
     result = outside.bias_and_scatter(values)
@@ -74,7 +75,7 @@ def _clearance_errors(found: Sequence[outside.Outside]) -> Array:
 
 
 def conclusion(found: Sequence[outside.Outside]) -> str:
-    """Return the page's conclusion: share of values in the computed band, and errors where no input is assumed.
+    """Return the page's conclusion: how many values lie in the computed band, and errors where no input is assumed.
 
     ``found``: all published values with the computed ones.
     """
@@ -95,7 +96,10 @@ def conclusion(found: Sequence[outside.Outside]) -> str:
 
 
 def clearances_text(found: Sequence[outside.Outside]) -> str:
-    """Return the paragraph on NSK's printed axial clearances and rigidities, which agree with a changing contact angle."""
+    """Return the paragraph on NSK's printed clearances and rigidities, which agree with a contact angle that changes.
+
+    ``found``: all published values with the computed ones.
+    """
     stiff = _statistics_of(found, "rigidity", "bearing whose angle turns")
     off = _clearance_errors(found)
     return (
@@ -107,7 +111,10 @@ def clearances_text(found: Sequence[outside.Outside]) -> str:
 
 
 def nut_rigidity_text(found: Sequence[outside.Outside]) -> str:
-    """Return the paragraph on why makers print lower rigidities of nuts than computed."""
+    """Return the paragraph on why makers print lower rigidities of nuts than are computed.
+
+    ``found``: all published values with the computed ones.
+    """
     judged = [x for x in found if not x.left and x.practice is not None]
     most = [x for x in judged if x.maker != "Rexroth"]
     rest = outside.group_values(most, "maker")
@@ -130,7 +137,10 @@ def nut_rigidity_text(found: Sequence[outside.Outside]) -> str:
 
 
 def loaded_balls_text(found: Sequence[outside.Outside]) -> str:
-    """Return the paragraph on the number of loaded balls that makers' ratings C and C_0 imply."""
+    """Return the paragraph on the number of loaded balls in a nut that makers' ratings C and C_0 imply.
+
+    ``found``: all published values with the computed ones.
+    """
     shares = dict[str, list[tuple[float, float]]]()
     for source in read_tables("nuts-"):
         for row in source.rows:
@@ -156,7 +166,10 @@ def loaded_balls_text(found: Sequence[outside.Outside]) -> str:
 
 
 def drag_torque_text(found: Sequence[outside.Outside]) -> str:
-    """Return the paragraph on makers' formulas for drag torque, compared with sliding balls and with measured screws."""
+    """Return the paragraph on makers' formulas for drag torque, compared with sliding balls and with measured screws.
+
+    ``found``: all published values with the computed ones.
+    """
     rows = nuts.compare_drag_over_lead()
     leads = [r.lead for r in rows]
     sliding = [nuts.power_exponent([getattr(r, key) for r in rows], leads) for key in ("single", "double")]
@@ -189,7 +202,7 @@ def drag_torque_text(found: Sequence[outside.Outside]) -> str:
 
 
 def drag_torque_table() -> Table:
-    """Return the table of the drag torque over preload times nominal diameter, for several leads."""
+    """Return the table of drag torque over preload times nominal diameter, for several leads: computed and by formulas."""
     rows: list[dict[Quantity | str, Cell]] = []
     for one in nuts.compare_drag_over_lead():
         row: dict[Quantity | str, Cell] = {
@@ -213,7 +226,10 @@ def drag_torque_table() -> Table:
 
 
 def errors_figure(found: Sequence[outside.Outside]) -> Figure:
-    """Draw the sorted errors against published values, one curve for each quantity with more than 20 values."""
+    """Draw the sorted errors against published values, one curve for each quantity with more than 20 values.
+
+    ``found``: published values with the computed ones.
+    """
     series = []
     for (quantity,), values in outside.group_values([x for x in found if not x.left and not x.scale], "quantity").items():
         if len(values) > 20:
@@ -230,7 +246,10 @@ def errors_figure(found: Sequence[outside.Outside]) -> Figure:
 
 
 def make_section(study: Study, step: Callable[[str], None]) -> Section:
-    """Return the report's section that compares computed values with makers, measurements and other programs."""
+    """Return the report's section that compares computed values with makers' tables, measurements and other programs.
+
+    ``study``: solved scenes and stored 3D references; ``step``: function that receives a message before each step.
+    """
     step("outside values")
     found = published_values(study)
     items = (

@@ -194,7 +194,10 @@ LAYOUT_NOTE = (
 
 
 def layout_table(study: Study) -> Table:
-    """Return the table of axis stiffness by layout and nut position: scene, closed formulas, Smith's sum in series."""
+    """Return the table of end thrusts and axis stiffness by layout and position of the nut.
+
+    They are computed by the beam model, by closed formulas, and by Smith's sum in series. ``study``: solved scenes.
+    """
     unit = 1e6 * bearings.POUND_PER_INCH
     rows: list[Row] = []
     for layout, place, scene, closed in axis.compare_layouts(study):
@@ -231,7 +234,10 @@ ROLLER_NOTE = (
 
 
 def roller_table_and_figure(study: Study) -> tuple[Table | Figure, ...]:
-    """Return table and figure of one tapered roller in 3D and by low-order laws; an empty tuple without stored 3D runs."""
+    """Return table and figure of one tapered roller in 3D and by low-order laws; empty without stored 3D results.
+
+    ``study``: records that the scene smith-axis-taper is used.
+    """
     study.uses(("smith-axis-taper",))
     scene = catalogue.shipped("smith-axis-taper")
     assert isinstance(scene, Assembly)
@@ -286,7 +292,10 @@ def roller_table_and_figure(study: Study) -> tuple[Table | Figure, ...]:
 
 
 def make_section(study: Study, step: Callable[[str], None]) -> tuple[Section, ...]:
-    """Return the report's sections on Smith (1994)."""
+    """Return the report's sections on Smith (1994).
+
+    ``study``: solved scenes; ``step``: function that receives a message before each step.
+    """
     step("support bearings and axis")
     found = evidence(study, *PRINTED)
     by_name = {f.printed.name: f for f in found}

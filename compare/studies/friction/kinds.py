@@ -23,16 +23,16 @@ from rollbench.compare.studies.friction.run import judge_history, run_json, run_
 from rollbench.compare.text.printing import Column, cell
 from rollbench.lowfi.friction import bearing
 from rollbench.lowfi.friction.bearing import BearingCase, BearingState, bearing_states, describe_free_motion
-from rollbench.lowfi.friction.contact.laws import Contacts, Regularised
-from rollbench.lowfi.friction.contact.motion import Motion as BallMotion
-from rollbench.lowfi.friction.contact.motion import (
+from rollbench.lowfi.friction.contact.equilibrium import Motion as BallMotion
+from rollbench.lowfi.friction.contact.equilibrium import (
     Problem,
+    SettledCell,
     balance_by_root,
     balance_by_sharpening,
     least_dissipation,
     remove_friction_forces,
 )
-from rollbench.lowfi.friction.contact.rings import SettledCell
+from rollbench.lowfi.friction.contact.laws import Contacts, Regularised
 from rollbench.lowfi.friction.screw.groove import ScrewGroove
 from rollbench.lowfi.friction.screw.motion import source_law
 from rollbench.lowfi.friction.screw.run import PairResult, solve_pair, summarise

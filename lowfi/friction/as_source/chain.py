@@ -2,9 +2,9 @@
 
 Numbers of sections and equations in this module are those of Lin's thesis (2019): 3.25 to 3.31 and 3.75 to 3.77.
 
-The motion of every ball is computed separately first. Neighbours in reach that approach each other then count as touching.
-Each group of touching balls is one system of equations: the force balance of all its balls and equal velocities of
-neighbours, with the ball-to-ball forces as further unknowns.
+The motion of every ball is computed separately first. Neighbours that are near enough to touch and approach each other then
+count as touching. Each group of touching balls is one system of equations: the force balance of all its balls and equal
+velocities of neighbours, with the ball-to-ball forces as further unknowns.
 
 Balls in a linear bearing (sections 3.3.1 and 3.3.2) are solved in the same way.
 """
@@ -18,8 +18,8 @@ from typing import Literal
 import numpy as np
 from scipy.optimize import root
 
+from rollbench.lowfi.friction.contact.equilibrium import HYBRID
 from rollbench.lowfi.friction.contact.laws import Contacts, Coulomb, Law, Sigmoid, equal_contacts
-from rollbench.lowfi.friction.contact.motion import HYBRID
 from rollbench.lowfi.friction.linear.bearing import MOVING, LinearBearing, contact_directions, semi_axes
 from rollbench.lowfi.friction.linear.chain import pair_angles_and_loads
 from rollbench.meshes.arrays import Array, Mask
@@ -30,13 +30,13 @@ Status = Literal["exact", "overlapping", "failed"]
 #: accepted as zero.
 ACCEPTED = 1e-8
 
-#: k_S of the source's sigmoid in its searches for touching balls, for which the text prints none.
+#: Sharpness k_S of Lin's sigmoid in searches for touching balls, for which his thesis prints no value.
 SHARPNESS = 100.0
 
 
 @dataclass(frozen=True)
 class NeighbourInteraction:
-    """Forces between touching balls. A ball has n unknowns of motion, of which the first is that along the track."""
+    """Kinematics and friction of two touching balls. A ball has n unknown motions, the first of them along the track."""
 
     #: Sliding velocity of the first ball's surface at the contact with the second one, per unit of its unknowns ``(2, n)``.
     first: Array
@@ -81,7 +81,7 @@ class Balls:
         return max(float(self.at.strength.reshape(-1, 4).sum(axis=1).max()), 1e-300)
 
     def subset(self, chosen: slice) -> Balls:
-        """Return the balls in a range ``chosen`` of indices."""
+        """Return the balls whose indices are in the range ``chosen``, with their contacts."""
         rows = slice(4 * chosen.start, 4 * chosen.stop)
         at = Contacts(self.at.a[rows], self.at.b[rows], self.at.load[rows], self.at.mu[rows])
         return Balls(at, self.maps[chosen], self.drives[chosen], self.pair)
@@ -89,7 +89,7 @@ class Balls:
 
 @dataclass(frozen=True)
 class Balance:
-    """Forces and losses of N balls in given motions, with n unknowns for each ball."""
+    """Forces out of balance, friction and losses of N balls in given motions, with n unknowns for each ball."""
 
     #: Generalised forces out of balance ``(N, n)``: power per unit of each unknown.
     left: Array
@@ -176,7 +176,9 @@ def solve_touching_group(balls: Balls, law: Law, q: Array, ball_force: Array) ->
     """Return the motions of a group of N touching balls and the forces between them, as the root of one system.
 
     The scaled equations are solved by MINPACK's hybrid method with a Jacobian by finite differences, as by Matlab's fsolve.
-    ``law``: friction law; ``q`` ``(N, n)``, ``ball_force`` [N]: motions and forces to start from.
+    ``balls``: the balls of this group; ``law``: friction law of their contacts with the grooves; ``q``: motions from which
+    the search starts, n unknowns for each ball ``(N, n)``; ``ball_force``: forces of each ball on the next one from which
+    it starts ``(N-1,)`` [N].
 
     Returns
     -------
@@ -207,10 +209,11 @@ def solve_touching_group(balls: Balls, law: Law, q: Array, ball_force: Array) ->
 def solve_source_chain(
     balls: Balls, law: Law, touching: Mask, start: tuple[Array, Array]
 ) -> tuple[Array, Array, float, int]:
-    """Return the motions of N balls and the forces between them, group by group, if it is given which balls touch.
+    """Return the motions of N balls and the forces between them, if it is known which balls touch.
 
-    ``law``: friction law; ``touching``: whether each ball touches the next one ``(N-1,)``; ``start``: motions ``(N, n)``
-    and forces ``(N-1,)`` [N] to start from.
+    Each group of touching balls is solved separately. ``law``: friction law of the contacts with the grooves; ``touching``:
+    whether each ball touches the next one ``(N-1,)``; ``start``: motions, n unknowns for each ball ``(N, n)``, and forces
+    of each ball on the next one ``(N-1,)`` [N], from which the search starts.
 
     Returns
     -------
@@ -230,10 +233,10 @@ def solve_source_chain(
 
 
 def not_separating(pair: NeighbourInteraction, q: Array, tolerance: float = 0.0) -> Mask:
-    """Return whether each ball does not move away from the next one ``(N-1,)``.
+    """Return whether each ball approaches the next one, or keeps its distance from it ``(N-1,)``.
 
-    ``q``: motions of the balls ``(N, n)``; ``tolerance``: speed of approach from which on neighbours count, as a fraction
-    of the nominal speed.
+    ``pair``: kinematics of touching balls; ``q``: motions of the balls, n unknowns each ``(N, n)``; ``tolerance``: least
+    speed of approach that counts, as a fraction of the nominal speed; 0 includes neighbours of equal speed.
     """
     rate = (q[:-1, 0] - q[1:, 0]) * pair.units[0] / pair.speed
     return np.asarray(rate >= tolerance)
@@ -288,7 +291,7 @@ def neighbour_interaction(bearing: LinearBearing) -> NeighbourInteraction:
 
 
 def linear_balls(bearing: LinearBearing, angles: Array, loads: Array) -> Balls:
-    """Return N balls of a linear bearing with their contacts, by equations 3.22 to 3.24 of Lin's thesis.
+    """Return N balls of a linear bearing with the kinematics of their contacts, by equations 3.22 to 3.24 of Lin's thesis.
 
     ``angles``: contact angles ``(N, 4)`` [rad]; ``loads``: normal loads ``(N, 4)`` [N], both in the order BL, BR, TR, TL
     (bottom or top, left or right). Raises ValueError if a load is negative.

@@ -12,11 +12,12 @@ its motion (4); two touching balls add the force between them. The loads without
 computed first, and this position is then held.
 
 A whole ball screw over time (section 3.4.4): in each step the loads are found as a root, then the motion of every ball
-separately, then that of the groups of balls which are within reach and approach each other (equation 3.77). The positions
-advance with these speeds. The method does not prevent negative gaps; `SourceRun.overlap` says how large they become.
+separately, then the motion of groups of balls which are near enough to touch and approach each other (equation 3.77). The
+positions advance with these speeds. The method does not prevent negative gaps; `SourceRun.overlap` says how large they
+become.
 
-To count failures, the root is searched from several starts: from rolling balls, and from random deviations from our own
-solution. Every search yields the motion that it found, or None if Lin's method finds no contact loads to begin with.
+To count failures, the root is searched from several starts: from rolling balls, and from random deviations from rollbench's
+own solution. Every search yields the motion that it found, or None if Lin's method finds no contact loads to begin with.
 """
 
 from __future__ import annotations
@@ -43,9 +44,8 @@ from rollbench.lowfi.friction.as_source.chain import (
     solve_source_chain,
     touching_groups,
 )
+from rollbench.lowfi.friction.contact.equilibrium import HYBRID, SettledCell
 from rollbench.lowfi.friction.contact.laws import Law, Sigmoid
-from rollbench.lowfi.friction.contact.motion import HYBRID
-from rollbench.lowfi.friction.contact.rings import SettledCell
 from rollbench.lowfi.friction.linear.bearing import LinearBearing
 from rollbench.lowfi.friction.linear.chain import prepare_chain, solve_linear_chain
 from rollbench.lowfi.friction.screw.chain import Chain, ChainMotion, solve_chain
@@ -102,8 +102,8 @@ def starting_positions(cell: Cell) -> BallPositions:
     """Return the positions from which the search of the contact loads starts.
 
     The screw is displaced along its load by four times the approach of a ball under its part of the load, and by the
-    clearance; the balls are half way. The nominal state of Lin's text has no stiffness without preload. `rings.settle_cell`
-    starts from the same positions.
+    clearance; the balls are half way. The nominal state of Lin's text has no stiffness without preload. `settle_load` in
+    ``lowfi.friction.screw.motion`` starts from the same positions for a screw without given displacement.
     """
     total, (_, size) = float(np.linalg.norm(cell.force)), load_scale(cell)
     size += max(0.0, -float(np.min(cell.interference)))
@@ -126,7 +126,7 @@ def loads_by_root(cell: Cell, start: BallPositions | None = None) -> SettledCell
         return BallPositions(x[: 2 * n].reshape(n, 2) * size, x[2 * n : 6 * n].reshape(n, 4), x[6 * n :] * size)
 
     def residual(x: Array) -> Array:
-        """Return the scaled forces out of balance on balls and screw, with the contact conditions between them."""
+        """Return the residuals of the equations: scaled forces on the balls, contact conditions, forces on the screw."""
         force, bent, normal = contact_forces(cell, split(x))
         pull = force[..., None] * normal
         on_screw = np.einsum("nim,ni->m", cell.screw_motion, pull[:, ON_SCREW].sum(axis=1)) + cell.force + cell.drag
@@ -207,7 +207,7 @@ class SourceScrew:
 
 
 def solve_coupled_group(cell: Cell, law: Law, start: SourceState, scale: float) -> SourceState:
-    """Return the state of N touching balls whose loads and motions are one root, with the screw held in position.
+    """Return loads and motions of N touching balls as the root of one system, with the screw held in position.
 
     The equations are 3.71 and 3.75 to 3.77 of Lin's thesis. ``cell``: the balls and their grooves; ``law``: friction law;
     ``start``: state from which the search starts, which also gives the screw's position; ``scale``: sum of a ball's contact
@@ -250,9 +250,11 @@ def solve_coupled_group(cell: Cell, law: Law, start: SourceState, scale: float) 
 
 
 def solve_coupled_groups(cell: Cell, law: Law, touching: Mask, start: SourceState, scale: float) -> SourceState:
-    """Return the coupled state of all N balls, group by group, if it is given which balls touch.
+    """Return loads and motions of all N balls with the screw held in position, if it is known which balls touch.
 
-    ``touching``: whether each ball touches the next one ``(N-1,)``; the other arguments are those of `solve_coupled_group`.
+    Each group of touching balls is solved separately. ``cell``: the balls and their grooves; ``law``: friction law;
+    ``touching``: whether each ball touches the next one ``(N-1,)``; ``start``: state of all balls from which the searches
+    start; ``scale``: sum of a ball's contact loads [N], by which the equations are scaled.
     """
     n = cell.angle.shape[0]
     ball, gamma, q = start.at.ball.copy(), start.at.gamma.copy(), start.q.copy()
@@ -277,9 +279,10 @@ def solve_coupled_groups(cell: Cell, law: Law, touching: Mask, start: SourceStat
 
 
 def start_from_result(result: PairResult, touching: bool) -> SourceState:
-    """Return the solution of our own solver for two balls as a state from which Lin's searches start.
+    """Return rollbench's own solution for two balls in the form of a state from which Lin's searches start.
 
-    ``touching``: whether to take the solution with forces between the balls (True) or that of separate balls.
+    ``result``: this solution; ``touching``: whether to take the state with forces between the balls (True) or that of
+    separate balls.
     """
     solution = result.touching if touching else result.free
     at = BallPositions(solution.load.ball, solution.load.angle, np.zeros(0))
@@ -287,10 +290,10 @@ def start_from_result(result: PairResult, touching: bool) -> SourceState:
 
 
 def solve_separate_balls(cell: Cell, load: SettledCell, law: Law) -> SourceState:
-    """Return the state of separate balls at contact loads without friction, searched from nominal rolling.
+    """Return the motions of separate balls at contact loads without friction, found by a search from nominal rolling.
 
-    Coupled searches start from it if no other start is given. ``load``: contact loads without friction; ``law``: friction
-    law.
+    Searches for loads and motion together start from this state if no other start is given. ``cell``: the balls and their
+    grooves; ``load``: their contact loads without friction; ``law``: friction law.
     """
     n, pair = cell.angle.shape[0], neighbour_interaction(cell.groove)
     none, first = np.zeros(n - 1), np.tile(pair.nominal, (n, 1))
@@ -320,9 +323,9 @@ def coupled_by_root(
     law
         Friction law.
     start
-        Where separate balls are searched from; their motion at the loads without friction where None.
+        State from which the search for separate balls starts; None: their motion at the loads without friction.
     touching
-        Where balls in contact are searched from; the separate balls where None. The text names no starts.
+        State from which the search for touching balls starts; None: the result for separate balls.
     """
     held, pair = hold_screw(cell, load), neighbour_interaction(cell.groove)
     scale = max(float(load.force.sum(axis=1).max()), 1e-300)
@@ -435,8 +438,8 @@ class _PreviousStep:
 def simulate_by_root(run: Run, steps: int | None = None) -> SourceRun:
     """Return the first steps of a transient simulation of a screw by Lin's method with his sigmoid friction law.
 
-    The balls are spread evenly at the beginning. Every search starts from the previous step, the first one from rolling;
-    Lin's text does not say where they start.
+    The balls are spread evenly at the beginning. Every search starts from the result of the previous step, the first one
+    from nominal rolling; Lin's text does not say where they start.
 
     Parameters
     ----------
@@ -509,8 +512,9 @@ def _solve_step(
 def perturbed_motions(q: Array, units: Array, rng: np.random.Generator, off: float) -> Array:
     """Return motions of N balls with random relative deviations, for searches from several starts.
 
-    ``q``: motions ``(N, n)``; ``units``: surface speed per unit of each unknown ``(n,)``; ``off``: largest deviation of an
-    unknown as a fraction of its value, or of 1 % of the ball's largest surface speed if this is more.
+    ``q``: motions, n unknowns for each ball ``(N, n)``; ``units``: surface speed per unit of each unknown ``(n,)``;
+    ``rng``: generator of random numbers; ``off``: largest deviation of an unknown as a fraction of its value, or of 1 % of
+    the ball's largest surface speed if this is more.
     """
     x = q * units
     size = np.maximum(np.abs(x), 0.01 * np.max(np.abs(x), axis=1, keepdims=True))
@@ -520,10 +524,10 @@ def perturbed_motions(q: Array, units: Array, rng: np.random.Generator, off: flo
 def linear_solutions_from_starts(
     bearing: LinearBearing, angles: Array, loads: Array, rng: np.random.Generator, count: int, off: float
 ) -> Iterator[SourceMotion]:
-    """Yield motions of N balls of a linear bearing by Lin's method, each from another random start; all balls are in reach.
+    """Yield motions of N balls of a linear bearing by Lin's method, each from another random start.
 
-    The first start is rolling. The others deviate from our own solution, with the forces between the balls multiplied by
-    random factors from 0 to 2.
+    All neighbours are near enough to touch. The first search starts from nominal rolling. The others start from motions
+    that deviate from rollbench's own solution, with its ball-to-ball forces multiplied by random factors from 0 to 2.
 
     Parameters
     ----------
@@ -538,7 +542,7 @@ def linear_solutions_from_starts(
     count
         Number of starts.
     off
-        Largest relative deviation of a start from our own solution.
+        Largest relative deviation of a start from rollbench's own solution.
     """
     apart, together = (solve_linear_chain(prepare_chain(bearing, angles, loads, touching)) for touching in (False, True))
     balls = linear_balls(bearing, angles, loads)
@@ -554,7 +558,9 @@ def linear_solutions_from_starts(
 
 
 def screw_sigmoid(groove: ScrewGroove, sharpness: float = SHARPNESS) -> Sigmoid:
-    """Return Lin's sigmoid friction law for a screw. At rest, where its reference spin is zero, the reference is 1 rad/s.
+    """Return Lin's sigmoid friction law for a screw, also for a screw at rest.
+
+    At rest the reference spin of the sigmoid would be zero; it is then set to 1 rad/s.
 
     Parameters
     ----------
@@ -569,22 +575,23 @@ def screw_sigmoid(groove: ScrewGroove, sharpness: float = SHARPNESS) -> Sigmoid:
 def pair_solutions_from_starts(
     pair: Pair, solved: PairResult, rng: np.random.Generator, count: int, off: float
 ) -> Iterator[SourceMotion | None]:
-    """Yield motions of two balls of a screw by Lin's method, each from another random start; None without contact loads.
+    """Yield motions of two balls of a screw by Lin's method, each from another random start.
 
-    The first start is rolling, the others deviate from our own solution.
+    None is yielded where the method finds no contact loads. The first search starts from nominal rolling, the others from
+    states that deviate from rollbench's own solution.
 
     Parameters
     ----------
     pair
         Two balls of a screw.
     solved
-        Our own solution of the pair.
+        Rollbench's own solution of the pair.
     rng
         Source of the random starts.
     count
         Number of starts.
     off
-        Largest relative deviation of a start from our own solution.
+        Largest relative deviation of a start from rollbench's own solution.
     """
     free, touching, units = (
         start_from_result(solved, False),
@@ -608,8 +615,8 @@ def screw_solutions_from_starts(
 ) -> Iterator[SourceMotion]:
     """Yield motions of an open chain of balls of a screw by Lin's method at given contact loads, each from a random start.
 
-    Only neighbours without gap are in reach of each other: if a gap closes within a step, the balls come into contact in
-    our own solver, but overlap in Lin's.
+    Only neighbours without a gap count as near enough to touch: if a gap closes within a time step, the balls come into
+    contact in rollbench's own method, but overlap in Lin's.
 
     Parameters
     ----------
@@ -618,13 +625,13 @@ def screw_solutions_from_starts(
     angle
         Contact angles, ``(N, 4)`` [rad].
     solved
-        Our own solution of the chain.
+        Rollbench's own solution of the chain.
     rng
         Source of the random starts.
     count
         Number of starts.
     off
-        Largest relative deviation of a start from our own solution.
+        Largest relative deviation of a start from rollbench's own solution.
     """
     alone = solve_chain(replace(chain, slack=np.full(chain.slack.shape, np.inf)))
     balls, law = screw_balls(chain.groove, chain.force, angle), screw_sigmoid(chain.groove)

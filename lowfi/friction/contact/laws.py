@@ -104,7 +104,9 @@ def rotation_about_point(spin: ArrayLike, c: ArrayLike, d: ArrayLike) -> Array:
 
 
 def dissipated_power(at: Contacts, motion: Array, speed: float = 0.0, fast: bool = False) -> Dissipation:
-    """Return the friction power mu int p sqrt(|v|^2 + speed^2) dA of contacts, with its derivatives, in closed form.
+    """Return the power mu int p sqrt(|v|^2 + speed^2) dA that each contact dissipates, with derivatives, in closed form.
+
+    v is the local sliding velocity, p the Hertz pressure and mu the coefficient of friction.
 
     Parameters
     ----------
@@ -139,8 +141,8 @@ def dissipated_power(at: Contacts, motion: Array, speed: float = 0.0, fast: bool
 def friction_forces(at: Contacts, motion: Array, speed: float = 0.0, fast: bool = False) -> Friction:
     """Return friction force, moment and loss of contacts for a given sliding motion.
 
-    The arguments are those of `dissipated_power`: n contacts, their motions ``(n, 3)``, the regularising speed [m/s], and
-    whether to use compiled kernels.
+    ``at``: ellipses, loads and coefficients of friction of n contacts; ``motion``: their sliding vx, vz [m/s] and spin
+    [rad/s] ``(n, 3)``; ``speed``: regularising speed >= 0 [m/s]; ``fast``: whether to use compiled kernels.
 
     References
     ----------
@@ -184,10 +186,11 @@ def linear_factor(ratio: ArrayLike) -> Array:
 
 
 def cubic_factor(ratio: ArrayLike) -> Array:
-    """Return the factor g of the exact friction force over mu F, k_f t - g t^3, for rotation about x = c, t = c/a.
+    """Return the cubic factor g of the exact relative friction force, force/(mu F) = k_f t - g t^3 with t = c/a.
 
-    The force has this form for -1 <= t <= 1 and a centre of rotation on the semi-axis a. The factor is g = (b/a)^2 (R_D(0,
-    1, r^2) - R_D(0, r^2, 1))/(6 (1 - r^2)) with r = b/a <= 1 - 1e-6.
+    c is the distance of the centre of rotation from the ellipse's centre along the semi-axis a. The force has this form for
+    -1 <= t <= 1; k_f: `linear_factor`. The factor is g = (b/a)^2 (R_D(0, 1, r^2) - R_D(0, r^2, 1))/(6 (1 - r^2)) with r =
+    b/a <= 1 - 1e-6.
 
     Parameters
     ----------
@@ -249,7 +252,7 @@ class Coulomb:
     """Coulomb's law: traction mu p against the local sliding velocity; zero at rest, where it is not determined."""
 
     def friction(self, at: Contacts, motion: Array, fast: bool = False) -> Friction:
-        """Return the friction by exact integrals over the contact ellipse."""
+        """Return Coulomb friction of n contacts at the given motion by exact integrals over their ellipses."""
         return friction_forces(at, motion, 0.0, fast)
 
 
@@ -264,7 +267,7 @@ class Regularised:
     speed: float
 
     def friction(self, at: Contacts, motion: Array, fast: bool = False) -> Friction:
-        """Return the friction by exact integrals over the contact ellipse."""
+        """Return regularised friction of n contacts at the given motion by exact integrals over their ellipses."""
         return friction_forces(at, motion, self.speed, fast)
 
 
@@ -294,7 +297,7 @@ class Sigmoid:
         return np.asarray(np.tanh(0.5 * self.sharpness * x / self.reference))
 
     def friction(self, at: Contacts, motion: Array, fast: bool = False) -> Friction:
-        """Return Coulomb friction, exact or interpolated (``map_spacing``), times the sigmoid."""
+        """Return Coulomb friction of n contacts at the given motion, exact or interpolated, times the sigmoid."""
         full = friction_forces(at, motion, 0.0, fast)
         if self.map_spacing is not None:
             full = interpolated_friction(at, motion, self.map_spacing, full, fast)

@@ -19,8 +19,8 @@ from typing import Literal
 
 import numpy as np
 
+from rollbench.lowfi.friction.contact.equilibrium import settle_cell
 from rollbench.lowfi.friction.contact.kernel_types import CellArrays
-from rollbench.lowfi.friction.contact.rings import settle_cell
 from rollbench.lowfi.hertz import HertzConstants, contact_modulus, hertz_constants
 from rollbench.meshes.arrays import Array
 
@@ -64,25 +64,36 @@ class LinearBearing:
     def __post_init__(self) -> None:
         """Raise ValueError for values outside their range."""
         if not self.ball_radius > 0.0 or not self.young > 0.0 or not -1.0 < self.poisson <= 0.5:
-            raise ValueError("ball radius and Young's modulus must be positive, Poisson's ratio in (-1, 0.5]")
+            raise ValueError(
+                "ball radius and Young's modulus must be positive, Poisson's ratio in (-1, 0.5], "
+                f"got ball_radius {self.ball_radius} m, young {self.young} Pa, poisson {self.poisson}"
+            )
         if not self.conformity > 0.5:
-            raise ValueError(f"conformity must exceed 0.5 (groove wider than the ball), not {self.conformity}")
+            raise ValueError(f"conformity must exceed 0.5 (groove wider than the ball), got {self.conformity}")
         if not 0.0 < self.contact_angle < 0.5 * np.pi:
-            raise ValueError(f"contact angle must lie between 0 and 90 degrees, not {self.contact_angle} rad")
+            raise ValueError(f"contact angle must lie between 0 and pi/2, got {self.contact_angle} rad")
         if not (self.mu >= 0.0 and self.mu_balls >= 0.0 and np.isfinite(self.mu + self.mu_balls + self.speed)):
-            raise ValueError("mu and mu_balls must not be negative, the speed finite")
+            raise ValueError(
+                "the coefficients of friction mu and mu_balls must not be negative, and they and the speed must be finite, "
+                f"got mu {self.mu}, mu_balls {self.mu_balls}, speed {self.speed} m/s"
+            )
 
     def hertz(self) -> HertzConstants:
-        """Hertz constants of a ball in a straight groove; semi-axis a lies in the section, b along the track."""
+        """Return the Hertz constants of a ball in a straight groove; semi-axis a lies in the section, b along the track."""
         return _hertz_constants(self.ball_radius, self.conformity, self.young, self.poisson)
 
     def psi(self) -> float:
-        """Constant Psi of a = Psi R_B^(1/3) F^(1/3) (Lin 3.36) [(m2/N)^(1/3)]."""
+        """Return the constant Psi [(m2/N)^(1/3)] of the semi-axis a = Psi (R_B F)^(1/3) at a contact load F (Lin 3.36)."""
         return float(self.hertz().C_a / np.cbrt(self.ball_radius))
 
 
 @lru_cache(maxsize=64)
 def _hertz_constants(ball_radius: float, conformity: float, young: float, poisson: float) -> HertzConstants:
+    """Return the Hertz constants of a ball in a straight groove of the same material; results are cached.
+
+    ``ball_radius`` [m]; ``conformity``: groove radius over ball diameter; ``young``: Young's modulus [Pa]; ``poisson``:
+    Poisson's ratio.
+    """
     across = 1.0 - 0.5 / conformity
     modulus = contact_modulus(young, poisson, young, poisson)
     return hertz_constants(np.array(1.0 / ball_radius), np.array(across / ball_radius), modulus)
@@ -205,7 +216,7 @@ def balanced_loads(angles: Array, vertical: float, side_ratio: Array) -> Array:
 
 
 def elastic_loads(bearing: LinearBearing, angles: Array, vertical: float, side_ratio: Array) -> tuple[Array, Array]:
-    """Return contact loads [N] and contact angles under load [rad], ``(N, 4)`` each.
+    """Return first the contact loads [N], then the contact angles under load [rad], ``(N, 4)`` each.
 
     Balls and grooves have Hertz contacts without clearance and friction. The loads are those at the minimum of the energy
     sum 2/5 C^(-3/2) <approach>^(5/2) - N_x u_x + N_y u_y over the displacements of ball and carriage (u_x, u_y).
@@ -231,9 +242,10 @@ def elastic_loads(bearing: LinearBearing, angles: Array, vertical: float, side_r
 
 
 def _elastic_loads_and_angles(bearing: LinearBearing, angles: Array, vertical: float, rho: float) -> tuple[Array, Array]:
-    """Return contact loads ``(4,)`` [N] and contact angles ``(4,)`` [rad] of one ball, as `elastic_loads` for many.
+    """Return first the contact loads ``(4,)`` [N], then the contact angles ``(4,)`` [rad] of one ball under load.
 
-    ``angles``: of the unloaded ball ``(4,)`` [rad]; ``rho``: side force over vertical force.
+    ``angles``: contact angles of the unloaded ball ``(4,)`` [rad]; ``vertical``: vertical force N_y on the carriage [N];
+    ``rho``: ratio N_x/N_y of side force to vertical force. See `elastic_loads`.
     """
     n, slack, C = (
         contact_directions(angles),
@@ -254,6 +266,7 @@ def _elastic_loads_and_angles(bearing: LinearBearing, angles: Array, vertical: f
     )
 
     def angles_of(normal: Array) -> Array:
+        """Return contact angles [rad] from contact normals with those of the carriage first."""
         outward = SENSE * normal[:, TOP_FIRST]
         return np.asarray(np.arctan2(outward[..., 0], outward[..., 1]))
 
@@ -266,7 +279,7 @@ def _elastic_loads_and_angles(bearing: LinearBearing, angles: Array, vertical: f
 
 
 def elliptic_integral_second_kind(axis_ratio: float) -> float:
-    """Return the complete elliptic integral of the second kind E(e), e = sqrt(1 - (b/a)^2), of an ellipse of given b/a."""
+    """Return the complete elliptic integral of the second kind E(e), e = sqrt(1 - (b/a)^2); ``axis_ratio``: b/a."""
     from scipy.special import ellipe
 
     return float(ellipe(1.0 - axis_ratio**2))
@@ -323,15 +336,16 @@ def sliding_speed(bearing: LinearBearing) -> float:
 
 
 def ball_loss(bearing: LinearBearing, force: Array) -> Array:
-    """Return the loss [W] between two balls that press on each other with ``force`` [N] (Lin 3.53)."""
+    """Return the friction loss between two balls that press on each other with ``force`` [N], in W (Lin 3.53)."""
     return np.asarray(bearing.mu_balls * force * sliding_speed(bearing))
 
 
 def spin_loss(bearing: LinearBearing, loads: Array) -> Array:
-    """Return the friction loss [W] of contacts that spin about their centres at nominal rolling.
+    """Return the friction loss of each contact that spins about its centre at nominal rolling [W].
 
-    It is the loss with which that between balls, eq. (3.53) of Lin's thesis, is compared. ``loads``: contact loads F [N],
-    any shape. The spin is v tan(beta_0)/(2 R_B), and the moment 3/8 mu F a E(e) by eq. (3.32) of Lin's thesis.
+    The sum over all contacts is the groove loss to which Lin compares the loss between balls, eq. (3.53) of his thesis.
+    ``loads``: contact loads F [N], any shape, which is that of the result. The spin is v tan(beta_0)/(2 R_B), and the
+    moment 3/8 mu F a E(e) by eq. (3.32) of Lin's thesis.
     """
     constants = bearing.hertz()
     spin = 0.5 * abs(bearing.speed) * np.tan(bearing.contact_angle) / bearing.ball_radius

@@ -65,10 +65,11 @@ ACCEPTED = 1e-9
 #: Least difference of the ball-to-ball forces of two different states, over the largest friction bound of a ball.
 ANOTHER = 1e-3
 
-#: Coefficients of friction between balls from which a jammed state is sought too, and the factor by which they then fall.
+#: Raised coefficients of friction between balls at which a search for a jammed state also begins, and the factor by which
+#: the coefficient is then reduced step by step.
 RISEN, FALLING = (0.3, 1.0), 0.85
 
-#: Most Newton steps.
+#: Largest number of Newton steps.
 STEPS = 50_000
 
 #: Least ratio b/a of the semi-axes for which the friction of a contact is accurate to many digits.
@@ -126,7 +127,7 @@ class ChainResult:
 
 @dataclass(frozen=True)
 class Chain:
-    """Chain of balls with the scaled arrays of its kernels.
+    """Chain of balls in a linear bearing, with its data in the scaled units of the kernels.
 
     The motion does not depend on the grooves' mu, and forces and losses are proportional to it. Without friction (mu = 0)
     the unit of force is the one for mu = 1, so that the motion is the limit for a mu that vanishes.
@@ -148,7 +149,7 @@ class Chain:
 
 
 def prepare_chain(bearing: LinearBearing, angles: Array, loads: Array, touching: Mask | bool = True) -> Chain:
-    """Return a chain of N balls under given contact loads, with the scaled arrays of its kernels.
+    """Return a chain of N balls in a linear bearing under given contact loads, prepared for `solve_linear_chain`.
 
     Parameters
     ----------
@@ -211,7 +212,7 @@ def contact_shape(bearing: LinearBearing) -> Array:
 
 
 def solve_linear_chain(chain: Chain, start: Array | None = None, fast: bool = True) -> ChainResult:
-    """Return motion, forces and losses of a chain of balls.
+    """Return motion, forces and losses of a chain of balls in a linear bearing.
 
     For a carriage at rest, or a chain without load, motion and friction forces are returned as zero, although any friction
     force below its bound would balance. A ball with less than three loaded contacts has motions without resistance: its
@@ -277,6 +278,7 @@ def find_second_state(chain: Chain, known: ChainResult, fast: bool = True) -> Ch
     engine = kernels(LINEAR, compiled=fast)
 
     def states() -> Iterator[ChainResult]:
+        """Yield the states to which the searches from all starts lead."""
         for start in range(engine.STARTS):
             point, work = _work_arrays(chain)
             done = engine.motion_from_other_start(chain.problem, point, work, CREEP, TOLERANCE, STEPS, start)
@@ -306,7 +308,7 @@ def _work_arrays(chain: Chain) -> tuple[ChainPoint, Work]:
 
 
 def _chain_result(chain: Chain, point: ChainPoint, done: tuple[int, float], fast: bool) -> ChainResult:
-    """Return motion, forces and losses in SI units at the ``point`` where a search ended.
+    """Return motion, forces and losses in SI units at the ``point`` where the search for a solution ended.
 
     ``done``: number of Newton steps of the search, and its largest residual over the chain's ``scale``.
     """
@@ -351,7 +353,7 @@ def _chain_result(chain: Chain, point: ChainPoint, done: tuple[int, float], fast
 class PairResult:
     """Two balls of Lin's case study; ``free.deviation`` are the epsilons of Lin's Table 3.4."""
 
-    #: State of balls that are far apart.
+    #: State of balls that are too far apart to touch.
     free: ChainResult
     #: State of balls at a distance of one ball diameter, which press on each other or part.
     touching: ChainResult
@@ -461,7 +463,7 @@ class BothModels(NamedTuple):
 
 @dataclass(frozen=True)
 class PairMaps:
-    """Results of Lin's Figures 3.14 and 3.15."""
+    """Results for two balls over a grid of T deviations theta and R side forces (Figures 3.14 and 3.15 of Lin's thesis)."""
 
     #: Deviations of the contact angles on the bottom groove ``(T,)`` [rad].
     theta: Array

@@ -14,7 +14,7 @@ Array = NDArray[Any]
 
 
 class ChainArrays(NamedTuple):
-    """Contacts and neighbours of the balls of a chain."""
+    """Contacts, friction and neighbours of N balls of a chain in a linear bearing, with C contacts each."""
 
     #: Direction (n_x, n_y), speed of the body in contact, friction bound, semi-axis a over the ball's radius; (N, C, 5).
     contacts: Array
@@ -31,7 +31,7 @@ class ChainArrays(NamedTuple):
 
 
 class ChainPoint(NamedTuple):
-    """Present motion of the balls, with the relative motions of their contacts.
+    """Present motion of the balls, relative motions at their contacts, and forces between neighbours.
 
     All entries are changed by increments, so that nothing cancels where contacts stick.
     """

@@ -19,7 +19,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from rollbench.lowfi.friction.contact.rings import SettledCell, cell_state
+from rollbench.lowfi.friction.contact.equilibrium import SettledCell, cell_state
 from rollbench.lowfi.friction.screw.groove import (
     Grooved,
     ScrewGroove,
@@ -49,20 +49,21 @@ from rollbench.meshes.arrays import Array
 #: Regularising speeds as parts of the balls' speed, from the first (cold start) to the last.
 SPEEDS = tuple(10.0 ** (-0.5 * k) for k in range(2, 15))
 
-#: Parts of the friction between balls, one after the other at the first of these speeds.
+#: Fractions of the friction between balls, to which it rises in turn at the first of these speeds.
 PARTS = (0.0, 0.1, 0.2, 0.4, 0.6, 0.8, 1.0)
 
 #: Force out of balance, as a fraction of the largest friction bound of a ball: aimed at (root of the sum of squares), and
 #: what counts as converged (largest, relative to the largest ball-to-ball force where that is larger).
 GOAL, ACCEPTED = 1e-12, 2e-9
 
-#: Residual aimed at between regularising speeds (as ``GOAL``), most Newton steps, and most Newton steps of a first try.
+#: Residual aimed at for all regularising speeds but the last (in the unit of ``GOAL``), largest number of Newton steps, and
+#: largest number of Newton steps in the first attempt.
 COARSE, STEPS, SHORT = 1e-10, 60, 15
 
-#: A stage has failed where more than this is left; most halvings of stages.
+#: Residual above which the solution at one stage counts as failed, and largest number of halvings of stages.
 MISSED, DEPTH = 1e-8, 12
 
-#: Springs to the nominal motion per friction bound, for balls with contacts and without.
+#: Stiffness of weak springs to the nominal motion over the friction bound, for balls with contacts and without.
 HOLD, HOLD_IDLE = 1e-13, 1e-10
 
 #: Balls with less than this fraction of the largest load count as unloaded.
@@ -85,8 +86,8 @@ class FrictionContacts:
 class AnyChain(ABC):
     """N balls in order of azimuth with their contact loads.
 
-    Balls without loads roll along at the nominal speed unless pushed, and turn freely between their neighbours as spacers
-    do, without friction.
+    An unloaded ball rolls at the nominal speed unless its neighbours push it. Between its neighbours it turns without
+    friction, as a spacer ball does.
     """
 
     #: Grooves in motion.
@@ -95,19 +96,19 @@ class AnyChain(ABC):
     force: Array
     #: Contact normals ``(N, 4, 3)``.
     normals: Array
-    #: Largest rate at which ball k may gain on ball k + 1 ``(N,)`` [rad/s], inf where they cannot touch; the last entry is
+    #: Largest rate at which ball k may approach ball k + 1 ``(N,)`` [rad/s], inf where they cannot touch; the last entry is
     #: for the last ball against the first of a closed track.
     slack: Array
 
     @property
     @abstractmethod
     def friction_contacts(self) -> FrictionContacts:
-        """Return the contacts with their semi-axes and maps."""
+        """Ellipses, friction bounds and kinematics of the contacts of all N balls with the grooves."""
 
     @property
     @abstractmethod
     def mu_balls(self) -> float:
-        """Return the coefficient of friction from ball to ball."""
+        """Coefficient of friction between touching balls."""
 
     def wrench(self, pull: Array) -> Array:
         """Return force and moment of friction on the balls in x3, y3, z3 ``(N, 4, 6)`` [N, N m].
@@ -133,7 +134,7 @@ class Chain(AnyChain):
 
     @property
     def friction_contacts(self) -> FrictionContacts:
-        """Return the contacts with their semi-axes and maps."""
+        """Ellipses, friction bounds and kinematics of the contacts of all N balls with the grooves."""
         at = screw_contacts(self.groove, self.force)
         maps, drives = self.groove.maps(self.normals)
         shape = np.stack([at.a, at.b, at.strength], axis=1).reshape(-1, 4, 3)
@@ -141,7 +142,7 @@ class Chain(AnyChain):
 
     @property
     def mu_balls(self) -> float:
-        """Return the coefficient of friction from ball to ball."""
+        """Coefficient of friction between touching balls."""
         return self.groove.between
 
     def input_power(self, wrench: Array) -> float:
@@ -199,12 +200,12 @@ class ChainMotion:
 
 
 def residual_arrays(count: int) -> BalanceParts:
-    """Return arrays of zeros for the residual of ``count`` balls and its derivatives, which the kernels overwrite."""
+    """Return zero arrays for ``count`` balls, to which the kernels write forces out of balance and their derivatives."""
     return BalanceParts(np.zeros((count, 4)), np.zeros(count), np.zeros((count, 2)), np.zeros((count, 4, 4)))
 
 
 class BalanceSearch:
-    """Search for the balance of the balls of one chain, with scaled arrays.
+    """Search for motions and ball-to-ball forces that balance the friction on all balls of one chain, in scaled units.
 
     The scaled motions x ``(N, 4)`` are surface speeds (orbit, and spins times the ball radius) over ``speed`` [m/s], the
     nut's speed along the path. The scaled forces f ``(N,)`` act from ball k on ball k + 1 and are given over ``bound``
@@ -214,7 +215,10 @@ class BalanceSearch:
     """
 
     def __init__(self, chain: AnyChain, fast: bool = True) -> None:
-        """Scale the arrays of ``chain``; balls without loads get no friction. ``fast``: whether kernels are compiled."""
+        """Scale the data of ``chain`` for the kernels; ``fast``: whether to use compiled kernels.
+
+        Balls with less than ``NEGLIGIBLE`` times the largest load of a ball get no friction.
+        """
         g, contacts = chain.groove, chain.friction_contacts
         total = chain.force.sum(axis=1)
         loaded = total > NEGLIGIBLE * float(total.max())
@@ -251,7 +255,7 @@ class BalanceSearch:
         return x
 
     def solve(self, x: Array, f: Array, eps: float, goal: float, limit: int) -> tuple[Array, Array, float, int]:
-        """Iterate by Newton's method at one regularising speed.
+        """Solve the force balance of all balls by Newton's method at one regularising speed of friction.
 
         ``x``: scaled motions ``(N, 4)`` and ``f``: scaled ball-to-ball forces ``(N,)`` to begin from; ``eps``: regularising
         speed over ``speed``; ``goal``: residual at which the iteration ends; ``limit``: most Newton steps. Returns the
@@ -262,14 +266,14 @@ class BalanceSearch:
         return x, f, float(size), int(steps)
 
     def is_converged(self, f: Array) -> bool:
-        """Return whether the balance last computed is converged.
+        """Return whether the last result of `solve` balances the forces on all balls.
 
         ``f``: its scaled ball-to-ball forces ``(N,)``; the largest of them, if above one, scales the tolerance.
         """
         return bool(self.kernels.largest_residual(self.parts) <= ACCEPTED * max(1.0, float(np.max(f))))
 
     def solve_at_last_speed(self, x: Array, f: Array) -> tuple[Array, Array, bool, int]:
-        """Iterate at the last regularising speed only; stop after few steps if these do not lead to a balance.
+        """Solve the force balance at the last, smallest regularising speed; give up after ``SHORT`` Newton steps.
 
         ``x``, ``f``: scaled motions ``(N, 4)`` and ball-to-ball forces ``(N,)`` to begin from. Returns the scaled motions,
         the scaled forces, whether they are in balance, and the number of Newton steps.
@@ -282,10 +286,12 @@ class BalanceSearch:
         return x, f, good, steps
 
     def solve_by_stages(self, x: Array) -> tuple[Array, Array, int]:
-        """Iterate with friction between balls rising at the first regularising speed, then with that speed falling.
+        """Solve the force balance in stages, from little to full friction between balls and to the last regularising speed.
 
-        A stage that fails is halved, DEPTH times in all. ``x``: scaled motions ``(N, 4)`` to begin from, without forces
-        between balls. Returns the scaled motions, the scaled ball-to-ball forces ``(N,)``, and the number of Newton steps.
+        First the friction between balls rises at the first, largest regularising speed, then this speed falls. The change
+        in a stage that fails is halved, at most ``DEPTH`` times in all. ``x``: scaled motions ``(N, 4)`` to begin from,
+        without forces between balls. Returns the scaled motions, the scaled ball-to-ball forces ``(N,)``, and the number of
+        Newton steps.
         """
         f, full, total = np.zeros(self.count), self.mu, 0
         goals = [(share, SPEEDS[0]) for share in PARTS] + [(1.0, eps) for eps in SPEEDS[1:]]
@@ -386,19 +392,20 @@ def _chain_result(s: BalanceSearch, x: Array, f: Array, steps: int, from_start: 
     )
 
 
-#: Rounds after which loads and friction are solved as one system.
+#: Number of iterations of loads and friction after which both are solved as one system.
 PATIENCE = 26
 
-#: Residual aimed at, in units of the largest friction bound of a ball, and what lets a stage pass.
+#: Residual aimed at when loads and friction are solved as one system, and residual up to which a stage is accepted,
+#: both over the largest friction bound of a ball.
 COUPLED_GOAL, PASSED = 1e-13, 1e-9
 
-#: Most Newton steps of a stage and of a way; after fewer than these the next stage is longer.
+#: Largest numbers of Newton steps in one stage and in all stages; number of steps up to which the next stage is longer.
 COUPLED_STEPS, MOST, EASY = 80, 800, 8
 
-#: Regularising speeds at which friction rises, one after the other: a way may turn back at a fold.
+#: Regularising speeds at which friction rises, tried in turn, because the path of solutions may turn back at a fold.
 SMOOTH = (SPEEDS[0], 1e-2, 1e-3)
 
-#: First and shortest stage, as parts of a way.
+#: Lengths of the first and of the shortest stage, as fractions of the whole change of friction.
 FIRST, SHORTEST = 1.0 / 32.0, 1e-5
 
 
@@ -437,7 +444,7 @@ def solve_joint(
     cell
         Balls between screw and nut; the forces ``push`` and ``drag`` in it are not used.
     slack
-        Largest rate at which ball k may gain on ball k + 1 ``(N,)`` [rad/s], inf where they cannot touch.
+        Largest rate at which ball k may approach ball k + 1 ``(N,)`` [rad/s], inf where they cannot touch.
     start
         Displacements of the balls ``(N, 2)`` and of the screw ``(m,)`` [m] without friction; m: free motions of the screw.
     near
@@ -482,14 +489,19 @@ def joint_kernel_arguments(cell: Cell, search: BalanceSearch) -> JointSystem:
 
 
 class _JointPath:
-    """Solution of loads and motion as one system, followed while friction rises or its regularising speed falls.
+    """Solution of contact loads and motion as one system, followed while friction rises or its regularising speed falls.
 
     `follow_solution` moves the solution; the attributes ``ball``, ``screw``, ``q`` and ``ball_force`` are those of
     `JointSolution`.
     """
 
     def __init__(self, cell: Cell, slack: Array, start: tuple[Array, Array], fast: bool) -> None:
-        """Begin at displacements of balls ``(N, 2)`` and screw ``(m,)`` [m], with the balls' motion at the loads there."""
+        """Begin at given positions, with the motion of the balls at the contact loads there.
+
+        ``cell``: balls between screw and nut; ``slack``: largest rate at which ball k may approach ball k + 1 ``(N,)``
+        [rad/s]; ``start``: displacements of balls ``(N, 2)`` and screw ``(m,)`` [m]; ``fast``: whether to use compiled
+        kernels.
+        """
         self.cell, self.slack, self.fast, self.steps = cell, slack, fast, 0
         self.ball, self.screw = start
         self.update_loads()
@@ -507,10 +519,10 @@ class _JointPath:
         self.system = joint_kernel_arguments(self.cell, self.search)
 
     def follow_solution(self, start: tuple[float, float], end: tuple[float, float]) -> bool:
-        """Follow the solution from one stage to another; return whether it arrived.
+        """Follow the solution while friction and its regularising speed change; return whether it arrived at ``end``.
 
-        ``start``, ``end``: the fraction of friction that acts on the loads, and the natural logarithm of the regularising
-        speed over the speed of the balls.
+        ``start``, ``end``: each the fraction of friction that acts on the loads (0 to 1), and the natural logarithm of the
+        regularising speed over the nut's speed along the path.
         """
         way, step = 0.0, FIRST
         last: tuple[float, Place] | None = None
@@ -530,14 +542,18 @@ class _JointPath:
         return way >= 1.0
 
     def unknowns(self) -> Place:
-        """Return the unknowns of the joint kernels with ball-to-ball forces in N, which states of any scale share."""
+        """Return the present displacements [m], scaled motions, and ball-to-ball forces.
+
+        The forces are in newtons, because the unit of force of the kernels changes with the contact loads.
+        """
         return Place(self.ball, self.screw, self.q * self.search.units / self.search.speed, self.ball_force)
 
     def solve_stage(self, guess: Place, share: float, eps: float) -> int | None:
-        """Iterate by Newton's method at one stage; return the number of steps, or None if it fails and nothing moves.
+        """Solve loads and motion by Newton's method at one amount and one regularising speed of friction.
 
         ``guess``: unknowns to begin from, as `unknowns` returns them; ``share``: fraction of the friction that acts on the
-        loads; ``eps``: regularising speed over the speed of the balls.
+        loads; ``eps``: regularising speed over the nut's speed along the path. Returns the number of Newton steps; None if
+        they do not converge, the present solution then being unchanged.
         """
         s = self.search
         p, u, x, f = (plain_array(a).copy() for a in guess)
@@ -553,9 +569,9 @@ class _JointPath:
 
 @dataclass(frozen=True)
 class CoupledChain:
-    """Contact loads and motion of a chain of balls, in which the loads are those under the friction of the motion."""
+    """Contact loads and motion of a chain of balls, with the loads in balance with the friction that the motion causes."""
 
-    #: Contact loads without friction; a screw that friction does not move stays in their position.
+    #: Contact loads without friction. A screw that friction may not move stays in the position of this state.
     bare: SettledCell
     #: Contact loads with friction.
     load: SettledCell
@@ -563,7 +579,7 @@ class CoupledChain:
     motion: ChainMotion
     #: Change of the friction forces that act on the loads, in the last round [N].
     change: float
-    #: Number of rounds of loads and friction.
+    #: Number of iterations of contact loads and friction.
     rounds: int
     #: Whether the change is at most ``AGREED`` of the sum of contact loads, and loads and motion are in balance.
     converged: bool
@@ -571,7 +587,7 @@ class CoupledChain:
 
 @dataclass(frozen=True)
 class Guess:
-    """Start of the rounds of loads and friction."""
+    """Forces and motions of N balls from which the iteration of contact loads and friction begins."""
 
     #: Forces on the balls ``(N, 2)`` [N], as in `Cell`.
     push: Array
@@ -591,7 +607,7 @@ def coupled_chain(
     rounds: int = ROUNDS,
     guess: Guess | None = None,
 ) -> CoupledChain:
-    """Return loads and motion of N balls in agreement, ball-to-ball forces included.
+    """Return contact loads and motion of N balls, with the loads in balance with friction and ball-to-ball forces.
 
     The solution is not always unique: a ball that bears no load without friction, or next to none, may float or be wedged
     between the grooves by its own friction. What is found then depends on where the search begins.
@@ -601,7 +617,7 @@ def coupled_chain(
     cell
         Balls between screw and nut, with the external loads.
     slack
-        Largest rate at which ball k may gain on ball k + 1 ``(N,)`` [rad/s], inf where they cannot touch.
+        Largest rate at which ball k may approach ball k + 1 ``(N,)`` [rad/s], inf where they cannot touch.
     coupling
         What friction and ball-to-ball forces may change. ``"none"``: nothing; ``"ball"``: the loads of the balls, while
         the screw stays where it is without these forces (section 3.4.1 of Lin's thesis); ``"ball and screw"``: also the
@@ -650,7 +666,11 @@ def coupled_chain(
 
 
 def _first_guess(cell: Cell, coupling: Coupling, near: CoupledChain | None) -> Guess:
-    """Return the forces and motion of a similar chain to begin from; without one, the cell's forces and no motion."""
+    """Return forces and motions from which the iteration begins: those of a similar chain, if there is one.
+
+    ``cell``: balls between screw and nut; ``coupling``: what friction may change; ``near``: solution of the similar chain;
+    if it is None, the forces are those of ``cell`` and all motions zero.
+    """
     n = cell.angle.shape[0]
     if near is None:
         return Guess(cell.push, cell.drag, np.zeros((n, 4)), np.zeros(n))

@@ -34,7 +34,8 @@ ON_SCREW = np.array([True, True, False, False])
 class HelicalMotion:
     """Kinematics of a ball between a nut and a screw in helical motion.
 
-    Both bodies move along the helix, so that only nut_speed - screw_speed matters to the contacts.
+    Screw and nut each turn and advance along the helix, so that only the difference of their speeds influences the
+    contacts.
     """
 
     #: Ball radius R_B [m].
@@ -72,7 +73,7 @@ class HelicalMotion:
 
     @property
     def speed(self) -> float:
-        """Speed of the nut relative to the screw [rad/s]."""
+        """Angular speed of the nut relative to the screw [rad/s]."""
         return self.nut_speed - self.screw_speed
 
     @property
@@ -85,12 +86,15 @@ class HelicalMotion:
         return 0.5 * (self.nut_speed + self.screw_speed + lever * self.speed)
 
     def normals(self, angle: ArrayLike) -> Array:
-        """Return directions ``(..., 4, 3)`` from the ball's centre to contacts at angles ``(..., 4)`` [rad] (Lin 3.58)."""
+        """Return unit vectors from the ball's centre to its contacts in the axes x3, y3, z3 ``(..., 4, 3)`` (Lin 3.58).
+
+        ``angle``: contact angles ``(..., 4)`` [rad].
+        """
         beta = np.asarray(angle, dtype=float)
         return np.stack([SIGN_X * np.cos(beta), np.zeros_like(beta), SIGN_Z * np.sin(beta)], axis=-1)
 
     def maps(self, normals: Array, ball_radius: Array | None = None) -> tuple[Array, Array]:
-        """Return how the motion of the ball and that of the bodies move the contacts.
+        """Return the linear relation between the motion of a ball and the motion at its four contacts.
 
         The motion of a contact is sliding vx, vz [m/s] and spin [rad/s] of the ball relative to the body, in axes x across
         the groove, z along the path, y into the ball. It is ``maps @ q + drives`` with the ball's motion q: omega_B
@@ -124,12 +128,12 @@ class HelicalMotion:
 
     @cached_property
     def turns(self) -> Array:
-        """Rotation axes of the four unknowns in x3, y3, z3 ``(4, 3)``."""
+        """Rotation axes of a ball's four motions, orbit and three spins, in x3, y3, z3 ``(4, 3)``."""
         return np.concatenate([self.axis[None, :], np.eye(3)])
 
     @cached_property
     def crosses(self) -> Array:
-        """Matrices of the cross products of each of ``turns`` with a vector ``(4, 3, 3)``."""
+        """Matrices that multiply a vector to give the cross product of each axis in ``turns`` with it ``(4, 3, 3)``."""
         return np.array([np.cross(t, np.eye(3)).T for t in self.turns])
 
 
@@ -177,9 +181,10 @@ class Grooved(HelicalMotion, ABC):
 @keyed
 @dataclass(frozen=True)
 class ScrewGroove(Grooved):
-    """Four-point ball screw with friction.
+    """Grooves of a four-point ball screw with friction, and the speeds of screw and nut.
 
-    Both bodies move along the helix, so that only nut_speed - screw_speed matters to the contacts.
+    Screw and nut each turn and advance along the helix, so that only the difference of their speeds influences the
+    contacts.
     """
 
     #: Ball radius R_B [m].
@@ -208,7 +213,7 @@ class ScrewGroove(Grooved):
     hertz: Mode = usual("right")
 
     def __post_init__(self) -> None:
-        """Raise ValueError for numbers that the model cannot treat."""
+        """Raise ValueError for radii, angles or material constants out of range."""
         if not 0.0 < self.ball_radius < self.groove_radius or self.pitch_radius <= self.groove_radius:
             raise ValueError(
                 "ball, groove and pitch radius must be positive and increase in this order, "
@@ -229,7 +234,7 @@ class ScrewGroove(Grooved):
 
     @property
     def reach(self) -> float:
-        """Groove radius less ball radius [m]."""
+        """Groove radius less ball radius, the distance of their centres where they just touch [m]."""
         return self.groove_radius - self.ball_radius
 
     @cached_property
@@ -294,6 +299,7 @@ def contact_spacing(screw: HelicalMotion) -> float:
     pitch, rise, reach = screw.pitch_radius, screw.ratio, 2.0 * screw.ball_radius
 
     def excess(angle: float) -> float:
+        """Return by how much the distance of two ball centres exceeds the ball diameter [m]; ``angle`` in rad."""
         return float(np.hypot(2.0 * pitch * np.sin(0.5 * angle), rise * angle)) - reach
 
     if excess(0.5 * np.pi) <= 0.0:
@@ -307,7 +313,7 @@ def contact_spacing(screw: HelicalMotion) -> float:
 def section_frame(screw: HelicalMotion, azimuth: ArrayLike) -> Array:
     """Return the axes x3, y3, z3 of balls in fixed axes x, y, z as rows ``(..., 3, 3)`` (Lin 3.62).
 
-    ``screw``: the helix, of which the lead angle is used; ``azimuth``: of the balls ``(...)`` [rad].
+    ``screw``: the helix, of which only the lead angle is used; ``azimuth``: azimuths of the balls ``(...)`` [rad].
     """
     c, s, ca, sa = np.cos(azimuth), np.sin(azimuth), np.cos(screw.lead_angle), np.sin(screw.lead_angle)
     rows = np.array([[c, s, 0.0 * c], [-ca * s, ca * c, sa + 0.0 * c], [sa * s, -sa * c, ca + 0.0 * c]])
@@ -355,7 +361,10 @@ def pair_geometry(screw: HelicalMotion) -> PairGeometry:
 
 @lru_cache(maxsize=64)
 def groove_arrays(groove: Grooved) -> GrooveArrays:
-    """Return the arrays by which the kernels describe the grooves; motions are surface speeds over the nominal speed."""
+    """Return kinematics and Hertz constants of the grooves as arrays for the kernels; results are cached.
+
+    In these arrays the motions of a ball are surface speeds over the speed of the nut along the path.
+    """
     unit, speed, pair, h = speed_levers(groove), nominal_speed(groove), groove.pair, groove.constants
     scale = speed / unit
     ends = np.array([[1.0, 0.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
@@ -377,10 +386,10 @@ def plain_array(values: Array) -> Array:
 
 
 def speed_levers(groove: HelicalMotion) -> Array:
-    """Return the levers [m] by which omega_B, omega_x, omega_y, omega_z become surface speeds ``(4,)``."""
+    """Return the levers [m] that multiply omega_B, omega_x, omega_y, omega_z [rad/s] to give surface speeds ``(4,)``."""
     return np.array([groove.radius, groove.ball_radius, groove.ball_radius, groove.ball_radius])
 
 
 def nominal_speed(groove: HelicalMotion) -> float:
-    """Return the speed of the nut along the path relative to the screw [m/s]; 1 m/s for bodies at rest."""
+    """Return the speed of the nut relative to the screw along the helical path [m/s]; 1 m/s if they do not move."""
     return float(abs(groove.speed) * groove.radius) or 1.0

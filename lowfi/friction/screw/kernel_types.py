@@ -15,13 +15,13 @@ class GrooveArrays(NamedTuple):
 
     #: Maps (3, 3, 4) from x to vx, vz [m/s], spin [rad/s] at a contact of normal (n_x, n_z): A_0 + n_x A_1 + n_z A_2.
     affine: Array
-    #: Scaled rotation about the axis of the body that each contact of a ball is on, screw or nut (4,).
+    #: Scaled rotation about the axis of the body, screw or nut, on which each contact of a ball lies (4,).
     ride: Array
     #: Hertz constants (4,) of the semi-axes across the groove, a = C_a F^(1/3) [m/N^(1/3)].
     C_a: Array
     #: Hertz constants (4,) of the semi-axes along the groove [m/N^(1/3)].
     C_b: Array
-    #: Motion (4,) of a ball that rolls along at the nominal speed.
+    #: Motion (4,) of a ball that rolls at the nominal contact angle.
     nominal: Array
     #: Sliding at the contact of two balls, along two tangents, by unit of x of the first ball (2, 4).
     first: Array
@@ -42,7 +42,7 @@ class BallArrays(NamedTuple):
     normal: Array
     #: Stiffness (N,) of weak springs that draw the balls to the nominal motion.
     hold: Array
-    #: Largest rate (N,) at which ball k may gain on ball k + 1, as a fraction of ``speed``.
+    #: Largest rate (N,) at which ball k may approach ball k + 1, as a fraction of ``speed``.
     slack: Array
     #: 1 where ball k can touch ball k + 1, else 0 (N,).
     allowed: Array
@@ -93,7 +93,7 @@ class JointSystem(NamedTuple):
 
 
 class Place(NamedTuple):
-    """Unknowns of the joint system."""
+    """Unknowns of N balls and the screw where contact loads and motion are solved as one system of equations."""
 
     #: Displacements of the balls along x3, z3 (N, 2) [m].
     ball: Array

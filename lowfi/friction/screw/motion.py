@@ -16,10 +16,16 @@ from typing import Literal
 
 import numpy as np
 
+from rollbench.lowfi.friction.contact.equilibrium import (
+    Motion,
+    Problem,
+    SettledCell,
+    balance_by_root,
+    least_dissipation,
+    settle_cell,
+)
 from rollbench.lowfi.friction.contact.kernel_types import CellArrays
 from rollbench.lowfi.friction.contact.laws import Contacts, Law, Sigmoid, equal_contacts
-from rollbench.lowfi.friction.contact.motion import Motion, Problem, balance_by_root, least_dissipation
-from rollbench.lowfi.friction.contact.rings import SettledCell, settle_cell
 from rollbench.lowfi.friction.screw.groove import (
     ON_SCREW,
     SIGN_X,
@@ -35,10 +41,11 @@ from rollbench.meshes.arrays import Array, Mask
 
 
 def bare_cell(groove: ScrewGroove, angle: Array, interference: Array, rows: Array, force: Array) -> Cell:
-    """Return balls between screw and nut with no forces but ``force``, the screw beginning at its nominal position.
+    """Return N balls between screw and nut under an external force on the screw, without friction forces.
 
-    ``angle``: groove angles ``(N, 4)`` [rad]; ``interference``: of ball and groove ``(N, 4)`` [m]; ``rows``: motion of the
-    screw along x3, y3, z3 by unit of its m free motions ``(N, 3, m)``; ``force``: on the screw along these ``(m,)`` [N].
+    The screw has no given displacement. ``angle``: contact angles of the unloaded balls ``(N, 4)`` [rad]; ``interference``:
+    interference of ball and groove at each contact ``(N, 4)`` [m]; ``rows``: displacement of the screw along x3, y3, z3 at
+    each ball by unit of its m free motions ``(N, 3, m)``; ``force``: force on the screw along these motions ``(m,)`` [N].
     """
     none = np.zeros((angle.shape[0], 2))
     return Cell(groove, angle, interference, rows, force, none, none, np.zeros(force.size))
@@ -72,7 +79,7 @@ class Cell:
 
 
 def load_arrays(cell: Cell) -> CellArrays:
-    """Return the arrays by which the kernels describe the balls, the bodies and their loads."""
+    """Return geometry, stiffness and loads of the balls in ``cell`` as arrays for the kernels."""
     start = cell.groove.reach * np.stack([SIGN_X * np.cos(cell.angle), SIGN_Z * np.sin(cell.angle)], axis=-1)
     start, interference, C, section, offset, push, pull = map(
         plain_array,
@@ -114,7 +121,8 @@ def settle_load(cell: Cell, start: tuple[Array, Array] | None = None, fast: bool
     cell
         Balls between screw and nut with the forces on them.
     start
-        Displacements of the balls ``(N, 2)`` and of the screw ``(m,)`` to begin from [m].
+        Displacements of the balls ``(N, 2)`` and of the screw ``(m,)`` [m] from which the search begins; None for a start
+        estimated from the load.
     fast
         Whether to use compiled kernels.
     """
@@ -128,9 +136,9 @@ def settle_load(cell: Cell, start: tuple[Array, Array] | None = None, fast: bool
 def screw_rows(groove: ScrewGroove, azimuth: Array, free: str) -> Array:
     """Return the displacement of the screw along x3, y3, z3 at each ball by unit of its free translations ``(N, 3, m)``.
 
-    ``azimuth``: of the balls ``(N,)`` [rad]. ``free`` has one letter for each of the m translations, in their order: "z"
-    along the axis, "x" and "y" across it, in fixed axes, "r" radially at every ball (each ball has a screw of its own).
-    Raises ValueError for other letters.
+    ``azimuth``: azimuths of the balls ``(N,)`` [rad]. ``free`` has one letter for each of the m translations, in their
+    order: "z" along the axis, "x" and "y" across it, in fixed axes, "r" radially at every ball (each ball has a screw of
+    its own). Raises ValueError for other letters.
     """
     if any(letter not in "xyzr" for letter in free):
         raise ValueError(f'free motions of the screw must be letters of "xyzr", got "{free}"')
@@ -144,8 +152,8 @@ def screw_rows(groove: ScrewGroove, azimuth: Array, free: str) -> Array:
 #: What friction may change: nothing; the loads of the balls (section 3.4.1 of Lin's thesis); also the screw's position.
 Coupling = Literal["none", "ball", "ball and screw"]
 
-#: Change of the friction forces between rounds, over the sum of the contact loads, at which loads and friction agree, and
-#: largest number of rounds.
+#: Change of the friction forces in one iteration, over the sum of the contact loads, at which loads and friction agree, and
+#: largest number of iterations.
 AGREED, ROUNDS = 1e-11, 100
 
 
@@ -225,7 +233,7 @@ def ball_motion(
     start: Array | None = None,
     fast: bool = True,
 ) -> BallMotion:
-    """Return the motion of one ball under given contact loads, that of least dissipation.
+    """Return the motion of least dissipation of one ball under given contact loads, with its friction.
 
     Parameters
     ----------
@@ -283,11 +291,12 @@ def ball_motion_by_root(ball: BallMotion, law: Law, start: Array | None = None) 
 
 
 def forces_of_friction(cell: Cell, wrench: Array, extra: Array, coupling: Coupling) -> tuple[Array, Array]:
-    """Return the forces by which friction and neighbours change the loads: on the balls ``(N, 2)``, the screw ``(m,)`` [N].
+    """Return the forces of friction and of neighbours that change the contact loads.
 
-    ``cell``: balls between screw and nut; ``wrench``: force and moment of friction on the balls at each contact in x3, y3,
-    z3 ``(N, 4, 6)`` [N, N m]; ``extra``: forces of neighbours on the balls along x3, z3 ``(N, 2)`` [N]; ``coupling``: what
-    friction may change. The forces are zero on what it may not.
+    They act on the balls along x3, z3 ``(N, 2)`` and on the screw along its m free motions ``(m,)`` [N]. ``cell``: balls
+    between screw and nut; ``wrench``: force and moment of friction on the balls at each contact in x3, y3, z3 ``(N, 4, 6)``
+    [N, N m]; ``extra``: forces of neighbours on the balls along x3, z3 ``(N, 2)`` [N]; ``coupling``: what friction may
+    change. The forces on what it may not change are zero.
     """
     push = wrench[:, :, [0, 2]].sum(axis=1) + extra
     on_screw = wrench[:, ON_SCREW, :3].sum(axis=1)
@@ -310,7 +319,7 @@ class AndersonMixer:
         self.x, self.r = list[Array](), list[Array]()
 
     def keep(self, which: Mask) -> None:
-        """Keep the history of only some of the many vectors x that are iterated together, those where ``which`` is true."""
+        """Drop the history of those vectors x, of all iterated together, for which ``which`` is False."""
         self.x, self.r = [x[which] for x in self.x], [r[which] for r in self.r]
 
     def next(self, x: Array, g: Array) -> Array:
@@ -328,7 +337,7 @@ class AndersonMixer:
 
 
 def hold_screw(cell: Cell, load: SettledCell) -> Cell:
-    """Return the balls of a cell with the screw fixed in the position of ``load``, without free motions."""
+    """Return the balls of ``cell`` with the screw fixed in its position in the solution ``load``, without free motions."""
     return replace(
         cell,
         rows=np.zeros((cell.angle.shape[0], 3, 0)),

@@ -32,7 +32,7 @@ BOTH, SHIFTED = (1.0, 1.0, 0.0, 0.0), (1.0, -1.0, 0.0, 0.0)
 @keyed
 @dataclass(frozen=True)
 class Pair:
-    """Two balls that touch, the first behind the second, with their loads."""
+    """Two neighbouring balls of a ball screw that touch, the first behind the second, with their loads."""
 
     #: Grooves of screw and nut with their speeds.
     groove: ScrewGroove
@@ -50,7 +50,10 @@ class Pair:
     coupling: Coupling = usual("none")
 
     def cell(self) -> Cell:
-        """Return both balls, half their spacing before and behind azimuth 0, with their loads between screw and nut."""
+        """Return both balls between screw and nut, with their loads, as data for `settle_load` and `coupled_chain`.
+
+        The balls lie half their spacing before and behind azimuth 0.
+        """
         half = 0.5 * self.groove.pair.spacing
         angle = self.groove.contact_angle + np.array(self.theta)[:, None] * np.array(self.pattern)
         return bare_cell(
@@ -64,7 +67,7 @@ class Pair:
 
 @dataclass(frozen=True)
 class PairResult:
-    """Loads and motion of two balls of a screw, each alone and both in contact."""
+    """Loads and motion of two balls of a screw, without and with contact of the balls with each other."""
 
     #: State without ball-to-ball contact.
     free: CoupledChain
@@ -88,13 +91,13 @@ class PairResult:
 
     @property
     def closing(self) -> float:
-        """omega_B of the first ball minus that of the second, both without contact [rad/s]; positive: the balls meet."""
+        """Orbital speed omega_B of the first ball less the second ball's, without contact [rad/s]; positive: they meet."""
         q = self.free.motion.q
         return float(q[0, 0] - q[1, 0])
 
     @property
     def ball_loads(self) -> Array:
-        """Sum of the contact loads of each ball in touch ``(2,)`` [N]."""
+        """Sum of the contact loads of each ball with ball-to-ball contact ``(2,)`` [N]."""
         return np.asarray(self.touching.load.force.sum(axis=1))
 
     @property
@@ -104,7 +107,7 @@ class PairResult:
 
 
 def _ratio_or_nan(amount: float, whole: float) -> float:
-    """Return amount/whole; nan where ``whole`` is not positive."""
+    """Return the ratio amount/whole; nan if ``whole`` is not positive."""
     return amount / whole if whole > 0.0 else float("nan")
 
 
@@ -153,6 +156,7 @@ def implied_load(pair: Pair, force: float, increase: float) -> float:
     angle = np.full(4, g.contact_angle)
 
     def excess(log_load: float) -> float:
+        """Return the relative excess of a ball's loss at the contact load exp(``log_load``) [N] over the implied loss."""
         return ball_motion(g, np.full(4, np.exp(log_load)), angle).motion.loss / loss - 1.0
 
     return 4.0 * float(np.exp(brentq(excess, np.log(1e-3), np.log(1e5), xtol=1e-10)))
@@ -171,7 +175,7 @@ class PairMap:
 
 
 def oversize_map(pair: Pair, oversize: Array, axial: Array) -> PairMap:
-    """Return results over oversize (rows) and force on the screw (columns), each pair solved separately.
+    """Return ball-to-ball force and increase of friction of two balls for m oversizes and n forces on the screw.
 
     The force on the screw has the direction that ``pair`` gives by its forces along the screw's free translations.
 
@@ -214,9 +218,9 @@ class Run:
     force: tuple[float, ...]
     #: Free translations of the screw, letters of "xyzr" (see `screw_rows`).
     free: str
-    #: Time to cover [s].
+    #: Time to simulate [s].
     duration: float
-    #: Number of steps, by the scheme "equal".
+    #: Number of equal time steps.
     steps: int
     #: Oversize of the ball radii [m].
     oversize: float = usual(0.0)
@@ -234,13 +238,13 @@ class Run:
     first: float = usual(0.5)
     #: What friction may change: nothing, the loads of the balls, or also the screw's position.
     coupling: Coupling = usual("none")
-    #: Rounds of loads and friction per step; with one the loads are under the friction of the step before.
+    #: Iterations of loads and friction in each step; with one the loads are those under the friction of the previous step.
     rounds: int = usual(1)
     #: Body with which the deviation theta of the contact angles turns.
     follows: Literal["screw", "nut"] = usual("screw")
 
     def __post_init__(self) -> None:
-        """Raise ValueError for numbers that do not fit together."""
+        """Raise ValueError for values out of range, or if the balls do not fit into the closed track."""
         if self.count < 2 or self.steps < 1 or self.duration <= 0.0 or self.tube < 0.0:
             raise ValueError(
                 "a run needs at least 2 balls and 1 step, a positive duration and a return tube that is not negative, "
@@ -275,14 +279,14 @@ class Run:
 
     @property
     def occupation(self) -> float:
-        """Length of all balls in touch over that of the loaded turns (97.8 % in section 3.4.4 of Lin's thesis)."""
+        """Ratio of the length that the touching balls would fill to the loaded turns (97.8 % in section 3.4.4 of Lin)."""
         return self.count * self.groove.pair.spacing / (2.0 * np.pi * self.turns)
 
     def place(self, azimuth: Array, nut_angle: float) -> tuple[Array, NDArray[np.bool_]]:
         """Return the balls' azimuths folded into the closed track, and which balls are in its loaded turns.
 
-        ``azimuth``: of the balls on the screw, unwrapped ``(N,)`` [rad]; ``nut_angle``: angle by which the nut has turned
-        on the screw [rad]. Returns azimuths on the screw ``(N,)`` [rad] and a mask ``(N,)``.
+        ``azimuth``: azimuths of the balls, measured on the screw, unwrapped ``(N,)`` [rad]; ``nut_angle``: angle by which
+        the nut has turned on the screw [rad]. Returns azimuths on the screw ``(N,)`` [rad] and a mask ``(N,)``.
         """
         (track,) = self.tracks
         along = track.along(azimuth, nut_angle)
@@ -297,8 +301,9 @@ class Run:
     def time_to_end(self, azimuth: Array, omega: Array, time: float) -> float:
         """Return the time until a ball passes an end of the nut's loaded turns [s].
 
-        It is inf without a return tube if the contact angles are the same at both ends. ``azimuth``: of the balls on the
-        screw ``(N,)`` [rad]; ``omega``: their speeds ``(N,)`` [rad/s]; ``time``: now [s].
+        It is inf without a return tube if the contact angles are the same at both ends. ``azimuth``: azimuths of the balls,
+        measured on the screw ``(N,)`` [rad]; ``omega``: their angular speeds ``(N,)`` [rad/s]; ``time``: time since the
+        start [s].
         """
         if self.tube == 0.0 and (self.amplitude == 0.0 or (self.cycles * self.turns).is_integer()):
             return np.inf
@@ -308,9 +313,9 @@ class Run:
     def instant(self, azimuth: Array, time: float, slack: Array, memory: CoupledChain | None) -> Instant:
         """Return the loads and motions of the balls at one instant.
 
-        ``azimuth``: of the balls on the screw ``(N,)`` [rad]; ``time``: of the instant [s]; ``slack``: largest rate at
-        which each ball may gain on the next one ``(N,)`` [rad/s]; ``memory``: solution of the instant before, None at the
-        start.
+        ``azimuth``: azimuths of the balls, measured on the screw ``(N,)`` [rad]; ``time``: time since the start [s];
+        ``slack``: largest rate at which each ball may approach the next one ``(N,)`` [rad/s]; ``memory``: solution at the
+        previous instant, None at the start.
         """
         turned = self.groove.speed * time
         azimuths, loaded = self.place(azimuth, turned)
@@ -330,7 +335,7 @@ class Run:
 
 
 def deviation(run: Run, azimuth: Array, turned: float = 0.0) -> Array:
-    """Return the deviation theta of the contact angles ``(N,)`` [rad] (Lin Figure 3.23).
+    """Return the deviation theta of the contact angles of each ball ``(N,)`` [rad] (Figure 3.23 of Lin's thesis).
 
     Parameters
     ----------
@@ -346,10 +351,11 @@ def deviation(run: Run, azimuth: Array, turned: float = 0.0) -> Array:
 
 
 def cell_at_instant(run: Run, azimuth: Array, loaded: NDArray[np.bool_], turned: float) -> Cell:
-    """Return the balls of a run between screw and nut at one instant, with the force on the screw.
+    """Return the balls of a simulated screw at one instant, with the force on the screw, as data for `coupled_chain`.
 
-    ``azimuth``: of the balls on the screw ``(N,)`` [rad]; ``loaded``: which balls are in the loaded turns ``(N,)``, the
-    others being kept clear of the grooves; ``turned``: angle by which the nut has turned on the screw [rad].
+    ``azimuth``: azimuths of the balls, measured on the screw ``(N,)`` [rad]; ``loaded``: which balls are in the loaded
+    turns ``(N,)``; the others get a clearance that keeps them free of contact; ``turned``: angle by which the nut has
+    turned on the screw [rad].
     """
     g = run.groove
     angle = g.contact_angle + deviation(run, azimuth, turned)[:, None] * np.array(run.pattern)
@@ -371,7 +377,7 @@ def simulate_equal_steps(run: Run) -> History:
 
 @dataclass(frozen=True)
 class RunSummary:
-    """Numbers that section 3.4.4 of Lin's thesis states for its run."""
+    """Results of a simulated ball screw that section 3.4.4 of Lin's thesis states."""
 
     #: Largest ratio of ball-to-ball torque to groove torque.
     largest: float
@@ -386,7 +392,7 @@ class RunSummary:
 
 
 def summarise(result: History) -> RunSummary:
-    """Return the numbers that section 3.4.4 of Lin's thesis states for its run.
+    """Return those results of a simulation that section 3.4.4 of Lin's thesis states for its ball screw.
 
     Parameters
     ----------

@@ -39,16 +39,17 @@ class ClosedTrack(NamedTuple):
     balls: slice
 
     def along(self, azimuth: Array, turned: float = 0.0) -> Array:
-        """Return the positions of the track's balls behind the beginning of its loaded arc, 0 to ``ring`` [rad].
+        """Return the angular distances of the track's balls from the beginning of its loaded arc, 0 to ``ring`` [rad].
 
-        ``azimuth``: of all balls ``(N,)`` [rad]; ``turned``: angle by which the track has turned about the axis [rad].
+        ``azimuth``: azimuths of all N balls ``(N,)`` [rad]; ``turned``: angle by which the track has turned about the axis
+        [rad]. The result has one entry for each ball on this track.
         """
         return np.asarray(np.mod(azimuth[self.balls] - turned - self.first, self.ring))
 
     def time_to_end(self, azimuth: Array, rate: Array, turned: float = 0.0) -> float:
         """Return the time until one of the track's balls passes an end of the loaded arc [s]; inf if none moves.
 
-        ``azimuth``: of all balls ``(N,)`` [rad]; ``rate``: their speeds relative to the track ``(N,)`` [rad/s];
+        ``azimuth``: azimuths of all N balls ``(N,)`` [rad]; ``rate``: their speeds relative to the track ``(N,)`` [rad/s];
         ``turned``: angle by which the track has turned about the axis [rad].
         """
         along, rate = self.along(azimuth, turned), rate[self.balls]
@@ -59,19 +60,21 @@ class ClosedTrack(NamedTuple):
 
 Scheme = Literal["located", "equal"]
 
-#: Length of the pieces before and after an event, least length of a piece, as parts of a step; most pieces of a step.
+#: Duration of the pieces before and after an event and least duration of a piece, both as fractions of a time step; largest
+#: number of pieces of a step.
 SHORT, TINY, PIECES = 1e-2, 1e-6, 100
 
-#: Gap [rad] up to which neighbours touch.
+#: Gap [rad] up to which neighbouring balls count as touching.
 CLOSED = 1e-10
 
-#: Rate of closing over the largest speed of a ball that no pair reaches.
+#: Ratio of the closing rate of two neighbours to the largest speed of a ball that is never reached: gaps that would need a
+#: faster closing stay open in a step.
 FASTEST = 10.0
 
 #: Fields of `History` with the torques of the three entries of ``Instant.losses``, in their order.
 TORQUES = ("groove_torque", "ball_torque", "closing_torque")
 
-#: Steps to begin with where none are given: number per ball diameter travelled, and least and most of them.
+#: First number of time steps where none is given: steps per ball diameter travelled, and smallest and largest number.
 STEPS_PER_PITCH, FIRST_STEPS = 2.0, (8, 400)
 
 
@@ -84,7 +87,7 @@ class Place(NamedTuple):
     gap: Array
     #: Speeds of the balls in the frame of the azimuths ``(N,)`` [rad/s].
     omega: Array
-    #: Solution of the instant before, from which the setting begins its next one; None at the start.
+    #: Solution at the previous instant, from which the search at the next instant begins; None at the start.
     memory: Any
 
 
@@ -92,7 +95,7 @@ class Place(NamedTuple):
 class Instant:
     """Loads and motions of N balls at one instant."""
 
-    #: Speeds in the frame of the azimuths ``(N,)`` [rad/s].
+    #: Angular speeds of the balls in the frame in which azimuths are measured ``(N,)`` [rad/s].
     omega: Array
     #: Force of each ball on the next one of its track ``(N,)`` [N].
     ball_force: Array
@@ -106,9 +109,9 @@ class Instant:
     input_power: float
     #: Whether loads and motions converged.
     converged: bool
-    #: Solution from which the setting begins the one of the next instant.
+    #: Solution from which the search at the next instant begins.
     memory: Any
-    #: Change, in the last round, of the friction forces that act on the loads [N].
+    #: Change, in the last iteration of loads and friction, of the friction forces that act on the loads [N].
     change: float = 0.0
     #: External axial load on the screw [N].
     axial: float = float("nan")
@@ -117,7 +120,7 @@ class Instant:
 
 
 class Setting(Protocol):
-    """Interface of a simulated screw or bearing: geometry, loads and friction of the parts, solution at one instant."""
+    """Interface of a screw or bearing that `simulate` can simulate: its tracks and balls, and its state at one instant."""
 
     @property
     def groove(self) -> HelicalMotion:
@@ -136,27 +139,29 @@ class Setting(Protocol):
         """Numbers of the balls in the scene ``(N,)``; -1 for a ball that begins in the return."""
 
     def begin(self) -> Place:
-        """Return the state of the balls at the start."""
+        """Return positions and speeds of the balls at the start of the simulation."""
 
     def time_to_end(self, azimuth: Array, omega: Array, time: float) -> float:
         """Return the time until a ball passes an end of its loaded arc [s]; inf if no ball does.
 
-        ``azimuth``: of the balls ``(N,)`` [rad]; ``omega``: their speeds ``(N,)`` [rad/s]; ``time``: now [s].
+        ``azimuth``: present azimuths of the balls ``(N,)`` [rad]; ``omega``: their angular speeds ``(N,)`` [rad/s];
+        ``time``: present time since the start [s].
         """
 
     def instant(self, azimuth: Array, time: float, slack: Array, memory: Any) -> Instant | str:
         """Return the loads and motions at one instant, or a text that says why no loads are found.
 
-        ``azimuth``: of the balls ``(N,)`` [rad]; ``time``: of the instant [s]; ``slack``: largest rate at which each ball
-        may gain on the next one ``(N,)`` [rad/s], inf where they cannot touch; ``memory``: that of the instant before.
+        ``azimuth``: azimuths of the balls ``(N,)`` [rad]; ``time``: time since the start [s]; ``slack``: largest rate at
+        which each ball may approach the next one ``(N,)`` [rad/s], inf where they cannot touch; ``memory``: attribute
+        ``memory`` of the solution at the previous instant.
         """
 
 
 @dataclass(frozen=True)
 class History:
-    """Time history of N balls, with time steps cut into T pieces in all; ball k pushes the next one of its track."""
+    """Time history of N balls, with time steps divided into T pieces in all; ball k pushes the next one of its track."""
 
-    #: What was run, see `Setting`.
+    #: Screw or bearing that was simulated, see `Setting`.
     setting: Any
     #: Time that was to be covered [s].
     span: float
@@ -176,7 +181,7 @@ class History:
     gap: Array
     #: Force of each ball on the next one ``(T, N)`` [N].
     ball_force: Array
-    #: Speeds in the frame of the azimuths ``(T, N)`` [rad/s].
+    #: Angular speeds of the balls in the frame in which azimuths are measured ``(T, N)`` [rad/s].
     omega: Array
     #: Contact forces ``(T, N, 4)`` [N].
     load: Array
@@ -186,26 +191,26 @@ class History:
     ball_torque: Array
     #: Friction torque by gaps that close under force ``(T,)`` [N m].
     closing_torque: Array
-    #: External axial load on the screw ``(T,)`` [N]; nan where the setting does not give it.
+    #: External axial load on the screw ``(T,)`` [N]; nan if ``setting`` does not compute it.
     axial: Array
-    #: Torque about +z that drives the screw ``(T,)`` [N m]; nan where the setting does not give it.
+    #: Torque about +z that drives the screw ``(T,)`` [N m]; nan if ``setting`` does not compute it.
     on_screw: Array
     #: Power taken in less losses, over the losses ``(T,)``; where there are no losses, the power taken in [W].
     imbalance: Array
-    #: Change, in the last round, of the friction forces that act on the loads ``(T,)`` [N].
+    #: Change, in the last iteration of loads and friction, of the friction forces that act on the loads ``(T,)`` [N].
     change: Array
     #: Whether loads and motions of each piece converged ``(T,)``.
     converged: Mask
-    #: ``"converged"``, or a text that says where the run ended or had no balance.
+    #: ``"converged"``, or a text with the angle at which the simulation ended early or found no balance of forces.
     status: str
 
     @cached_property
     def torque(self) -> Array:
-        """Friction torque ``(T,)`` [N m] (Lin Figure 3.25)."""
+        """Friction torque by all losses ``(T,)`` [N m] (Figure 3.25 of Lin's thesis)."""
         return np.asarray(self.groove_torque + self.ball_torque + self.closing_torque)
 
     def mean(self, values: Array) -> float:
-        """Return the mean over time of ``values``, one for each piece ``(T,)``; its unit is theirs."""
+        """Return the mean over time of ``values``, one for each piece of a time step ``(T,)``, in their unit."""
         return float(np.sum(self.lasts * values) / np.sum(self.lasts))
 
     @property
@@ -220,12 +225,12 @@ class History:
 
     @cached_property
     def torques(self) -> dict[str, float]:
-        """Mean, largest and least friction torque of the run [N m], by the names "mean", "largest" and "least"."""
+        """Mean, largest and least friction torque over the simulated time [N m], keys "mean", "largest" and "least"."""
         return {"mean": self.mean(self.torque), "largest": float(self.torque.max()), "least": float(self.torque.min())}
 
     @property
     def share(self) -> float:
-        """Largest ratio in the run of the torque by ball-to-ball contact to that of the grooves; nan without friction."""
+        """Largest ratio over time of the torque by ball-to-ball contact to that of the grooves; nan without friction."""
         return float(self.ball_to_groove_ratio.max())
 
     @property
@@ -240,18 +245,18 @@ class History:
 
     @property
     def angles(self) -> tuple[float, float]:
-        """Angle by which the rotating part has turned at the run's end, and the angle it was to turn by [rad]."""
+        """Angle by which the rotating part has turned when the simulation ended, and the angle intended [rad]."""
         speed = abs(self.setting.groove.speed)
         return speed * float(self.lasts.sum()), speed * self.span
 
     @property
     def complete(self) -> bool:
-        """Whether the run reached its end."""
+        """Whether the whole time ``span`` was simulated."""
         return bool(abs(float(self.lasts.sum()) - self.span) <= TINY * self.span)
 
     @property
     def good(self) -> bool:
-        """Whether every instant converged."""
+        """Whether loads and motions converged at every instant."""
         return self.status == "converged"
 
     @property
@@ -261,12 +266,12 @@ class History:
 
     @property
     def contact(self) -> Mask:
-        """Which neighbours touch ``(T, N)``: the dots of Lin Figure 3.24."""
+        """Whether each ball presses on the next one ``(T, N)``: the dots in Figure 3.24 of Lin's thesis."""
         return np.asarray(self.ball_force > 0.0)
 
     @property
     def spacing(self) -> Array:
-        """Angular distance to the next ball at the end of each piece ``(T, N)`` [rad] (Lin Figure 3.24)."""
+        """Angular distance to the next ball at the end of each piece ``(T, N)`` [rad] (Figure 3.24 of Lin's thesis)."""
         return np.asarray(self.gap + self.setting.spacing)
 
     @cached_property
@@ -288,7 +293,7 @@ class History:
 
     @property
     def torque_balance(self) -> Array:
-        """Power of the torque and of the axial load on the screw less all losses ``(T,)`` [W]: zero but for round-off."""
+        """Power of the torque and of the axial load on the screw, less all losses ``(T,)`` [W]; zero but for round-off."""
         turning, along = self.advance
         return np.asarray(self.on_screw * turning + self.axial * along - self.torque * abs(turning))
 
@@ -305,7 +310,10 @@ def count_groups(contact: Mask) -> Array:
 
 
 def _time_to_meeting(place: Place, tracks: Sequence[ClosedTrack]) -> float:
-    """Return the time until two neighbours that are apart meet at their present speeds [s]; inf if none do."""
+    """Return the time until the first two neighbours with a gap between them meet at their present speeds [s].
+
+    It is inf if none meet. ``place``: positions and speeds of the balls; ``tracks``: the closed tracks with their balls.
+    """
     least = np.inf
     for track in tracks:
         gap, omega = place.gap[track.balls], place.omega[track.balls]
@@ -333,9 +341,12 @@ def _next_piece(left: float, step: float, event: float, after: bool) -> tuple[fl
 
 
 def _history_of_pieces(rows: list[dict[str, Any]], setting: Setting, span: float, steps: int, status: str) -> History:
-    """Return the history of which ``rows`` has a dictionary of values by name for each piece; ``span``: duration [s].
+    """Return the history that consists of the given values at all pieces of the time steps.
 
-    A converged ``status`` is replaced if a piece did not converge: it then names the first such angle.
+    ``setting``: screw or bearing that was simulated; ``rows``: for each piece a dictionary of values by the names of the
+    fields of `History`; ``span``: time that was to be simulated [s]; ``steps``: number of equal time steps; ``status``: see
+    `History`. The status "converged" is replaced if a piece did not converge, by a text with the first angle at which this
+    happened.
     """
     direct = ("setting", "span", "steps", "status")
     arrays = {f.name: np.array([row[f.name] for row in rows]) for f in fields(History) if f.name not in direct}
@@ -349,27 +360,28 @@ def _history_of_pieces(rows: list[dict[str, Any]], setting: Setting, span: float
 def simulate(
     setting: Setting, span: float, steps: int, scheme: Scheme = "located", report: Callable[[float], object] = float
 ) -> History:
-    """Return a run in equal steps, which the scheme "located" cuts at events.
+    """Simulate balls that travel round their closed tracks, in equal time steps.
 
-    Gaps stay >= 0 and sum up to the free length of their track. The run ends early where no loads are found.
+    The scheme "located" divides steps at events: a ball enters or leaves a loaded arc, or meets its neighbour. Gaps stay >=
+    0 and sum up to the free length of their track. The simulation ends early where no contact loads are found.
 
     Parameters
     ----------
     setting
-        Parts, loads and friction of the run.
+        Screw or bearing: its tracks, loads and friction.
     span
-        Time to cover [s].
+        Time to simulate [s].
     steps
-        Number of equal steps.
+        Number of equal time steps.
     scheme
-        ``"located"``: cut at events, second order; ``"equal"``: not cut, first order.
+        ``"located"``: steps divided at events, second order; ``"equal"``: steps not divided, first order.
     report
-        Function that is called after each step with the fraction of the run that is done.
+        Function that is called after each step with the fraction of the steps that is done.
 
     Raises
     ------
     ValueError
-        No step, or no time to cover.
+        No time step, or no time to simulate.
 
     References
     ----------
@@ -412,44 +424,52 @@ def simulate(
 
 
 def no_report(steps: str, share: float) -> None:
-    """Do nothing: the report on progress of a run that nobody watches."""
+    """Ignore a report on the progress of a simulation.
+
+    ``steps``: text with the number of time steps; ``share``: fraction of them that is done.
+    """
 
 
 def run_with_step_errors(
     setting: Setting, span: float, steps: int | None, goal: float, report: Callable[[str, float], object] = no_report
 ) -> tuple[History, StepError | None]:
-    """Return a transient simulation by the scheme "located", and the estimated errors by its finite steps.
+    """Return a transient simulation by the scheme "located", and the estimated errors due to its finite time steps.
 
     Parameters
     ----------
     setting
-        Parts, loads and friction of the run.
+        Screw or bearing: its tracks, loads and friction.
     span
-        Time of the run [s].
+        Time to simulate [s].
     steps
-        Number of equal steps. With None it is doubled until no estimated error is above ``goal``.
+        Number of equal time steps. With None it is doubled until no estimated error is above ``goal``.
     goal
-        Largest error that finite steps may cause, over the mean friction torque.
+        Largest error that finite time steps may cause, over the mean friction torque.
     report
         Function that is called with a text, which names the number of steps, and the fraction of them that is done.
 
     Returns
     -------
     tuple[History, StepError | None]
-        The run with the most steps, and its errors; None in their place where the run ended early or has fewer than four
-        steps.
+        The simulation with the most time steps, and its errors. The errors are None if the simulation ended early or has
+        fewer than four steps.
     """
     pitches = abs(float(setting.begin().omega[0])) * span / setting.tracks[0].spacing
     first = int(np.clip(np.ceil(STEPS_PER_PITCH * pitches), *FIRST_STEPS))
 
     def run(count: int) -> History:
+        """Return the simulation with ``count`` time steps."""
         return simulate(setting, span, count, report=lambda share: report(f"{count} steps", share))
 
     return solve_steps(run, steps, first, goal)
 
 
 def _state_after_piece(setting: Setting, place: Place, instant: Instant, piece: float) -> Place:
-    """Return the state of the balls after ``piece`` seconds with the speeds of ``instant``."""
+    """Return positions and speeds of the balls after one piece of a time step.
+
+    ``setting``: screw or bearing with its tracks; ``place``: state before the piece; ``instant``: solution whose speeds the
+    balls keep during the piece; ``piece``: duration [s].
+    """
     gap = np.empty_like(place.gap)
     for track in setting.tracks:
         omega = instant.omega[track.balls]
@@ -458,8 +478,8 @@ def _state_after_piece(setting: Setting, place: Place, instant: Instant, piece: 
     return Place(place.azimuth + piece * instant.omega, gap, instant.omega, instant.memory)
 
 
-#: Order of convergence of smooth motion, that of jumps of the torque, and the factor from the change between two levels
-#: to the error where no order is observed.
+#: Order of convergence of smooth motion and of jumps of the torque; factor by which the change between two simulations is
+#: multiplied to estimate the error where no order is observed.
 SMOOTH, OF_JUMPS, UNCLEAR = 2.0, 1.0, 10.0
 
 #: Order below which Richardson's extrapolation has the factor ``UNCLEAR`` too.
@@ -468,10 +488,10 @@ LEAST = float(np.log2(1.0 + 1.0 / UNCLEAR))
 #: Safety factor on an extrapolated error.
 SAFETY = 1.25
 
-#: Most steps of a run.
+#: Largest number of time steps of a simulation.
 MOST = 20_000
 
-#: Change between levels, as a part of the mean torque, below which its ratios are round-off and tell no order.
+#: Change between two simulations, as a fraction of the mean torque, below which it is round-off and shows no order.
 ROUND_OFF = 1e-9
 
 
@@ -494,26 +514,26 @@ class ErrorEstimate:
 
 @dataclass(frozen=True)
 class StepError:
-    """Estimated errors of a run by its finite steps."""
+    """Estimated errors of a simulation due to its finite time steps."""
 
     #: Errors by quantity: ``torque`` over the angle, the ``torques`` of `History` by their names, and its ``share``.
     quantities: dict[str, ErrorEstimate]
-    #: Numbers of steps of the three runs that are compared, coarsest first.
+    #: Numbers of time steps of the three simulations that are compared, in increasing order.
     steps: tuple[int, ...]
 
     @property
     def torque(self) -> float:
-        """Mean absolute error of the torque over the run, over the mean torque."""
+        """Mean absolute error of the torque over the simulated time, as a ratio to the mean torque."""
         return self.quantities["torque"].error
 
     @property
     def largest(self) -> float:
-        """Largest error of all quantities, over the mean torque."""
+        """Largest error of all quantities, as a ratio to the mean torque."""
         return max(q.error for q in self.quantities.values())
 
     @property
     def unclear(self) -> tuple[str, ...]:
-        """Quantities of which no order is observed."""
+        """Names of the quantities for which no order of convergence is observed."""
         return tuple(name for name, q in self.quantities.items() if q.unclear)
 
     def small(self, goal: float) -> bool:
@@ -522,10 +542,10 @@ class StepError:
 
 
 def mean_torque_difference(coarse: Array, fine: Array) -> float:
-    """Return the mean absolute difference of the torques of two runs over the same time, in the unit of the torques.
+    """Return the mean absolute difference of the torques of two simulations of the same time, in the unit of the torques.
 
-    ``coarse``: mean torque of each of its S steps ``(S,)``; ``fine``: that of each of its S' >= S steps ``(S',)``, which
-    is averaged over the coarser steps.
+    ``coarse``: mean torque in each of the S time steps of the first simulation ``(S,)``; ``fine``: that in each of the S'
+    >= S steps of the second one ``(S',)``, which is averaged over the longer steps of the first.
     """
     at = np.arange(coarse.size + 1) * (fine.size / coarse.size)
     work = np.interp(at, np.arange(fine.size + 1), np.concatenate([[0.0], np.cumsum(fine)]))
@@ -533,12 +553,13 @@ def mean_torque_difference(coarse: Array, fine: Array) -> float:
 
 
 def estimated_error(before: float, last: float, jumps: bool = False) -> ErrorEstimate:
-    """Return the estimated error of a quantity from its changes between three levels, each with half as long steps.
+    """Return the estimated discretisation error of a quantity from three simulations, each with time steps half as long.
 
-    ``before``: change from the coarsest to the middle level; ``last``: from the middle to the finest level, both over the
-    mean torque. Richardson's extrapolation takes the observed order, at most that of smooth motion. Where the quantity may
-    have ``jumps``, it takes the order of jumps unless the observed one is near that of smooth motion. Changes that grow,
-    keep their size, or turn their sign give no order: the error is then UNCLEAR times the largest of them.
+    ``before``: change of the quantity from the simulation with the longest steps to the second one; ``last``: change from
+    the second to that with the shortest steps, both over the mean torque. Richardson's extrapolation uses the observed
+    order of convergence, at most that of smooth motion. If the quantity may have ``jumps``, it uses the order for jumps
+    unless the observed one is near that of smooth motion. Changes that grow, keep their size, or change their sign give no
+    order: the error is then UNCLEAR times the largest of them.
     """
     most = max(abs(before), abs(last), abs(before + last))
     if most <= ROUND_OFF:
@@ -551,10 +572,11 @@ def estimated_error(before: float, last: float, jumps: bool = False) -> ErrorEst
 
 
 def step_error(levels: Sequence[History]) -> StepError | None:
-    """Return the errors of the last of the runs ``levels``, from the last three, each with more steps than the one before.
+    """Return the estimated errors of the last of several simulations of the same motion, from the last three of them.
 
-    None for fewer than three runs. Runs may agree by chance on a wrong time of a jump in the torque: its error is never
-    below the largest jump between two steps for half a step.
+    ``levels``: simulations in the order of increasing numbers of time steps. Returns None for fewer than three, or if the
+    numbers of steps do not increase. Simulations may by chance agree on a wrong time of a jump of the torque: the error of
+    the torque is never below the largest jump between two steps, lasting half a step.
     """
     steps = tuple(level.per_step.size for level in levels[-3:])
     if len(steps) < 3 or not steps[0] < steps[1] < steps[2]:
@@ -576,11 +598,12 @@ def step_error(levels: Sequence[History]) -> StepError | None:
 def solve_steps(
     simulate: Callable[[int], History], steps: int | None, first: int, goal: float
 ) -> tuple[History, StepError | None]:
-    """Return the run with the most steps of a series, and the estimated errors by its finite steps.
+    """Return the simulation with the most time steps of a series, and the estimated errors due to its finite steps.
 
-    ``simulate``: returns the run with a given number of steps. ``steps``: number of steps, from which the series also has
-    about a quarter and half; with None the series begins with ``first`` steps and doubles them until no error is above
-    ``goal``, a fraction of the mean torque. The errors are None where a run ended early, or for fewer than four steps.
+    ``simulate``: function that returns the simulation with a given number of steps. ``steps``: largest number of steps; the
+    series then also has about a quarter and half of it. With None the series begins with ``first`` steps and doubles them
+    until no error is above ``goal``, a fraction of the mean torque. The errors are None where a simulation ended early, or
+    for fewer than four steps.
     """
     if steps is not None:
         counts = sorted({max(1, steps // 4), max(1, steps // 2), steps})

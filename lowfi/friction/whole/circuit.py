@@ -1,6 +1,6 @@
 """Balls of a scene in their circuits: positions, gaps between neighbours, and how they push each other along the track.
 
-Circuits are angles of the track: loaded arcs and returns of a screw, or the one closed turn of a bearing.
+A circuit is given by azimuths on the track: those of the loaded arc and the return of a screw, or one turn of a bearing.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ from rollbench.meshes.helix import BallLayout, layout_at, reduced_lead
 from rollbench.meshes.parts import Circulation, Friction, Scene
 from rollbench.meshes.parts import Motion as Drive
 
-#: Angle [rad] by which arcs may overlap, and balls reach beyond them, before it counts.
+#: Tolerance [rad] for overlapping arcs, and for balls beyond the ends of their arc.
 CLOSE = 1e-9
 
 #: Distance between neighbours over the median distance from which on a gap lies between two circuits.
@@ -41,10 +41,10 @@ APART = 1.5
 
 
 class CircuitError(ValueError):
-    """Error for an impossible circuit: the key to change, the allowed values, and advice."""
+    """Error for a circuit that cannot hold its balls or overlaps another one."""
 
     def __init__(self, key: str, allowed: str, advice: str) -> None:
-        """Store the three parts."""
+        """Store the key of the scene file that is to be changed, a text with its allowed values, and advice."""
         super().__init__(f"{key}: {allowed}; {advice}")
         self.key, self.allowed, self.advice = key, allowed, advice
 
@@ -121,10 +121,10 @@ def _first_balls_after_gaps(azimuths: Array) -> NDArray[np.int64]:
 def _loaded_arc_length(group: Array, given: float | None, spacing: float) -> float:
     """Return the length of the loaded arc of one circuit [rad].
 
-    It is ``given`` [rad], or if this is None, the length that the balls fill, with half a distance between neighbours
-    beyond each outer ball. ``group``: sorted azimuths of the balls on the arc [rad]; ``spacing``: azimuth between two balls
-    that touch [rad], the length of an arc with a single ball. Raises CircuitError if the given arc is too short for its
-    balls.
+    It is the length ``given`` in the scene [rad]. If this is None, it is the length that the balls fill, with half a
+    distance between neighbours beyond each outer ball. ``group``: sorted azimuths of the balls on the arc [rad];
+    ``spacing``: azimuth between two balls that touch [rad], the length of an arc with a single ball. Raises CircuitError if
+    the given arc is too short for its balls.
     """
     span = float(group[-1] - group[0])
     if given is None:
@@ -159,12 +159,14 @@ def _track_length(loop: Circulation, loaded: int, arc: float, spacing: float, ra
 
 
 def travel(scene: Scene) -> Array:
-    """Return how far the nut has moved along the screw at the beginning (0) and the end of a scene's run ``(2,)`` [m].
+    """Return the axial positions of the nut on the screw at the start (0) and the end of a simulation ``(2,)`` [m].
+
+    They are measured from the position at the start.
 
     Parameters
     ----------
     scene
-        Screw with settings of a simulation over time.
+        Screw with settings of a simulation over time; without them the nut does not move.
     """
     motion = scene.motion or ONE_TURN
     span = 0.0 if scene.time is None else scene.time.span(motion)
@@ -174,7 +176,11 @@ def travel(scene: Scene) -> Array:
 
 @dataclass(frozen=True, eq=False)
 class SceneGrooves(BallPath, Grooved):
-    """Nominal grooves in motion. One object serves a whole run, because compiled functions cache arrays for it."""
+    """Nominal grooves of a scene in motion.
+
+    One object is used in a whole simulation, because the arrays for the compiled functions are cached for it
+    (`groove_arrays`).
+    """
 
     #: Largest coefficient of friction.
     mu: float
@@ -198,7 +204,7 @@ def grooves_of(scene: Scene, friction: Friction, drive: Drive) -> SceneGrooves:
 
 @dataclass(frozen=True)
 class SceneChain(AnyChain):
-    """Balls of one closed track that may differ in size and in their coefficients of friction."""
+    """Balls of one closed track with their contact loads; sizes and coefficients of friction may differ."""
 
     #: Contact forces, angles and ellipses of the balls.
     at: StaticContacts
@@ -209,12 +215,12 @@ class SceneChain(AnyChain):
 
     @property
     def friction_contacts(self) -> FrictionContacts:
-        """Return the contacts with their semi-axes and maps."""
+        """Ellipses, friction bounds and kinematics of the contacts of all N balls with the grooves."""
         return self.contacts
 
     @property
     def mu_balls(self) -> float:
-        """Return the coefficient of friction from ball to ball."""
+        """Coefficient of friction between touching balls."""
         return self.between
 
     def wrench(self, pull: Array) -> Array:
@@ -255,7 +261,7 @@ def chain_motion(
     scene, at
         The scene and the contacts of its balls.
     slack
-        Slack between each ball and the next one ``(N,)``, as in `AnyChain`.
+        Largest rate at which each ball may approach the next one ``(N,)`` [rad/s], infinite where they cannot touch.
     friction
         Coefficients of friction.
     drive
@@ -289,7 +295,7 @@ FULL = 1e-9
 
 @dataclass(frozen=True)
 class Balls:
-    """All N balls of a scene, circuit after circuit."""
+    """All N balls of a scene in their circuits, in the order of the circuits."""
 
     #: Tracks of the circuits.
     tracks: tuple[ClosedTrack, ...]
@@ -305,7 +311,10 @@ class Balls:
     grooves: SceneGrooves
 
     def gaps(self, azimuth: Array) -> Array:
-        """Return the gaps to the next ball of the circuit ``(N,)`` [rad] at azimuths ``(N,)``."""
+        """Return the gap between each ball and the next one of its circuit ``(N,)`` [rad]; negative if they overlap.
+
+        ``azimuth``: azimuths of the balls in the nut's frame ``(N,)`` [rad].
+        """
         out = np.empty_like(azimuth)
         for track in self.tracks:
             balls = track.balls
@@ -330,10 +339,10 @@ class Balls:
         return folded, loaded
 
     def layout(self, scene: Scene, folded: Array, turned: float = 0.0) -> BallLayout:
-        """Return the positions of all balls in space.
+        """Return azimuths, centres and section axes of all balls in space.
 
-        ``folded``: azimuths of the balls ``(N,)`` [rad], the first value that `place` returns; ``turned``: angle by which
-        the nut has turned since the start [rad].
+        ``scene``: the scene with these balls; ``folded``: azimuths of the balls ``(N,)`` [rad], the first value that
+        `place` returns; ``turned``: angle by which the nut has turned since the start [rad].
         """
         track, starts = scene.track, np.empty(folded.size)
         for loop in self.tracks:
@@ -343,7 +352,7 @@ class Balls:
 
 
 def balls_of(scene: Scene, friction: Friction, drive: Drive, drawn: Drawn, member: int = 0) -> Balls:
-    """Return the balls of a scene in their circuits at the beginning.
+    """Return the balls of a scene in their circuits at the beginning of a simulation.
 
     Parameters
     ----------
@@ -354,9 +363,9 @@ def balls_of(scene: Scene, friction: Friction, drive: Drive, drawn: Drawn, membe
     drive
         Motion of screw and nut.
     drawn
-        Drawn errors of balls and grooves.
+        Random errors of balls and grooves that were drawn for the specimen.
     member
-        Number of the specimen.
+        Number of this specimen.
 
     Raises
     ------
@@ -391,10 +400,10 @@ def balls_of(scene: Scene, friction: Friction, drive: Drive, drawn: Drawn, membe
     return balls
 
 
-#: Motion in which the onset is given.
+#: Motion for which `contact_onset` is computed by default: the nut turns at 1 rad/s.
 NUT = Drive(1.0, "nut")
 
-#: Closing speed over that of the part that turns below which neighbours do not close in.
+#: Ratio of the closing speed of neighbours to the speed of the turning part below which they count as not approaching.
 CLOSING = 1e-9
 
 
@@ -425,7 +434,7 @@ class Onset:
 
     @property
     def touch(self) -> bool:
-        """Whether any neighbours meet while they are neighbours under load."""
+        """Whether any two neighbours meet at a rotation of at most ``leaving``, so that both still carry load."""
         return bool(np.any(self.meeting <= self.leaving))
 
 

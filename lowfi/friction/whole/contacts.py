@@ -1,4 +1,4 @@
-"""Contacts of a static result as friction needs them: forces, directions, contact ellipses, pressures."""
+"""Contacts of a static result for the computation of friction: forces, directions, contact ellipses, pressures."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ from rollbench.meshes.helix import BallLayout, ball_layout, groove_radii
 from rollbench.meshes.parts import Errors, Scene
 from rollbench.meshes.surface import printed_radii
 
-#: Part of a ball's largest contact load that sets the least size of its contact ellipses, also for unloaded contacts.
+#: Fraction of a ball's largest contact load by which the smallest size of its ellipses, also of unloaded ones, is computed.
 FAINT = 1e-9
 
 
@@ -96,7 +96,7 @@ def contacts_of_result(scene: Scene, result: StaticResult, member: int = 0) -> S
 
 
 def contacts_at(scene: Scene, result: StaticResult | ContactLoads, drawn: Specimen, layout: BallLayout) -> StaticContacts:
-    """Return the contacts of a static solution.
+    """Return forces, angles and ellipses of the contacts of a static solution at given positions of the balls.
 
     Parameters
     ----------
@@ -105,7 +105,7 @@ def contacts_at(scene: Scene, result: StaticResult | ContactLoads, drawn: Specim
     result
         Contact loads and angles.
     drawn
-        Parts with random errors.
+        Radii and groove centres of the parts, with the random errors of the specimen that was solved.
     layout
         Positions of the balls.
     """
@@ -117,18 +117,19 @@ def contacts_at(scene: Scene, result: StaticResult | ContactLoads, drawn: Specim
 
 
 def _force_cube_root(force: Array) -> Array:
-    """Return the cube roots of contact forces ``(N, 4)`` [N^(1/3)], which the semi-axes are proportional to.
+    """Return the cube roots of contact forces ``force`` ``(N, 4)`` [N], to which the semi-axes are proportional.
 
-    For unloaded contacts they are tiny but not zero.
+    For unloaded contacts they are tiny but not zero, so that semi-axes can be divided by.
     """
     most = force.max(axis=1, keepdims=True)
     return np.asarray(np.cbrt(np.maximum(force, np.maximum(FAINT * most, 1e-30))))
 
 
 def replace_loads(at: StaticContacts, force: Array, angle: Array) -> StaticContacts:
-    """Return the contacts ``at`` with other forces and the same Hertz constants.
+    """Return contacts with other forces and angles, and with the ellipses that belong to these forces.
 
-    ``force``: contact forces ``(N, 4)`` [N]; ``angle``: contact angles ``(N, 4)`` [rad].
+    ``at``: contacts before, whose Hertz constants are used; ``force``: contact forces ``(N, 4)`` [N]; ``angle``: contact
+    angles ``(N, 4)`` [rad].
     """
     grown = _force_cube_root(force) / _force_cube_root(at.force)
     return replace(at, force=force, angle=angle, a=at.a * grown, b=at.b * grown)
@@ -137,12 +138,12 @@ def replace_loads(at: StaticContacts, force: Array, angle: Array) -> StaticConta
 def spread_to_all_balls(
     at: StaticContacts | None, layout: BallLayout, balls: NDArray[np.int64], ball_radius: Array, angle: float
 ) -> StaticContacts:
-    """Return the contacts of all N balls from those of some balls; the other balls are unloaded.
+    """Return the contacts of all N balls of a scene, of which only some are loaded.
 
     Parameters
     ----------
     at
-        Contacts of some balls; None if no ball is loaded.
+        Contacts of the balls that may be loaded; None if no ball is loaded.
     layout
         Positions of all balls.
     balls

@@ -1,8 +1,9 @@
 """Effect of friction on the position of a ball: new contact loads and angles at the same axial load of every ball.
 
 Friction across the groove pushes each ball sideways until its contacts resist, at other contact angles or on a third flank
-(section 3.4.1 of Lin's thesis). Each ball moves in its section and the screw along its axis by as much as keeps the axial
-load that this ball carries, friction included; how loads are shared among balls stays as the static model has it.
+(section 3.4.1 of Lin's thesis). For each ball separately, the ball moves in its groove section and the screw along its axis
+until the axial load of this ball, friction included, is that of the static model. The distribution of the axial load over
+the balls therefore remains that of the static model.
 """
 
 from __future__ import annotations
@@ -12,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from rollbench.lowfi.friction.contact.rings import settle_each_ball
+from rollbench.lowfi.friction.contact.equilibrium import settle_each_ball
 from rollbench.lowfi.friction.screw.groove import ON_SCREW
 from rollbench.lowfi.friction.screw.motion import AndersonMixer
 from rollbench.lowfi.friction.whole.contacts import StaticContacts, replace_loads
@@ -27,8 +28,8 @@ from rollbench.meshes.parts import Motion as Drive
 #: Difference between the friction in the contacts and the friction that they balance, as a fraction of a ball's contact
 #: loads: the tolerance that the iteration aims at, and the largest difference that is accepted.
 AGREED, ACCEPTED = 1e-7, 1e-4
-#: Rounds after which a ball is solved by Newton's method. Where a lightly loaded contact is about to slip or to stick,
-#: friction changes its direction with the smallest change of position, and the rounds go to and fro about the equilibrium.
+#: Number of iterations after which a ball is solved by Newton's method. Where a lightly loaded contact is about to slip or
+#: to stick, friction changes its direction at the smallest change of position, and the iteration oscillates.
 ROUNDS = 40
 #: Newton's method: step of the finite differences and final step, as fractions of a ball's contact loads; largest number of
 #: evaluations.
@@ -54,7 +55,7 @@ class Seats:
 
 
 def ball_seats(at: StaticContacts, C: Array, reach: Array, centre: Array) -> Seats:
-    """Return the positions of N balls relative to their grooves from their contacts.
+    """Return the positions of N balls relative to their grooves in the static state, from their contact loads and angles.
 
     A flank without contact moves with the other flank of its body. A ball without load keeps its nominal position. ``at``:
     contacts of the balls; ``C``: Hertz constants ``(N, 4)`` [m/N^(2/3)]; ``reach`` ``(N, 4)`` [m]: distance of the ball's
@@ -74,7 +75,8 @@ def ball_seats(at: StaticContacts, C: Array, reach: Array, centre: Array) -> Sea
 def ball_seats_of_result(scene: Scene, result: StaticResult, at: StaticContacts, member: int = 0) -> Seats:
     """Return the positions of the balls of a solved scene relative to their grooves.
 
-    ``at``: contacts of the static ``result``; ``member``: number of the specimen with random errors that was solved.
+    ``result``: static result of the scene; ``at``: its contacts; ``member``: number of the specimen with random errors that
+    was solved.
     """
     return ball_seats_with_errors(at, specimen(scene, at.layout, member), result.hertz_C)
 
@@ -82,7 +84,8 @@ def ball_seats_of_result(scene: Scene, result: StaticResult, at: StaticContacts,
 def ball_seats_with_errors(at: StaticContacts, drawn: Specimen, C: Array) -> Seats:
     """Return the positions of N balls relative to grooves with errors.
 
-    ``at``: contacts of the balls; ``drawn``: parts with random errors; ``C``: Hertz constants ``(N, 4)`` [m/N^(2/3)].
+    ``at``: contacts of the balls; ``drawn``: radii, groove centres and groove profiles with random errors; ``C``: Hertz
+    constants ``(N, 4)`` [m/N^(2/3)].
     """
     inward = np.zeros_like(at.angle)
     for s, row in enumerate(drawn.profile):
@@ -104,7 +107,7 @@ def _unbalanced_forces(force: Array, normal: Array, along: Array, applied: Array
 
 @dataclass(frozen=True)
 class FedBack:
-    """Contacts of N balls that are in equilibrium with the friction which acts in these contacts.
+    """Contacts of N balls whose loads are in equilibrium with the friction that acts in these contacts.
 
     A ball fails if its forces, or the axial load that it carried without friction, are out of balance by more than
     ``ACCEPTED`` times its contact loads.
@@ -194,7 +197,7 @@ def feed_back(
         one, size = np.array([ball]), float(contacts.force[ball].sum())
 
         def excess(x: Array, one: NDArray[np.int64] = one, size: float = size) -> Array:
-            """Return by how much the friction at given friction x exceeds x itself, as fractions of the contact loads."""
+            """Return the friction in the contacts that balance an assumed friction x, less x, over the contact loads."""
             there, _, _ = _contacts_under_forces(at, place, one, still[one] + size * x, shift[one], at, fast)
             chosen = there.subset(one)
             by_ball = ball_friction(scene, chosen, friction, drive, fast, q[one])

@@ -18,7 +18,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from rollbench.lowfi.friction.contact.motion import STATUS
+from rollbench.lowfi.friction.contact.equilibrium import STATUS
 from rollbench.lowfi.friction.screw.chain import FrictionContacts
 from rollbench.lowfi.friction.screw.groove import ON_SCREW, HelicalMotion, contact_axes
 from rollbench.lowfi.friction.screw.motion import contact_wrench
@@ -29,10 +29,10 @@ from rollbench.meshes.helix import groove_radii, reduced_lead
 from rollbench.meshes.parts import Friction, Scene
 from rollbench.meshes.parts import Motion as Drive
 
-#: What a contact loses power by: sliding of its centre across the groove, along the path, spin about the normal.
+#: Causes of the losses of a contact: sliding of its centre across the groove or along the path, spin about the normal.
 CAUSES = ("sliding_across", "sliding_along", "spin")
 
-#: Force out of balance, as a part of a ball's sum of mu F, beyond which its motion has failed.
+#: Force out of balance, as a fraction of a ball's sum of mu F, above which the solution for its motion counts as failed.
 UNBALANCED = 1e-6
 
 
@@ -56,9 +56,9 @@ class BallPath(HelicalMotion):
 
 @lru_cache(maxsize=64)
 def ball_path(scene: Scene, drive: Drive, ball_radius: float) -> BallPath:
-    """Return the kinematics of a ball of radius ``ball_radius`` [m] in a scene; results are cached.
+    """Return the helix, the contact angle and the speeds that determine the motion of a ball; results are cached.
 
-    ``drive``: motion of the screw or nut that turns.
+    ``drive``: motion of the screw or nut that turns; ``ball_radius``: radius of the ball [m].
     """
     screw = drive.speed if drive.turns == "screw" else 0.0
     track = scene.track
@@ -76,8 +76,8 @@ class BallFriction:
     #: Angular speed of each ball about x3, y3, z3, relative to its section, which goes round with it ``(N, 3)`` [rad/s];
     #: nan without load.
     rotation: Array
-    #: Of the ball against the groove: sliding of the contact's centre across (x) and along (z) the groove, and spin about
-    #: the normal ``(N, 4, 3)`` [m/s, rad/s].
+    #: Motion of the ball relative to the groove at each contact: sliding of the contact's centre across (x) and along (z)
+    #: the groove [m/s], and spin about the normal [rad/s] ``(N, 4, 3)``.
     motion: Array
     #: Force of friction on the ball along x and z ``(N, 4, 2)`` [N].
     force: Array
@@ -176,12 +176,12 @@ def ball_friction(
 def friction_of_motions(
     at: StaticContacts, q: Array, motion: Array, pull: Array, rest: NDArray[np.bool_], status: list[str], left: float
 ) -> BallFriction:
-    """Return a `BallFriction` of N balls, with the losses that follow from their motions and friction.
+    """Return motion, friction and losses of N balls, with the losses computed from motions and friction.
 
     ``at``: contacts of the balls; ``q``: motions ``(N, 4)`` [rad/s], orbit and then rotation, nan without load; ``motion``:
     sliding and spin of the contacts ``(N, 4, 3)`` [m/s, rad/s]; ``pull``: friction on the ball ``(N, 4, 3)``, two forces
-    [N] and the moment about the normal [N m]. ``rest``, ``status`` and ``left`` are taken over as the fields of the same
-    names.
+    [N] and the moment about the normal [N m]; ``rest``: whether each contact sticks ``(N, 4)``; ``status``: status of the
+    solution for each ball; ``left``: largest force out of balance as a fraction of a ball's sum of mu F.
     """
     loaded = at.force[..., None] > 0.0
     loss = np.where(loaded, -pull * np.nan_to_num(motion), 0.0) + 0.0
@@ -251,13 +251,14 @@ def closing_speeds(scene: Scene, at: StaticContacts, by_ball: BallFriction, driv
     return closing
 
 
-#: Points of the quadrature from the middle of a contact outwards and around it.
+#: Numbers of quadrature points along a radius of a contact ellipse and around it.
 OUTWARDS, ROUND = 10, 20
 
-#: Regularising speeds as parts of the sliding without curvature, Newton steps at each, halvings of a step.
+#: Regularising speeds as fractions of a typical sliding speed, largest number of Newton steps at each of them, and of
+#: halvings of a step.
 SPEEDS, STEPS, HALVINGS = (0.3, 0.1, 0.03, 0.01, 0.003), 12, 12
 
-#: Part of the losses from which they are warned of.
+#: Relative increase of the losses by Heathcote slip from which on a warning is given.
 WIDE = 0.03
 
 
@@ -281,7 +282,7 @@ def quadrature(outwards: int = OUTWARDS, around: int = ROUND) -> tuple[Array, Ar
 
 
 def surface_speeds(scene: Scene, at: StaticContacts, drive: Drive, curved: float) -> tuple[Array, Array]:
-    """Return how points in the contacts slide by the motions of the balls and by the motion of screw and nut.
+    """Return the sliding velocities of points in the contacts, as a linear function of the motions of the balls.
 
     ``at``: contacts of N balls, each with the k points of `quadrature`; ``drive``: motion of screw or nut; ``curved``:
     factor of the contacts' curvature across the groove, 1 for the actual one and 0 for flat ellipses.

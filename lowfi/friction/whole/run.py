@@ -1,6 +1,7 @@
-"""Screw or bearing over time: balls travel through circuits, loads are solved at their positions; see ``screw.travel``.
+"""Simulation of a screw or bearing over time: contact loads and friction of its balls at any positions in their circuits.
 
-Loads are solved again and again while balls travel; the compliance of their bodies changes slowly.
+The balls travel by ``lowfi.friction.screw.travel``. Contact loads are solved at every instant, while the compliance of
+screw and nut between the contacts changes slowly.
 """
 
 from __future__ import annotations
@@ -29,8 +30,8 @@ from rollbench.meshes.helix import BallLayout, layout_at, reduced_lead
 from rollbench.meshes.parts import Friction, Scene, Track
 from rollbench.meshes.parts import Motion as Drive
 
-#: Length of a window of `TravellingCompliance` and the least one [rad], how far beyond it balls may be as a part of it, and
-#: how far they may move against each other [rad].
+#: Length and least length of a window of `TravellingCompliance` [rad], distance of balls beyond its ends that is allowed,
+#: as a fraction of its length, and largest motion of the balls relative to each other within it [rad].
 WINDOW, LEAST, BEYOND, APART = np.radians(8.0), 1e-4, 0.01, 5e-4
 
 
@@ -49,7 +50,7 @@ class ComplianceWindow(NamedTuple):
 
 @dataclass
 class TravellingCompliance:
-    """Compliance of bodies between contacts that travel round the track together, in place of `whole_body`.
+    """Compliance of screw or nut between contacts that travel along the track together; replaces `whole_body`.
 
     The compliance is computed at three positions of a window, and between them by the parabola through these. A body of
     revolution with a groove in it responds in the same way to balls that turn and advance together, except near its ends,
@@ -65,7 +66,9 @@ class TravellingCompliance:
     def __call__(self, scene: Scene, layout: BallLayout, screw: bool, backend: Backend, flanks: Sequence[int]) -> Array:
         """Return the compliance of screw or nut between its contacts [m/N].
 
-        Arguments and the shape of the result are those of `whole_body`.
+        ``layout``: positions of the balls; ``screw``: whether the body is the screw (True) or the nut; ``backend``: models
+        for the compliance of the parts; ``flanks``: numbers of the flanks with contacts. The result is ``(2 c, 2 c)`` for c
+        contacts, each with two axes, as from `whole_body`.
         """
         track, rate = scene.track, reduced_lead(scene.track)
         known = self.windows.setdefault((screw, tuple(flanks), layout.z.size), [])
@@ -83,11 +86,11 @@ class TravellingCompliance:
         return np.asarray(left * (left - share) * first + 4.0 * share * left * second + share * (share - left) * third)
 
     def begin(self, layout: BallLayout, track: Track, compute: Callable[[BallLayout], Array]) -> ComplianceWindow:
-        """Return the window that begins at the balls' positions ``layout``.
+        """Compute the compliance at the three positions of a new window, which begins at the positions ``layout``.
 
-        It is shorter than ``ahead`` where a ball would otherwise pass the nut's face. ``compute``: function that returns
-        the compliance [m/N] at given positions of the balls. Raises ValueError if this function does so at the first
-        position.
+        The window is shorter than ``ahead`` where a ball would otherwise pass the nut's face. ``track``: helix along which
+        the balls travel; ``compute``: function that returns the compliance [m/N] at given positions of the balls. Raises
+        ValueError if this function does so at the first position.
         """
         rate, length = reduced_lead(track), self.ahead
         while True:
@@ -103,7 +106,7 @@ class TravellingCompliance:
 
 
 def load_solver_in_motion(model: str, ahead: float) -> Callable[..., ContactLoads]:
-    """Return the function by which a static model computes the contact loads of travelling balls, again and again.
+    """Return the function by which a static model computes contact loads at each instant of a simulation over time.
 
     Parameters
     ----------
@@ -117,21 +120,21 @@ def load_solver_in_motion(model: str, ahead: float) -> Callable[..., ContactLoad
     return partial(elastic_loads, whole=TravellingCompliance(WINDOW * ahead))
 
 
-#: Functions that compute the contact loads again at each instant of a run, by the name of the static model.
+#: Functions that compute the contact loads at each instant of a simulation over time, by the name of the static model.
 AGAIN: dict[str, Callable[..., ContactLoads]] = {"lin": beam_loads, "refined": elastic_loads}
 
-#: A static model: contact loads of balls with these errors at these places.
+#: A static model: function that returns the contact loads of balls with given errors at given positions.
 Solve = Callable[[Specimen, BallLayout], StaticResult | ContactLoads]
 
 
 class Memory(NamedTuple):
-    """State of the last instant of N balls."""
+    """Motions and forces of N balls at the previous instant, from which the next solution begins."""
 
     #: Motions of the balls, orbit and then rotation ``(N, 4)`` [rad/s].
     q: Array
     #: Force of each ball on the next one ``(N,)`` [N].
     force: Array
-    #: Friction fed back on the balls along x3 and z3 and on the screw along its axis ``(N, 3)`` [N].
+    #: Friction that displaces the balls, on balls along x3 and z3 and on the screw along its axis ``(N, 3)`` [N].
     push: Array
 
 
@@ -160,7 +163,7 @@ class Setting:
         return (turned, 0.0) if self.drive.turns == "screw" else (0.0, turned)
 
     def contacts(self, azimuth: Array, time: float, push: Array, q: Array) -> tuple[StaticContacts, NDArray[np.bool_], str]:
-        """Return the contacts of all N balls at one instant, whether each ball is on a loaded arc, and a status.
+        """Solve the contact loads of all N balls at one instant, with the effect of friction on them.
 
         Parameters
         ----------
@@ -169,16 +172,15 @@ class Setting:
         time
             Time since the start [s].
         push
-            Friction fed back in the previous step ``(N, 3)`` [N], which is overwritten by that of this step
-            (`FedBack.push`).
+            Friction on balls and screw (`FedBack.push`) in the previous step ``(N, 3)`` [N]; it is overwritten by that of
+            this step.
         q
             Motions of the balls in the previous step ``(N, 4)`` [rad/s], first estimates for `feed_back`.
 
         Returns
         -------
         tuple
-            The contacts; which balls are on a loaded arc ``(N,)``; ``"converged"``, or a sentence part that says what
-            failed.
+            The contacts; which balls are on a loaded arc ``(N,)``; ``"converged"``, or a phrase that says what failed.
         """
         scene, track = self.scene, self.scene.track
         on_screw, on_nut = self.angles(time)
@@ -200,7 +202,7 @@ class Setting:
 
     @property
     def groove(self) -> SceneGrooves:
-        """Nominal grooves in motion."""
+        """Nominal grooves of screw and nut, with their speeds."""
         return self.balls.grooves
 
     @property
@@ -219,7 +221,7 @@ class Setting:
         return self.balls.number
 
     def begin(self) -> Place:
-        """Return the state at the beginning: balls at the scene's positions, which roll at the nominal speed."""
+        """Return the state at the start of the simulation: balls at the scene's positions, rolling at the nominal speed."""
         count, nut = self.balls.radius.size, self.groove.nut_speed
         nominal = self.groove.nominal_orbit - nut
         memory = Memory(np.tile([nominal + nut, 0.0, 0.0, 0.0], (count, 1)), np.zeros(count), np.zeros((count, 3)))
@@ -229,19 +231,19 @@ class Setting:
     def time_to_end(self, azimuth: Array, omega: Array, time: float) -> float:  # noqa: ARG002 - arcs are fixed in the nut
         """Return the time until a ball passes an end of its loaded arc [s]; infinite for a bearing, which has no ends.
 
-        ``azimuth``: positions of the balls in the nut's frame ``(N,)`` [rad]; ``omega``: their speeds there ``(N,)``
-        [rad/s].
+        ``azimuth``: azimuths of the balls in the nut's frame ``(N,)`` [rad]; ``omega``: their angular speeds in this frame
+        ``(N,)`` [rad/s]; ``time`` is not used.
         """
         if self.scene.track.lead == 0.0:
             return np.inf
         return min(track.time_to_end(azimuth, omega) for track in self.tracks)
 
     def instant(self, azimuth: Array, time: float, slack: Array, memory: Memory) -> Instant | str:
-        """Return the loads and motions of the balls at one instant, or a sentence part that says what failed.
+        """Return the loads and motions of the balls at one instant, or a phrase that says what failed.
 
-        ``azimuth``: positions of the balls in the nut's frame ``(N,)`` [rad]; ``time`` [s]; ``slack``: largest rate at
-        which each ball may gain on the next one ``(N,)`` [rad/s]; ``memory``: results of the previous instant, the first
-        estimates.
+        ``azimuth``: azimuths of the balls in the nut's frame ``(N,)`` [rad]; ``time``: time since the start [s]; ``slack``:
+        largest rate at which each ball may approach the next one ``(N,)`` [rad/s]; ``memory``: results at the previous
+        instant, which are the first estimates.
         """
         push = memory.push.copy()
         at, loaded, status = self.contacts(azimuth, time, push, memory.q)
@@ -283,8 +285,8 @@ def _screw_torque(setting: Setting, at: StaticContacts, wrench: Array, axial: fl
     """Return the torque about +z that drives the screw under an external axial load ``axial`` [N], in N m.
 
     It is the moment of contact loads and friction about the axis. The axial force of friction that the contact loads do not
-    balance adds its work along the helix. ``at``: contacts of the N balls; ``wrench``: friction on the balls, forces [N]
-    and moments [N m] in their sections' axes ``(N, 4, 6)``.
+    balance adds its work along the helix. ``setting``: screw with its thread; ``at``: contacts of the N balls; ``wrench``:
+    friction on the balls, forces [N] and moments [N m] in their sections' axes ``(N, 4, 6)``.
     """
     wrenches = wrench.copy()
     wrenches[..., :3] -= at.force[..., None] * at.normals

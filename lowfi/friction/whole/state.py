@@ -19,8 +19,8 @@ from rollbench.meshes.errors import draw_errors
 from rollbench.meshes.parts import Friction, Scene
 from rollbench.meshes.parts import Motion as Drive
 
-#: Number of balls up to which no run waits until functions are compiled: in plain Python they take some 0.05 s a ball, and
-#: a whole answer, with its drag and the band of coefficients, has up to seven.
+#: Number of balls up to which a command does not wait until functions are compiled. In plain Python they take some 0.05 s
+#: for each ball, and the answer of a command, with drag torque and a range of coefficients, needs up to seven solutions.
 UNCOMPILED = 120
 #: Gap [m] up to which neighbours count as touching.
 TOUCHING = 1e-6
@@ -38,7 +38,7 @@ class Neighbours:
     power: float
     #: Number of pairs that touch.
     touching: int
-    #: Smallest gap between neighbours on the loaded arcs [m]; infinite without neighbours.
+    #: Smallest gap between neighbours on the loaded arcs [m]; infinite if no ball has a neighbour.
     least: float
 
 
@@ -94,9 +94,9 @@ def friction_with_neighbours(
 
 @dataclass(frozen=True)
 class FrictionState:
-    """Friction of a scene at one pair of coefficients."""
+    """Friction of all balls of a scene at one pair of coefficients of friction, those of screw and nut."""
 
-    #: The contacts.
+    #: Contacts of all balls.
     at: StaticContacts
     #: Motion and friction of every ball.
     balls: BallFriction
@@ -104,7 +104,7 @@ class FrictionState:
     torque: ScrewTorque
     #: Speed at which each ball approaches the next one ``(N,)`` [m/s].
     closing: Array
-    #: The same sums at the static loads, which friction does not change.
+    #: The same sums at the static loads, without the effect of friction on the loads.
     bare: ScrewTorque
     #: Indices of balls for which no agreement of friction and position was found, in either direction of motion.
     unsettled: tuple[int, ...]

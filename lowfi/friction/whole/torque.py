@@ -11,8 +11,8 @@ without friction, T = P/Omega - r F therefore has an error of second order in mu
 contact and large in two-point contact. With feedback (``lowfi.friction.whole.feedback``) P is taken at the loads with
 friction.
 
-Two further functions say whether the friction of a scene displaces its balls, and whether functions are compiled for so
-many balls.
+Two further functions return whether the friction of a scene displaces its balls (`feeds_back`), and whether compiling the
+functions saves time for its number of balls (`will_compile`).
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from rollbench.lowfi.friction.whole.losses import BallFriction
 
 
-#: Axial load over the sum of contact loads below which it is round-off: no efficiency is made of it.
+#: Ratio of axial load to the sum of contact loads below which the axial load is round-off, so that there is no efficiency.
 ROUND_OFF = 1e-6
 
 
@@ -78,7 +78,7 @@ class ScrewTorque:
 
     @property
     def translating(self) -> bool:
-        """Whether there is an axial load beyond round-off and a lead to move it."""
+        """Whether the rotation moves an axial load: the lead is not zero, and the load is above round-off."""
         return self.ratio != 0.0 and abs(self.load) > ROUND_OFF * self.carried
 
     @property
@@ -117,9 +117,9 @@ class ScrewTorque:
 def sum_friction(
     scene: Scene, at: StaticContacts, by_ball: BallFriction, drive: Motion, coupled: bool = False
 ) -> ScrewTorque:
-    """Return the sums of the friction over all contacts of a scene.
+    """Return torque, axial force and power of the friction of a scene, as sums over all contacts.
 
-    ``at``: contacts of its balls; ``by_ball``: their friction; ``drive``: motion of the screw or nut that turns;
+    ``at``: contacts of its balls; ``by_ball``: friction of each ball; ``drive``: motion of the screw or nut that turns;
     ``coupled``: whether contact loads and friction together carry the axial load (True), or the contact loads alone.
     """
     normals, frames = at.normals, at.frames
@@ -161,10 +161,10 @@ def axial_force_and_moment(at: StaticContacts, wrench: Array) -> tuple[Array, Ar
     return force[..., 2], moment[..., 2] + arm[..., 0] * force[..., 1] - arm[..., 1] * force[..., 0]
 
 
-#: Motion where the scene gives none: the screw turns once a second.
+#: Motion that is assumed if the scene gives none: the screw turns once a second.
 ONE_TURN = Motion(2.0 * pi)
 
-#: Numbers of balls from which compilation (20 s, once) saves time in a single solution, without and with feedback.
+#: Numbers of balls above which compilation (20 s, once) saves time in one solution, without and with effect on the loads.
 COMPILE_ABOVE, COUPLED_ABOVE = 1000, 8
 
 
@@ -177,9 +177,9 @@ def feeds_back(scene: Scene, friction: Friction) -> bool:
 
 
 def will_compile(scene: Scene, friction: Friction) -> bool:
-    """Return whether a scene has so many balls that it saves time to compile the functions of contact friction first.
+    """Return whether a scene has so many balls that compiling the functions of contact friction first saves time.
 
-    The answer does not consider whether machine code is on disk already (`lowfi.jit.is_machine_code_cached`).
+    The result does not depend on whether compiled functions are on disk already (`lowfi.jit.is_machine_code_cached`).
 
     Parameters
     ----------

@@ -25,8 +25,9 @@ CONSTANT, IMPLICIT, EXACT = 0, 1, 2
 def _implicit_approach(v: float, error: float, p: Array) -> tuple[float, float, float]:
     """Return approach [m], sine of the contact angle and d(approach)/dv of a ball by Liu's equations (10) and (14).
 
-    The equation solved is approach = error + v sin(angle(approach)). v [m]: axial motion of the groove times the cosine of
-    the lead angle; error [m] and p as in `ball_force`.
+    The equation solved is approach = error + v sin(angle(approach)). v: axial motion of the groove times the cosine of the
+    lead angle [m]; error: oversize of the ball [m]; p (5,): Hertz stiffness [N/m^1.5], distance A of the groove centres
+    [m], sine and cosine of the unloaded contact angle, cosine of the lead angle.
     """
     a = p[1] - error
     approach = error + v * p[2]
@@ -47,8 +48,9 @@ def _implicit_approach(v: float, error: float, p: Array) -> tuple[float, float, 
 def _exact_approach(v: float, error: float, p: Array) -> tuple[float, float, float]:
     """Return approach [m], sine of the contact angle and d(approach)/dv of a ball from the distance of the groove centres.
 
-    The lateral offset of the centres is constant. v [m]: axial motion of the groove times the cosine of the lead angle;
-    error [m] and p as in `ball_force`.
+    The lateral offset of the centres is constant. v: axial motion of the groove times the cosine of the lead angle [m];
+    error: oversize of the ball [m]; p (5,): Hertz stiffness [N/m^1.5], distance A of the groove centres [m], sine and
+    cosine of the unloaded contact angle, cosine of the lead angle.
     """
     along, across = p[1] * p[2] + v, p[1] * p[3]
     distance = sqrt(along * along + across * across)
@@ -93,8 +95,8 @@ TOLERANCE = 1e-10
 def _rigid_motion(errors: Array, load: float, p: Array) -> float:
     """Return the axial motion of the nut [m] if screw and nut are rigid and the contact angle is constant.
 
-    The forces at this motion sum up to the load or at most 1 % more, so that at least one ball is loaded. Other arguments:
-    errors of the balls [m], load [N], p as in `ball_force`.
+    The forces at this motion sum up to the load or at most 1 % more, so that at least one ball is loaded. errors (M,):
+    oversize of the balls [m]; load: axial load [N]; p: constants as in `ball_force`.
     """
     slope = p[2] * p[4]
     u = ((load / (slope * p[0] * errors.size)) ** (2.0 / 3.0) - errors.min()) / slope
@@ -119,8 +121,10 @@ def solve_by_newton(
 ) -> tuple[int, float, float]:
     """Solve the axial equilibrium of all balls by Newton's method; the equations are in ``lowfi.random_errors.chain``.
 
-    u [m]: axial motions at the balls, the result; work (3, M): work arrays, the first with the contact loads [N] at the
-    end. Returns the number of steps, the largest error of a ball's force over the load, and the stiffness dF/du_1 [N/m].
+    errors (M,): oversize of the balls [m]; load: axial load [N]; segments (M,): compliance of screw and nut between each
+    ball and the preceding one [m/N]; law, p: as in `ball_force`; u (M,): axial motions at the balls [m], the result; work
+    (3, M): work arrays, the first with the contact loads [N] at the end. Returns the number of steps, the largest error of
+    a ball's force over the load, and the stiffness dF/du_1 [N/m].
     """
     m = errors.size
     loads, s, t = work[0], work[1], work[2]
@@ -162,10 +166,11 @@ def solve_by_newton(
 
 @kernel
 def solve_batch(errors: Array, loads: Array, segments: Array, law: int, p: Array, out: Array) -> None:
-    """Solve n screws with the errors ``errors`` (n, M) [m] of their M balls under every load (L,) [N]; fill ``out``.
+    """Solve n screws with errors of their M balls under each of L axial loads, and write the results to ``out``.
 
-    out (n, L, 7): smallest and largest contact load [N], number of loaded balls, axial motion at ball 1 and at the first
-    loaded ball [m], stiffness dF/du_1 [N/m], residual over the load.
+    errors (n, M): oversize of the balls [m]; loads (L,) [N]; segments (M,): compliance of screw and nut between each ball
+    and the preceding one [m/N]; law, p: as in `ball_force`. out (n, L, 7): smallest and largest contact load [N], number of
+    loaded balls, axial motion at ball 1 and at the first loaded ball [m], stiffness dF/du_1 [N/m], residual over the load.
     """
     n, m = errors.shape
     u, work = np.empty(m), np.empty((3, m))

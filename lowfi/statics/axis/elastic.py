@@ -69,7 +69,7 @@ from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly, RollerRow
 from rollbench.meshes.section import BeamSection
 
-#: Assumptions of every run of the refined model on an assembly.
+#: Assumptions of every result of the refined model on an assembly.
 ASSUMPTIONS = (
     "the shaft is a Timoshenko beam between its bearings and nuts; in addition the screw, nut and balls of each bearing or "
     "nut deform under their own contact forces, and respond to contacts elsewhere only by the section forces of the shaft",
@@ -103,7 +103,10 @@ class Housings:
     work: Array
 
     def solve(self, loads: Array) -> Array:
-        """Return the housings' motions ``(6 m, c)`` under c load cases ``(6 m, c)``, with the loose motions pinned."""
+        """Return the housings' motions ``(6 m, c)`` [m, rad] under c load cases ``(6 m, c)`` [N, N m].
+
+        Motions that no spring resists are prevented by fixed degrees of freedom.
+        """
         out = np.zeros_like(loads)
         if self.factor is not None:
             out[self.free] = cho_solve(self.factor, loads[self.free])
@@ -143,7 +146,10 @@ class ElasticSets(Sets):
         return set_flanks(self.system, self.row_states()[0], self.shifts())
 
     def with_arms(self, arms: Sequence[Array]) -> Self:
-        """Return a copy with the present state and longer lever arms of the contacts, see `Prepared.with_arms`."""
+        """Return equations with changed lever arms of the contacts, which start from the present state.
+
+        ``arms``: for each bearing or nut with N balls, the lengths ``(N, 4, 2)`` [m] added to the lever arms.
+        """
         longer: Any = prepare_elastic_sets(with_arms(self.system, arms), self.backend, self.engine).at_state(self)
         return longer  # type: ignore[no-any-return]
 
@@ -175,7 +181,10 @@ class ElasticSets(Sets):
         return np.asarray(out)
 
     def row_states(self) -> tuple[RowState, Array]:
-        """Return the motions of shaft nodes and housings, and the reactions at fixed freedoms, see `Sets.row_states`."""
+        """Return the motions of shaft nodes and housings with all contacts, and the reactions of the supports.
+
+        The reactions ``(r, 6)`` [N, N m] act on the r nodes and housings and are zero at free degrees of freedom.
+        """
         system, shaft = self.system, self.shaft
         structure, forces = system.structure, self.forces()
         n, k = structure.nodes.size, shaft.work.size
@@ -202,7 +211,10 @@ class ElasticSets(Sets):
         return state, held
 
     def stiffness(self) -> tuple[Sequence[Array], Array | None]:
-        """Return the tangent stiffness ``(6, 6)`` of each bearing or nut, and of the assembly, see `Sets.stiffness`."""
+        """Return the tangent stiffness ``(6, 6)`` [N/m, N, N m] of each bearing or nut, and of the assembly.
+
+        The second entry is taken at the reported shaft node or housing; None if it does not exist (`elastic_stiffness`).
+        """
         S = ball_roots(self)
         return [own_stiffness(self, i, b, S) for i, b in enumerate(self.system.balls)], elastic_stiffness(self, S)
 
@@ -328,9 +340,11 @@ def own_bodies(
 
 
 def housing_rows(system: System, rollers: RollerElements) -> tuple[Array, Array]:
-    """Return the motions ``(4 N, 6 m)`` of outer, and of inner flanks on housings per unit motion of the m housings.
+    """Return the motions of the flanks per unit motion of the m moving housings.
 
-    Balls come first, then rollers, whose outer flank is the cup.
+    The first matrix ``(4 N, 6 m)`` holds the motions of the outer flanks, the second those of inner flanks that a housing
+    carries. The rows are two flanks with two components for each of N rolling elements: balls come first, then rollers,
+    whose outer flank is the cup.
     """
     n, m, balls = system.structure.nodes.size, system.structure.at.size, system.contacts.r_ball.size
     outer, inner = np.zeros((2, balls + rollers.count, 2, 2, 6 * m))
@@ -367,7 +381,7 @@ def prepare_elastic_sets(system: System, backend: Backend, engine: ModuleType) -
     balls = system.contacts.r_ball.size
     N = balls + rollers.count
     if N > LARGEST:
-        raise ValueError(f"{N} balls and rollers: the model with elastic bodies takes at most {LARGEST}; use the model lin")
+        raise ValueError(f"elastic bodies are allowed with at most {LARGEST} balls and rollers, got {N}; use the model lin")
     whole, s = combined_problem(system, rollers), system.structure
     shaft, housings = shaft_of(whole), housings_of(s, system.arm)
     order = by_ball(N, 2)
@@ -589,7 +603,7 @@ def solve_refined(
         return replace(result, model=name, left_out=(*result.left_out, *rigid))
 
     def made_ready(system: System, kernels: ModuleType) -> ElasticSets:
-        """Return the equations of an assembly with elastic bodies, with the compliance of the chosen backend."""
+        """Return the equations of an assembly with elastic bodies, whose compliance the given backend computes."""
         return prepare_elastic_sets(system, backend, kernels)
 
     again = partial(solve_refined, engine=engine, member=member, backend=backend, name=name)

@@ -41,7 +41,8 @@ class Loose:
 def loose_motions(system: System) -> Loose:
     """Return the rigid motions of shaft and housings that no support, spring, ball or roller resists.
 
-    As in `lowfi.statics.held.free_motions`, the bodies' motion at a ball's centre stands for the motion of its flanks.
+    They are found from the motions of the bodies at the balls' centres in place of the motions of the flanks, for the
+    reason given in `lowfi.statics.held.free_motions`.
     """
     s = system.structure
     motions = rigid_motions(s, system.arm)
@@ -189,7 +190,8 @@ def _roller_rows(system: System, by_row: Array) -> list[Array]:
 def unheld(system: System) -> Status:
     """Return the status of an assembly in which the shaft or a housing moved without limit in the iteration.
 
-    The status is "not held" only if a linear program proves that the contacts cannot carry the loads.
+    The status is "not held" only if a linear program proves that the contacts cannot carry the loads; otherwise it is "not
+    converged".
     """
     opens = "the loads open every contact that could carry them (linear program: {})"
     return ran_away(

@@ -33,7 +33,7 @@ TIED = diagonal_stiffness((1e12, 1e12, 0.0, 1e9, 1e9, 1e9))
 
 @dataclass(frozen=True)
 class _Mounting:
-    """Assembly at mounting, and the function that solves it, as argument of the cache of shifts."""
+    """Assembly without loads and thermal expansion, and the function that solves it; argument of the cached `_shifts`."""
 
     #: Assembly without loads and without thermal expansion.
     bare: Assembly
@@ -72,19 +72,19 @@ def mount(assembly: Assembly, solve: partial[AxisResult]) -> tuple[Assembly, tup
 
 
 def _preloaded(assembly: Assembly) -> list[int]:
-    """Return the indices of the bearings and nuts whose preload is prescribed as a force."""
+    """Return the indices of the assembly's bearings and nuts whose preload is prescribed as a force."""
     return [i for i, s in enumerate(assembly.sets) if s.preload > 0.0]
 
 
 @lru_cache(maxsize=4)
 def _shifts(mounting: _Mounting) -> tuple[tuple[float, ...] | None, tuple[str, ...], Status | None]:
-    """Find the axial shifts [m] by which outer rings and nuts must be pressed against their balls to give the preloads.
+    """Find the axial shifts [m] of outer rings and nuts that press them onto their balls with the prescribed preloads.
 
     First the outer parts are free to slide along the axis and are pushed by their preload forces. As the energy is convex
     also in their positions, they come to rest where the preloads are reached, or the solution proves that there is no
     equilibrium. If a part sits on a moving housing, the springs that join it are not quite rigid, and Newton's method on
-    the logarithms of the forces corrects the shifts. If all parts can be shifted together without change of the forces,
-    the mean shift is set to zero. The result is cached, since all load cases of an assembly have the same mounting.
+    the logarithms of the forces corrects the shifts. If all parts can be shifted together without change of the forces, the
+    mean shift is set to zero. The result is cached, since all load cases of an assembly have the same mounting.
 
     Returns
     -------
@@ -97,7 +97,7 @@ def _shifts(mounting: _Mounting) -> tuple[tuple[float, ...] | None, tuple[str, .
     goal = np.log([bare.sets[i].preload for i in numbers])
 
     def excess(shift: Array) -> Array:
-        """Return the logarithms of the ratio of preload force at some shifts [m] to required preload; nan if unloaded."""
+        """Return ln(preload force at given shifts [m] / required force) of each part; nan for a part without load."""
         result = solve(_shifted(bare, numbers, shift))
         forces = np.array([abs(result.sets[i].force[2]) for i in numbers]) if result.converged else np.zeros(len(numbers))
         return np.asarray(np.log(np.where(forces > 0.0, forces, np.nan)) - goal)

@@ -110,9 +110,11 @@ def axial_place(assembly: Assembly, sets: Sequence[tuple[RollingSet, Scene]]) ->
 
 
 def _flanks_of_set(rolling: RollingSet, scene: Scene, shift: float, drawn: Specimen) -> Mask:
-    """Return which flanks of one ball nut or bearing have contact when the shaft moves by ``shift`` [m] along z.
+    """Return which flanks of one ball nut or bearing touch a ball when the shaft moves by ``shift`` [m] along z.
 
-    A positive shift closes the flank pair SL-NR and opens SR-NL by the shift times the sine of the contact angle.
+    ``scene``: dimensions of the ball nut or bearing; ``drawn``: these with random errors. A positive shift closes the flank
+    pair SL-NR and opens SR-NL by the shift times the sine of the contact angle. Returns truth values ``(4,)`` for SL, SR,
+    NL, NR.
     """
     use = USE[rolling.thrust]
     if rolling.thrust != "both" or drawn.profile.shape[1]:
@@ -124,12 +126,15 @@ def _flanks_of_set(rolling: RollingSet, scene: Scene, shift: float, drawn: Speci
 
 
 def clear(system: System, state: RowState) -> bool:
-    """Return whether no ball touches a flank that was left out although its direction of thrust allows contact."""
+    """Return whether no ball of the solved assembly touches a flank that was left out of its equations.
+
+    Only flanks that the direction of thrust of a ball nut or bearing can load are examined.
+    """
     return all(_set_clear(system, b, state) for b in system.balls if np.any(USE[b.of.thrust] & ~b.problem.use))
 
 
 def _set_clear(system: System, b: BallSet, state: RowState) -> bool:
-    """Return whether no ball of one ball nut or bearing touches a flank that was left out."""
+    """Return whether no ball of the ball nut or bearing ``b`` touches a flank that was left out of the equations."""
     contact = state.contact[b.balls]
     shift = moved_flanks(b, state.q)
     for s in range(2):
@@ -140,7 +145,10 @@ def _set_clear(system: System, b: BallSet, state: RowState) -> bool:
 
 
 def _flank_motion(system: System, b: BallSet, s: int, q: Array) -> Array:
-    """Return the motion ``(N, 2)`` [m] of a left-out screw flank at each ball, interpolated between the beam's nodes."""
+    """Return the motion ``(N, 2)`` [m] of screw flank ``s`` (0: SL, 1: SR), which was left out, at each of N balls.
+
+    ``q`` ``(r, 6)``: solved motions of shaft nodes and housings [m, rad], between which the motion is interpolated.
+    """
     stations = contact_stations(b.problem.scene, b.problem.layout)[:, s]
     j, m = motions_of(system.structure, stations)
     moved = np.einsum("nab,nb->na", m, np.concatenate([q[j], q[j + 1]], axis=1))
@@ -148,7 +156,7 @@ def _flank_motion(system: System, b: BallSet, s: int, q: Array) -> Array:
 
 
 def all_sides(assembly: Assembly) -> list[Mask]:
-    """Return for each ball nut or ball bearing which flanks its direction of thrust can load ``(4,)``."""
+    """Return for each ball nut or ball bearing which of SL, SR, NL, NR its direction of thrust can load ``(4,)``."""
     return [USE[s.thrust] for s in assembly.sets if isinstance(s.parts, Scene)]
 
 
@@ -172,7 +180,7 @@ def whole_stiffness(
     engine
         Module of the numerical kernels.
     given
-        Arrays that the kernels were called with.
+        Arrays of shaft, balls and rollers with which the equilibrium was solved.
     state
         Solution.
     hessians
@@ -264,7 +272,7 @@ FAR = 0.1
 
 @dataclass(kw_only=True)
 class Sets(Prepared):
-    """Equations of an assembly for the numerical kernels, whichever bodies are elastic."""
+    """Equations of an assembly for the numerical kernels: base class for rigid and for elastic bodies."""
 
     #: Arrays of the assembly.
     system: System
@@ -304,7 +312,10 @@ class RigidSets(Sets):
         return set_flanks(self.system, self.state)
 
     def with_arms(self, arms: Sequence[Array]) -> Self:
-        """Return a copy with the present state and longer lever arms of the contacts, see `Prepared.with_arms`."""
+        """Return equations with changed lever arms of the contacts, which start from the present state.
+
+        ``arms``: for each bearing or nut with N balls, the lengths ``(N, 4, 2)`` [m] added to the lever arms.
+        """
         system = with_arms(self.system, arms)
         return replace(self, system=system, given=self.given._replace(balls=system.contacts))
 
@@ -355,7 +366,10 @@ def far_off(q: Array, system: System) -> bool:
 
 
 def prepare(system: System, engine: ModuleType) -> RigidSets:
-    """Return the equations of an assembly (model lin), with an initial state that has the prescribed displacements."""
+    """Return the equations of an assembly (model lin), with an initial state that has the prescribed displacements.
+
+    ``system``: arrays of the assembly; ``engine``: module of the numerical kernels, compiled or interpreted.
+    """
     s, n = system.structure, system.structure.nodes.size
     scale, furthest = scale_of(system), float(system.contacts.r_ball.max(initial=0.0))
     q = np.zeros((s.stations.size, 6))
@@ -426,7 +440,7 @@ def equilibrium(assembly: Assembly, model: Model, engine: Engine, member: int, a
     engine, member
         Kernels, and number of the specimen with random errors, as for `solve_assembly`.
     again
-        Function that solves an assembly by the same model, used to find the offsets that give the required preload.
+        Function that solves another assembly by the same model, to find the axial offsets that give the required preloads.
     """
     start = perf_counter()
 
@@ -474,9 +488,10 @@ def equilibrium(assembly: Assembly, model: Model, engine: Engine, member: int, a
 
 
 def engine_for(assembly: Assembly, engine: Engine) -> ModuleType:
-    """Return the module of numerical kernels for an assembly, see `pick_engine`.
+    """Return the module of numerical kernels, compiled or interpreted, that suits the size of an assembly.
 
-    The size of the problem counts the balls, the rollers' slices at a quarter each, and a further solve for each preload.
+    ``engine``: the user's choice, see `pick_engine`. The size counts the balls, the rollers' slices at a quarter each, and
+    a further solve for each preload.
     """
     slices = sum(s.parts.count * s.parts.slices for s in assembly.sets if isinstance(s.parts, RollerRow))
     preloads = sum(s.preload > 0.0 for s in assembly.sets)

@@ -59,7 +59,7 @@ class Structure:
 
     @property
     def stations(self) -> Array:
-        """Return the axial positions at which the motions of the r bodies are taken ``(r,)`` [m]."""
+        """Return the axial positions ``(r,)`` [m] at which the motions of shaft nodes and moving housings are taken."""
         return np.concatenate([self.nodes, self.at])
 
 
@@ -149,7 +149,10 @@ def structure_of(assembly: Assembly, stations: Array, section: BeamSection | Non
         for name, value in held:
             k = FREEDOMS.index(name)
             if fixed[j, k]:
-                raise ValueError(f"two supports less than {1e6 * MERGE:g} um apart fix {name} at {1e3 * at:g} mm")
+                where = f"at {1e3 * at:g} mm"
+                raise ValueError(
+                    f"got two supports that fix {name} {where}; allowed: one within {1e6 * MERGE:g} um; remove one"
+                )
             fixed[j, k], prescribed[j, k] = True, value
     for x in assembly.loads:
         j = int(np.abs(nodes - x.at).argmin())
@@ -198,9 +201,9 @@ def _springs(assembly: Assembly, moving: list[Housing], row: dict[str, int]) -> 
 
 
 def spring_terms(structure: Structure, q: Array, arm: float) -> float:
-    """Return the largest term [N] in the sums that give the spring forces, from which their round-off error follows.
+    """Return the largest term [N] in the sums that give the spring forces; their round-off error follows from it.
 
-    If two bodies joined by a stiff spring move far together, the spring force is a small difference of large terms.
+    If two housings joined by a stiff spring move far together, the spring force is a small difference of large terms.
 
     Parameters
     ----------
@@ -220,7 +223,7 @@ def spring_terms(structure: Structure, q: Array, arm: float) -> float:
 
 
 def rigid_motions(structure: Structure, arm: float) -> Array:
-    """Return the rigid motions of the shaft and of each of m moving housings, as motions of all bodies.
+    """Return the rigid motions of the shaft and of each of m moving housings, as motions of the r shaft nodes and housings.
 
     Parameters
     ----------
@@ -244,7 +247,7 @@ def rigid_motions(structure: Structure, arm: float) -> Array:
 
 
 def held_rows(structure: Structure, motions: Array) -> Array:
-    """Return the constraints that supports and springs impose on rigid motions, each normalised.
+    """Return the constraints that supports and springs impose on rigid motions, one normalised row for each constraint.
 
     The product of the result with a combination of the motions is zero if no support or spring resists this combination.
 

@@ -34,13 +34,13 @@ from rollbench.lowfi.warned import Warned
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly, RollerRow
 
-#: Assumptions of every run of Lin's low-order model on a shaft with several bearings and nuts.
+#: Assumptions of every result of Lin's low-order model on a shaft with several bearings and nuts.
 AXIS_ASSUMPTIONS = (
     "nuts, outer rings and housings are rigid, apart from the contacts (Lin 2.3.1); inner rings are one with the shaft",
     *MODEL_ASSUMPTIONS[1:],
     "lever arms of contact loads are those of error-free flanks",
 )
-#: Assumption of every run with tapered roller bearings.
+#: Assumption of every result with tapered roller bearings.
 ROLLERS = (
     "rollers are slices with independent line contacts, so that the pressure peaks at straight ends are missing; rollers "
     "touch their ribs; rings do not bend"
@@ -88,7 +88,7 @@ def assemble_axis(system: System, state: RowState, end: Ending) -> AxisResult:
     state
         Motions of shaft nodes and housings, and all contacts.
     end
-        Status, stiffness and other data of the solve.
+        Data of the finished solve: its status, effort, stiffness, assumptions.
     """
     assembly, structure = system.assembly, system.structure
     r, n = structure.stations.size, structure.nodes.size
@@ -188,7 +188,7 @@ def ball_result(system: System, i: int, state: RowState, end: Ending) -> SetResu
     state
         Motions of shaft nodes and housings, and all contacts.
     end
-        Status, stiffness and other data of the solve.
+        Data of the finished solve: its status, effort, stiffness, assumptions.
     """
     b = system.balls[i]
     problem = b.problem
@@ -263,7 +263,10 @@ def _sum_at(points: Array, forces: Array, station: float) -> tuple[Array, Array]
 
 
 def _balance(system: System, state: RowState, end: Ending, sets: tuple[SetResult, ...]) -> Equilibrium:
-    """Return the check of equilibrium of the shaft: external loads, support reactions, and forces of bearings and nuts."""
+    """Return the check of equilibrium of the shaft: external loads, support reactions, and forces of bearings and nuts.
+
+    ``state``: solved motions; ``end``: data of the finished solve; ``sets``: results of the bearings and nuts.
+    """
     nodes = system.structure.nodes
     applied, contact = wrench_of(system.assembly.loads), np.zeros(6)
     reaction = about_origin(nodes, end.held[: nodes.size])
@@ -297,7 +300,7 @@ def _housing(system: System, i: int, sets: tuple[SetResult, ...], q: Array, end:
     q
         Motions of shaft nodes and moving housings ``(r, 6)`` [m, rad].
     end
-        Status, stiffness and other data of the solve.
+        Data of the finished solve: its status, effort, stiffness, assumptions.
     """
     structure = system.structure
     row = structure.nodes.size + i
@@ -355,7 +358,7 @@ def failed_axis(
 
 
 def roller_warnings(s: SetResult, z: Array, motion: Array) -> tuple[Warned, ...]:
-    """Return the warnings that the contacts of a tapered roller bearing leave the model's range of validity.
+    """Return the warnings that contacts of a tapered roller bearing lie outside the model's range of validity.
 
     Parameters
     ----------

@@ -67,9 +67,12 @@ class BallSet:
     v0: Array
 
     def flank_motions(self, motions: Array) -> Array:
-        """Return the motions of the flanks ``(N, 4, 2, ...)`` that follow from the motions of all bodies ``(r, 6, ...)``.
+        """Return the motions of the four flanks of N balls that follow from the motions of all bodies.
 
-        The r bodies are the shaft's nodes and the moving housings.
+        ``motions`` ``(r, 6, ...)``: three displacements and three rotations of the r bodies, which are the shaft's nodes
+        and the moving housings; further axes are load cases. Returns ``(N, 4, 2, ...)``: for each ball the flanks SL, SR,
+        NL, NR, and two components in the ball's section plane. Flanks of a fixed housing do not move; prescribed offsets
+        are not included.
         """
         flat = motions.reshape(-1, *motions.shape[2:])
         found = np.einsum("nsak,nsk...->nsa...", self.B, flat[6 * self.row[..., None] + np.arange(self.B.shape[3])])
@@ -77,7 +80,11 @@ class BallSet:
         return np.asarray(found)
 
     def of_one_row(self, flanks: slice) -> Array:
-        """Return the coefficients ``(N, 2, 2, 6)`` of the motions of two flanks that belong to one rigid body."""
+        """Return the coefficients ``(N, 2, 2, 6)`` that give the motions of two flanks by the motions of their rigid body.
+
+        ``flanks``: the two flanks on this body, ``slice(2)`` on the inner and ``slice(2, 4)`` on the outer part. The axes
+        of the result are ball, flank, component in the ball's section plane, and motion of the body.
+        """
         B = self.B[:, flanks]
         return np.asarray(B.reshape(*B.shape[:3], -1, 6).sum(axis=3))
 
@@ -142,7 +149,7 @@ def build(
     places: Sequence[Placed] | None = None,
     section: BeamSection | None = None,
 ) -> System:
-    """Return the arrays for the kernels of a shaft with its bearings, ball nuts and housings.
+    """Return an assembly (shaft, bearings, ball nuts and housings) as arrays for the numerical kernels.
 
     Parameters
     ----------
@@ -285,10 +292,11 @@ def motions_of(structure: Structure, stations: Array) -> tuple[Ints, Array]:
 
 
 def widened(row: Ints, B: Array, width: int, rows: int) -> tuple[Ints, Array]:
-    """Pad coefficients of the six motions of one body with zeros, to ``width`` 12: two bodies with consecutive numbers.
+    """Pad the coefficients of one body's six motions with zeros to the twelve motions of two consecutively numbered bodies.
 
-    Returns the number of the first body of each pair, and the padded coefficients. A body is the first of its pair, except
-    the last body of all, which is the second.
+    The kernels store for every flank the coefficients of the motions of two such bodies. Returns the number of the first
+    body of each pair, and the padded coefficients. The given body is the first of its pair; only the last body of all is
+    the second.
 
     Parameters
     ----------
@@ -309,7 +317,7 @@ def widened(row: Ints, B: Array, width: int, rows: int) -> tuple[Ints, Array]:
 
 
 def with_arms(system: System, arms: Sequence[Array]) -> System:
-    """Return the system with longer lever arms of the contacts and unchanged Hertz constants.
+    """Return the arrays of an assembly with changed lever arms of the contacts and unchanged Hertz constants.
 
     Parameters
     ----------
@@ -358,9 +366,10 @@ def moved_flanks(b: BallSet, q: Array) -> Array:
 
 
 def _all_balls(sets: list[BallSet]) -> AxisBalls:
-    """Concatenate the arrays of the balls of all nuts and bearings, whose problems then hold views of the joint array.
+    """Concatenate the arrays of the balls of all nuts and bearings for the kernels.
 
-    The polynomials of the flanks' profile errors are padded with zeros to the same degree.
+    The contact data ``geometry`` of each problem in ``sets`` is replaced by a view of the joint array, so that both see an
+    update of the Hertz constants. The polynomials of the flanks' profile errors are padded with zeros to the same degree.
     """
     degree = max((b.problem.drawn.profile.shape[1] for b in sets), default=0)
     row, profile = [], []
@@ -391,10 +400,12 @@ def _all_balls(sets: list[BallSet]) -> AxisBalls:
 
 
 def _roller_set(rolling: RollingSet, row: RollerRow, structure: Structure, first: int) -> RollerSet:
-    """Return the roller slices of one tapered roller bearing, placed along the raceway of its cup.
+    """Return the roller slices of one tapered roller bearing as arrays for the kernels.
 
-    Cone and cup approach each other along the normal of the cup's raceway. The forces of cone raceway and rib on a roller
-    add up to a force on the same line of action (`lowfi.rollers`).
+    ``rolling``: the bearing with its position and housing; ``row``: dimensions of its rollers and raceways; ``first``:
+    index of its first slice among the slices of all bearings. The slices lie along the raceway of the cup. Cone and cup
+    approach each other along the normal of the cup's raceway. The forces of cone raceway and rib on a roller add up to a
+    force on the same line of action (`lowfi.rollers`).
     """
     n, bearing = structure.nodes.size, tapered_bearing(row)
     inner = int(np.abs(structure.nodes - rolling.position).argmin())
@@ -437,7 +448,9 @@ def _all_rollers(sets: list[RollerSet]) -> AxisRollers:
 def _axis(structure: Structure, contacts: AxisBalls, slices: AxisRollers) -> AxisArrays:
     """Return the kernels' arrays of shaft, housings and springs, with the envelope of their stiffness matrix.
 
-    To keep the envelope small, each housing is numbered right after the last shaft node with which it shares a contact.
+    ``contacts`` and ``slices`` (balls and roller slices) determine which bodies are coupled. The envelope stores each row
+    of the matrix from its first coefficient that can differ from zero to the diagonal. To keep it small, each housing is
+    numbered right after the last shaft node with which it shares a contact.
     """
     n, r = structure.nodes.size, structure.stations.size
     pairs = np.array([(a, b) for a in range(4) for b in range(a)])
@@ -521,10 +534,11 @@ def typical_force(system: System, b: BallSet) -> float:
 
 
 def scale_of(system: System) -> Scale:
-    """Return the typical force and stiffness of the assembly's contacts, by which the solver scales residuals.
+    """Return the typical force and stiffness of the assembly's contacts, and the forces that count as zero.
 
-    A contact counts as unloaded below the round-off of the typical force. If nothing presses any contact, the limit is
-    instead the force at an approach of the size of the coordinates' round-off.
+    The solver divides residuals by these values. A contact counts as unloaded below the round-off of the typical force. If
+    neither loads nor preload press any contact, this limit is the force at an approach of the size of the coordinates'
+    round-off.
     """
     load, share = system.structure.load, mean_share(system)
     stiffness, squeezed = 1.0, 0.0
@@ -592,9 +606,11 @@ def roller_elements(sets: list[RollerSet]) -> RollerElements:
 
 
 def roller_springs(count: int, stiffness: float) -> Array:
-    """Return linear springs ``(count, 2, 8)`` between cone and cup at the middle of each roller.
+    """Return linear springs between cone and cup at the middle of each roller, as factors S ``(count, 2, 8)``.
 
-    They replace the nonlinear slices in the first, linear solve. Layout as in `lowfi.statics.response.spring_rows`.
+    S^T S [N/m] is the stiffness of a spring against the eight motions of the roller's two rings. The springs replace the
+    nonlinear slices in the first, linear solve. `lowfi.statics.response.spring_rows` returns the springs of balls in the
+    same layout.
 
     Parameters
     ----------

@@ -50,7 +50,8 @@ from .rollers import roller_forces
 def add_block(values: Array, axis: AxisArrays, a: int, b: int, block: Array) -> None:
     """Add a block (6, 6), which couples the motions of bodies or nodes a and b, to the symmetric stiffness matrix.
 
-    Only the lower triangle is stored, as an envelope in ``values``; for a = b only the lower half of the block is added.
+    Only the lower triangle of the matrix is stored, as an envelope in ``values`` (`kernel.matrices`); ``axis`` holds the
+    positions of its rows. For a = b only the lower half of the block is added.
     """
     if axis.place[a] >= axis.place[b]:
         rows, columns = 6 * axis.place[a], 6 * axis.place[b]
@@ -68,7 +69,10 @@ def add_block(values: Array, axis: AxisArrays, a: int, b: int, block: Array) -> 
 
 @kernel
 def add_axis(values: Array, axis: AxisArrays) -> None:
-    """Add the stiffness of the shaft's beam elements, and of the springs between bodies, to the matrix ``values``."""
+    """Add the stiffness of the shaft's beam elements, and of the springs between bodies, to the matrix ``values``.
+
+    ``values``: stiffness matrix of the bodies' motions, stored as an envelope (`kernel.matrices`).
+    """
     band, block = np.empty((12, 12)), np.empty((6, 6))
     for e in range(axis.lengths.shape[0]):
         band[:, :] = 0.0
@@ -95,7 +99,7 @@ def add_axis(values: Array, axis: AxisArrays) -> None:
 
 @kernel
 def loop_balls(values: Array, axis: AxisArrays, balls: AxisBalls, hessians: Array) -> None:
-    """Add the contact stiffness of all balls to the matrix ``values``.
+    """Add the contact stiffness of all balls to the stiffness matrix ``values``, stored as an envelope, ball by ball.
 
     Each ball adds B_s^T h B_t for its flanks s and t that can move. B gives the motion of a flank by the motions of the
     nodes or bodies that carry it, and h (2, 2) is a block of the ball's stiffness ``hessians`` (N, 8, 8) [N/m].
@@ -138,7 +142,7 @@ def turned_block(left: Array, h: Array, right: Array, block: Array) -> None:
 
 @kernel
 def add_rollers(values: Array, axis: AxisArrays, rollers: AxisRollers, slices: Array) -> None:
-    """Add the contact stiffness of all roller slices to the matrix ``values``.
+    """Add the contact stiffness of all roller slices to the stiffness matrix ``values``, stored as an envelope.
 
     slices (M, 2): force [N] and stiffness [N/m] of each slice.
     """
@@ -157,9 +161,9 @@ def add_rollers(values: Array, axis: AxisArrays, rollers: AxisRollers, slices: A
 
 @kernel
 def hold(values: Array, axis: AxisArrays, shift: Array) -> None:
-    """Apply the boundary conditions: give fixed motions the rows and columns of a unit matrix.
+    """Apply the boundary conditions: give the rows and columns of fixed motions in ``values`` those of a unit matrix.
 
-    Before that, ``shift`` (6,) [N/m, N m] is added to the diagonal for every node and body.
+    Before that, ``shift`` (6,) [N/m, N m] is added to the diagonal of the stiffness matrix for every node and body.
     """
     n = axis.first.shape[0]
     for i in range(axis.fixed.shape[0]):
@@ -177,7 +181,10 @@ def hold(values: Array, axis: AxisArrays, shift: Array) -> None:
 
 
 def _balls_at_once(values: Array, axis: AxisArrays, balls: AxisBalls, hessians: Array) -> None:
-    """Add the contact stiffness of all balls to the matrix ``values``, as `loop_balls`, with numpy in place of loops."""
+    """Add the contact stiffness of all balls to the stiffness matrix ``values`` by numpy, without loops over the balls.
+
+    It does the same as `loop_balls` and is used without compilation. hessians (N, 8, 8): stiffness of the balls [N/m].
+    """
     six, spans = np.arange(6), range(balls.B.shape[3] // 6)
     for s, t, a, b in product(range(4), range(4), spans, spans):
         both = np.flatnonzero((balls.row[:, s] >= 0) & (balls.row[:, t] >= 0))
@@ -200,7 +207,8 @@ KEPT = 0.0
 def evaluate_axis(given: AxisSystem, state: RowState, out: Slopes) -> tuple[float, float]:
     """Return the energy [J] of shaft, bodies and rolling elements at the state, and the largest force in them [N].
 
-    Writes the gradient of the energy and the stiffness of the balls to ``out``.
+    Writes the nodal motions, ball centres, contacts and roller slices to ``state``, and the gradient of the energy and the
+    stiffness of the balls to ``out``.
     """
     axis, balls, rollers = given
     q, _, p, contact, slices = state
@@ -362,7 +370,8 @@ minimise: Callable[..., Outcome] = load_driver(__name__, "descent").minimise
 def start_on_springs(given: AxisSystem, state: RowState, options: Options, workspace: RowWorkspace) -> None:
     """Set the state to the equilibrium with linear springs in place of balls and rollers, as a first guess.
 
-    Leaves the state unchanged if that stiffness matrix is not positive definite. The step is shortened as in ``beam``.
+    Leaves the state unchanged if that stiffness matrix is not positive definite. The step is shortened such that no flank
+    moves further than ``options.furthest`` [m].
     """
     gradient, hessians = workspace.slopes
     hessians[:] = 0.0
@@ -378,9 +387,10 @@ def start_on_springs(given: AxisSystem, state: RowState, options: Options, works
 
 @kernel
 def spring_of_pair(geometry: Array, a: int, stiffness: float, out: Array) -> None:
-    """Add a linear spring between flank a and the opposite flank to the stiffness ``out`` (8, 8) [N/m] of a ball.
+    """Add a linear spring between flank a and the opposite flank 3 - a to the stiffness ``out`` (8, 8) [N/m] of a ball.
 
-    The spring, of this stiffness [N/m], acts along the nominal contact direction. It replaces the ball in a first guess.
+    The spring, of this stiffness [N/m], acts along the nominal contact direction. It replaces the ball's two contacts in a
+    first guess. geometry (4, 9): contact data of the ball, see `kernel.ball`.
     """
     b = 3 - a
     if geometry[a, USE] == 0.0 or geometry[b, USE] == 0.0:

@@ -122,7 +122,12 @@ def touch(
 def touch_any(
     x: float, z: float, y: float, shift: Array, geometry: Array, local: Array, r_ball: float, profile: Array, contact: Array
 ) -> float:
-    """Compute contact forces and energy of a ball, as `touch`, also for non-circular flanks and for an elastic ball."""
+    """Compute contact forces and energy of a ball, as `touch`, also for non-circular flanks and for an elastic ball.
+
+    (x, z): position of the ball's centre [m]; y: amplitude of its deformation; shift (4, 2): motions of the flanks [m];
+    local (4, 3): compliance terms of the contacts, empty for a rigid ball. Writes ``contact`` (4, 5), returns the energy
+    [J].
+    """
     energy = 0.5 * y * y  # energy of the ball's deformation; its amplitude is scaled to a stiffness of one
     for s in range(4):
         contact[s, FORCE] = 0.0
@@ -143,7 +148,10 @@ def touch_any(
 
 @kernel
 def net_force(contact: Array) -> tuple[float, float]:
-    """Return the magnitude of the net force on the ball and the largest of its contact forces [N]."""
+    """Return the magnitude of the net force on the ball and the largest of its contact forces [N].
+
+    contact (4, 5): force, unit normal (x, z), and two stiffnesses of each contact.
+    """
     gx, gz, scale = 0.0, 0.0, 0.0
     for s in range(4):
         f = contact[s, FORCE]
@@ -156,7 +164,10 @@ def net_force(contact: Array) -> tuple[float, float]:
 
 @kernel
 def body_force(y: float, contact: Array, local: Array) -> float:
-    """Return the unbalanced force on the amplitude y of the ball's deformation, converted to a contact force [N]."""
+    """Return the unbalanced force on the amplitude y of the ball's deformation, converted to a contact force [N].
+
+    contact (4, 5): forces and stiffnesses of the contacts; local (4, 3): compliance terms of the contacts.
+    """
     net, reach = y, 0.0
     for s in range(4):
         reach = max(reach, abs(local[s, BODY]))
@@ -168,7 +179,8 @@ def body_force(y: float, contact: Array, local: Array) -> float:
 def newton_step(y: float, contact: Array, local: Array) -> tuple[float, float, float, float]:
     """Return the Newton step (x, z) of the ball's centre and y of its deformation, and the energy's slope along it [J].
 
-    For a rigid ball whose stiffness matrix is singular, the step follows the gradient.
+    y: amplitude of the deformation before the step; contact (4, 5), local (4, 3): forces and compliance terms of the
+    contacts. For a rigid ball whose stiffness matrix is singular, the step follows the gradient.
     """
     gx, gz, hxx, hxz, hzz = 0.0, 0.0, 0.0, 0.0, 0.0
     gy, hxy, hzy, hyy = y, 0.0, 0.0, 1.0
@@ -240,7 +252,8 @@ def body_step(
 def interference(a: int, shift: Array, geometry: Array, closure: Array) -> float:
     """Return the interference [m] of a ball between two opposite flanks a and 3 - a; negative for clearance.
 
-    Computed from the distance of the groove centres. Returns -1 unless both flanks can carry load.
+    shift (4, 2): motions of the flanks [m]; closure (2,): nominal interference of the two pairs [m]. The result follows
+    from the distance of the groove centres. Returns -1 unless both flanks can carry load.
     """
     b = 3 - a
     if geometry[a, USE] == 0.0 or geometry[b, USE] == 0.0:
@@ -292,7 +305,11 @@ def press_pair(a: int, total: float, p: Array, shift: Array, geometry: Array, co
 
 @kernel
 def loosened(contact: Array, tiny: float, energy: float) -> float:
-    """Set all forces of a ball to zero if none exceeds ``tiny`` [N]; return its energy [J], which is then zero."""
+    """Set all forces of a ball to zero if none exceeds ``tiny`` [N].
+
+    contact (4, 5): contacts of the ball, changed in place. Returns the ball's energy [J]: ``energy``, or zero without
+    forces.
+    """
     for s in range(4):
         if contact[s, FORCE] > tiny:
             return energy
@@ -385,7 +402,8 @@ def ball_mismatch(contact: Array, scale: float) -> float:
 def block(contact: Array, s: int) -> tuple[float, float, float]:
     """Return the stiffness matrix F' m m^T + F kt t t^T of contact s, as its entries (xx, xz, zz) [N/m].
 
-    m is the normal and t the tangent of the contact; zeros if the contact carries no force.
+    m is the unit normal and t the tangent of the contact, F its force with the derivative F' by the approach, and kt the
+    curvature term [1/m]. Zeros if the contact carries no force.
     """
     if contact[s, FORCE] <= 0.0:
         return 0.0, 0.0, 0.0

@@ -123,7 +123,8 @@ ROUND_OFF = 1e-17
 def flank_shift(contacts: BeamContacts, motion: Array, i: int, m: int, shift: Array) -> None:
     """Compute the motions of the screw's two groove flanks at ball i from the nodal motions (6 n,) of the beam.
 
-    m: number of nodal motions on which a flank depends. Writes the motions along x3 and z3 [m] to ``shift`` (4, 2).
+    m: number of nodal motions on which a flank depends, 6 or 12. Writes the motions along x3 and z3 [m] to ``shift`` (4,
+    2).
     """
     B = contacts.B
     for s in range(2):
@@ -140,7 +141,8 @@ def flank_shift(contacts: BeamContacts, motion: Array, i: int, m: int, shift: Ar
 def pull(gradient: Array, B: Array, i: int, s: int, m: int, start: int, fx: float, fz: float) -> None:
     """Add the contact force (fx, fz) [N] of ball i on flank s to the gradient (6 n,) of the energy by the nodal motions.
 
-    m: number of nodal motions on which the flank depends; start: index of the first of them.
+    B (N, 2, 2, m): motions of the screw's flanks per unit motion of the nodes; m: number of nodal motions on which the
+    flank depends; start: index of the first of them.
     """
     for k in range(m):
         gradient[start + k] -= fx * B[i, s, 0, k] + fz * B[i, s, 1, k]
@@ -248,10 +250,10 @@ def add_between(band: Array, b: Array, c: Array, h: Array, rows: int, columns: i
 
 @kernel
 def assemble(band: Array, beam: BeamArrays, contacts: BeamContacts, hessians: Array, shift: float, arm: float) -> None:
-    """Write the stiffness matrix of beam and balls to the lower band ``band``.
+    """Write the stiffness matrix of beam and balls to ``band``, its lower band A[i, j] = band[j, i - j].
 
     hessians (N, 4, 4): stiffness of the balls against motions of the screw's flanks [N/m]; shift [N/m]: stiffness added to
-    the diagonal, multiplied by arm^2 for rotations. Fixed nodal motions get unit rows.
+    the diagonal, multiplied by arm^2 for rotations. Fixed nodal motions get the rows of a unit matrix.
     """
     fixed, node, B = beam.fixed, contacts.node, contacts.B
     band[:] = beam.band
@@ -292,7 +294,8 @@ def hold(band: Array, i: int) -> None:
 def advance(shaft: BeamArrays | AxisArrays, state: RowState, q0: Array, d0: Array, step: Array, t: float) -> None:
     """Set nodal motions q and element deformations d to their start values (q0, d0) plus ``t`` times the step.
 
-    The change of the element deformations is computed from the step alone, not from the moved nodes, to avoid round-off.
+    step (r, 6): change of the motions of nodes and bodies [m, rad] for t = 1. The change of the element deformations is
+    computed from the step alone, not from the moved nodes, to avoid round-off.
     """
     q, d, lengths = state.q, state.d, shaft.lengths
     for k in range(6):
@@ -334,7 +337,7 @@ def find_step(
 
 @kernel
 def step_down(given: BeamSystem, workspace: RowWorkspace) -> None:
-    """Solve for Newton's step of the nodal motions with the factored stiffness matrix in the workspace."""
+    """Solve for Newton's step of the nodal motions with the factored stiffness matrix, and write it to the workspace."""
     fixed, gradient, step = given.shaft.fixed, workspace.slopes.gradient, workspace.step
     for i in range(step.shape[0]):
         for k in range(6):
@@ -493,8 +496,8 @@ def solve_beam(given: BeamSystem, state: RowState, options: Options, start: bool
 def ensemble(given: BeamSystem, begin: RowState, options: Options, members: MemberArrays, out: MemberStates) -> None:
     """Solve the equilibrium of many specimens of one screw, which differ in ball radii, groove centres and lever arms.
 
-    Every specimen starts from ``begin``, the solution of the nominal screw ``given``. ``begin`` is not changed, so that
-    calls may run in parallel. The solutions are written to ``out``.
+    given: arrays of the nominal screw; members: arrays of the specimens. Every specimen starts from ``begin``, the solution
+    of the nominal screw, which is not changed, so that calls may run in parallel. The solutions are written to ``out``.
     """
     contacts = given.contacts
     state = RowState(begin.q.copy(), begin.d.copy(), begin.p.copy(), begin.contact.copy(), begin.slices)

@@ -47,10 +47,10 @@ least_force, furthest, unbalanced = system.least_force, system.furthest, system.
 
 @kernel
 def search(given: Any, state: Any, workspace: Any, energy: float, slope: float, limit: float) -> tuple[float, float, int]:
-    """Search the energy minimum along the Newton step and leave the state at the accepted point.
+    """Search the energy minimum along the Newton step in the workspace; leave the state at the accepted point.
 
-    energy, slope: energy [J] and its slope along the step at the start; limit: largest step length. Returns the energy [J],
-    the largest force [N] and the number of step lengths tried.
+    energy, slope: energy [J] and its derivative by the step length [J] at the start; limit: largest step length. Returns
+    the energy [J], the largest force [N] and the number of step lengths tried.
     """
     trial, go_on = first_trial(energy, slope, limit), True
     new, scale = energy, 0.0
@@ -65,9 +65,9 @@ def search(given: Any, state: Any, workspace: Any, energy: float, slope: float, 
 def judge(given: Any, state: Any, options: Options, workspace: Any, scale: float, start: float) -> tuple[float, float]:
     """Return the force [N] by which the residual is divided, and the relative residual.
 
-    The force is ``scale``, the largest force in the model, but not less than the smallest permitted one. Where only
-    displacements are prescribed (``options.floor`` is zero) that is ``start`` [N], from the first state, because the final
-    state may be free of forces.
+    That force is ``scale`` [N], the largest force in the model, or a lower limit if that is larger. The limit is
+    `least_force`. Where only displacements are prescribed (``options.floor`` is zero) it is ``start`` [N], a force of the
+    first state, because the final state may be free of forces.
     """
     least = least_force(given, state, options) if options.floor > 0.0 else start
     scale = max(scale, least)

@@ -62,7 +62,7 @@ def body_motion(bodies: Bodies, phi: Array, out: Array) -> None:
 def couple(bodies: Bodies, rows: BallRows, M: Array) -> None:
     """Write the matrix M (q, q) = I + S G S^T, with which a Newton step for the contact forces is solved.
 
-    G is the compliance matrix of the elastic bodies. S are the rows by which S^T S is the stiffness matrix of the balls.
+    G is the compliance matrix of the elastic bodies. S are q rows of factors: S^T S is the stiffness matrix of the balls.
     """
     half = rows.S.shape[2] // (2 if bodies.second.shape[0] else 1)
     M[:] = np.eye(M.shape[0])
@@ -104,7 +104,10 @@ def cholesky_lower(M: Array) -> bool:
 
 @kernel
 def triangular(M: Array, b: Array) -> None:
-    """Solve L L^T x = b by substitution and write x over b; the lower triangle of M holds the Cholesky factor L."""
+    """Solve M x = b with M = L L^T and write x over b.
+
+    ``M``: matrix whose lower triangle holds the Cholesky factor L, from `cholesky_lower`; ``b`` (q,): right-hand side.
+    """
     for j in range(b.shape[0]):
         b[j] = (b[j] - np.sum(M[j, :j] * b[:j])) / M[j, j]
     for j in range(b.shape[0] - 1, -1, -1):
@@ -114,7 +117,10 @@ def triangular(M: Array, b: Array) -> None:
 
 @kernel
 def apply_rows(rows: BallRows, x: Array, out: Array) -> None:
-    """Write the product ``out`` (q,) = S x of the balls' stiffness rows S with the motions x (N, d) of their flanks [m]."""
+    """Write the product ``out`` (q,) = S x of the balls' stiffness factors S with the motions x (N, d) of their flanks [m].
+
+    S^T S is the stiffness matrix of the balls; ``rows`` holds the q rows of S ball by ball.
+    """
     S, counts, starts = rows
     for i in range(S.shape[0]):
         for p in range(counts[i]):
@@ -123,7 +129,10 @@ def apply_rows(rows: BallRows, x: Array, out: Array) -> None:
 
 @kernel
 def forces_of_rows(rows: BallRows, u: Array, out: Array) -> None:
-    """Subtract the flank forces S^T u [N] from ``out`` (N, d); S: rows of the balls' stiffness S^T S, u (q,)."""
+    """Subtract the flank forces S^T u [N] from ``out`` (N, d).
+
+    S are the q rows of factors in ``rows``, with the stiffness S^T S of the balls; u (q,): solution of a Newton step.
+    """
     S, counts, starts = rows
     for i in range(S.shape[0]):
         for p in range(counts[i]):
@@ -219,10 +228,11 @@ def reflect(direction: Array, x: Array, first: int, last: int, size: float) -> N
 
 @kernel
 def full_balls(v: Array, contacts: BallContacts, inner: Array, contact: Array, f: Array) -> tuple[float, float]:
-    """Solve every ball between four flanks, and every roller, for the motions v (N, 8) [m] of the flanks.
+    """Find the equilibrium of every ball between four flanks, and the forces of every roller, for given flank motions.
 
-    Writes the forces f (N, 8) [N] on the flanks, the ball centres and body amplitudes ``inner`` (N, 3), and the contacts
-    (N, 4, 5). Rows of rollers come after those of the balls. Returns the energy [J] and the largest contact force [N].
+    v (N, 8): motions of the flanks [m]. Writes the forces f (N, 8) [N] on the flanks, the ball centres [m] and deformation
+    amplitudes ``inner`` (N, 3), and ``contact`` (N, 4, 5): force, unit normal and stiffnesses of each contact. Rollers come
+    after the balls. Returns the energy [J] and the largest contact force [N].
     """
     geometry, closure, local, r_ball, profile = contacts[:5]
     energy, scale, tiny = 0.0, 0.0, contacts.tiny
@@ -344,7 +354,10 @@ def add_free(R: Array, a: Array, out: Array) -> None:
 
 @kernel
 def stored(bodies: Bodies, state: BodyState, g: Array) -> float:
-    """Return the elastic energy phi G phi/2 of the bodies minus the work of the loads on the free motions [J]."""
+    """Return the elastic energy phi G phi/2 of the bodies minus the work of the loads on the free motions [J].
+
+    g (N, d): motions G phi of the flanks [m] by the contact forces phi of the state.
+    """
     return float(0.5 * np.sum(state.phi * g) - np.sum(bodies.work * state.a))
 
 
@@ -377,7 +390,11 @@ def unbalanced(state: BodyState, scale: float) -> float:
 
 @kernel
 def energy_at(given: BodySystem, state: BodyState, workspace: BodyWorkspace) -> tuple[float, float]:
-    """Return the energy of bodies and balls [J] and the largest contact force [N]; write the forces on the flanks."""
+    """Return the energy of bodies and balls [J] and the largest contact force [N] at the state.
+
+    Writes the forces of the balls on the flanks, and the contacts, to ``workspace.f`` and ``state``. The flank motions in
+    the workspace must be those of the state.
+    """
     energy, scale = evaluate_balls(workspace.v, given.contacts, state, workspace.f)
     return energy + stored(given.bodies, state, workspace.g), scale
 

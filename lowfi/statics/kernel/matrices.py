@@ -59,7 +59,7 @@ def ldl_substitute(band: Array, b: Array) -> None:
 
 
 def _filled(band: Array) -> Array:
-    """Return a band matrix (n, w) extended by unit rows to a whole number of blocks of size w - 1."""
+    """Return a lower band matrix (n, w) extended by rows of a unit matrix until n is a multiple of the block size w - 1."""
     n, width = band.shape
     size = max(width - 1, 1)
     filled = np.zeros((-(-n // size) * size, size + 1))
@@ -115,7 +115,10 @@ def inverse_blocks(band: Array) -> tuple[Array, Array]:
 
 
 def substitute_blocks(blocks: tuple[Array, Array], b: Array) -> None:
-    """Solve A x = b for one right-hand side (n,) or several (n, k) and write x over b; blocks: from `inverse_blocks`."""
+    """Solve A x = b for one right-hand side (n,) or several (n, k) and write x over b.
+
+    blocks: inverted diagonal blocks of the factor of A, and the blocks below them, from `inverse_blocks`.
+    """
     inverse, below = blocks
     whole = np.zeros((inverse.shape[0] * inverse.shape[1], *b.shape[1:]))
     whole[: len(b)] = b
@@ -162,7 +165,11 @@ def row_factor(values: Array, first: Array, start: Array) -> bool:
 
 @kernel
 def row_solve(values: Array, first: Array, start: Array, b: Array) -> None:
-    """Solve A x = b and write x over b (n,); values: Cholesky factor of A as an envelope, from `row_factor`."""
+    """Solve A x = b and write x over b (n,).
+
+    values: Cholesky factor of A from `row_factor`, stored as an envelope: entry [i, j] at start[i] + j for first[i] <= j <=
+    i.
+    """
     n = first.shape[0]
     for i in range(n):
         row = start[i]
@@ -178,7 +185,10 @@ def row_solve(values: Array, first: Array, start: Array, b: Array) -> None:
 
 
 def _lapack_factor(values: Array, first: Array, start: Array) -> bool:
-    """Replace a matrix stored as an envelope by its Cholesky factor, with LAPACK; False if not positive definite."""
+    """Replace a symmetric matrix by its Cholesky factor, with LAPACK; return False if it is not positive definite.
+
+    values: entries stored as an envelope, [i, j] at start[i] + j for first[i] <= j <= i.
+    """
     n = first.shape[0]
     full = np.zeros((n, n))
     for i in range(n):
@@ -193,7 +203,10 @@ def _lapack_factor(values: Array, first: Array, start: Array) -> bool:
 
 
 def _lapack_solve(values: Array, first: Array, start: Array, b: Array) -> None:
-    """Solve A x = b and write x over b (n,); values: Cholesky factor of A as an envelope, from `_lapack_factor`."""
+    """Solve A x = b with LAPACK and write x over b (n,).
+
+    values: Cholesky factor of A from `_lapack_factor`, stored as an envelope with the indices first and start.
+    """
     from scipy.linalg import solve_triangular
 
     n = first.shape[0]

@@ -124,9 +124,10 @@ def roller_elements(v: Array, rollers: RollerContacts, contact: Array, f: Array,
 
 @kernel
 def roller_rows(contact: Array, rows: Array) -> int:
-    """Write the stiffness of a roller against motions of its rings as S^T S; return the number of rows of S (6, 8).
+    """Write the stiffness of a roller against the eight motions of its rings as S^T S; return the number of rows of S.
 
-    contact (4, 5): stiffness of the roller, from `roller_elements`.
+    contact (4, 5): stiffness of the roller, from `roller_elements`. Writes S to ``rows`` (6, 8), of which at most two rows
+    are used; the number is 0 for a roller without force.
     """
     if contact[CONE, FORCE] <= 0.0:
         return 0

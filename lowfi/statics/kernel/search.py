@@ -35,8 +35,9 @@ FALLS = 1e-6
 def first_trial(energy: float, slope: float, limit: float) -> Trial:
     """Return the first trial of a line search: the whole Newton step, or the longest step that ``limit`` allows.
 
-    energy, slope: energy [J] at the start of the search and its negative slope along the step. limit: largest step length;
-    a longer step would carry flanks past their balls and give no information on the contacts.
+    energy, slope: energy [J] at the start of the search, and its derivative by the step length there [J], which is
+    negative. limit: largest step length; a longer step would carry flanks past their balls and give no information on the
+    contacts.
     """
     return Trial(energy, slope, limit, 0.0, 0.0, min(1.0, limit), 0)
 
@@ -45,7 +46,9 @@ def first_trial(energy: float, slope: float, limit: float) -> Trial:
 def next_trial(trial: Trial, new: float, ahead: float) -> tuple[Trial, bool]:
     """Return the next step length to try in a line search, and whether the search continues.
 
-    new, ahead: energy [J] and its slope along the step, found at the last step length tried.
+    trial: bracket and last step length tried; new, ahead: energy [J] and its derivative by the step length [J], found
+    there. The search ends where the magnitude of the derivative is sufficiently smaller than at the start, or at the
+    largest step length.
     """
     energy, slope, limit, low, high, t, tried = trial
     tried += 1
@@ -69,8 +72,8 @@ def next_trial(trial: Trial, new: float, ahead: float) -> tuple[Trial, bool]:
 def got_on(progress: Progress, residual: float, unbalanced: float, energy: float, tried: int) -> tuple[Progress, bool]:
     """Update the record of a Newton iteration's progress; return it and whether the iteration ends here.
 
-    residual, unbalanced: unbalanced force relative to the largest force and to the applied loads; energy [J]; tried: number
-    of step lengths that the last line search tried.
+    residual: unbalanced force relative to the largest force; unbalanced: relative to the applied loads; energy: energy [J]
+    after the step; tried: number of step lengths that the last line search tried.
     """
     falls = progress.lowest - energy > FALLS * abs(energy)
     stalled = 0 if residual < 0.5 * progress.best or falls else progress.stalled + 1

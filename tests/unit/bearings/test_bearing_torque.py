@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from rollbench.compare.cases.makers.bearings import bearing_scene
-from rollbench.compare.cases.makers.tables import read_tables
+from rollbench.compare.cases.makers.outside import read_tables
 from rollbench.lowfi.bearings import torque
 from rollbench.lowfi.rating.contacts import contact_rating
 

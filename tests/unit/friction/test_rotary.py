@@ -18,8 +18,8 @@ from rollbench.lowfi.friction.bearing import (
     motion_problem,
     solve_ball,
 )
+from rollbench.lowfi.friction.contact.equilibrium import Problem, balance_by_root, balance_by_sharpening, least_dissipation
 from rollbench.lowfi.friction.contact.laws import dissipated_power, equal_contacts
-from rollbench.lowfi.friction.contact.motion import Problem, balance_by_root, balance_by_sharpening, least_dissipation
 from rollbench.lowfi.friction.screw.motion import source_law
 
 BEARING = source_cases.rotary_scene("I").bearing

@@ -16,7 +16,7 @@ from rollbench.compare.cases.lin.evidence.source_cases import (
 )
 from rollbench.lowfi import jit
 from rollbench.lowfi.friction.bearing import solve_ball
-from rollbench.lowfi.friction.contact.rings import cell_state
+from rollbench.lowfi.friction.contact.equilibrium import cell_state
 from rollbench.lowfi.friction.linear.bearing import LinearBearing
 from rollbench.lowfi.friction.linear.chain import pair_angles_and_loads
 from rollbench.lowfi.friction.linear.chain import solve_pair as solve_linear_pair

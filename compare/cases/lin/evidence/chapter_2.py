@@ -30,7 +30,8 @@ TABLE_CONFORMITY = 0.56
 def exact_hertz_parameters(scene: Scene) -> dict[str, dict[str, float]]:
     """Return the Hertz parameters of Lin's Table B.1 by exact elliptic integrals, in SI units.
 
-    The outer keys are "S" for the screw and "N" for the nut, the inner ones the parameters' names, such as "C_a".
+    The outer keys are "S" for contacts with the screw and "N" for those with the nut; the inner ones are names of the
+    parameters, such as "C_a". ``scene``: the screw, whose geometric errors are left out.
     """
     bare = replace(scene, errors=Errors())
     drawn = specimen(bare, ball_layout(bare))
@@ -78,10 +79,11 @@ def correct_table_b_1(scene: Scene) -> dict[str, float]:
 
 
 def table_b_1(findings: Findings, study: Study) -> None:
-    """Compute the Hertz parameters of Table B.1 of Lin's thesis, into ``findings``.
+    """Compute the Hertz parameters of Table B.1 of Lin's thesis.
 
-    The values as printed have a conformity of 0.56 and the thesis's faults. The correct values belong to the groove of
-    Table 2.1, which the text names.
+    ``findings``: receives two values for each printed number. One is computed as Lin did, with a conformity of 0.56 and
+    the thesis's faults; the other is correct and has the groove of Table 2.1, which the text names. ``study``: shipped
+    scenes.
     """
     scene = study.scene("lin-case1")
     right, faulty = (
@@ -99,7 +101,10 @@ def table_b_1(findings: Findings, study: Study) -> None:
 
 
 def table_2_1(findings: Findings, study: Study) -> None:
-    """Record the inputs of Table 2.1 and section 2.4.1 of Lin's thesis, as the scenes contain them."""
+    """Record the inputs of Table 2.1 and section 2.4.1 of Lin's thesis, as the scenes contain them.
+
+    ``findings``: receives the value for each printed number, in the printed unit; ``study``: shipped scenes.
+    """
     scene, preloaded, offset = (study.scene(name) for name in ("lin-case1", "lin-case3", "lin-case3-offset"))
     track, nut, steel = scene.track, scene.nut, scene.screw.material
     mm = {"length": scene.screw.length, "R_P": track.pitch_radius, "lead": track.lead, "R_B": scene.balls.radius}
@@ -114,12 +119,18 @@ def table_2_1(findings: Findings, study: Study) -> None:
 
 
 def partition_elements(study: Study) -> int:
-    """Return the number of beam elements of Lin's model: 12 + 12 outside the nut, 3 of 15 mm inside."""
+    """Return the number of beam elements of Lin's model: 12 + 12 outside the nut, 3 of 15 mm inside it.
+
+    ``study``: shipped scenes.
+    """
     return fixed_partition(study.changed("lin-case1", partition="source")).size - 1
 
 
 def table_2_2(findings: Findings, study: Study) -> None:
-    """Compute the number of beam elements in Table 2.2 of Lin's thesis, into ``findings``."""
+    """Compute the number of beam elements in Table 2.2 of Lin's thesis.
+
+    ``findings``: receives this number; ``study``: shipped scenes.
+    """
     findings.number("elements_proposed", float(partition_elements(study)), "12 outside + 3 of 15 mm inside + 12 outside")
 
 
@@ -149,22 +160,26 @@ CASES = ("lin-case1", "lin-case2", *(name for r in END_SUPPORTS for name in (r.p
 
 
 def load_ratio(load: Array) -> float:
-    """Return the largest over the smallest ball load; infinite if a ball carries no load.
+    """Return the largest over the smallest ball load on one flank; infinite if a ball carries no load.
 
-    ``load``: loads of the balls on one flank (n,) [N].
+    ``load``: loads of the n balls on this flank (n,) [N].
     """
     return float(load.max() / load.min()) if load.min() > 0.0 else float("inf")
 
 
 def is_two_point_contact(load: Array) -> bool:
-    """Return whether every ball is loaded on the flanks SL and NR only; ``load``: contact loads (n, 4) [N]."""
+    """Return whether every ball carries load on the flanks SL and NR, and no ball on the flanks SR and NL.
+
+    ``load``: contact loads (n, 4) [N] of n balls on the flanks SL, SR, NL and NR.
+    """
     return bool(np.all(load[:, [0, 3]] > 0.0) and not np.any(load[:, [1, 2]] > 0.0))
 
 
 def load_ratio_range(study: Study) -> str:
-    """Return in words the range of the load ratio of Lin's case 1 over two modelling choices.
+    """Return in words the range of largest over smallest load in Lin's case 1, over two modelling choices.
 
-    These are the partition of the beam, and how equation C.8 for the beam's section is read: with its root or without.
+    These are the partition of the beam into elements, and whether equation C.8 for the beam's section has a root.
+    ``study``: solved scenes.
     """
     variants = [
         study.changed("lin-case1", partition=p, section=s)
@@ -176,7 +191,11 @@ def load_ratio_range(study: Study) -> str:
 
 
 def section_2_4_1(findings: Findings, study: Study) -> None:
-    """Compute the numbers and claims printed in section 2.4.1 of Lin's thesis, into ``findings``."""
+    """Compute the numbers and claims printed in section 2.4.1 of Lin's thesis.
+
+    ``findings``: receives the computed value for each printed number, and whether each claim holds; ``study``: solved
+    scenes and stored 3D references.
+    """
     _compute_case_1(study, findings)
     _compute_case_2(study, findings)
     _compute_case_3(study, findings)
@@ -191,7 +210,7 @@ def section_2_4_1(findings: Findings, study: Study) -> None:
 
 
 def _compute_case_1(study: Study, findings: Findings) -> None:
-    """Compute load ratio, two-point contact and lateral displacement of Lin's case study 1, into ``findings``."""
+    """Compute load ratio, two-point contact and lateral displacement in Lin's case study 1, into ``findings``."""
     load, line = study.solve("lin-case1").load, study.solve("lin-case1").centreline
     mei = study.solve("lin-case1", "mei").load[:, 0]
     lateral = 1e6 * float(np.hypot(line[:, 0], line[:, 1]).max())
@@ -224,7 +243,11 @@ def _compute_case_2(study: Study, findings: Findings) -> None:
 
 
 def _compute_case_3(study: Study, findings: Findings) -> None:
-    """Check four-point contact and the last balls' load rise by the offset in Lin's case study 3, into ``findings``."""
+    """Check Lin's claims on four-point contact and on the last balls in his case study 3, into ``findings``.
+
+    In this case study the right end of the screw is displaced laterally, and the loads of the last balls rise most.
+    ``study``: solved scenes.
+    """
     smallest = [float(study.solve(name).load.min()) for name in CASES[2:]]
     words = f"smallest load of any contact in all readings {min(smallest):.1f} N"
     findings.claim("case3_four_point", min(smallest) > 0.0, words)
@@ -237,9 +260,10 @@ def _compute_case_3(study: Study, findings: Findings) -> None:
 
 
 def _compare_with_ansys(study: Study, findings: Findings) -> None:
-    """Compute the counterparts of the errors that Lin prints against ANSYS, into ``findings``.
+    """Compute counterparts of the errors that Lin prints for his model against ANSYS, into ``findings``.
 
-    They are the errors of Lin's model against this project's 3D reference, as the ANSYS loads are not printed.
+    They are the errors of Lin's model against this project's 3D reference, as the ANSYS loads are not printed. ``study``:
+    solved scenes and stored 3D references.
     """
     every = [c.errors["own"] for c in study.once(combined.evaluate_combinations) if not c.against_text]
     readings = dict(zip(combined.ERRORS, zip(*every, strict=True), strict=True))
@@ -263,7 +287,11 @@ def _compare_with_ansys(study: Study, findings: Findings) -> None:
 
 @dataclass(frozen=True)
 class ModelChoice:
-    """Contact loads of Lin's case study 1 under one modelling choice: description, result, change from the default."""
+    """Contact loads of Lin's case study 1 under one modelling choice.
+
+    ``label``: the choice in words; ``result``: static solution; ``change``: difference of the contact loads from those by
+    default.
+    """
 
     label: str
     result: StaticResult
@@ -271,7 +299,10 @@ class ModelChoice:
 
 
 def case_1_by_choice(study: Study) -> list[ModelChoice]:
-    """Solve Lin's case study 1 under each modelling choice that the thesis leaves open; the first is the default."""
+    """Solve Lin's case study 1 under each modelling choice that his thesis leaves open, and with each of its faults.
+
+    The first entry has all choices by default. ``study``: solved scenes.
+    """
     base = study.solve("lin-case1")
     case = study.scene("lin-case1")
     small = with_groove(case, TABLE_CONFORMITY)
@@ -314,9 +345,10 @@ SEEN = 0.05
 
 
 def section_2_4_2(findings: Findings, study: Study) -> None:
-    """Compute the numbers and claims on geometric errors printed in section 2.4.2 of Lin's thesis, into ``findings``.
+    """Compute the numbers and claims on geometric errors printed in section 2.4.2 of Lin's thesis.
 
-    Claims on random errors stay open if the study draws no screws.
+    ``findings``: receives the computed value for each printed number, and whether each claim holds. Claims on random
+    errors stay open if ``study`` draws no random screws.
     """
     groove = groove_section(study.scene("lin-case1"))
     findings.number("gamma_low", groove.gamma_1 / np.pi, "Lin C.5")
@@ -328,7 +360,7 @@ def section_2_4_2(findings: Findings, study: Study) -> None:
 
 
 def _compute_given_errors(study: Study, findings: Findings) -> None:
-    """Record the amplitudes of the geometric errors that Lin prints, as the scenes contain them, into ``findings``."""
+    """Record the amplitudes of the geometric errors that Lin prints in ``findings``, as the scenes contain them."""
     profile, pitch = (study.scene(name).errors for name in ("lin-profile", "lin-pitch"))
     for side in SIDES:
         findings.numbers({f"profile_{side}_{k}": 1e6 * c for k, c in enumerate(profile.side(side).profile)})
@@ -356,7 +388,7 @@ def _check_single_error_claims(study: Study, findings: Findings) -> None:
 
 
 def _check_random_error_claims(study: Study, findings: Findings) -> None:
-    """Check Lin's claims on contact loads with random ball errors, by randomly drawn screws, into ``findings``."""
+    """Check Lin's claims on contact loads with random ball errors by randomly drawn screws, into ``findings``."""
     base = study.solve("lin-case1").load
     random, combined = (ensemble_of_study(study, name).loads for name in ("lin-random", "lin-combined"))
     kept = np.array([is_two_point_contact(load) for load in random])
@@ -380,20 +412,20 @@ CLEARANCES = (0.0, -1e-6, -2e-6, -3e-6, -4e-6, -5e-6)
 
 
 def load_variation(result: StaticResult) -> float:
-    """Return the standard deviation of the contact loads on flank SL over their mean."""
+    """Return the standard deviation of the contact loads on flank SL, divided by their mean."""
     return float(result.load[:, 0].std() / result.load[:, 0].mean())
 
 
 def unloaded_balls(result: StaticResult) -> np.ndarray[tuple[int, ...], np.dtype[np.bool_]]:
-    """Return for each ball whether it carries no load, (n,)."""
+    """Return for each ball of a static solution whether it carries no load, (n,) for n balls."""
     return np.asarray(result.load.sum(axis=1) == 0.0)
 
 
 def dominant_cycles(scene: Scene, lost: np.ndarray[tuple[int, ...], np.dtype[np.bool_]]) -> tuple[int, float]:
-    """Return the dominant harmonic of the pattern of unloaded balls around the screw.
+    """Return the strongest harmonic in the pattern of unloaded balls around the screw.
 
-    First: its number of cycles per turn, 1 to 4 (0 if no ball is unloaded); second: its share of the power of these four
-    harmonics. ``lost``: whether each ball is unloaded (n,).
+    First: number of its cycles per turn, 1 to 4 (0 if no ball is unloaded); second: its share of the power of these four
+    harmonics. ``scene``: the screw with its balls; ``lost``: for each ball (n,), whether it is unloaded.
     """
     phi = ball_layout(scene).azimuth
     x = lost.astype(float) - lost.mean()
@@ -404,7 +436,7 @@ def dominant_cycles(scene: Scene, lost: np.ndarray[tuple[int, ...], np.dtype[np.
 
 
 def scenes_of_open_inputs(scene: Scene) -> list[tuple[str, Scene]]:
-    """Return labelled copies of a scene with other supports and clearances, which Lin does not print."""
+    """Return copies of a scene with other supports, errors and clearances, which Lin does not print, each with a label."""
     rotation = (Support(0.0, (("rz", 0.0),)),)
     lateral = (Support(0.0, (("ux", 0.0), ("uy", 0.0), ("rz", 0.0))),)
     no_right = replace(scene.errors, SR=SideErrors())
@@ -421,7 +453,11 @@ def scenes_of_open_inputs(scene: Scene) -> list[tuple[str, Scene]]:
 
 
 def section_4_3_2(findings: Findings, study: Study) -> None:
-    """Compute the numbers and claims on manufacturing errors printed in section 4.3.2 of Lin's thesis."""
+    """Compute the numbers and claims on manufacturing errors printed in section 4.3.2 of Lin's thesis.
+
+    ``findings``: receives the computed value for each printed number, and whether each claim holds; ``study``: solved
+    scenes.
+    """
     pitch, roundness = study.scene("lin-pitch-4p1"), study.scene("lin-roundness-4p1")
     findings.number("e_p", 1e6 * pitch.errors.SL.pitch[0].sin, "key of the scene")
     findings.number("e_R", 1e6 * roundness.errors.SL.roundness[0].sin, "key of the scene")
@@ -431,9 +467,10 @@ def section_4_3_2(findings: Findings, study: Study) -> None:
 
 
 def _check_claims_of_screw(study: Study, findings: Findings, screw: str) -> None:
-    """Check the claims of section 4.3.2 of Lin's thesis on one screw, into ``findings``.
+    """Check the claims of section 4.3.2 of Lin's thesis on pitch and roundness errors for one screw, into ``findings``.
 
-    The claims are on two-point contact, uneven loads and unloaded balls; ``screw``: a key of `SCREWS`.
+    The claims are on two-point contact, uneven loads and unloaded balls; ``screw``: key of `SCREWS`. ``study``: solved
+    scenes.
     """
     pitch, roundness = study.solve(f"lin-pitch-{screw}"), study.solve(f"lin-roundness-{screw}")
     third = [float(r.load[:, [1, 2]].max()) for r in (pitch, roundness)]

@@ -60,9 +60,9 @@ YIELD, MULTIPLE = 370.0, 4.2
 
 @cache
 def solve_rotary_as_printed(case: str) -> bearing.BallSolution:
-    """Solve the motion of one ball of the rotary bearing in a case of Lin's Table 3.2, as Lin does.
+    """Solve the motion of one ball of the rotary bearing in a case of Lin's Table 3.2 by his own method.
 
-    That is with his Hertz constants, his sigmoid friction law and root finding; ``case``: "I", "II" or "III".
+    It uses his Hertz constants, his sigmoid friction law, and root finding. ``case``: "I", "II" or "III".
     """
     scene = source_cases.rotary_scene(case, printed=True)
     law = source_law(scene.bearing, scene.sharpness, scene.map_step)
@@ -94,10 +94,10 @@ def solve_linear_pair(
 
 @cache
 def force_and_loss_maps() -> PairMaps:
-    """Return maps of ball-to-ball force and friction losses of two balls in the linear bearing.
+    """Compute maps of ball-to-ball force and friction losses of two touching balls in the linear bearing.
 
-    They are over the contact angle's deviation theta from -3 to 3 deg, and the side force over the vertical load from
-    -0.6 to 0.6.
+    The abscissas are the deviation theta of the contact angle, from -3 to 3 deg, and the side force over the vertical
+    load, from -0.6 to 0.6.
     """
     return force_maps(LINEAR, np.radians(np.linspace(-3.0, 3.0, 7)), np.linspace(-0.6, 0.6, 7), VERTICAL, K_F)
 
@@ -106,7 +106,10 @@ def force_and_loss_maps() -> PairMaps:
 
 
 def table_3_1(findings: Findings, study: Study) -> None:  # noqa: ARG001 - every table takes the study
-    """Record the inputs of the rotary bearing, Table 3.1 of Lin's thesis, into ``findings``."""
+    """Record the inputs of the rotary bearing in Table 3.1 of Lin's thesis.
+
+    ``findings``: receives the value for each number of the table. ``study``: not used here.
+    """
     b = ROTARY
     values = {
         "R_B": 1e3 * b.ball_radius,
@@ -125,8 +128,8 @@ def table_3_1(findings: Findings, study: Study) -> None:  # noqa: ARG001 - every
 def rotary_value(s: bearing.BallSolution, key: str) -> float:
     """Return the computed value for a row of Lin's Table 3.2, in the unit of the table.
 
-    ``s``: solved motion of the ball; ``key``: of the row: "F_" (contact load), "P_" (friction loss) or "omega_" (rotation
-    of the ball) with the name of the contact, "sum" or an axis, or "torque".
+    ``s``: solved motion of the ball; ``key``: name of the row: "F_" (contact load) or "P_" (friction loss) with the name
+    of a contact or "sum"; "omega_" (rotation of the ball) with "B", "x" or "y"; or "torque".
     """
     kind, _, what = key.partition("_")
     if kind == "F":
@@ -158,8 +161,8 @@ IN_3D |= {"omega_x": ("omega x rad/s", 1.0), "omega_y": ("omega y rad/s", 1.0)}
 def table_3_2(findings: Findings, study: Study) -> None:
     """Compute contact forces, losses and ball motion of the rotary bearing: Table 3.2 and section 3.2.2 of Lin's thesis.
 
-    Each value is computed twice, into ``findings``: as printed, with Lin's faults, and correctly, with exact Hertz
-    constants and least dissipation.
+    ``findings``: receives two values for each printed number: as printed, with Lin's faults, and correct, with exact
+    Hertz constants and least dissipation; ``study``: stored results of the 3D rolling model.
     """
     solid = {case: source_cases.results_in_3d(study, name) for case, name in source_cases.ROTARY_SCENES.items()}
     for row in load_table("lin-3.2"):
@@ -181,7 +184,11 @@ def table_3_2(findings: Findings, study: Study) -> None:
 
 
 def table_3_3(findings: Findings, study: Study) -> None:  # noqa: ARG001 - every table takes the study
-    """Compute inputs, worst case and claims of the linear bearing: Table 3.3 and section 3.3.4.1 of Lin's thesis."""
+    """Compute inputs, worst case and claims of the linear bearing: Table 3.3 and section 3.3.4.1 of Lin's thesis.
+
+    ``findings``: receives the computed value for each printed number, and whether each claim holds. ``study``: not used
+    here.
+    """
     b = LINEAR
     values = {
         "ball_radius": 1e3 * b.ball_radius,
@@ -201,9 +208,9 @@ def table_3_3(findings: Findings, study: Study) -> None:  # noqa: ARG001 - every
 
 
 def _compute_worst_case(findings: Findings) -> None:
-    """Compute the worst case of Lin's section 3.3.4.1, into ``findings``.
+    """Compute the largest increase of friction loss in Lin's section 3.3.4.1, into ``findings``.
 
-    It is the friction loss between two balls over the loss of both without ball-to-ball contact.
+    It is the friction loss between two touching balls over the loss of both balls without ball-to-ball contact.
     """
     worst = solve_linear_pair(WORST)
     whole = float(error_percent(worst.touching.loss, worst.free.loss))
@@ -218,7 +225,7 @@ def _compute_worst_case(findings: Findings) -> None:
 def _check_map_claims(findings: Findings, m: PairMaps) -> None:
     """Check Lin's claims on the maps of ball-to-ball force and losses over theta and side force, into ``findings``.
 
-    ``m``: the maps by the numerical model and by Lin's formulas.
+    ``m``: the maps, by the numerical model and by Lin's formulas.
     """
     difference, force, ratio = (both.numerical for both in (m.difference, m.force, m.ratio))
     fields = (force[4:, 2::-1], ratio[4:, 2::-1])
@@ -244,17 +251,21 @@ def _check_map_claims(findings: Findings, m: PairMaps) -> None:
 
 
 def formula_deviation(mated: bool) -> Array:
-    """Return the relative deviations (2,) of both balls' velocities from nominal by Lin's formula (3.43).
+    """Return the relative deviations (2,) of two balls' velocities from nominal by Lin's formula (3.43).
 
-    The loads are those that Lin states in the text: equal on each diagonal. ``mated``: whether the top groove is made to
-    match the bottom one, case (b) instead of case (a).
+    The contact loads are those that Lin states in the text: equal at both contacts of each diagonal. ``mated``: whether
+    the top groove is made to match the bottom one, case (b) instead of case (a).
     """
     angles, loads = pair_angles_and_loads(LINEAR, THETA, SIDE, VERTICAL, mated=mated, loads="diagonal")
     return velocity_deviation(LINEAR.contact_angle, angles - LINEAR.contact_angle, loads[:, 0], loads[:, 1])
 
 
 def table_3_4(findings: Findings, study: Study) -> None:
-    """Compute the velocity deviations [%] of two balls in the linear bearing: Table 3.4 of Lin's thesis."""
+    """Compute the velocity deviations [%] of two balls in the linear bearing: Table 3.4 of Lin's thesis.
+
+    ``findings``: receives the computed value for each number of the table; ``study``: stored results of the 3D rolling
+    model.
+    """
     findings.numbers({"theta": degrees(THETA), "rho": SIDE})
     for case, name in (("a", source_cases.LINEAR_PAIR), ("b", source_cases.LINEAR_MATED)):
         scene = source_cases.linear_pair_scene(name)
@@ -288,7 +299,11 @@ def formula_force(*, mated: bool) -> float:
 
 
 def table_3_5(findings: Findings, study: Study) -> None:
-    """Compute ball-to-ball forces [N] of the linear bearing and differences from ANSYS: Table 3.5 of Lin's thesis."""
+    """Compute ball-to-ball forces [N] of the linear bearing and differences from ANSYS: Table 3.5 of Lin's thesis.
+
+    ``findings``: receives the computed value for each number of the table; ``study``: stored results of the 3D rolling
+    model.
+    """
     spread = ", ".join(f"{loads} {solve_linear_pair(loads=loads).force:.2f} N" for loads in LOADS)
     formula = {case: formula_force(mated=case == "b") for case in "ab"}
     solid = {case: source_cases.results_in_3d(study, f"lin-pair-{case}").get("force 1-2 N") for case in "ab"}
@@ -322,7 +337,10 @@ def straight_groove_contact(conformity: float, pressure: float) -> tuple[float, 
 
 
 def appendix_g(findings: Findings, study: Study) -> None:  # noqa: ARG001 - every table takes the study
-    """Compute slope and linear range of the friction force over the offset of the spin pole: appendix G of Lin's thesis."""
+    """Compute slope and linear range of the friction force over the offset of the spin pole: appendix G of Lin's thesis.
+
+    ``findings``: receives the computed value for each printed number. ``study``: not used here.
+    """
     pressure = MULTIPLE * YIELD
     ratio = straight_groove_contact(LINEAR.conformity, 1e6 * pressure)[0]
     slope, cubic = float(linear_factor(ratio)), float(cubic_factor(ratio))
@@ -348,7 +366,8 @@ def appendix_g(findings: Findings, study: Study) -> None:  # noqa: ARG001 - ever
 def balance_rows() -> list[Row]:
     """Return table rows of the rotary bearing's friction torque [N mm], power input [W] and friction losses [W].
 
-    Each case has three rows: with correct constants and laws, with correct motion at Lin's loads, and as Lin printed.
+    There are three rows for each case of Lin's Table 3.2: correct Hertz constants and friction law; least dissipation at
+    the contact loads that Lin computed; and as Lin printed.
     """
     rows: list[Row] = []
     for case in CASES:
@@ -378,9 +397,9 @@ def balance_rows() -> list[Row]:
 
 
 def sensitivity_rows() -> list[Row]:
-    """Return table rows of force and losses of two balls in the linear bearing under several assumptions.
+    """Return table rows of ball-to-ball force and friction losses of two balls in the linear bearing by assumption.
 
-    What is assumed: how the contact loads are computed, and the friction coefficient between the balls.
+    The assumptions are how the contact loads are computed, and the friction coefficient between the balls.
     """
     rows: list[Row] = []
     printed = entry("lin-3.5", "a_force_numerical")

@@ -47,7 +47,7 @@ AMPLITUDES = tuple(source_cases.RUN_SCENES)
 ANGLES = source_cases.bearing_pair_scene().angle
 #: Permitted time-step error of a simulation, over its mean torque.
 STEP_GOAL = 0.003
-#: Level of the stored 3D runs of a ball pair that is used.
+#: Level of the grid of the stored 3D results of a ball pair.
 FINEST = 3
 #: Scenes of section 4.3.2, by kind of geometric error.
 SCREWS = {"pitch": "lin-pitch-4p1", "roundness": "lin-roundness-4p1", "none": "lin-nominal-4p1"}
@@ -67,9 +67,10 @@ def solve_screw_pair(case: str, reading: Literal["plain", "inferred"]) -> PairRe
 
 @cache
 def simulate_screw(amplitude: float) -> History:
-    """Simulate the whole screw of section 3.4.4 of Lin's thesis over time, with controlled time steps.
+    """Simulate the whole screw of section 3.4.4 of Lin's thesis over time, with a time-step error below `STEP_GOAL`.
 
-    ``amplitude``: amplitude of the contact angles' deviation theta, 2 or 3 [deg].
+    ``amplitude``: amplitude of the contact angles' deviation theta, 2 or 3 [deg]. Returns motions and torques at each
+    time step.
     """
     return simulate_with_step_control(amplitude)[0]
 
@@ -87,27 +88,30 @@ def simulate_with_step_control(amplitude: float) -> tuple[History, StepError | N
 
 @cache
 def simulate_in_200_steps(amplitude: float) -> History:
-    """Simulate the whole screw of section 3.4.4 in 200 time steps as Lin does: loads and motions at the start of each.
+    """Simulate the whole screw of section 3.4.4 of Lin's thesis in 200 equal time steps, as Lin does.
 
-    ``amplitude``: amplitude of the contact angles' deviation theta, 2 or 3 [deg].
+    Loads and motions of a step are those at its start. ``amplitude``: amplitude of the contact angles' deviation theta, 2
+    or 3 [deg]. Returns motions and torques at each time step.
     """
     return simulate_equal_steps(source_cases.shipped_run(amplitude))
 
 
 @cache
 def simulate_without_oversize() -> History:
-    """Simulate the screw of section 3.4.4 of Lin's thesis with balls that are not oversized.
+    """Simulate the whole screw of section 3.4.4 of Lin's thesis over time, with balls that are not oversized.
 
-    Friction moves balls and screw and so changes the contact loads; the amplitude of theta is 3 deg.
+    Friction moves balls and screw and so changes the contact loads. The deviation theta of the contact angles has an
+    amplitude of 3 deg. Returns motions and torques at each time step.
     """
     return simulate_equal_steps(replace(source_cases.shipped_run(3.0), oversize=0.0, coupling="ball and screw"))
 
 
 @cache
 def torque_over_load_angle(name: str, tilt: bool) -> TorqueCurve:
-    """Compute the friction torque over the load's angle of a bearing of Lin's Table 4.2.
+    """Compute the friction torque of a bearing of Lin's Table 4.2 over the angle between the load and the bearing's axis.
 
     ``name``: "4P" for the four-point, "DR" for the double-row bearing; ``tilt``: whether the inner ring is free to tilt.
+    The load angles are `ANGLES`.
     """
     return torque_curve(
         source_cases.four_point_bearing(tilt=tilt) if name == "4P" else source_cases.double_row_bearing(tilt=tilt), ANGLES
@@ -115,23 +119,27 @@ def torque_over_load_angle(name: str, tilt: bool) -> TorqueCurve:
 
 
 def torque_ratio_up_to(found: TorqueCurve, end: float) -> float:
-    """Return the largest over the smallest friction torque of a bearing, over the load angles up to ``end`` [deg].
+    """Return the largest over the smallest friction torque of a bearing, for load angles from 0 up to ``end`` [deg].
 
-    ``found``: torque over the load angle.
+    ``found``: friction torque of the bearing over the angle between its load and its axis.
     """
     torque = found.torque[found.angle <= radians(end) * (1.0 + 1e-12)]
     return float(torque.max() / torque.min())
 
 
 def loss_increase(r: PairResult) -> float:
-    """Return the increase [%] of the total friction loss of two balls due to ball-to-ball contact."""
+    """Return the increase [%] of the friction loss of two balls, summed over all their contacts, by ball-to-ball contact.
+
+    ``r``: solutions for the two balls with ball-to-ball contact and without it.
+    """
     return float(error_percent(r.touching.motion.loss, r.free.motion.loss))
 
 
 def onset_of_ball_contact(study: Study, errors: str, idle: float) -> Onset:
     """Compute when neighbouring balls first touch in the screw of Lin's Table 4.1 with one kind of geometric error.
 
-    ``errors``: "pitch", "roundness" or "none"; ``idle``: velocity of balls without load over the nominal velocity.
+    ``study``: solved scenes; ``errors``: kind of error, "pitch", "roundness" or "none"; ``idle``: velocity of balls
+    without load, divided by the nominal ball velocity.
     """
     name = SCREWS[errors]
     return contact_onset(study.scene(name), study.solve(name), idle=idle)
@@ -141,7 +149,10 @@ def onset_of_ball_contact(study: Study, errors: str, idle: float) -> Onset:
 
 
 def given_3_6(findings: Findings, study: Study) -> None:  # noqa: ARG001 - every table takes the study
-    """Record the inputs of the ball screw, Table 3.6 of Lin's thesis, into ``findings``."""
+    """Record the inputs of the ball screw in Table 3.6 of Lin's thesis, as the scenes contain them.
+
+    ``findings``: receives the value for each number of the table, in the table's unit. ``study``: not used here.
+    """
     g = source_cases.groove_of_table_3_6()
     values = {
         "R_B": 1e3 * g.ball_radius,
@@ -162,12 +173,16 @@ def given_3_6(findings: Findings, study: Study) -> None:  # noqa: ARG001 - every
 
 
 def _record_youngs_modulus(findings: Findings, young: float) -> None:
-    """Record Young's modulus [Pa], shown in the misprinted unit of the thesis."""
+    """Record Young's modulus [Pa] in ``findings``, shown in the misprinted unit of Lin's thesis."""
     findings.number("E", 1e-6 * young, f"taken as {1e-9 * young:g} kN/mm²; shown in the unit printed")
 
 
 def table_3_7(findings: Findings, study: Study) -> None:
-    """Compute ball-to-ball forces and loss increases of two balls of the screw: Table 3.7 of Lin's thesis."""
+    """Compute ball-to-ball forces and loss increases of two balls of the screw: Table 3.7 of Lin's thesis.
+
+    ``findings``: receives the computed value for each number of the table; ``study``: stored results of the 3D rolling
+    model.
+    """
     for case in THETA:
         solid = source_cases.results_in_3d(study, source_cases.PAIR_SCENES[case])
         _compute_force_and_increase(findings, case, solid)
@@ -181,9 +196,9 @@ def table_3_7(findings: Findings, study: Study) -> None:
 
 
 def _compute_force_and_increase(findings: Findings, case: str, solid: Mapping[str, float]) -> None:
-    """Compute ball-to-ball force and loss increase of a case of Lin's Table 3.7, into ``findings``.
+    """Compute ball-to-ball force and loss increase in a case of Lin's Table 3.7, and record them in ``findings``.
 
-    ``case``: "a" or "b"; ``solid``: results of the 3D rolling model by name, such as "force 1-2 N".
+    ``case``: "a" or "b"; ``solid``: results of the 3D rolling model by name with unit, such as "force 1-2 N".
     """
     force, percent = (value_of("lin-3.7", f"{what}_{case}") for what in ("force", "increase"))
     as_text, oversized = solve_screw_pair(case, "plain"), solve_screw_pair(case, "inferred")
@@ -206,9 +221,10 @@ def _compute_force_and_increase(findings: Findings, case: str, solid: Mapping[st
 
 
 def _compare_force_with_ansys(findings: Findings, study: Study, case: str) -> None:
-    """Record the 3D rolling model's ball-to-ball force as counterpart of Lin's ANSYS force, into ``findings``.
+    """Record the ball-to-ball force by the 3D rolling model in ``findings``, as the counterpart of Lin's ANSYS force.
 
-    The remark states it for both interpretations of the load state: the text as printed, and the inferred oversize.
+    The remark states the force for both interpretations of the contact loads: the text as printed, and balls with the
+    inferred oversize. ``study``: stored 3D results; ``case``: "a" or "b" of Lin's Table 3.7.
     """
     scenes = source_cases.PAIR_SCENES[case], f"{source_cases.PAIR_SCENES[case]}-inferred"
     as_text, oversized = (source_cases.results_in_3d(study, scene).get("force 1-2 N") for scene in scenes)
@@ -218,35 +234,43 @@ def _compare_force_with_ansys(findings: Findings, study: Study, case: str) -> No
 
 
 def _both_interpretations(as_text: float, oversized: float) -> str:
-    """Return in words a value computed from the text as printed, and the same with the inferred oversize of the balls."""
+    """Return in words a value by two interpretations: text as printed, then balls with the inferred oversize."""
     return f"plain reading {as_text:.4g}, inferred reading {oversized:.4g}"
 
 
 def torque_after_first_step(r: History) -> Array:
-    """Return the friction torque [N m] of the ball-to-groove contacts at each time step from the second on.
+    """Return the friction torque [N m] of the ball-to-groove contacts at each time step from the second on, (steps - 1,).
 
-    The first step is left out because its contact loads are computed without friction.
+    ``r``: motions and torques of a simulation of the whole screw. The first step is left out because its contact loads
+    are computed without friction.
     """
     return r.groove_torque[1:]
 
 
 def torque_variation(r: History) -> float:
-    """Return (largest - smallest)/mean of the ball-to-groove contacts' torque, over the steps from the second on."""
+    """Return (largest - smallest)/mean of the ball-to-groove friction torque during a simulation of the whole screw.
+
+    The first time step is left out. ``r``: motions and torques at each time step.
+    """
     torque = torque_after_first_step(r)
     return float(np.ptp(torque) / torque.mean())
 
 
 def contact_begins_again(r: History) -> bool:
-    """Return whether ball-to-ball contact begins, ends and begins again during a simulation."""
+    """Return whether ball-to-ball contact begins, ends and begins again during a simulation of the whole screw.
+
+    ``r``: motions, torques and touching balls at each time step.
+    """
     touch = np.asarray(np.any(r.contact, axis=1), dtype=bool).reshape(-1)
     changes = touch[np.flatnonzero(np.diff(touch.astype(int)))[:3] + 1]
     return not bool(touch[0]) and changes.tolist() == [True, False, True]
 
 
 def steps_sentence(amplitude: float) -> str:
-    """Return in words the number of time steps of a simulation, its step error, and the result with Lin's 200 steps.
+    """Return in words the number of time steps of a simulation, its time-step error, and a result with Lin's 200 steps.
 
-    The result is the largest ball-to-ball torque over the groove contacts' torque [%]; ``amplitude``: of theta [deg].
+    The result is the largest ratio [%] of the ball-to-ball contacts' torque to that of the ball-to-groove contacts.
+    ``amplitude``: amplitude of the contact angles' deviation theta, 2 or 3 [deg].
     """
     (found, error), base = simulate_with_step_control(amplitude), simulate_in_200_steps(amplitude)
     size = "unknown" if error is None else f"{100.0 * error.largest:.2g} %"
@@ -258,7 +282,11 @@ def steps_sentence(amplitude: float) -> str:
 
 
 def section_3_4_4(findings: Findings, study: Study) -> None:  # noqa: ARG001 - every table takes the study
-    """Compute the simulation of the whole screw: inputs, numbers and claims of section 3.4.4 of Lin's thesis."""
+    """Compute inputs, numbers and claims of the simulation of the whole screw in section 3.4.4 of Lin's thesis.
+
+    ``findings``: receives the computed value for each printed number, and whether each claim holds. ``study``: not used
+    here.
+    """
     base = source_cases.run_of_section_3_4_4()
     inputs = {
         "balls": base.count,
@@ -274,7 +302,11 @@ def section_3_4_4(findings: Findings, study: Study) -> None:  # noqa: ARG001 - e
 
 
 def _compute_ball_contact_torque(findings: Findings) -> None:
-    """Compute the largest torque by ball-to-ball contact, and the nut angles at which it occurs and ends."""
+    """Compute the largest torque by ball-to-ball contact, and the nut angles at which it occurs and at which contact ends.
+
+    The values are recorded in ``findings``: the torque over that of the ball-to-groove contacts [%], the angles in
+    degrees.
+    """
     low, high = (summarise(simulate_screw(a)) for a in AMPLITUDES)
     assumed = f"assumed: theta of 3 deg (with 2 deg {{}}), balls {1e6 * source_cases.inferred_oversize():g} µm oversize"
     words = f"{assumed.format(f'{100.0 * low.largest:.1f} %')}: the printed number lies between; {steps_sentence(3.0)}"
@@ -285,7 +317,11 @@ def _compute_ball_contact_torque(findings: Findings) -> None:
 
 
 def _check_simulation_claims(findings: Findings) -> None:
-    """Check Lin's claims on groups of touching balls, steady groove torque, and contact that ends and begins again."""
+    """Check Lin's claims on the simulation of the whole screw, and record in ``findings`` whether they hold.
+
+    The claims are on groups of touching balls, steady torque of the ball-to-groove contacts, and ball-to-ball contact
+    that ends and begins again.
+    """
     low, high = (summarise(simulate_screw(a)) for a in AMPLITUDES)
     words = f"{low.groups} groups with 2 deg, {high.groups} with 3 deg"
     findings.claim("groups", low.groups == high.groups == 4, words)
@@ -304,7 +340,10 @@ def _check_simulation_claims(findings: Findings) -> None:
 
 
 def table_4_2(findings: Findings, study: Study) -> None:  # noqa: ARG001 - every table takes the study
-    """Record the inputs of the four-point and the double-row bearing, Table 4.2 of Lin's thesis, into ``findings``."""
+    """Record the inputs of the four-point and the double-row bearing in Table 4.2 of Lin's thesis.
+
+    ``findings``: receives the value for each number of the table, in the table's unit. ``study``: not used here.
+    """
     four, double = source_cases.four_point_bearing(tilt=False), source_cases.double_row_bearing(tilt=False)
     g = four.groove
     values = {
@@ -329,7 +368,11 @@ def table_4_2(findings: Findings, study: Study) -> None:  # noqa: ARG001 - every
 
 
 def section_4_3(findings: Findings, study: Study) -> None:
-    """Compute bearing torques (4.3.1) and the onset of ball-to-ball contact (4.3.2): section 4.3 of Lin's thesis."""
+    """Compute numbers and claims of section 4.3 of Lin's thesis: bearing torques, and the onset of ball-to-ball contact.
+
+    ``findings``: receives the computed value for each printed number, and whether each claim holds; ``study``: solved
+    scenes.
+    """
     _compute_bearing_torques(findings)
     first = {(e, i): degrees(onset_of_ball_contact(study, e, i).first) for e in ("pitch", "roundness") for i in (0.0, 0.9)}
     lost = {e: int((onset_of_ball_contact(study, e, 0.0).loaded == 0.0).sum()) for e in ("pitch", "roundness")}
@@ -343,7 +386,11 @@ def section_4_3(findings: Findings, study: Study) -> None:
 
 
 def _compute_bearing_torques(findings: Findings) -> None:
-    """Compute torque over load angle of the four-point and the double-row bearing: section 4.3.1 of Lin's thesis."""
+    """Compute the torque ratios of the four-point and the double-row bearing: section 4.3.1 of Lin's thesis.
+
+    Each ratio is the largest over the smallest friction torque for load angles up to 18 deg; it is recorded in
+    ``findings``.
+    """
     four, double = torque_over_load_angle("4P", True), torque_over_load_angle("DR", True)
     ratios = (
         torque_ratio_up_to(four, 18.0),
@@ -382,24 +429,24 @@ OVERSIZE, AXIAL = tuple(np.linspace(-1e-6, 3e-6, 17)), (25.0, 50.0, 100.0, 200.0
 
 
 def oversize_in_words() -> str:
-    """Return the inferred oversize of the ball radius in words, such as "1.7 µm"."""
+    """Return the inferred oversize of the ball radius with its unit as text, such as "1.7 µm"."""
     return f"{1e6 * source_cases.inferred_oversize():g} µm"
 
 
 def oversize_label() -> str:
-    """Return the table label of the interpretation with inferred oversize and loads not coupled to friction."""
+    """Return the label, in table rows, of balls with the inferred oversize whose loads friction does not change."""
     return f"{oversize_in_words()} oversize, not coupled"
 
 
 def pair_interpretations() -> list[tuple[str, str, Callable[[float], Pair]]]:
-    """Return the interpretations of the load state that Lin's Table 3.7 leaves open.
+    """Return the interpretations of the contact loads of two balls that Lin's Table 3.7 leaves open.
 
     Each entry: kind of interpretation, such as "plain"; its assumptions in words; function that returns the ball pair for
-    a deviation theta of the second ball's contact angle [rad].
+    a deviation theta [rad] of the second ball's contact angle.
     """
 
     def with_changes(make: Callable[[float], Pair], **changes: object) -> Callable[[float], Pair]:
-        """Return a function that makes the ball pair for a theta [rad] and replaces the fields ``changes``."""
+        """Return a function that makes the ball pair for a theta [rad] and replaces its fields by ``changes``."""
         return lambda theta: replace(make(theta), **changes)  # type: ignore[arg-type]
 
     radial = with_changes(source_cases.pair_as_printed, free="r", force=(100.0,), coupling="none")
@@ -461,9 +508,10 @@ def pair_interpretations() -> list[tuple[str, str, Callable[[float], Pair]]]:
 
 
 def pair_interpretation_rows() -> list[Row]:
-    """Return table rows for Lin's Table 3.7, one for each interpretation of the load state.
+    """Return table rows for Lin's Table 3.7, one for each interpretation of the contact loads of the two balls.
 
-    Columns for each case: ball-to-ball force [N], its error against print [%], loss increase [%], load of a ball [N].
+    Columns for each case (a) and (b): ball-to-ball force [N], its error against the printed force [%], increase of the
+    friction loss [%], contact load of a ball [N].
     """
     rows = list[Row]()
     for kind, label, make in pair_interpretations():
@@ -484,16 +532,17 @@ def pair_interpretation_rows() -> list[Row]:
 
 
 def implied_contact_load() -> float:
-    """Return the contact load [N] of a ball that follows from the printed force and loss increase of case a, Table 3.7."""
+    """Return the contact load [N] of a ball that force and loss increase printed in Table 3.7, case (a), imply."""
     force, increase = (value_of("lin-3.7", f"{what}_a") for what in ("force", "increase"))
     return implied_load(source_cases.pair_with_inferred_oversize(radians(THETA["a"])), force, 1e-2 * increase)
 
 
 @cache
 def oversize_and_load_map(case: str, coupling: Coupling) -> PairMap:
-    """Compute ball-to-ball force and loss increase in Lin's Table 3.7 over oversizes `OVERSIZE` and axial loads `AXIAL`.
+    """Compute ball-to-ball force and loss increase of two balls of the screw over the balls' oversize and the axial load.
 
-    ``case``: "a" or "b"; ``coupling``: what friction may move and so load: "none", "ball" or "ball and screw".
+    The oversizes are `OVERSIZE` [m], the axial loads `AXIAL` [N]. ``case``: of Lin's Table 3.7, "a" or "b"; ``coupling``:
+    which parts the friction displaces, so that it changes the contact loads: "none", "ball" or "ball and screw".
     """
     return oversize_map(
         replace(source_cases.pair_with_inferred_oversize(radians(THETA[case])), coupling=coupling),
@@ -546,11 +595,11 @@ BY_SOURCE = (("screw", 3.0), ("nut", 2.5))
 
 
 def simulation_inputs(follows: str, amplitude: float, oversize: float, pattern: str) -> Run:
-    """Return the inputs of the whole-screw simulation of section 3.4.4 under one interpretation as in `TRIED`.
+    """Return the inputs of the whole-screw simulation of Lin's section 3.4.4 under one interpretation as in `TRIED`.
 
-    ``follows``: part that the deviation theta of the contact angles moves with, "screw" or "nut"; ``amplitude``: of theta
-    [deg]; ``oversize``: of the ball radius [um]; ``pattern``: whether theta is on "one" or "both" of a ball's contacts
-    with the screw.
+    ``follows``: part with which the deviation theta of the contact angles moves, "screw" or "nut"; ``amplitude``:
+    amplitude of theta [deg]; ``oversize``: oversize of the ball radius [um]; ``pattern``: whether theta acts on "one" or
+    "both" of a ball's contacts with the screw.
     """
     flanks = (1.0, 0.0, 0.0, 0.0) if pattern == "one" else source_cases.run_of_section_3_4_4().pattern
     return source_cases.run_of_section_3_4_4(
@@ -560,7 +609,11 @@ def simulation_inputs(follows: str, amplitude: float, oversize: float, pattern: 
 
 @cache
 def interpretation_results() -> tuple[RunSummary, ...]:
-    """Simulate the screw of section 3.4.4 of Lin's thesis under every interpretation of `TRIED`, in 200 steps as Lin."""
+    """Simulate the whole screw of Lin's section 3.4.4 under every interpretation of `TRIED`, in 200 equal time steps.
+
+    Returns, for each interpretation, the largest ball-to-ball torque and the nut angles at which it occurs and at which
+    contact ends.
+    """
     return tuple(summarise(simulate_equal_steps(simulation_inputs(*reading))) for reading in TRIED)
 
 
@@ -568,9 +621,9 @@ PRINTED_OF_RUN = ("largest", "largest_at", "none_at")
 
 
 def nearest_interpretation(key: str) -> str:
-    """Return in words the interpretation of `TRIED` that comes closest to a printed number, with its other results.
+    """Return in words the interpretation of `TRIED` whose result comes closest to a printed number, with its other results.
 
-    ``key``: of the printed number, one of `PRINTED_OF_RUN`.
+    ``key``: key of the printed number in section 3.4.4 of Lin's thesis, one of `PRINTED_OF_RUN`.
     """
     found = np.array([(100.0 * s.largest, s.at, s.none_at) for s in interpretation_results()])[:, PRINTED_OF_RUN.index(key)]
     k = int(np.nanargmin(np.abs(found - value_of("lin-3.4.4", key))))
@@ -581,7 +634,10 @@ def nearest_interpretation(key: str) -> str:
 
 
 def simulation_interpretation_rows() -> list[Row]:
-    """Return table rows of the simulation under every interpretation, with differences from the three printed numbers."""
+    """Return table rows of the whole-screw simulation, one for each interpretation of section 3.4.4 of Lin's thesis.
+
+    Columns: the interpretation, the three results that Lin prints, and the differences from the printed values.
+    """
     found: list[tuple[str, Interpretation, list[Any]]] = [
         ("neighbours never overlap", reading, [100.0 * s.largest, s.at, s.none_at])
         for reading, s in zip(TRIED, interpretation_results(), strict=True)
@@ -617,9 +673,10 @@ RUN = (
 
 
 def simulation_row(label: str, value: str, r: History) -> Row:
-    """Return the row of the sensitivity table for one simulation of the whole screw, by the columns `RUN`.
+    """Return the table row with the results of one simulation of the whole screw, by the columns `RUN`.
 
-    ``label``: name of the assumption that is varied; ``value``: its value in words; ``r``: history of the simulation.
+    ``label``: name of the assumption that is varied; ``value``: the assumption in words; ``r``: motions and torques at
+    each time step.
     """
     s: RunSummary = summarise(r)
     touches = s.largest > 0.0
@@ -630,7 +687,11 @@ def simulation_row(label: str, value: str, r: History) -> Row:
 
 
 def lin_method_row(run: Run) -> Row:
-    """Return the table row of a simulation by Lin's method, where motions without contact decide which balls touch."""
+    """Return the table row of a whole-screw simulation by Lin's method, by the columns `RUN`.
+
+    By this method, the motions that the balls would have without ball-to-ball contact decide which balls touch. ``run``:
+    inputs of the simulation.
+    """
     r = simulate_by_root(run)
     ratio, touching = r.ball_torque / r.groove_torque, r.ball_force > 0.0
     top, angle = int(np.argmax(ratio)), np.degrees(r.nut_angle)
@@ -645,10 +706,10 @@ def lin_method_row(run: Run) -> Row:
 
 
 def simulation_rows() -> list[Row]:
-    """Return table rows of the whole-screw simulation under varied assumptions.
+    """Return table rows of the whole-screw simulation of Lin's section 3.4.4 under varied assumptions.
 
-    First the case study with both amplitudes of theta, then Lin's rule for contact between balls, then one row for each
-    of `simulation_variations`.
+    The columns are `RUN`. The first rows are the case study with each amplitude of theta in `AMPLITUDES`. The next row
+    uses Lin's rule for contact between balls, and each further row one of `simulation_variations`.
     """
     names = [f"theta of {a:g}°" for a in AMPLITUDES]
     rows = [
@@ -666,7 +727,7 @@ def simulation_rows() -> list[Row]:
 def bearing_variations() -> list[tuple[str, str, BearingCase]]:
     """Return the bearings of section 4.3.1 of Lin's thesis under varied assumptions.
 
-    Each entry: kind of bearing, assumption in words, inputs.
+    Each entry: kind of bearing ("four-point" or "double row"); assumption in words; inputs of the friction model.
     """
     face = (BallRow(-6e-3, DIAGONAL), BallRow(6e-3, OTHER))
     four = source_cases.four_point_bearing(tilt=True)
@@ -691,10 +752,10 @@ def bearing_variations() -> list[tuple[str, str, BearingCase]]:
 
 
 def bearing_torque_rows() -> list[Row]:
-    """Return table rows of the bearings of section 4.3.1 under varied assumptions.
+    """Return table rows of the friction torque of the bearings of Lin's section 4.3.1, one for each assumption.
 
-    Columns: friction torque [N mm] at a load angle of 0 deg, then the largest over the smallest torque up to each of the
-    load angles `ENDS`.
+    Columns: friction torque [N mm] at a load angle of 0 deg; then, for each angle of `ENDS`, the largest over the
+    smallest torque up to this load angle.
     """
     rows = list[Row]()
     for bearing, label, case in bearing_variations():
@@ -713,9 +774,9 @@ def bearing_torque_rows() -> list[Row]:
 
 
 def ball_contact_onset_rows(study: Study) -> list[Row]:
-    """Return table rows of the nut angle at which balls first touch: section 4.3.2 of Lin's thesis.
+    """Return table rows of the nut angle at which neighbouring balls first touch: section 4.3.2 of Lin's thesis.
 
-    One row for each kind of geometric error and velocity of unloaded balls.
+    There is one row for each kind of geometric error and each velocity of unloaded balls. ``study``: solved scenes.
     """
     rows = list[Row]()
     for errors in SCREWS:

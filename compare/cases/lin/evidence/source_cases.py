@@ -30,7 +30,7 @@ BEARINGS = "lin-bearing-pairs"
 
 
 def rotary_scene(name: str, *, printed: bool = False) -> BearingBallScene:
-    """Return the scene of one ball of the rotary bearing in Lin's Table 3.2.
+    """Return the scene of one ball of the rotary bearing in a case of Lin's Table 3.2.
 
     ``name``: case "I", "II" or "III"; ``printed``: whether with the Hertz constants and the friction law that Lin used.
     """
@@ -38,22 +38,24 @@ def rotary_scene(name: str, *, printed: bool = False) -> BearingBallScene:
 
 
 def linear_pair_scene(name: str = LINEAR_PAIR) -> LinearPairScene:
-    """Return a scene of two neighbouring balls in the linear bearing of Lin's Table 3.3."""
+    """Return a scene of two neighbouring balls in the linear bearing of Lin's Table 3.3; ``name``: name of the scene."""
     return case(name, LinearPairScene)
 
 
 def printed_friction_slope() -> float:
-    """Return the slope of the normalised friction force over c/a that Lin reads off his Figure 3.11.
+    """Return the slope of the friction force over c/a that Lin reads off his Figure 3.11.
 
-    c is the distance of the spin pole from the contact's centre, a the major semi-axis of the contact ellipse.
+    The friction force is divided by its largest value; c is the distance of the spin pole from the contact's centre, a
+    the major semi-axis of the contact ellipse.
     """
     return value_of("lin-G", "k_f")
 
 
 def results_in_3d(study: Study, name: str) -> Mapping[str, float]:
-    """Return the results of a scene's finest stored run of the 3D rolling model.
+    """Return the results of a scene by the 3D rolling model on its finest stored grid.
 
-    The keys contain the unit, such as "force 1-2 N". The mapping is empty if no run is stored.
+    The keys are quantities with unit, such as "force 1-2 N". The mapping is empty if no result is stored. ``study``:
+    folders of stored results; ``name``: name of the scene.
     """
     from rollbench.compare.studies.rolling.runs import LEVELS, load_run
 
@@ -62,7 +64,7 @@ def results_in_3d(study: Study, name: str) -> Mapping[str, float]:
 
 
 def pair_as_printed(theta: float | None = None) -> Pair:
-    """Return the ball pair of section 3.4.3 exactly as Lin states it: no clearance, friction coupled to the loads.
+    """Return two balls of the screw of section 3.4.3 as Lin states them: without clearance, loads changed by friction.
 
     ``theta``: deviation of the second ball's contact angle [rad], if it differs from the scene's.
     """
@@ -70,9 +72,10 @@ def pair_as_printed(theta: float | None = None) -> Pair:
 
 
 def pair_with_inferred_oversize(theta: float | None = None) -> Pair:
-    """Return the ball pair of section 3.4.3 with the inferred (not printed) oversize, so that all four contacts are loaded.
+    """Return two balls of the screw of section 3.4.3 with the inferred oversize, so that all four contacts are loaded.
 
-    ``theta``: deviation of the second ball's contact angle [rad], if it differs from the scene's.
+    The oversize is not printed. ``theta``: deviation of the second ball's contact angle [rad], if it differs from the
+    scene's.
     """
     return _replace_theta(case(f"{PAIR_SCENES['a']}-inferred", ScrewPairScene).pair, theta)
 
@@ -83,7 +86,7 @@ def _replace_theta(pair: Pair, theta: float | None) -> Pair:
 
 
 def pair_angle_deviation(name: str) -> float:
-    """Return the second ball's deviation of the contact angle [rad] in case "a" or "b" of Lin's Table 3.7."""
+    """Return the deviation of the second ball's contact angle [rad] in a case of Lin's Table 3.7; ``name``: "a" or "b"."""
     return case(PAIR_SCENES[name], ScrewPairScene).pair.theta[1]
 
 
@@ -93,7 +96,7 @@ def inferred_oversize() -> float:
 
 
 def groove_of_table_3_6(**changes: object) -> ScrewGroove:
-    """Return grooves, speed and material of the ball screw of Lin's Table 3.6.
+    """Return grooves, speed, friction and material of the ball screw of Lin's Table 3.6.
 
     ``changes``: new values of fields of `ScrewGroove`, by name.
     """
@@ -103,18 +106,21 @@ def groove_of_table_3_6(**changes: object) -> ScrewGroove:
 def run_of_section_3_4_4(**changes: object) -> Run:
     """Return the inputs of the whole-screw simulation of section 3.4.4, with an amplitude of theta of 3 deg.
 
-    ``changes``: new values of fields of `Run`, by name.
+    Theta is the deviation of the contact angles. ``changes``: new values of fields of `Run`, by name.
     """
     return replace(shipped_run(3.0), **changes)  # type: ignore[arg-type]
 
 
 def shipped_run(degrees: float) -> Run:
-    """Return the inputs of the simulation of section 3.4.4 with an amplitude of theta of 2 or 3 degrees."""
+    """Return the inputs of the whole-screw simulation of section 3.4.4 of Lin's thesis.
+
+    ``degrees``: amplitude of the contact angles' deviation theta, 2 or 3 [deg].
+    """
     return case(RUN_SCENES[degrees], ScrewRunScene).run
 
 
 def bearing_pair_scene() -> BearingPairScene:
-    """Return the scene of the four-point and the double-row bearing of Lin's Table 4.2, with the angles of the load."""
+    """Return the scene of both bearings of Lin's Table 4.2, four-point and double-row, with the angles of their load."""
     return case(BEARINGS, BearingPairScene)
 
 

@@ -31,10 +31,10 @@ PATTERNS = ("evenly distributed", "stacked on one end", "stacked on one side", "
 
 
 def ball_azimuths(scene: Scene, pattern: str) -> tuple[float, ...]:
-    """Return the azimuths [rad] of the balls in a pattern of Lin's Figure 4.2, in which stacked balls touch one another.
+    """Return the azimuths [rad] of the balls in a pattern of Lin's Figure 4.2.
 
-    ``pattern``: one of `PATTERNS`. For "stacked on one side", the gap of every turn lies opposite the x axis, at an azimuth
-    of pi.
+    ``pattern``: one of `PATTERNS`. Stacked balls touch one another. For "stacked on one side", the gap of every turn lies
+    opposite the x axis, at an azimuth of pi.
     """
     n, track = scene.ball_count, scene.track
     full = 2.0 * np.pi * TURNS
@@ -56,12 +56,12 @@ def ball_azimuths(scene: Scene, pattern: str) -> tuple[float, ...]:
 
 
 def place_balls(scene: Scene, pattern: str) -> Scene:
-    """Return a copy of the screw with its balls arranged in a pattern of Lin's Figure 4.2."""
+    """Return a copy of the screw with its balls in a pattern of Lin's Figure 4.2; ``pattern``: one of `PATTERNS`."""
     return replace(scene, balls=replace(scene.balls, azimuths=ball_azimuths(scene, pattern)))
 
 
 def solve_axial_lash(scene: Scene, loads: str = ENDS, held: Sequence[str] = TURNING) -> LoadCurve:
-    """Solve the axial lash test of a ball screw: displacement over an axial load that reverses.
+    """Solve the axial lash test of a ball screw: axial displacement over an axial load that reverses.
 
     Parameters
     ----------
@@ -70,7 +70,7 @@ def solve_axial_lash(scene: Scene, loads: str = ENDS, held: Sequence[str] = TURN
     loads
         Axial loads at the screw's left end, in the form of ``rollbench solve --curve``.
     held
-        Restrained freedoms of the left end.
+        Names of the freedoms that are restrained at the left end, such as "rz".
     """
     return _solve_lash_test(scene, f"{loads}:0mm", held)
 
@@ -78,7 +78,7 @@ def solve_axial_lash(scene: Scene, loads: str = ENDS, held: Sequence[str] = TURN
 def solve_conical_lash(
     scene: Scene, direction: float, reach: float, loads: str = ENDS, held: Sequence[str] = TURNING
 ) -> LoadCurve:
-    """Solve the conical lash test of a ball screw: displacement over a lateral load that reverses.
+    """Solve the conical lash test of a ball screw: lateral displacement over a lateral load that reverses.
 
     Parameters
     ----------
@@ -91,23 +91,23 @@ def solve_conical_lash(
     loads
         Lateral loads, in the form of ``rollbench solve --curve``.
     held
-        Restrained freedoms of the left end.
+        Names of the freedoms that are restrained at the left end, such as "rz".
     """
     return _solve_lash_test(scene, f"{loads}:{direction!r}rad:{scene.nut.position + reach!r}m", held)
 
 
 def _solve_lash_test(scene: Scene, course: str, held: Sequence[str]) -> LoadCurve:
-    """Return the load curve of a lash test with some freedoms of the screw's left end restrained.
+    """Return the load curve of a lash test: displacement over a force that reverses.
 
-    ``course``: loads, direction and place of the force, in the form of ``rollbench solve --curve``; ``held``: names of the
-    restrained freedoms.
+    ``course``: range of the loads, direction and position of the force, in the form of ``rollbench solve --curve``;
+    ``held``: freedoms that are restrained at the screw's left end, such as "rz".
     """
     scene = replace(scene, supports=(Support(0.0, tuple((name, 0.0) for name in held)),))
     return load_curve(scene, read_load_range(course), "lin", Options(engine="compiled"))
 
 
 def peak_to_peak(test: LoadCurve) -> float:
-    """Return the displacement [m] between both end loads of a lash test.
+    """Return the displacement [m] from one end load of a lash test to the other.
 
     Raises ValueError if there is no equilibrium under an end load.
     """
@@ -117,27 +117,30 @@ def peak_to_peak(test: LoadCurve) -> float:
 
 
 def pattern_difference(values: list[float]) -> float:
-    """Return (largest - smallest)/smallest [%] of the lash of one screw over its ball patterns.
+    """Return (largest - smallest)/smallest [%] of the lash of one screw over the four patterns of its balls.
 
-    ``values``: lash for each pattern [m]. Lin does not define the difference; this definition fits the axial difference
-    that he prints best.
+    ``values``: lash for each pattern, in any unit. Lin does not define the difference; this definition fits the axial
+    difference that he prints best.
     """
     return float(error_percent(max(values), min(values)))
 
 
 @dataclass(frozen=True)
 class LashDifferences:
-    """Differences of the lash between ball patterns [%]: axial test, and conical test by direction of the force."""
+    """Relative differences of the lash between ball patterns [%].
+
+    ``axial``: of the axial test; ``conical``: of the conical test, for each direction of the lateral force.
+    """
 
     axial: float
     conical: tuple[float, ...]
 
 
 def lash_differences(scene: Scene, reach: float, held: Sequence[str] = TURNING) -> LashDifferences:
-    """Return the lash differences between ball patterns by the axial and the conical test.
+    """Return the relative differences of the lash between ball patterns, by the axial and by the conical test.
 
-    ``reach``: distance of the lateral force from the nut's centre [m]; ``held``: restrained freedoms of the screw's left
-    end.
+    ``reach``: distance of the lateral force from the nut's centre [m]; ``held``: freedoms that are restrained at the
+    screw's left end, such as "rz".
     """
     screws = [place_balls(scene, p) for p in PATTERNS]
     cones = [[peak_to_peak(solve_conical_lash(s, float(d), reach, held=held)) for s in screws] for d in DIRECTIONS]
@@ -161,14 +164,15 @@ def steering_gear() -> Assembly:
     """Return the shipped scene of Lin's steering gear: a rack with ball screw and bearing."""
     found = catalogue.shipped(RACK)
     if not isinstance(found, Assembly):
-        raise AssertionError(f"{RACK}: expected a scene of a shaft with ball screw and bearing")
+        raise AssertionError(f"{RACK}: expected a scene of a shaft with ball screw and bearing, got {type(found).__name__}")
     return found
 
 
 def solve_at_tie_rod_angle(gear: Assembly, angle: float, *, opposed: bool = False) -> AxisResult:
-    """Solve the steering gear with half of the rack force at each end, at a tie-rod angle [deg].
+    """Solve the steering gear under half of the rack force at each end of the rack, at one angle of both tie rods.
 
-    ``opposed``: whether the lateral forces of both tie rods have opposite directions.
+    ``angle``: angle between tie rod and rack [deg]; ``opposed``: whether the lateral forces of both tie rods have
+    opposite directions.
     """
     t = np.radians(angle)
     sides = (1.0, -1.0 if opposed else 1.0)
@@ -178,7 +182,10 @@ def solve_at_tie_rod_angle(gear: Assembly, angle: float, *, opposed: bool = Fals
 
 
 def largest_loads(result: AxisResult) -> tuple[float, float]:
-    """Return the largest contact load [N] of the steering gear's ball screw, then that of its bearing."""
+    """Return the largest contact load [N] of the steering gear's ball screw, then that of its bearing.
+
+    ``result``: solution of the steering gear; a part without loads counts as zero.
+    """
     screw, bearing = (0.0 if s.balls is None else float(s.balls.load.max()) for s in result.sets)
     return screw, bearing
 
@@ -186,7 +193,7 @@ def largest_loads(result: AxisResult) -> tuple[float, float]:
 def load_ratios(gear: Assembly, *, opposed: bool = False) -> tuple[float, float]:
     """Return the largest contact load at a tie-rod angle of 18 deg over that at 0 deg: of ball screw, then of bearing.
 
-    ``opposed``: whether the lateral forces of both tie rods have opposite directions.
+    ``gear``: the steering gear; ``opposed``: whether the lateral forces of both tie rods have opposite directions.
     """
     low, high = (
         largest_loads(solve_at_tie_rod_angle(gear, 0.0)),
@@ -196,7 +203,11 @@ def load_ratios(gear: Assembly, *, opposed: bool = False) -> tuple[float, float]
 
 
 def section_4_2(findings: Findings, study: Study) -> None:
-    """Compute lash and contact loads of the steering gear: Table 4.1, sections 4.2.1 and 4.2.2 of Lin's thesis."""
+    """Compute lash and contact loads of the steering gear: Table 4.1, sections 4.2.1 and 4.2.2 of Lin's thesis.
+
+    ``findings``: receives the computed value for each printed number, and whether each claim holds; ``study``: shipped
+    scenes.
+    """
     scene = study.scene(SCREW)
     material = scene.balls.material
     given = {
@@ -218,7 +229,7 @@ def section_4_2(findings: Findings, study: Study) -> None:
 
 
 def _compute_lash(findings: Findings, study: Study) -> None:
-    """Compute the differences of lash between ball patterns: section 4.2.1 of Lin's thesis, into ``findings``."""
+    """Compute the relative differences of lash between ball patterns: section 4.2.1 of Lin's thesis, into ``findings``."""
     found = lash_differences(study.scene(SCREW), REACH)
     by_direction = ", ".join(f"{x:.1f}" for x in found.conical)
     words = f"lateral force at {1e3 * REACH:.0f} mm; by direction {by_direction} %"
@@ -228,7 +239,7 @@ def _compute_lash(findings: Findings, study: Study) -> None:
 
 
 def _compute_load_ratios(findings: Findings) -> None:
-    """Compute contact loads of ball screw and bearing over the tie-rod angle: section 4.2.2 of Lin's thesis."""
+    """Compute contact loads of ball screw and bearing over the tie-rod angle: section 4.2.2, into ``findings``."""
     gear = steering_gear()
     results = [solve_at_tie_rod_angle(gear, angle) for angle in TIE_ROD]
     loads = np.array([largest_loads(r) for r in results])
@@ -254,12 +265,12 @@ def _compute_load_ratios(findings: Findings) -> None:
 
 
 def _range_in_words(band: tuple[float, float], printed: float) -> str:
-    """Return in words the range of a load ratio (smallest, largest) and whether it contains the printed value."""
+    """Return in words the range of a load ratio, and whether it contains the printed value; ``band``: its two ends."""
     return f"{band[0]:.2f} to {band[1]:.2f} ({'holds' if range_contains(band, printed) else 'without'} it)"
 
 
 def range_contains(band: tuple[float, float], printed: float) -> bool:
-    """Return whether the range of a load ratio, smallest and largest, contains a printed value rounded to two decimals."""
+    """Return whether a range contains a printed value that is rounded to two decimals; ``band``: both ends of the range."""
     return band[0] - 0.005 <= printed <= band[1] + 0.005
 
 
@@ -267,7 +278,7 @@ def _nonzero_loads(result: AxisResult, i: int) -> Array:
     """Return the nonzero contact loads [N] of one part of the steering gear; ``i``: 0 for ball screw, 1 for bearing."""
     balls = result.sets[i].balls
     if balls is None:
-        raise AssertionError("expected contact loads of balls")
+        raise AssertionError(f"expected contact loads of balls in set {i} of the steering gear, got none")
     return np.asarray(balls.load[balls.load > 0.0])
 
 
@@ -289,11 +300,11 @@ OFFSETS, ANGLES = (-0.02, 0.0, 0.02), (0.0, 3.0, 6.0, 9.0, 12.0, 15.0, 18.0)
 
 @dataclass(frozen=True)
 class LashVariation:
-    """One variation of inputs of the lash tests that Lin leaves open, with the lash differences between patterns.
+    """Differences of the lash between ball patterns with one input changed that Lin's lash tests leave open.
 
     ``changed``: name of the input that differs; ``diameter``: outer diameter of the screw [m]; ``position``: axial
     position of the nut's centre [m]; ``reach``: distance of the lateral force from the nut's centre [m]; ``restraint``:
-    restraint of the screw's left end, a key of `RESTRAINTS`; ``found``: differences of the lash between ball patterns.
+    restraint of the screw's left end, a key of `RESTRAINTS`; ``found``: differences of the lash.
     """
 
     changed: str
@@ -305,9 +316,9 @@ class LashVariation:
 
 
 def vary_lash_inputs(scene: Scene) -> Iterator[LashVariation]:
-    """Compute the lash differences between ball patterns, with one input that Lin leaves open changed at a time.
+    """Yield the differences of lash between ball patterns, with one input that Lin leaves open changed at a time.
 
-    The lateral force stays on the longer side of the screw.
+    The first entry has the inputs of ``scene``. The lateral force stays on the longer side of the screw.
     """
     usual = scene.screw.outer_diameter, scene.nut.position, REACH, "turning only"
     cases = [("as taken", usual)]
@@ -323,7 +334,7 @@ def vary_lash_inputs(scene: Scene) -> Iterator[LashVariation]:
 
 @dataclass(frozen=True)
 class LayoutRatios:
-    """Load ratios of the steering gear (largest contact load at 18 deg over 0 deg) for one layout.
+    """Load ratios of the steering gear for one layout: largest contact load at 18 deg over that at 0 deg of the tie rods.
 
     ``pinion``: axial position of the pinion [m]; ``hold``: what the pinion restrains, a key of `PINION_HOLDS`;
     ``opposed``: whether the lateral forces of both tie rods have opposite directions; ``offset``: axial distance of the
@@ -339,10 +350,10 @@ class LayoutRatios:
 
 
 def change_layout(gear: Assembly, pinion: float, hold: str, offset: float) -> Assembly:
-    """Return a copy of the steering gear with another layout.
+    """Return a copy of the steering gear with another layout of pinion and bearing.
 
-    ``pinion``: axial position of the pinion [m]; ``hold``: what the pinion restrains, a key of `PINION_HOLDS`; ``offset``:
-    axial distance by which the bearing is moved from its place at the nut's centre [m].
+    ``pinion``: axial position of the pinion [m]; ``hold``: what the pinion restrains, a key of `PINION_HOLDS`;
+    ``offset``: axial distance [m] by which the bearing is moved from the nut's centre.
     """
     (support,) = gear.supports
     held = replace(support, at=pinion, fixed=tuple((name, 0.0) for name in PINION_HOLDS[hold]))
@@ -356,10 +367,11 @@ def change_layout(gear: Assembly, pinion: float, hold: str, offset: float) -> As
 
 
 def vary_layout(gear: Assembly) -> Iterator[LayoutRatios]:
-    """Compute the load ratios for every pinion position, pinion restraint, direction of lateral forces and bearing offset.
+    """Yield the load ratios of the steering gear for every layout.
 
+    A layout has a position and a restraint of the pinion, directions of the lateral forces, and an offset of the bearing.
     A pinion that restrains the rack's tilting keeps the far end's lateral force from the nut, so that the direction of
-    this force has no influence.
+    this force has no influence and only one is solved.
     """
     for hold in PINION_HOLDS:
         for opposed in (False, True)[: 1 if "rx" in PINION_HOLDS[hold] else 2]:
@@ -371,7 +383,7 @@ def vary_layout(gear: Assembly) -> Iterator[LayoutRatios]:
 
 @dataclass(frozen=True)
 class RatioRange:
-    """Range of the steering gear's load ratios over one input that is not printed, other inputs as in the scene."""
+    """Range of the steering gear's load ratios over one input that is not printed; all other inputs as in the scene."""
 
     #: Name of the input.
     changed: str
@@ -388,9 +400,10 @@ BEARING_FITS, SCREW_FITS, FIRST = (-10e-6, -5e-6, 0.0, 2e-6), (-5e-6, 0.0, 5e-6)
 
 
 def _change_parts(gear: Assembly, of_nut: bool, change: Callable[[Scene], Scene]) -> Assembly:
-    """Return a copy of the steering gear with a change applied to one of its parts.
+    """Return a copy of the steering gear in which ball screw or bearing is changed.
 
-    ``of_nut``: whether to its ball screw instead of its bearing; ``change``: function that returns the changed part.
+    ``of_nut``: whether the ball screw is changed instead of the bearing; ``change``: function that returns the changed
+    part.
     """
     sets = tuple(
         replace(s, parts=change(s.parts)) if isinstance(s.parts, Scene) and (s.parts.track.lead > 0.0) == of_nut else s
@@ -419,7 +432,7 @@ def _turn_balls(scene: Scene, angle: float) -> Scene:
 
 
 def vary_open_inputs(gear: Assembly) -> Iterator[tuple[str, str, list[tuple[Assembly, bool]]]]:
-    """Yield each input of the steering gear's load ratios that Lin does not print, with gears over its range.
+    """Yield each input that Lin does not print and that changes the steering gear's load ratios, with gears over its range.
 
     Each entry: name of the input; its range in words; list of gears, each with whether the lateral forces of both tie
     rods have opposite directions.
@@ -485,5 +498,5 @@ def range_over_layouts(points: Sequence[LayoutRatios]) -> RatioRange:
 
 
 def loads_over_angles(gear: Assembly) -> list[tuple[float, float]]:
-    """Return the largest contact loads [N] of ball screw and bearing at each tie-rod angle of `ANGLES`."""
+    """Return the largest contact load [N] of ball screw, then of bearing, at each tie-rod angle of `ANGLES`."""
     return [largest_loads(solve_at_tie_rod_angle(gear, angle)) for angle in ANGLES]

@@ -41,13 +41,19 @@ from rollbench.reports.content import Figure, LoadedScrew, Panel, Quantity, Row,
 
 
 def reference_level(study: Study, name: str) -> str:
-    """Return in words the finest mesh level of a scene's stored 3D reference, or "none stored"."""
+    """Return in words the finest mesh level of a scene's stored 3D reference, such as "level 3", or "none stored".
+
+    ``study``: stored 3D references; ``name``: name of the scene.
+    """
     found = study.reference(name)
     return "none stored" if found is None else f"level {found.runs[-1].level}"
 
 
 def end_support_table(study: Study) -> Table:
-    """Return the table of case 3's largest and smallest loads by interpretation of the right end's support."""
+    """Return the table of largest and smallest loads in Lin's case 3 for each interpretation of the right end's support.
+
+    ``study``: solved scenes and stored 3D references.
+    """
     rows: list[Row] = []
     for reading in chapter_2.END_SUPPORTS:
         for name, first in (
@@ -108,7 +114,10 @@ def choice_rows(found: Sequence[chapter_2.ModelChoice]) -> list[Row]:
 
 
 def load_table(study: Study) -> Table:
-    """Return the table of the contact loads of all case studies and flanks, ball by ball."""
+    """Return the table of the contact loads of all case studies, with a row for each ball and a column for each flank.
+
+    ``study``: solved scenes.
+    """
     rows: list[Row] = [{"ball": i + 1} for i in range(32)]
     for name in chapter_2.CASES:
         r = study.solve(name)
@@ -123,7 +132,10 @@ def load_table(study: Study) -> Table:
 
 
 def summary_table(study: Study) -> Table:
-    """Return the table of largest and smallest load on each flank, with balance and residual, for all case studies."""
+    """Return the table of largest and smallest load on each flank, balance of forces and residual, for all case studies.
+
+    ``study``: solved scenes.
+    """
     rows: list[Row] = []
     for name in chapter_2.CASES:
         r = study.solve(name)
@@ -152,12 +164,18 @@ def summary_table(study: Study) -> Table:
 
 
 def largest_pair_difference(study: Study) -> float:
-    """Return the largest difference [N] between the loads of opposite contacts of a ball, in all case studies."""
+    """Return the largest difference [N] between the loads of opposite contacts of a ball, over all balls and case studies.
+
+    Opposite are SL and NR, and SR and NL. ``study``: solved scenes.
+    """
     return max(float(np.abs(study.solve(n).load[:, :2] - study.solve(n).load[:, :1:-1]).max()) for n in chapter_2.CASES)
 
 
 def case_study_figures(study: Study) -> tuple[Figure, ...]:
-    """Draw contact loads of Lin's case studies 1 to 3 and the screw's centreline of cases 1 and 3."""
+    """Draw contact loads of Lin's case studies 1 to 3 and the screw's centreline of cases 1 and 3.
+
+    ``study``: solved scenes.
+    """
     case1, mei, nut = (study.solve("lin-case1", m) for m in ("lin", "mei", "mei-nut"))
     coarse = study.solve(study.changed("lin-case1", partition="source", section="groove squared"))
     case2 = study.solve("lin-case2")
@@ -210,12 +228,15 @@ def oversized_balls(scene: Scene) -> str:
 
 
 def prescribed_displacement(scene: Scene) -> float:
-    """Return the largest displacement [m] that the supports of a scene prescribe."""
+    """Return the largest absolute displacement [m] that the supports of a scene prescribe."""
     return max(abs(value) for support in scene.supports for freedom, value in support.fixed if freedom.startswith("u"))
 
 
 def loaded_screw_picture(scene: Scene, result: StaticResult, caption: str) -> LoadedScrew:
-    """Return a 3D picture of a screw with arrows for its contact loads."""
+    """Return a 3D picture of a screw with arrows for its contact loads.
+
+    ``scene``: the screw; ``result``: its static solution; ``caption``: text below the picture.
+    """
     held = result.load > 0.0
     arrows = result.contact_point[held], (result.force_direction * result.load[..., None])[held]
     title = "Case 3 with offset: contact loads on the balls"
@@ -225,7 +246,10 @@ def loaded_screw_picture(scene: Scene, result: StaticResult, caption: str) -> Lo
 
 
 def cases_section(study: Study, step: Callable[[str], None]) -> Section:
-    """Return the report section on Lin's case studies 1, 2 and 3: contact loads and centreline."""
+    """Return the report's section on Lin's case studies 1, 2 and 3: contact loads and centreline of the screw.
+
+    ``study``: solved scenes and stored 3D references; ``step``: function that receives a message before each step.
+    """
     step("cases 1, 2, 3 on four models")
     step("what the open choices change")
     rows = choice_rows(study.once(chapter_2.case_1_by_choice))
@@ -262,7 +286,7 @@ def cases_section(study: Study, step: Callable[[str], None]) -> Section:
 
 
 def percentile_band(label: str, ensemble: EnsembleResult, side: int) -> Series:
-    """Return the 5th to 95th percentile of the loads of randomly drawn screws, as a band over the ball's number.
+    """Return the 5th to 95th percentile of the contact load of each ball over randomly drawn screws, as a band of a figure.
 
     ``label``: legend; ``ensemble``: results of the randomly drawn screws; ``side``: index of the flank in `SIDES`.
     """
@@ -272,7 +296,10 @@ def percentile_band(label: str, ensemble: EnsembleResult, side: int) -> Series:
 
 
 def errors_section(study: Study, step: Callable[[str], None]) -> Section:
-    """Return the report section on contact loads with geometric errors, Lin 2.4.2."""
+    """Return the report's section on contact loads with geometric errors: section 2.4.2 of Lin's thesis.
+
+    ``study``: solved scenes; ``step``: function that receives a message before each step.
+    """
     step("profile and pitch errors")
     base, profile, pitch = (study.solve(n) for n in ("lin-case1", "lin-profile", "lin-pitch"))
     ensembles = {}
@@ -356,7 +383,10 @@ def errors_section(study: Study, step: Callable[[str], None]) -> Section:
 
 
 def hertz_section(study: Study, step: Callable[[str], None]) -> Section:
-    """Return the report section on the Hertz constants of Lin's Table B.1, as printed and correct."""
+    """Return the report's section on the Hertz constants of Lin's Table B.1, as printed and correct.
+
+    ``study``: shipped scenes; ``step``: function that receives a message before each step.
+    """
     step("Table B.1")
     case = study.scene("lin-case1")
     compared = [
@@ -403,7 +433,10 @@ def hertz_section(study: Study, step: Callable[[str], None]) -> Section:
 
 
 def equivalent_errors_panel(scene: Scene) -> Panel:
-    """Draw pitch and roundness error along the nominal contact normal over the azimuth, by Lin's equations 4.2 and 4.4."""
+    """Draw pitch and roundness errors along the nominal contact normal over the azimuth, by Lin's equations 4.2 and 4.4.
+
+    ``scene``: screw whose lead and contact angle are used.
+    """
     phi = np.linspace(0.0, 2.0 * np.pi, 181)
     alpha, beta = lead_angle(scene.track), scene.track.contact_angle
     size = {key: value_of("lin-4.3.2", key) for key in ("e_p", "e_R")}
@@ -422,7 +455,10 @@ def equivalent_errors_panel(scene: Scene) -> Panel:
 
 
 def manufacturing_section(study: Study, step: Callable[[str], None]) -> Section:
-    """Return the report section on contact loads with pitch and roundness errors, Lin 4.3.2."""
+    """Return the report's section on contact loads with pitch and with roundness errors: section 4.3.2 of Lin's thesis.
+
+    ``study``: solved scenes; ``step``: function that receives a message before each step.
+    """
     panels = [equivalent_errors_panel(study.scene("lin-pitch-4p1"))]
     rows: list[Row] = []
     for screw, label in SCREWS.items():
@@ -496,7 +532,7 @@ SCENES = (
 def solver_agreement_row(study: Study, name: str) -> Row:
     """Return the table row of load differences [% of the mean load] between Lin's Newton solver and the energy solver.
 
-    ``name``: of the scene.
+    The row also has the numbers of iterations. ``study``: solved scenes; ``name``: name of the scene.
     """
     scene, by_energy = study.scene(name), study.solve(name)
     solver = by_energy.solver
@@ -521,7 +557,10 @@ def solver_agreement_row(study: Study, name: str) -> Row:
 
 
 def formulations_section(study: Study, step: Callable[[str], None]) -> Section:
-    """Return the report section on two solvers and two kinematic forms of Lin's static model."""
+    """Return the report's section on two solvers and two kinematic forms of Lin's static model.
+
+    ``study``: solved scenes; ``step``: function that receives a message before each step.
+    """
     rows = []
     for name in SCENES:
         step(f"both solvers on {name}")

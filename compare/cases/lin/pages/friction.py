@@ -52,7 +52,10 @@ from rollbench.reports.content import Figure, Panel, Section, Series, Table, Tex
 
 
 def balance_table() -> Table:
-    """Return the table of the rotary bearing's power balance in cases I to III, for three sets of assumptions."""
+    """Return the table of the rotary bearing's friction torque, power input and friction losses in cases I to III.
+
+    Each case has three rows: correct, with least dissipation at Lin's loads, and as printed.
+    """
     table = Table.of(
         "friction-balance", "Rotary bearing (Lin 3.2): power input against friction losses, by model", balance_rows()
     )
@@ -68,7 +71,10 @@ def balance_table() -> Table:
 
 
 def sensitivity_table() -> Table:
-    """Return the table of force and losses of two balls in the linear bearing, by assumption on loads and friction."""
+    """Return the table of ball-to-ball force and friction losses of two balls in the linear bearing, by assumption.
+
+    The assumptions are on the contact loads and on the friction between the balls.
+    """
     printed = entry("lin-3.5", "a_force_numerical")
     table = Table.of(
         "friction-sensitivity",
@@ -91,7 +97,10 @@ def sensitivity_table() -> Table:
 
 
 def stability_table() -> Table:
-    """Return the table of the friction solver's residuals on extreme cases of two balls in the linear bearing."""
+    """Return the table of the friction solver's residuals on extreme cases of two balls in the linear bearing.
+
+    The last columns are the energy error and the spread of the ball-to-ball force over several starts of the solver.
+    """
     note = "Elastic loads; residual and spread over the largest friction bound of a ball."
     return Table.of(
         "friction-stability",
@@ -102,7 +111,10 @@ def stability_table() -> Table:
 
 
 def root_finding_table() -> Table:
-    """Return the table of starts from which Lin's root finding and least dissipation find the ball's motion."""
+    """Return the table of random starts from which Lin's root finding, and least dissipation, find the ball's motion.
+
+    There is one row for each case of the rotary bearing and each sharpness k_S of Lin's friction law.
+    """
     note = (
         "At the loads as printed, sigmoid without maps; each of the three unknowns starts off at random. Least "
         "dissipation succeeds only if its loss is the one minimum; it uses Coulomb friction whatever k_S is."
@@ -128,10 +140,10 @@ def torque_figure() -> Figure:
     laws = (("right", true, np.ones(u.size, dtype=bool)), ("as printed", printed, good))
 
     def curves_of_quantity(pick: Callable[[BallSolution], float], key: str, factor: float = 1.0) -> tuple[Series, ...]:
-        """Return curves of a quantity by both friction laws, and markers of the values printed in Table 3.2.
+        """Return curves of a quantity by the correct and the printed friction law, and markers of the values in Table 3.2.
 
-        ``pick``: function that returns the quantity of a solution; ``key``: of the printed values; ``factor``: from the
-        quantity's unit to the panel's.
+        ``pick``: function that returns the quantity from a ball's solution; ``key``: first part of the keys of the
+        printed values; ``factor``: factor from the quantity's unit to the panel's.
         """
         drawn = [
             Series(
@@ -171,9 +183,10 @@ def torque_figure() -> Figure:
 
 
 def velocity_panel(case: str, s: BallSolution, title: str) -> Panel:
-    """Draw the sliding velocity [mm/s] along the major axis of each loaded contact of a ball.
+    """Draw the sliding velocity [mm/s] along the major axis of each loaded contact of a ball of the rotary bearing.
 
-    ``case``: of Lin's Table 3.2; ``s``: solved motion of the ball; ``title``: end of the panel's title.
+    ``case``: case of Lin's Table 3.2, "I", "II" or "III"; ``s``: solved motion of the ball; ``title``: end of the panel's
+    title.
     """
     x = np.linspace(-1.0, 1.0, 3)
     curves = []
@@ -185,7 +198,10 @@ def velocity_panel(case: str, s: BallSolution, title: str) -> Panel:
 
 
 def velocity_figure() -> Figure:
-    """Draw Lin's Figure 3.8 as curves: sliding velocity in cases I to III, correct and as printed."""
+    """Draw Lin's Figure 3.8 as curves: sliding velocity along the contacts of the rotary bearing's ball in cases I to III.
+
+    There are three panels with correct values, and three with values as Lin computes them.
+    """
     panels = [velocity_panel(case, solve_rotary(case), "right") for case in CASES]
     panels += [velocity_panel(case, solve_rotary_as_printed(case), "as printed") for case in CASES]
     caption = (
@@ -203,10 +219,10 @@ def velocity_figure() -> Figure:
 
 
 def map_panels(m: PairMaps, both: BothModels, label: str) -> list[Panel]:
-    """Draw a quantity by the numerical model, by Lin's formula, and the difference of both, over the side force ratio.
+    """Draw a quantity of two balls over the side force ratio: by the numerical model, by Lin's formula, and the difference.
 
-    There is one curve for each deviation theta of the contact angle. ``m``: maps with the abscissas; ``both``: the
-    quantity by both models; ``label``: its name with unit.
+    There is one curve for each deviation theta of the contact angle. ``m``: maps, with the side force ratios and the
+    values of theta; ``both``: the quantity by both models; ``label``: its name with unit.
     """
     x = plain_numbers(m.rho)
     parts = (("numerical", both.numerical), ("formula", both.formula), ("formula less numerical", both.error))
@@ -220,7 +236,10 @@ def map_panels(m: PairMaps, both: BothModels, label: str) -> list[Panel]:
 
 
 def map_figures() -> tuple[Figure, Figure]:
-    """Draw Lin's Figures 3.14 and 3.15: velocity difference, force and loss ratio over the side force ratio."""
+    """Draw Lin's Figures 3.14 and 3.15 for two balls of a linear bearing, over the ratio of side force to vertical load.
+
+    First: difference of the balls' velocities; second: ball-to-ball force and ratio of friction losses.
+    """
     m = force_maps(LINEAR, np.radians([-3.0, -1.0, 1.0, 2.0, 3.0]), np.linspace(-0.6, 0.6, 25), VERTICAL, K_F)
     short = np.abs(m.difference.error).max() / np.abs(m.difference.numerical).max()
     first = Figure(
@@ -260,7 +279,10 @@ INTRODUCTION = (
 
 
 def make_section(study: Study, step: Callable[[str], None]) -> Section:
-    """Return the report's section on friction in a rotary and a linear bearing, Lin 3.2 and 3.3."""
+    """Return the report's section on friction in a rotary and in a linear bearing: sections 3.2 and 3.3 of Lin's thesis.
+
+    ``study``: records which scenes the section uses; ``step``: function that receives a message before each step.
+    """
     step("velocities of the rotary bearing")
     study.uses((*ROTARY_SCENES.values(), LINEAR_PAIR, LINEAR_WORST))
     drawn = [velocity_figure()]
@@ -286,7 +308,11 @@ DOTS = 66
 
 
 def torque_panel(title: str, r: History) -> Panel:
-    """Draw a simulation's friction torque over time, by contribution (Lin's Figure 3.25)."""
+    """Draw the friction torque over time in a simulation of the whole screw (Lin's Figure 3.25).
+
+    The curves are the torque by ball-to-groove contacts, by ball-to-ball contacts, and their sum. ``r``: motions and
+    torques at each time step.
+    """
     time = plain_numbers(r.nut_angle, 1.0 / r.setting.groove.speed)
     parts = (("ball-to-groove", r.groove_torque), ("ball-to-ball", r.ball_torque + r.closing_torque), ("sum", r.torque))
     curves = [Series(name, time, plain_numbers(v, 1e3), "line", emphasis=name == "sum") for name, v in parts]
@@ -294,14 +320,21 @@ def torque_panel(title: str, r: History) -> Panel:
 
 
 def angle_deviation_panel(case: Run) -> Panel:
-    """Draw the assumed deviation of the contact angles over the azimuth on the screw (Lin's Figure 3.23)."""
+    """Draw the assumed deviation theta of the contact angles over the azimuth on the screw (Lin's Figure 3.23).
+
+    ``case``: inputs of the whole-screw simulation.
+    """
     phi = np.linspace(-2.0 * np.pi, 2.0 * np.pi, 201)
     curve = Series("assumed", plain_numbers(np.degrees(phi)), plain_numbers(np.degrees(deviation(case, phi))), "line")
     return Panel("deviation θ over the loaded turns", "azimuth / deg", "θ / deg", (curve,))
 
 
 def contact_panels(r: History) -> tuple[Panel, Panel]:
-    """Draw positions, number and groups of touching neighbours over time (Lin's Figure 3.24)."""
+    """Draw positions, number and groups of touching neighbouring balls over time (Lin's Figure 3.24).
+
+    ``r``: motions, torques and touching balls at each time step. First panel: positions of touching balls along the nut's
+    track; second: numbers of touching pairs and of groups of touching balls.
+    """
     along = np.degrees(np.mod(r.azimuth - r.nut_angle[:, None] + np.pi * r.setting.turns, r.setting.ring))
     some = r.contact & (np.arange(r.nut_angle.size) % max(1, r.nut_angle.size // DOTS) == 0)[:, None]
     step, ball = np.nonzero(some)
@@ -316,12 +349,12 @@ def contact_panels(r: History) -> tuple[Panel, Panel]:
 
 
 def amplitude_in_words(r: History) -> str:
-    """Return in words the amplitude of the contact angle's deviation theta in a simulation."""
+    """Return as text the amplitude of the contact angles' deviation theta in a simulation, such as "θ of 3°"."""
     return f"θ of {np.degrees(r.setting.amplitude):g}°"
 
 
 def simulation_figure() -> Figure:
-    """Draw Lin's Figures 3.23 to 3.25: torque and touching balls of the whole screw over time."""
+    """Draw Lin's Figures 3.23 to 3.25: contact-angle deviation, friction torque and touching balls of the whole screw."""
     three, two, open_grooves = screw.simulate_screw(3.0), screw.simulate_screw(2.0), screw.simulate_without_oversize()
     panels = (
         angle_deviation_panel(three.setting),
@@ -351,9 +384,10 @@ def simulation_figure() -> Figure:
 
 
 def oversize_map_panels(case: str, coupling: Coupling) -> list[Panel]:
-    """Draw ball-to-ball force and loss increase of two balls over their oversize, one curve for each axial load.
+    """Draw ball-to-ball force and loss increase of two balls over their oversize, with one curve for each axial load.
 
-    ``case``: of Lin's Table 3.7, "a" or "b"; ``coupling``: what friction may move and so load.
+    ``case``: of Lin's Table 3.7, "a" or "b"; ``coupling``: which parts the friction displaces, so that it changes the
+    contact loads: "none", "ball" or "ball and screw".
     """
     m, x = screw.oversize_and_load_map(case, coupling), [1e6 * oversize for oversize in screw.OVERSIZE]
     words = "not coupled" if coupling == "none" else "friction moves the balls"
@@ -372,16 +406,21 @@ def oversize_map_panels(case: str, coupling: Coupling) -> list[Panel]:
 
 
 def force_ratio_without_oversize(case: str, coupling: Coupling) -> float:
-    """Return the ball-to-ball force without oversize at an axial load of `LOAD`, over the printed force."""
+    """Return the ball-to-ball force of two balls without oversize divided by the printed force, at an axial load of `LOAD`.
+
+    ``case``: of Lin's Table 3.7, "a" or "b"; ``coupling``: which parts the friction displaces, as in
+    `oversize_map_panels`.
+    """
     m = screw.oversize_and_load_map(case, coupling)
     at = int(np.argmin(np.abs(np.array(screw.OVERSIZE))))
     return float(m.force[at, screw.AXIAL.index(LOAD)]) / value_of("lin-3.7", f"force_{case}")
 
 
 def oversizes_at_printed(key: str) -> str:
-    """Return in words the oversizes at which the computed value at `LOAD` equals the printed one, for each case.
+    """Return in words the oversizes at which a computed quantity at the axial load `LOAD` equals the printed value.
 
-    ``key``: "force" or "increase".
+    They are given for cases (a) and (b) of Lin's Table 3.7. ``key``: "force" (ball-to-ball force) or "increase" (of the
+    friction loss).
     """
     words = []
     for case in ("a", "b"):
@@ -394,9 +433,9 @@ def oversizes_at_printed(key: str) -> str:
 
 
 def find_crossings(values: Array, level: float) -> list[float]:
-    """Return the oversizes [µm] at which a quantity crosses a level, by linear interpolation.
+    """Return the oversizes [µm] at which a quantity equals a given value, by linear interpolation.
 
-    ``values``: the quantity at the oversizes `screw.OVERSIZE`; ``level``: in the unit of the quantity.
+    ``values``: the quantity at the oversizes `screw.OVERSIZE`; ``level``: the given value, in the unit of the quantity.
     """
     off, x = values - level, 1e6 * np.array(screw.OVERSIZE)
     k = np.flatnonzero(off[:-1] * off[1:] < 0.0)
@@ -404,7 +443,7 @@ def find_crossings(values: Array, level: float) -> list[float]:
 
 
 def oversize_map_figure() -> Figure:
-    """Draw ball-to-ball force and loss increase of two balls of a screw over oversize and axial load."""
+    """Draw ball-to-ball force and loss increase of two balls of a screw over their oversize, for several axial loads."""
     sets: tuple[tuple[str, Coupling], ...] = (("a", "none"), ("b", "none"), ("a", "ball"))
     panels = [p for case, coupling in sets for p in oversize_map_panels(case, coupling)]
     caption = (
@@ -429,7 +468,10 @@ def oversize_map_figure() -> Figure:
 
 
 def first_angle_beyond_two_contacts(found: TorqueCurve) -> float:
-    """Return the smallest load angle [deg] at which a ball of the bearing has more than two contacts."""
+    """Return the smallest load angle [deg] at which a ball of the bearing has more than two loaded contacts.
+
+    ``found``: friction torque and contacts of the bearing over the load angle.
+    """
     return float(np.degrees(screw.ANGLES[np.flatnonzero(found.four)[0]]))
 
 
@@ -444,9 +486,10 @@ def bearing_figure() -> Figure:
     x, label = plain_numbers(np.degrees(screw.ANGLES)), "load angle / deg"
 
     def draw_panel(title: str, unit: str, pick: Callable[[TorqueCurve], Array]) -> Panel:
-        """Draw a quantity of all bearings over the load angle.
+        """Draw a quantity of both bearings, with and without tilt of the inner ring, over the load angle.
 
-        ``title``: of the panel; ``unit``: label of the ordinate; ``pick``: function that returns the quantity.
+        ``title``: title of the panel; ``unit``: label of the ordinate; ``pick``: function that returns the quantity of a
+        bearing.
         """
         drawn = [
             Series(name, x, plain_numbers(pick(c)), "line+markers", emphasis=k == 0) for k, (name, c) in enumerate(curves)
@@ -492,7 +535,7 @@ def bearing_figure() -> Figure:
 
 
 def pair_interpretations_table() -> Table:
-    """Return the table of ball-to-ball force and loss increase by interpretation of Lin's Table 3.7."""
+    """Return the table of ball-to-ball force and loss increase for each interpretation of Lin's Table 3.7."""
     printed = {case: [entry("lin-3.7", f"{what}_{case}").printed for what in ("force", "increase")] for case in screw.THETA}
     note = (
         f"Printed: {', '.join(f'{force} N and {increase} % ({case})' for case, (force, increase) in printed.items())}. "
@@ -508,7 +551,10 @@ def pair_interpretations_table() -> Table:
 
 
 def simulation_sensitivity_table() -> Table:
-    """Return the table of the whole-screw simulation's results by assumption that Lin 3.4.4 does not print."""
+    """Return the table of the whole-screw simulation's results under varied assumptions that Lin's thesis does not print.
+
+    They concern section 3.4.4; a row of the table has one assumption changed.
+    """
     largest, at, none_at = (entry("lin-3.4.4", key).printed for key in ("largest", "largest_at", "none_at"))
     note = (
         f"Printed: {largest} % at {at}°, no contact at {none_at}°, four groups. The third row is the same run by root "
@@ -527,7 +573,10 @@ def simulation_sensitivity_table() -> Table:
 
 
 def simulation_interpretations_table() -> Table:
-    """Return the table of the whole-screw simulation by interpretation of Lin 3.4.4, with differences from print."""
+    """Return the table of the whole-screw simulation's results for each interpretation of section 3.4.4 of Lin's thesis.
+
+    It also contains the differences from the printed results.
+    """
     largest, at, none_at = (entry("lin-3.4.4", key).printed for key in ("largest", "largest_at", "none_at"))
     note = (
         f"Printed: {largest} % at {at}°, no contact at {none_at}°, in steps of 3.6°. The text leaves open from which "
@@ -544,7 +593,10 @@ def simulation_interpretations_table() -> Table:
 
 
 def bearing_torque_table() -> Table:
-    """Return the table of torque ratios of the bearings of Lin's Table 4.2, under varied assumptions."""
+    """Return the table of the friction torque of the bearings of Lin's Table 4.2 under varied assumptions.
+
+    The torque ratios are those of the largest to the smallest torque over a range of load angles.
+    """
     note = (
         f"Printed for the four-point bearing: {entry('lin-4.3', 'ratio_4p').printed}. Friction coefficient "
         f"{four_point_bearing().groove.mu:g} and the freedom to tilt are assumed; the "
@@ -559,7 +611,10 @@ def bearing_torque_table() -> Table:
 
 
 def ball_contact_onset_table(study: Study) -> Table:
-    """Return the table of the nut angle at which neighbouring balls first touch, by kind of geometric error (Lin 4.3.2)."""
+    """Return the table of the nut angle at which neighbouring balls first touch (section 4.3.2 of Lin's thesis).
+
+    There is a row for each kind of geometric error and each velocity of unloaded balls. ``study``: solved scenes.
+    """
     note = (
         "Screw of Table 4.1, errors of 5 µm, 1000 N, evenly spaced balls at their instantaneous speeds. The conclusion of "
         "4.3.2 depends on unloaded balls being slow: if they roll along at the nominal speed it no longer holds."
@@ -569,12 +624,15 @@ def ball_contact_onset_table(study: Study) -> Table:
 
 
 def introduction(pairs: Table, runs: Table) -> Text:
-    """Return the text that introduces the tables of two balls (``pairs``) and of the whole screw (``runs``)."""
+    """Return the text that introduces the results on two balls and on the whole screw.
+
+    ``pairs``: table of two balls by interpretation; ``runs``: table of the whole-screw simulations by assumption.
+    """
     return Text((_pair_paragraph(pairs), _simulation_paragraph(runs)))
 
 
 def _pair_paragraph(pairs: Table) -> str:
-    """Return the paragraph on the load state of the two balls in Lin's Table 3.7."""
+    """Return the paragraph on the contact loads of two balls in Lin's Table 3.7; ``pairs``: results by interpretation."""
     rows = {str(row["reading"]): row for row in pairs.rows}
     loose, coupled = rows[screw.UNCOUPLED], rows[screw.AS_TEXT]
     uncoupled, moved = (
@@ -595,7 +653,7 @@ def _pair_paragraph(pairs: Table) -> str:
 
 
 def _simulation_paragraph(runs: Table) -> str:
-    """Return the paragraph on the whole-screw simulation of Lin 3.4.4."""
+    """Return the paragraph on the whole-screw simulation of Lin's section 3.4.4; ``runs``: results by assumption."""
     cases = [row for row in runs.rows if row["assumption"] == screw.AS_CASE]
     source = next(row for row in runs.rows if row["assumption"] == screw.SOURCE_RULE)
     at, none_at = (entry("lin-3.4.4", key).printed for key in ("largest_at", "none_at"))
@@ -614,7 +672,10 @@ def _simulation_paragraph(runs: Table) -> str:
 
 
 def screw_section(study: Study, step: Callable[[str], None]) -> Section:
-    """Return the report section on friction in a ball screw, Lin 3.4 and 4.3."""
+    """Return the report's section on friction in a ball screw and in two bearings: sections 3.4 and 4.3 of Lin's thesis.
+
+    ``study``: solved scenes; ``step``: function that receives a message before each step.
+    """
     step("readings and maps of two balls")
     pairs = (pair_interpretations_table(), oversize_map_figure())
     step("whole screw and what its assumptions change")

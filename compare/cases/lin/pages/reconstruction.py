@@ -51,7 +51,10 @@ FORCES = {
 
 
 def other_statements_table(study: Study) -> Table:
-    """Return the table of Lin's other statements that compare both models, with computed values and conclusions."""
+    """Return the table of Lin's further statements that compare his model with ANSYS, with computed values and conclusions.
+
+    ``study``: solved scenes and stored 3D references.
+    """
     rows = [
         _run_time_row(study),
         _lateral_displacement_row(study),
@@ -66,13 +69,14 @@ def other_statements_table(study: Study) -> Table:
 def _statement_row(place: str, printed: str, computed: str, verdict: str) -> Row:
     """Return the table row of one statement in Lin's thesis.
 
-    ``place``: of the statement; ``printed``: the statement; ``computed``: what is computed for it; ``verdict``: conclusion.
+    ``place``: section, table or figure of the statement; ``printed``: the statement; ``computed``: what is computed for
+    it; ``verdict``: conclusion.
     """
     return {"place": place, "printed": printed, "computed here": computed, "verdict": verdict}
 
 
 def _run_time_row(study: Study) -> Row:
-    """Return the table row of run times: printed for ANSYS, and measured for a 3D model of equal cells."""
+    """Return the table row on run times: printed for ANSYS, and measured for a 3D model with cells of equal size."""
     run = load_run(study.scene("lin-case1"), SOURCE_LEVEL, stores=[shipped_store()])
     hours, elements = (value_of("lin-2.2", key) for key in ("time_ansys_1", "elements_ansys"))
     time = (
@@ -89,7 +93,7 @@ def _run_time_row(study: Study) -> Row:
 
 
 def _lateral_displacement_row(study: Study) -> Row:
-    """Return the table row of Lin's Figure 2.10: largest lateral displacement of the screw's axis by both models."""
+    """Return the table row on Lin's Figure 2.10: largest lateral displacement of the screw's axis, low-order and in 3D."""
     low, found = study.solve("lin-case1"), study.reference("lin-case1")
     assert found is not None
     z, *motion = found.best.centreline.T
@@ -106,9 +110,10 @@ def _lateral_displacement_row(study: Study) -> Row:
 
 
 def _case_3_row(study: Study, model: str) -> Row:
-    """Return the table row of Lin's case 3: supports of the right end for which the offset changes loads as printed.
+    """Return the table row on Lin's case 3, in which the right end of the screw is displaced laterally.
 
-    ``model``: name of the model of the contact loads.
+    It names the supports of this end for which the displacement changes the contact loads as printed. ``model``: name of
+    the model of the contact loads. ``study``: solved scenes.
     """
     largest, right = [], []
     for reading in END_SUPPORTS:
@@ -135,9 +140,10 @@ def rises_most_at_last_balls(change: Array) -> bool:
 
 
 def _ball_force_row(case: str) -> Row:
-    """Return the table row of a ball-to-ball force: printed difference, effects of elastic bodies and of cell size.
+    """Return the table row on a ball-to-ball force that Lin prints for his model and for ANSYS.
 
-    ``case``: key of `FORCES`.
+    It contains their difference, and the computed effects of elastic bodies and of the cell size. ``case``: key of
+    `FORCES`.
     """
     table, low_key, ansys_key, name = FORCES[case]
     low, ansys = (value_of(table, key) for key in (low_key, ansys_key))
@@ -177,7 +183,10 @@ ABOUT_IT = (
 
 
 def make_section(study: Study, step: Callable[[str], None]) -> Section:
-    """Return the report's section on the origin of the errors printed in Lin 2.4.1."""
+    """Return the report's section on the origin of the model errors printed in section 2.4.1 of Lin's thesis.
+
+    ``study``: solved scenes and stored 3D references; ``step``: function that receives a message before each step.
+    """
     step("combinations of readings")
     found = study.once(combined.evaluate_combinations)
     return Section(
@@ -205,7 +214,7 @@ def make_section(study: Study, step: Callable[[str], None]) -> Section:
 
 
 def combination_in_words(readings: Combination) -> str:
-    """Return a combination of interpretations in words."""
+    """Return a combination of interpretations of Lin's text in words, such as "modelling choice: interpretation; ..."."""
     return "; ".join(f"{r.choice}: {r.label}" for r in readings) or "as by default"
 
 
@@ -215,17 +224,18 @@ def _errors_in_words(values: Sequence[float]) -> str:
 
 
 def error_fall_and_rise(errors: Sequence[float]) -> tuple[float, float]:
-    """Return the fall of the largest error, then the rise of the RMS error, from case 1 to case 2 [percentage points].
+    """Return by how much the largest error falls, then by how much the RMS error rises, from Lin's case 1 to case 2.
 
-    ``errors``: largest and RMS error of case 1, then of case 2 [%].
+    Both are in percentage points. ``errors``: largest and RMS error of case 1, then of case 2 [%].
     """
     return errors[0] - errors[2], errors[3] - errors[1]
 
 
 def conclusion(found: list[combined.CombinationResult]) -> str:
-    """Return the conclusion: the origin of the printed error is not identified; its range over all combinations.
+    """Return the conclusion on the printed largest error of 5.38 %: its origin is not identified.
 
-    ``found``: results of all combinations of interpretations, the defaults first.
+    It states the range of this error over all combinations of interpretations. ``found``: results of all combinations, of
+    which the first has all choices by default.
     """
     errors = [c.errors["own"][0] for c in found if not c.against_text]
     missed = float(np.sqrt(np.mean(combined.nearest_combination(found).misses ** 2)))
@@ -241,7 +251,10 @@ def conclusion(found: list[combined.CombinationResult]) -> str:
 
 
 def first_paragraph(found: list[combined.CombinationResult]) -> str:
-    """Return the paragraph with the answer: not identified; two explanations come near the printed numbers."""
+    """Return the paragraph that answers where the printed errors come from: two explanations come near them.
+
+    ``found``: results of all combinations of interpretations, of which the first has all choices by default.
+    """
     printed, shown = combined.printed_errors(), combined.shown_combinations(found)
     near, soft = (
         shown["nearest in the ratio, no penalty"],
@@ -268,7 +281,7 @@ def first_paragraph(found: list[combined.CombinationResult]) -> str:
 
 
 def _ratios_and_errors(c: combined.CombinationResult) -> str:
-    """Return in words the load ratios and errors of one combination."""
+    """Return in words the load ratios and errors of one combination of interpretations."""
     return (
         f"ratios of {c.low_ratio:.3f} and {c.solid_ratio:.3f}, errors of {_errors_in_words(c.errors['own'])}, "
         f"{_fall_in_percent_of_printed(c):.0f} % of "
@@ -277,17 +290,20 @@ def _ratios_and_errors(c: combined.CombinationResult) -> str:
 
 
 def _fall_in_percent_of_printed(c: combined.CombinationResult) -> float:
-    """Return the fall of the largest error from case 1 to case 2, in per cent of the printed fall."""
+    """Return the fall of the largest error from case 1 to case 2, in per cent of the fall that Lin prints."""
     return 100.0 * error_fall_and_rise(c.errors["own"])[0] / error_fall_and_rise(combined.printed_errors())[0]
 
 
 def _range_in_words(values: Sequence[float], digits: int = 2) -> str:
-    """Return in words the range of values that rise or fall from first to last; ``digits``: decimals of the numbers."""
+    """Return in words the first and last of values that rise or fall steadily; ``digits``: decimals of the numbers."""
     return f"{values[0]:.{digits}f} to {values[-1]:.{digits}f}"
 
 
 def penalty_paragraph(study: Study) -> str:
-    """Return the paragraph on penalty contacts: penetration, softer contacts, influence of the mesh."""
+    """Return the paragraph on contacts with a penalty in 3D: how much softer they are, and the influence of the mesh.
+
+    ``study``: solved scenes and stored 3D results.
+    """
     soft = [(r, combined.relative_penalty_approach(study, (r,))) for r in SOLID if r.penalty]
     sizes = ", ".join(f"{r.label}: {100.0 * x / (1.0 + x):.0f} %" for r, x in soft)
     levels = PENALTY_LEVEL, PENALTY_LEVEL + 1
@@ -309,7 +325,11 @@ def penalty_paragraph(study: Study) -> str:
 
 
 def scatter_paragraph(study: Study, found: list[combined.CombinationResult]) -> str:
-    """Return the paragraph on the mesh scatter with which the combination nearest to the ratio would give the errors."""
+    """Return the paragraph on the scatter of contact stiffness between meshes as a cause of the printed errors.
+
+    It states the probability of half of the printed change from case 1 to case 2, for several sizes of the scatter.
+    ``study``: solved scenes and stored 3D results; ``found``: results of all combinations of interpretations.
+    """
     falls, rises = error_fall_and_rise(combined.printed_errors())
     best = combined.nearest_combination(combined.combinations_without_penalty(found), 2)
     loads = combined.low_order_loads(study, best.low), combined.loads_in_3d(study, best.solid)
@@ -329,7 +349,10 @@ def scatter_paragraph(study: Study, found: list[combined.CombinationResult]) -> 
 
 
 def friction_paragraph(study: Study) -> str:
-    """Return the paragraph on the effect of the printed coefficient of friction in 3D, for rolling and sliding balls."""
+    """Return the paragraph on the effect of the printed coefficient of friction in 3D, for rolling and sliding balls.
+
+    ``study``: solved scenes and stored 3D results.
+    """
     scene, base = study.scene(CASES[0]), combined.loads_in_3d(study, ())
     changed = {r.key: combined.loads_in_3d(study, (r,)) for r in SOLID if r.choice == FRICTION}
     moved = {
@@ -358,7 +381,10 @@ def friction_paragraph(study: Study) -> str:
 
 
 def explanation_table(found: list[combined.CombinationResult]) -> Table:
-    """Return the table of printed ratios and errors, and those by each explanation."""
+    """Return the table of the load ratios and errors that Lin prints, and of those computed by each explanation.
+
+    ``found``: results of all combinations of interpretations.
+    """
     printed = combined.printed_load_ratio(), combined.printed_load_ratio(), *combined.printed_errors()
     given = {name: (c.low_ratio, c.solid_ratio, *c.errors["own"]) for name, c in combined.shown_combinations(found).items()}
     rows: list[Row] = [
@@ -369,7 +395,10 @@ def explanation_table(found: list[combined.CombinationResult]) -> Table:
 
 
 def deviations_table(found: list[combined.CombinationResult]) -> Table:
-    """Return the table of differences between computed and printed ratios and errors, by explanation."""
+    """Return the table of differences between computed and printed load ratios and errors, by explanation.
+
+    ``found``: results of all combinations of interpretations.
+    """
     printed = error_fall_and_rise(combined.printed_errors())
     rows: list[Row] = []
     for name, c in combined.shown_combinations(found).items():
@@ -405,7 +434,7 @@ def _ratio_and_error_cells(values: Sequence[float], ratio: str, error: str, unit
 
 
 def _error_cells(c: combined.CombinationResult) -> Row:
-    """Return table cells of a combination's load ratios, and its errors by each definition."""
+    """Return table cells of a combination: load ratios by both models, and errors in per cent of each and of mean load."""
     row: Row = {
         Quantity("low_ratio", "ratio, low order", "", ".3f"): c.low_ratio,
         Quantity("solid_ratio", "ratio, 3D", "", ".3f"): c.solid_ratio,
@@ -418,7 +447,10 @@ def _error_cells(c: combined.CombinationResult) -> Row:
 
 
 def single_interpretation_table(found: list[combined.CombinationResult]) -> Table:
-    """Return the table of load ratios and errors for single interpretations, the other model by default."""
+    """Return the table of load ratios and errors by single interpretations; all other choices are by default.
+
+    ``found``: results of all combinations of interpretations, of which the first has all choices by default.
+    """
     base, rows = found[0], []
     for c in found:
         if len(c.low) + len(c.solid) > 1:
@@ -436,7 +468,10 @@ def single_interpretation_table(found: list[combined.CombinationResult]) -> Tabl
 
 
 def combination_table(found: list[combined.CombinationResult]) -> Table:
-    """Return the table of all combinations, with the RMS of their differences from the printed numbers."""
+    """Return the table of all combinations of interpretations, with the RMS of their deviations from the printed numbers.
+
+    ``found``: results of these combinations.
+    """
     rows = [
         _combination_row(c)
         | {"text": "against it" if c.against_text else "silent"}
@@ -462,7 +497,10 @@ def _combination_row(c: combined.CombinationResult) -> Row:
 
 
 def combinations_figure(found: list[combined.CombinationResult]) -> Figure:
-    """Draw load ratios and errors of all combinations, with the printed ones."""
+    """Draw load ratios and errors of all combinations of interpretations, with the printed ones.
+
+    ``found``: results of the combinations.
+    """
     shown, aim = [*combined.shown_combinations(found).values()], combined.printed_load_ratio()
     others = [c for c in found if c not in shown]
     printed_errors = combined.printed_errors()
@@ -481,7 +519,7 @@ def combinations_figure(found: list[combined.CombinationResult]) -> Figure:
         return (*out, Series("printed", [printed[0]], [printed[1]], style="markers", emphasis=True))
 
     def case_errors(k: int) -> Callable[[combined.CombinationResult], tuple[float, float]]:
-        """Return a function that returns RMS, then largest error [%] of a combination in Lin's case ``k`` + 1."""
+        """Return a function that returns RMS, then largest error [%] of a combination in case ``k`` + 1 of Lin's thesis."""
         return lambda c: (c.errors["own"][2 * k + 1], c.errors["own"][2 * k])
 
     panels = (

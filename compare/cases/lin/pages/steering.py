@@ -33,7 +33,10 @@ SENSE = (
 
 
 def lash_figure(scene: Scene) -> Figure:
-    """Draw displacement over load in both lash tests for four ball patterns, and lash over the direction of the force."""
+    """Draw displacement over load in both lash tests for four ball patterns, and lash over the direction of the force.
+
+    ``scene``: the ball screw.
+    """
     around, course = np.linspace(0.0, 180.0, 13), "-200N:200N:17"
     degrees = [float(d) for d in around]
     axial, conical, peaks = [], [], []
@@ -59,13 +62,16 @@ def lash_figure(scene: Scene) -> Figure:
 
 
 def _displacement_curve(name: str, test: LoadCurve) -> Series:
-    """Return the curve of displacement [um] over load [N] of a lash test."""
+    """Return the curve of displacement [um] over load [N] of a lash test; ``name``: legend; ``test``: load curve."""
     known = [(p.load, 1e6 * p.displacement) for p in test.points if p.displacement is not None]
     return Series(name, [f for f, _ in known], [u for _, u in known], "line")
 
 
 def lash_rows(scene: Scene) -> list[Row]:
-    """Return the table rows of the lash differences between ball patterns, by input that Lin does not print."""
+    """Return the table rows of the differences of lash between ball patterns, by input that Lin does not print.
+
+    ``scene``: the ball screw with the usual inputs.
+    """
     return [
         {
             "changed": p.changed,
@@ -92,7 +98,11 @@ def _count_directions(found: steering.LashDifferences) -> str:
 
 
 def steering_gear_figure(points: list[steering.LayoutRatios]) -> Figure:
-    """Draw load ratios of the steering gear over the pinion's position, and largest loads over the tie-rod angle."""
+    """Draw load ratios of the steering gear over the pinion's position, and largest loads over the tie-rod angle.
+
+    A load ratio is the largest contact load at a tie-rod angle of 18 deg over that at 0 deg. ``points``: load ratios of
+    all layouts.
+    """
     gear = steering_gear()
     panels = []
     for key, words in (("screw", "ball screw"), ("bearing", "four-point bearing")):
@@ -137,7 +147,7 @@ def _group_by_layout(points: list[steering.LayoutRatios]) -> dict[tuple[str, boo
 
 
 def ratio_rows(points: list[steering.LayoutRatios]) -> list[Row]:
-    """Return the table rows of the steering gear's load ratios for every layout."""
+    """Return the table rows of the steering gear's load ratios (18 deg over 0 deg of the tie rods), one for each layout."""
     return [
         {
             Quantity("hold", "pinion", "", "s"): p.hold,
@@ -152,7 +162,10 @@ def ratio_rows(points: list[steering.LayoutRatios]) -> list[Row]:
 
 
 def ratio_range_rows(points: list[steering.LayoutRatios]) -> list[Row]:
-    """Return the table rows of the ranges of the load ratios by input that Lin does not print."""
+    """Return the table rows of the ranges of the steering gear's load ratios by input that Lin does not print.
+
+    ``points``: load ratios of all layouts, whose range is the last row.
+    """
     rows = []
     for b in (*steering.ratio_ranges(steering_gear()), steering.range_over_layouts(points)):
         row: Row = {"changed": b.changed, Quantity("values", "stated range", "", "s"): b.values}
@@ -170,7 +183,10 @@ def ratio_range_rows(points: list[steering.LayoutRatios]) -> list[Row]:
 
 
 def make_section(study: Study, step: Callable[[str], None]) -> Section:
-    """Return the report's section on the lash tests and the steering gear of Lin 4.2."""
+    """Return the report's section on the lash tests and the steering gear of section 4.2 of Lin's thesis.
+
+    ``study``: shipped scenes; ``step``: function that receives a message before each step.
+    """
     step("lash tests")
     scene = study.scene(SCREW)
     study.uses((RACK,))

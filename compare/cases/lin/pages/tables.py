@@ -65,18 +65,21 @@ TIMED |= {f"lin-3.7:time_ansys_{case}": (name, "3D") for case, name in SCREW.ite
 
 
 def printed_seconds(name: str) -> float:
-    """Return a printed run time [s] by its name ``table:key``."""
+    """Return a printed run time [s]; ``name``: table and key of the printed number, as ``table:key``."""
     one = entry(*name.split(":"))
     return UNITS[one.unit] * (one.value or 0.0)
 
 
 def printed_count(table: str, key: str) -> str:
-    """Return in words the number of elements printed in a table under a key."""
+    """Return the number of elements that Lin's thesis prints, as text; ``table``, ``key``: names of the printed number."""
     return f"{value_of(table, key):,.0f}"
 
 
 def model_size_in_3d(study: Study, name: str) -> str:
-    """Return in words the size of a scene's finest stored 3D model; empty if none is stored."""
+    """Return in words the number of unknowns or cells of a scene's finest stored 3D model; empty if none is stored.
+
+    ``study``: stored 3D results; ``name``: name of the scene.
+    """
     if name in STATIC.values():
         found = study.reference(name)
         return (
@@ -87,15 +90,19 @@ def model_size_in_3d(study: Study, name: str) -> str:
 
 
 def beam_element_count(study: Study, name: str) -> str:
-    """Return in words the number of beam elements in the low-order model, and with Lin's partition."""
+    """Return in words the number of beam elements in the low-order model of a scene, and with Lin's partition.
+
+    ``study``: shipped scenes; ``name``: name of the scene.
+    """
     return f"{len(fixed_partition(study.scene(name))) - 1} ({chapter_2.partition_elements(study)} with Lin's partition)"
 
 
 def model_sizes(study: Study, name: str, way: str) -> tuple[str, str]:
-    """Return in words the printed size of a timed model, then the size of this package's model.
+    """Return in words the printed size of a model whose run time is printed, then the size of this package's model.
 
-    Both are empty if the model has no elements. ``name``: of the scene; ``way``: "lin" (static model), "numerical",
-    "formula" or "3D".
+    Both are numbers of elements, unknowns or cells, and empty if the model has none. ``name``: name of the scene;
+    ``way``: "lin" (static model), "numerical" (friction model of two balls), "formula" (Lin's formula) or "3D".
+    ``study``: solved scenes.
     """
     if way == "lin":
         return printed_count("lin-2.2", "elements_proposed"), beam_element_count(study, name)
@@ -108,14 +115,15 @@ def model_sizes(study: Study, name: str, way: str) -> tuple[str, str]:
 
 
 def speed_ratio(slow: float | None, fast: float | None) -> float | None:
-    """Return the ratio of two run times; None if one is missing."""
+    """Return the ratio of a longer to a shorter run time; None if one of them is missing."""
     return None if not slow or not fast else slow / fast
 
 
 def times_table(study: Study, layout: Layout, found: Mapping[str, Evidence]) -> Table:
-    """Return the table of run times and model sizes for a table of Lin's thesis: printed and measured, with ratios.
+    """Return the table of run times and model sizes for a table of Lin's thesis: printed and measured, with their ratios.
 
-    ``layout``: rows and columns of the table in the thesis; ``found``: printed values with the computed ones, by name.
+    ``study``: stored run times; ``layout``: rows and columns of the table in the thesis; ``found``: printed values with
+    the computed ones, by name ``table:key``.
     """
     names = [
         (label, head, n) for label, row in layout.rows for head, n in zip(layout.columns, row, strict=True) if n in TIMED
@@ -149,14 +157,15 @@ def times_table(study: Study, layout: Layout, found: Mapping[str, Evidence]) -> 
 
 
 def error_or_none(value: float | None, reference: float | None) -> float | None:
-    """Return the error [%] of a value against a reference; None if one of them is missing."""
+    """Return the error [%] of ``value`` against ``reference``; None if one of them is None."""
     return None if value is None or reference is None else float(error_percent(value, reference))
 
 
 def table_3_4_extra_cells(study: Study) -> dict[str, Row]:  # noqa: ARG001 - every table takes the study
-    """Return further cells of Lin's Table 3.4, by name of the printed number.
+    """Return cells that are added to Lin's Table 3.4, by name of the printed number beside which they are shown.
 
-    They are velocity deviations [%] under the loads that section 3.3.4.1 of the thesis assumes, equal on each diagonal.
+    They are velocity deviations [%] under the contact loads that section 3.3.4.1 of the thesis assumes, equal at both
+    contacts of each diagonal. ``study``: not used here.
     """
     found = {case: 100.0 * solve_linear_pair(loads="diagonal", mated=case == "b").free.deviation for case in "ab"}
     cells = {(case, k): float(value[k - 1]) for case, value in found.items() for k in (1, 2)}
@@ -164,10 +173,10 @@ def table_3_4_extra_cells(study: Study) -> dict[str, Row]:  # noqa: ARG001 - eve
 
 
 def table_3_5_extra_cells(study: Study) -> dict[str, Row]:  # noqa: ARG001 - every table takes the study
-    """Return further cells of Lin's Table 3.5, by name of the printed number.
+    """Return cells that are added to Lin's Table 3.5, by name of the printed number beside which they are shown.
 
-    They are printed differences from ANSYS [%], and the ball-to-ball force [N] under the loads that section 3.3.4.1 of
-    the thesis assumes, equal on each diagonal.
+    They are printed differences from ANSYS [%], and the ball-to-ball force [N] under the contact loads that section
+    3.3.4.1 of the thesis assumes, equal at both contacts of each diagonal. ``study``: not used here.
     """
     low, ansys = (value_of("lin-3.5", f"a_force_{way}") for way in ("analytic", "ansys"))
     numerical: Row = {
@@ -178,14 +187,18 @@ def table_3_5_extra_cells(study: Study) -> dict[str, Row]:  # noqa: ARG001 - eve
 
 
 def table_3_7_extra_cells(study: Study) -> dict[str, Row]:  # noqa: ARG001 - every table takes the study
-    """Return further cells of Lin's Table 3.7, by name of the printed number: printed differences from ANSYS [%]."""
+    """Return cells that are added to Lin's Table 3.7, by name of the printed force: printed differences from ANSYS [%].
+
+    ``study``: not used here.
+    """
     return {f"lin-3.7:force_{case}": {SOURCES_OWN: value_of("lin-3.7", f"difference_{case}")} for case in SCREW}
 
 
 def table_b_1_extra_cells(study: Study) -> dict[str, Row]:
-    """Return further cells of Lin's Table B.1, by name of the printed number.
+    """Return cells that are added to Lin's Table B.1, by name of the printed number next to which they are shown.
 
-    They are the correct values for the groove with which Lin computed the table, not that of his Table 2.1.
+    They are the correct values for the groove with which Lin computed the table; his Table 2.1 states another groove.
+    ``study``: solved scenes.
     """
     scene = with_groove(study.scene("lin-case1"), chapter_2.TABLE_CONFORMITY)
     return {f"lin-B1:{key}": {OTHER_GROOVE: value} for key, value in chapter_2.correct_table_b_1(scene).items()}
@@ -237,7 +250,10 @@ def reason_without_3d(name: str) -> str:
 
 
 def substitute_texts(study: Study) -> dict[str, str]:
-    """Return texts on run times and model sizes that stand in Lin's tables in place of numbers, by name of the number."""
+    """Return texts on run times and model sizes, by name of the printed number for which Lin's tables show no computed one.
+
+    ``study``: stored run times and 3D results.
+    """
 
     def time_text(name: str, way: str) -> str:
         """Return in words the run times of the scene ``name`` by the model ``way``, as in `stored_run_times`."""
@@ -259,7 +275,10 @@ def substitute_texts(study: Study) -> dict[str, str]:
 
 
 def load_figure(study: Study) -> Figure:
-    """Draw contact loads over the ball number in Lin's case studies: low-order, 3D, and printed statements."""
+    """Draw contact loads over the ball's number in Lin's case studies: low-order model, 3D reference, printed statements.
+
+    ``study``: solved scenes and stored 3D references.
+    """
     panels = []
     for k, name in STATIC.items():
         low, found = study.solve(name), study.reference(name)
@@ -281,7 +300,10 @@ def load_figure(study: Study) -> Figure:
 
 
 def _case_1_marks(study: Study) -> list[Series]:
-    """Return the curve of case 1's loads by Mei's model, and a line at the printed load ratio."""
+    """Return the curve of case 1's contact loads by Mei's model, and a line at the smallest load times the printed ratio.
+
+    The ratio is that of the largest to the smallest load. ``study``: solved scenes.
+    """
     load = study.solve("lin-case1").load[:, 0]
     printed = value_of("lin-2.4.1", "case1_ratio") * float(load.min())
     mei = load_curve("Mei: uniformly decreasing", study.solve("lin-case1", "mei"), 0, "line")
@@ -289,13 +311,13 @@ def _case_1_marks(study: Study) -> list[Series]:
 
 
 def _case_2_marks(study: Study) -> list[Series]:
-    """Return the mark of the printed load increase at ball 17 in case 2."""
+    """Return a marker at ball 17 of case 2, whose contact load rises according to Lin's text."""
     load = study.solve("lin-case2").load
     return [Series("printed: abrupt increase at ball 17 alone", [17.0], [float(load[16, 0])], "markers")]
 
 
 def _case_3_marks(study: Study) -> list[Series]:
-    """Return the curve of case 3's loads without lateral offset."""
+    """Return the curve of case 3's contact loads without lateral offset of the right end."""
     return [load_curve("low-order, no offset", study.solve("lin-case3"), 0, "line")]
 
 
@@ -303,7 +325,10 @@ MARKS: Mapping[int, Callable[[Study], list[Series]]] = {1: _case_1_marks, 2: _ca
 
 
 def mesh_figure(study: Study) -> Figure:
-    """Draw the errors of contact loads and ball-to-ball forces over the cell size of the 3D reference."""
+    """Draw the errors of contact loads and ball-to-ball forces in 3D over the cell size, against the finest grid.
+
+    ``study``: solved scenes and stored 3D references.
+    """
     static, balls = [], []
     for name in STATIC.values():
         found = study.reference(name)
@@ -342,7 +367,10 @@ def mesh_figure(study: Study) -> Figure:
 
 
 def case_study_rows(study: Study) -> Iterator[Row]:
-    """Yield table rows of the case studies: largest and smallest load, errors, as ``rollbench compare`` prints them."""
+    """Yield table rows of Lin's case studies: largest and smallest load, and errors against the 3D reference, by model.
+
+    ``study``: solved scenes and stored 3D references.
+    """
     for k, name in STATIC.items():
         found = study.reference(name)
         if found is None:
@@ -369,7 +397,7 @@ def case_study_rows(study: Study) -> Iterator[Row]:
 
 
 def case_study_table(study: Study) -> Table:
-    """Return the table of loads and errors of Lin's case studies by model."""
+    """Return the table of loads and errors of Lin's case studies by model; ``study``: solved scenes and 3D references."""
     title = "Lin's case studies: largest and smallest contact load and errors against 3D, by model"
     note = (
         "Case 3: the right end is held in x and y, as a bearing does; with x only, as the text says, loads change as "
@@ -394,7 +422,10 @@ GUIDE = (
 
 
 def make_section(study: Study, step: Callable[[str], None]) -> tuple[Section, ...]:
-    """Return the report's sections with the tables of Lin's thesis."""
+    """Return the report's sections with the tables of Lin's thesis.
+
+    ``study``: solved scenes and stored 3D references; ``step``: function that receives a message before each step.
+    """
     step("printed numbers of the thesis")
     names = [name for name in tables() if name.startswith("lin-")]
     found = {f.printed.name: f for f in evidence(study, *names)}
@@ -429,7 +460,10 @@ def make_section(study: Study, step: Callable[[str], None]) -> tuple[Section, ..
 
 
 def conclusion(found: Iterable[Evidence]) -> str:
-    """Return the sentence on how many printed values are reproduced, contradicted or not determined."""
+    """Return the sentence on how many printed results are reproduced, contradicted or not determined by the text.
+
+    ``found``: printed values and claims with the computed ones.
+    """
     numbers = [f for f in found if not f.printed.claim]
     tally = Counter(f.verdict for f in numbers)
     results = len(numbers) - tally["input"] - tally["identity"]
@@ -443,7 +477,11 @@ def conclusion(found: Iterable[Evidence]) -> str:
 
 
 def table_section(study: Study, layout: Layout, found: Mapping[str, Evidence]) -> Section:
-    """Return the report section of one table of Lin's thesis, or of the numbers in its sentences."""
+    """Return the report's section on one table of Lin's thesis, or on the numbers in its sentences.
+
+    ``layout``: rows and columns of the table in the thesis; ``found``: printed values with the computed ones, by name.
+    ``study``: solved scenes.
+    """
     items: list[Table | Figure] = []
     if layout.kind == "inputs":
         items.append(inputs_table(layout, found))
@@ -460,7 +498,7 @@ def table_section(study: Study, layout: Layout, found: Mapping[str, Evidence]) -
 
 
 def times_note(study: Study) -> str:
-    """Return the note on how printed and measured run times were obtained."""
+    """Return the note on how printed and measured run times were obtained; ``study``: stored run times."""
     kept = study.once(times_of_page, "lin")
     return (
         f"Printed: {MACHINE}. Ours, cold: a new process with empty caches, imports included; further: the next load case "

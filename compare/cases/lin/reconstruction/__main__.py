@@ -1,4 +1,4 @@
-"""``python -m rollbench.compare.cases.lin.reconstruction``: compute the 3D runs that are missing."""
+"""Compute the missing 3D results, by ``python -m rollbench.compare.cases.lin.reconstruction``."""
 
 from __future__ import annotations
 

@@ -1,34 +1,36 @@
 """Interpretations of inputs that section 2.4.1 of Lin's thesis leaves open, for his low-order and 3D models.
 
-Two forces act on a ball in two-point contact, so they lie on the line through its two contacts. No friction acts
-along the track, so nothing keeps the ball from rolling along it. Across the track, the ball may stand at a distance e
-from the line of the arcs' centres. Both contact normals then turn by phi = e/h against the line through the contacts,
-with h the arc's radius less the ball's; friction holds the ball while tan(phi) <= mu. With arcs of equal radius, the
-line through the contacts stays parallel to that of the arcs' centres, so friction turns no force. Both contacts shift
-by the arc's radius times phi, and the ball fills the grooves like a ball whose radius is larger by h phi^2/2
-(`effective_oversize`).
+Two forces act on a ball in two-point contact, so they lie on the line through its two contacts. No friction acts along
+the track, so nothing keeps the ball from rolling along it. Across the track, the ball may be displaced by a distance e
+from the line through the arcs' centres. Both contact normals then turn by phi = e/h against the line through the
+contacts, with h the arc's radius less the ball's; friction holds the ball while tan(phi) <= mu. With arcs of equal
+radius, the line through the contacts stays parallel to the line through the arcs' centres, so friction turns no force.
+Both contacts shift by the arc's radius times phi, and the ball fills the grooves like a ball whose radius is larger by h
+phi^2/2 (`effective_oversize`).
 
-How far a ball stands from its line depends on how it got there. A ball that rolls on both grooves moves by half of
-the relative motion of the surfaces. So does the midpoint between the arcs' centres, except for the tilt of one groove
-against the other: phi = r tilt/(2 h), with r the arc's radius (`tilt_at_onset_of_sliding`).
+How far a ball is displaced depends on its previous motion. A ball that rolls on both grooves moves by half of the
+relative motion of the surfaces. So does the midpoint between the arcs' centres, except for the tilt of one groove against
+the other: phi = r tilt/(2 h), with r the arc's radius (`tilt_at_onset_of_sliding`).
 
 If a model keeps its balls from turning, the grooves slide on them, and friction does turn the forces, by mu
 (`rollbench.compare.cases.lin.reconstruction.solvers`).
 
 The text states that the contacts use an augmented Lagrangian, with all other settings by default. This leaves a
 penetration, and so softer contacts, by a penalty that is not printed
-(`rollbench.compare.cases.lin.reconstruction.solvers`). The natural size of the penalty is E/h, here with h the size
-of the source's elements; it is computed from this size downwards.
+(`rollbench.compare.cases.lin.reconstruction.solvers`). The natural size of the penalty is E/h, with E Young's modulus and
+here h the size of the source's elements; penalties of this size and smaller are computed.
 
-Interpretations are combined in every way. Each combination gives the largest over the smallest load by both models,
-the errors, and the scatter of meshes. Six numbers are printed: the ratio "about 1.34" for both models, and four
-errors of one model against the other. Each combination is shown with its misses of these numbers; no tolerance
-decides which numbers are met, and no combination is taken for what the source did. No model reads a printed number.
+All interpretations of different modelling choices are combined. Each combination gives the largest over the smallest load
+by both models, the errors of one model against the other, and their scatter between meshes. Six numbers are printed: the
+load ratio "about 1.34" for both models, and four errors. Each combination is shown with its deviations from these
+numbers; no tolerance decides which numbers are met, and no combination is claimed to be what the source did. No model
+reads a printed number.
 
-A contact of case 1 is meshed as the source says, by first-order tetrahedra of about 0.08 mm, and with several sizes
-near that, each giving another unstructured mesh. Its approach, without its trend over size, scatters by a share s. A
-ball's load then changes as under a closure of s times the approach at each of its contacts. Case 2 shows what a
-closure does: its ball 17 is too large by 1 um in radius, which closes both contacts by 1 um.
+A contact of case 1 is meshed as the source states, by first-order tetrahedra of about 0.08 mm, and with several sizes
+near that, each of which gives another unstructured mesh. After subtraction of its trend over the element size, the
+approach scatters by a fraction s. A ball's load then changes as under a closure of s times the approach at each of its
+contacts. Case 2 shows the effect of a closure: its ball 17 is too large by 1 um in radius, which closes both contacts by
+1 um.
 """
 
 from __future__ import annotations
@@ -65,28 +67,30 @@ def radius_difference(scene: Scene) -> float:
     Raises ValueError if screw and nut have different groove radii.
     """
     if scene.screw.groove_radius != scene.nut.groove_radius:
-        raise ValueError("screw and nut have different groove radii: a rolling ball leaves the line of the arcs' centres")
+        radii = f"{scene.screw.groove_radius:g} and {scene.nut.groove_radius:g} m"
+        raise ValueError(f"a ball that rolls needs equal groove radii of screw and nut, got {radii}")
     return scene.screw.groove_radius - scene.balls.radius
 
 
 def effective_oversize(scene: Scene, phi: float = MU) -> float:
-    """Return the oversize of the ball radius [m] that has the effect of a displaced ball: h phi^2/2.
+    """Return the oversize of the ball radius [m], h phi^2/2, that has the effect of a displaced ball.
 
-    ``phi``: angle [rad] by which the ball's contact normals are turned; h: groove radius less ball radius.
+    The ball is displaced from the line of the arcs' centres, which turns its contact normals. ``phi``: angle of this turn
+    [rad]; h: groove radius less ball radius.
     """
     return 0.5 * radius_difference(scene) * phi**2
 
 
 def tilt_at_onset_of_sliding(scene: Scene) -> float:
-    """Return the tilt [rad] between the grooves of screw and nut at which a rolling ball begins to slide."""
+    """Return the tilt [rad] of the screw's groove against the nut's at which a rolling ball begins to slide."""
     return 2.0 * MU * radius_difference(scene) / scene.screw.groove_radius
 
 
 def displace_balls_by_friction(scene: Scene, balls: Iterable[int] | None = None) -> Scene:
-    """Return the scene with balls displaced from the line of the arcs' centres as far as friction permits.
+    """Return the scene with balls displaced from the line of the arcs' centres as far as friction can hold them.
 
-    ``balls``: numbers of these balls, from 1; by default all. The displacement is modelled by an effective oversize of the
-    ball (`effective_oversize`).
+    The displacement is modelled by an oversize of the ball (`effective_oversize`). ``balls``: numbers of these balls,
+    from 1; by default all.
     """
     oversize, gap = dict(scene.errors.balls.listed), effective_oversize(scene)
     for k in range(1, scene.ball_count + 1) if balls is None else balls:
@@ -98,8 +102,8 @@ def displace_balls_by_friction(scene: Scene, balls: Iterable[int] | None = None)
 def largest_change_by_friction(scene: Scene, of: Callable[[Scene], float]) -> float:
     """Return the largest relative rise of a quantity that friction on some of the balls of a scene can cause.
 
-    ``of``: function that returns the quantity of a scene. Friction displaces those balls that raise it when displaced
-    alone.
+    Friction displaces each ball that, displaced alone, raises the quantity. ``of``: function that returns the quantity of
+    a scene.
     """
     base = of(scene)
     return (
@@ -116,16 +120,16 @@ def largest_change_by_friction(scene: Scene, of: Callable[[Scene], float]) -> fl
 # --- interpretations of inputs that section 2.4.1 leaves open: of Lin's low-order model, and of his 3D model
 
 
-#: The cases whose errors are printed, and the mesh level of the 3D runs without a penalty.
+#: Scenes of the cases whose errors are printed, and the mesh level of 3D solutions without a penalty.
 CASES, LEVEL = ("lin-case1", "lin-case2"), 1
 
-#: The level of runs with a penalty (`rollbench.compare.cases.lin.reconstruction.solvers`).
+#: Mesh level of 3D solutions with a penalty (`rollbench.compare.cases.lin.reconstruction.solvers`).
 PENALTY_LEVEL = 2
 
 
 @dataclass(frozen=True)
 class Interpretation:
-    """One interpretation of one modelling choice that Lin's thesis leaves open."""
+    """One interpretation of one modelling choice that Lin's thesis leaves open, for his low-order or his 3D model."""
 
     #: Short name, for names of scenes and tables.
     key: str
@@ -207,14 +211,15 @@ Combination = tuple[Interpretation, ...]
 
 
 def combination_key(readings: Combination) -> str:
-    """Return the key of a combination of interpretations, such as "plain+tetrahedra", for names and tables."""
+    """Return the keys of a combination's interpretations joined by "+", such as "plain+tetrahedra"; "base" for none."""
     return "+".join(r.key for r in readings) or "base"
 
 
 def combinations_of_choices(readings: tuple[Interpretation, ...], most: int) -> list[Combination]:
-    """Return all combinations of the interpretations ``readings``, at most one for each modelling choice.
+    """Return all combinations of interpretations, each with at most one interpretation of a modelling choice.
 
-    ``most``: largest number of interpretations in a combination. The empty combination (all defaults) is the first.
+    ``readings``: the interpretations; ``most``: largest number of them in a combination. The first combination is empty:
+    all choices by default.
     """
     found: list[Combination] = [()]
     for count in range(1, most + 1):
@@ -223,27 +228,27 @@ def combinations_of_choices(readings: tuple[Interpretation, ...], most: int) -> 
 
 
 def scene_for_low_order(scene: Scene, readings: Combination) -> Scene:
-    """Return a copy of the scene for the low-order model under a combination of interpretations."""
+    """Return a copy of the scene, changed for the low-order model as a combination of interpretations requires."""
     ingredients = {k: v for r in readings for k, v in r.ingredients.items()}
     return replace(scene, ingredients=replace(scene.ingredients, **ingredients))
 
 
 def scene_for_3d(scene: Scene, readings: Combination) -> Scene:
-    """Return a copy of the scene for the 3D model under a combination of interpretations, the mesh excepted."""
+    """Return a copy of the scene, changed for the 3D model as a combination of interpretations requires; not its mesh."""
     for r in readings:
         scene = scene if r.change is None else r.change(scene)
     return scene
 
 
 def mesh_level_of(readings: Combination) -> int:
-    """Return the 3D mesh level of a combination of interpretations: the coarsest of their levels."""
+    """Return the mesh level on which a combination of interpretations is solved in 3D: the coarsest of their levels."""
     return min((r.level for r in readings), default=LEVEL)
 
 
 # --- 3D runs of the interpretations: computed if not stored, then stored in this folder
 
 
-#: Folder of the stored 3D runs.
+#: Folder of the stored 3D results.
 RUNS = Path(__file__).parent / "runs"
 
 #: Interpretations that change largest over smallest load by more than 0.5 % and do not contradict the text: these are
@@ -253,21 +258,25 @@ MOVERS = ("plain", "runout", "outer-half", "tetrahedra")
 
 
 def combinations_in_3d() -> list[Combination]:
-    """Return the combinations with 3D runs: default, single interpretations, pairs and triples of `MOVERS`."""
+    """Return the combinations of interpretations solved in 3D: default, single ones, pairs and triples of `MOVERS`."""
     movers = tuple(r for r in SOLID if r.key in MOVERS)
     return [*combinations_of_choices(SOLID, 1), *(c for c in combinations_of_choices(movers, 3) if len(c) > 1)]
 
 
 def scenes_in_3d(readings: Combination) -> tuple[Scene, ...]:
-    """Return the scenes of Lin's cases 1 and 2 for the 3D model under a combination of interpretations."""
+    """Return the scenes of Lin's cases 1 and 2, changed for the 3D model as a combination of interpretations requires.
+
+    ``readings``: the combination. The names of the scenes contain its key.
+    """
     name = combination_key(readings).replace("/", "-")
     return tuple(replace(scene_for_3d(catalogue.scene(c), readings), name=f"{c}-{name}") for c in CASES)
 
 
 def stored_runs(readings: Combination, level: int | None = None) -> tuple[Run, ...] | None:
-    """Return the converged stored 3D runs of Lin's cases 1 and 2 under a combination; None if one is missing.
+    """Return the stored 3D results of Lin's cases 1 and 2 under a combination of interpretations.
 
-    ``level``: mesh level; None: that of the combination.
+    None if a result is missing or did not converge. ``readings``: the combination; ``level``: mesh level; None: that of
+    the combination.
     """
     level = mesh_level_of(readings) if level is None else level
     found = [load_run(scene, level, stores=[RUNS]) for scene in scenes_in_3d(readings)]
@@ -276,19 +285,20 @@ def stored_runs(readings: Combination, level: int | None = None) -> tuple[Run, .
 
 
 def stored_loads(readings: Combination, level: int | None = None) -> tuple[Array, ...] | None:
-    """Return the contact loads of Lin's cases 1 and 2 from stored 3D runs; None if a run is missing.
+    """Return the stored contact loads of Lin's cases 1 and 2 in 3D under a combination; None if a result is missing.
 
-    Each array is (n, 4) [N], with the flanks SL, SR, NL, NR of n balls. ``level``: mesh level; None: the combination's.
+    Each array is (n, 4) [N] for n balls and the flanks SL, SR, NL and NR. ``readings``: combination of interpretations;
+    ``level``: mesh level; None: the combination's.
     """
     runs = stored_runs(readings, level)
     return None if runs is None else tuple(run.load for run in runs)
 
 
 def compute_missing(step: Callable[[str], None], cache: Path | None = None) -> None:
-    """Compute and store the missing 3D runs of all combinations of interpretations.
+    """Compute and store the 3D results of all combinations of interpretations that are not stored yet.
 
-    ``step``: function that is told in words which run comes next; ``cache``: folder of kept intermediate results, if any.
-    Raises ValueError if a run does not converge.
+    ``step``: function that receives a message before each solution; ``cache``: folder for intermediate results, None for
+    no such folder. Raises ValueError if a solution does not converge.
     """
     for readings, level in [*((r, mesh_level_of(r)) for r in combinations_in_3d()), (FINER, PENALTY_LEVEL + 1)]:
         if stored_loads(readings, level) is not None:
@@ -323,10 +333,10 @@ APPROACH, BIAS, SCATTER = 6.4839e-6, -4.4, 0.33
 
 
 def load_change_per_approach(solid: tuple[Array, ...]) -> float:
-    """Return the relative change of a ball's load over the relative change of the approach at one of its contacts.
+    """Return the relative rise of a ball's load over the closure of one of its contacts, in units of the Hertz approach.
 
-    It follows from the load of the oversize ball of case 2. ``solid``: contact loads of Lin's cases 1 and 2 in 3D, each
-    (n, 4) [N] for n balls and the flanks SL, SR, NL, NR.
+    It follows from the load of the oversize ball of case 2, whose radius closes both of its contacts. ``solid``: contact
+    loads of Lin's cases 1 and 2 in 3D, each (n, 4) [N] for n balls and the flanks SL, SR, NL and NR.
     """
     before, after = (load[LARGE, 0] for load in solid)
     return float((after / before - 1.0) * 0.5 * APPROACH / OVERSIZE)
@@ -335,21 +345,21 @@ def load_change_per_approach(solid: tuple[Array, ...]) -> float:
 def errors_on_random_meshes(
     low: tuple[Array, ...], solid: tuple[Array, ...], percent: float, *, of_load: bool = True
 ) -> Array:
-    """Return the errors [%] that the low-order model would have against 3D on `DRAWN` random meshes, (DRAWN, 4).
+    """Return the errors [%] of the low-order model against 3D if each case were solved on another random mesh, (DRAWN, 4).
 
-    Columns: largest and RMS error of case 1, largest and RMS error of case 2. Only flank SL counts, since both contacts of
-    a ball carry the same load. Each case has its own mesh, and so its own scatter.
+    Columns: largest and RMS error of case 1, largest and RMS error of case 2. Only flank SL counts, since both contacts
+    of a ball carry the same load. Each case has its own mesh, and so its own scatter.
 
     Parameters
     ----------
     low
-        Loads of both cases by the low-order model, each (n, 4) [N].
+        Contact loads of cases 1 and 2 by the low-order model, each (n, 4) [N].
     solid
-        Loads of both cases in 3D, each (n, 4) [N].
+        Contact loads of cases 1 and 2 in 3D, each (n, 4) [N].
     percent
-        Scatter of every contact's approach [%].
+        Standard deviation of every contact's Hertz approach between meshes [%].
     of_load
-        Whether errors are of each load instead of the mean load.
+        Whether errors are in per cent of each load instead of the mean load.
     """
     rng, share, out = np.random.default_rng(1), load_change_per_approach(solid), []
     for a, b in zip(low, solid, strict=True):
@@ -362,10 +372,10 @@ def errors_on_random_meshes(
 
 
 def fraction_with_fall_and_rise(errors: Array, falls: float, rises: float) -> float:
-    """Return the fraction of random meshes with a lower largest error and a higher RMS error in case 2 than in case 1.
+    """Return the fraction of random meshes on which the largest error falls and the RMS error rises from case 1 to case 2.
 
-    ``errors``: result of `errors_on_random_meshes`; ``falls``, ``rises``: least decrease of the largest error and least
-    increase of the RMS error that count [percentage points].
+    ``errors``: errors [%] from `errors_on_random_meshes`; ``falls``, ``rises``: smallest fall of the largest error and
+    smallest rise of the RMS error that count [percentage points].
     """
     return float(((errors[:, 0] - errors[:, 2] >= falls) & (errors[:, 3] - errors[:, 1] >= rises)).mean())
 
@@ -387,11 +397,11 @@ ERRORS = ("case1_max_error", "case1_rms_error", "case2_max_error", "case2_rms_er
 
 @dataclass(frozen=True)
 class CombinationResult:
-    """Results of one combination of interpretations: load ratios of case 1 by both models, and the model's errors.
+    """Results of one combination of interpretations: load ratios of case 1, and errors of the low-order model against 3D.
 
     ``low``, ``solid``: interpretations for the low-order and for the 3D model; ``low_ratio``, ``solid_ratio``: largest
-    over smallest load of case 1 by these models; ``errors``: errors of the low-order model against 3D [%], largest and
-    RMS of case 1, then of case 2, by the definition of errors.
+    over smallest load of case 1 by these models; ``errors``: errors [%] by definition ("own": of each load, "mean": of
+    the mean load), each as largest and RMS error of case 1, then of case 2.
     """
 
     low: Combination
@@ -437,36 +447,41 @@ def model_errors(low: tuple[Array, ...], solid: tuple[Array, ...]) -> dict[Defin
 
 
 def low_order_combinations() -> list[Combination]:
-    """Return the combinations for the low-order model: default, single ones, pairs and triples of `LOW_MOVERS`."""
+    """Return the combinations solved by the low-order model: default, single ones, pairs and triples of `LOW_MOVERS`."""
     movers = tuple(r for r in LOW if r.key in LOW_MOVERS)
     return [*combinations_of_choices(LOW, 1), *(c for c in combinations_of_choices(movers, 3) if len(c) > 1)]
 
 
 def low_order_loads(study: Study, readings: Combination) -> tuple[Array, ...]:
-    """Return the contact loads of Lin's cases 1 and 2 by the low-order model under a combination, each (n, 4) [N]."""
+    """Return the contact loads of Lin's cases 1 and 2 by the low-order model under a combination of interpretations.
+
+    Each array is (n, 4) [N] for n balls. ``study``: solved scenes; ``readings``: the combination.
+    """
     return tuple(study.solve(scene_for_low_order(catalogue.scene(c), readings), "lin").load for c in CASES)
 
 
 def loads_in_3d(study: Study, readings: Combination, level: int | None = None) -> tuple[Array, ...]:
-    """Return the contact loads of Lin's cases 1 and 2 by the 3D model under a combination, each (n, 4) [N].
+    """Return the contact loads of Lin's cases 1 and 2 by the 3D model under a combination of interpretations.
 
-    ``level``: mesh level; None: that of the combination. Raises LookupError if a stored run is missing.
+    Each array is (n, 4) [N] for n balls. ``study``: keeps results that were read; ``readings``: the combination;
+    ``level``: mesh level; None: the combination's. Raises LookupError if a result is not stored.
     """
     return tuple(run.load for run in study.once(_require_runs, readings, level))
 
 
 def _require_runs(study: Study, readings: Combination, level: int | None = None) -> tuple[Run, ...]:  # noqa: ARG001
-    """Return the stored 3D runs of cases 1 and 2 under a combination; raises LookupError if one is missing."""
+    """Return the stored 3D results of cases 1 and 2 under a combination; raises LookupError if one is missing."""
     found = stored_runs(readings, level)
     if found is None:
-        raise LookupError(f"no stored 3D run of {combination_key(readings)}; compute it by: python -m {__package__}")
+        raise LookupError(f"no stored 3D run of {combination_key(readings)!r}; compute it by: python -m {__package__}")
     return found
 
 
 def evaluate_combinations(study: Study) -> list[CombinationResult]:
-    """Return the results of all pairs of a low-order and a 3D combination, the defaults first.
+    """Return load ratios and errors for each pair of a low-order and a 3D combination of interpretations.
 
-    Raises LookupError if a run is missing.
+    The first result has all choices by default. Raises LookupError if a 3D result is not stored. ``study``: solved scenes
+    and stored 3D results.
     """
     low = [(c, low_order_loads(study, c)) for c in low_order_combinations()]
     solid = [(c, loads_in_3d(study, c)) for c in combinations_in_3d()]
@@ -481,25 +496,26 @@ def printed_errors() -> tuple[float, ...]:
 
 
 def nearest_combination(found: list[CombinationResult], first: int = 6) -> CombinationResult:
-    """Return the combination closest to the printed numbers among those that the text does not contradict.
+    """Return the combination whose results are nearest to the printed numbers, of those that the text does not contradict.
 
-    The distance is the root mean square of the deviations from the printed numbers. ``first``: how many of them count; 2:
-    only the load ratios, 6: all.
+    The distance is the root sum of squares of the deviations `CombinationResult.misses`. ``found``: results of all
+    combinations; ``first``: how many of the deviations count; 2: only the load ratios, 6: all.
     """
     allowed = [c for c in found if not c.against_text]
     return min(allowed, key=lambda c: float(np.linalg.norm(c.misses[:first])))
 
 
 def combinations_without_penalty(found: list[CombinationResult]) -> list[CombinationResult]:
-    """Return the combinations without penalty contacts in 3D."""
+    """Return the combinations whose contacts in 3D have no penalty."""
     return [c for c in found if not any(r.penalty for r in c.solid)]
 
 
 def shown_combinations(found: list[CombinationResult]) -> dict[str, CombinationResult]:
-    """Return the combinations that the report shows one by one, by name.
+    """Return the combinations that the report shows one by one, by their name in the report.
 
-    These are: all defaults; the nearest to the printed ratio, without a penalty (some penalty would give any ratio);
-    each penalty of the 3D contacts with all else by default; and the nearest to all six printed numbers.
+    These are: all choices by default; the nearest to the printed load ratio, without a penalty (some penalty would give
+    any ratio); each penalty of the 3D contacts with all other choices by default; and the nearest to all six printed
+    numbers.
     """
     softer = {
         f"penalty of the 3D contacts: {c.solid[0].label}": c for c in found if not c.low and any(r.penalty for r in c.solid)
@@ -513,9 +529,9 @@ def shown_combinations(found: list[CombinationResult]) -> dict[str, CombinationR
 
 
 def relative_penalty_approach(study: Study, readings: Combination) -> float:
-    """Return the approach that a penalty adds at a contact of case 1, over the Hertz approach under the mean load.
+    """Return the approach that a penalty adds at a contact of case 1, divided by the Hertz approach under the mean load.
 
-    ``readings``: combination of interpretations with the penalty.
+    ``study``: keeps results that were read; ``readings``: combination of interpretations that contains the penalty.
     """
     scene = catalogue.scene(CASES[0])
     still, moved = (study.once(_require_runs, r)[0] for r in ((), readings))

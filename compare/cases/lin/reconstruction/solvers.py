@@ -1,9 +1,9 @@
 """The 3D reference with penalty contacts, whose pressure is proportional to penetration, and with sliding friction.
 
-An augmented Lagrangian reduces the penetration only where it exceeds a tolerance; below that it acts as a penalty:
-each pair of nodes has a spring k A in series, with k the penalty [N/m3] and A the area of the pair's pressure hat.
-The effect of a contact's place on its grid is known only without penetration. It is left out here, so a mesh is
-needed on which it is small.
+An augmented Lagrangian reduces the penetration only where it exceeds a tolerance; below that it acts as a penalty: each
+pair of contact nodes has a spring k A in series, with k the penalty [N/m3] and A the area over which the node's pressure
+acts. How the position of a contact on its grid changes the result is known only without penetration. This effect is left
+out here, so a mesh is needed on which it is small.
 """
 
 from __future__ import annotations
@@ -29,7 +29,10 @@ LARGER = 1.45
 
 
 def add_penalty_springs(setup: Setup, penalty: float) -> Setup:
-    """Return the set-up with a spring in series at each pair of contact nodes: ``penalty`` [N/m3] times the node's area."""
+    """Return the set-up of 3D contacts with a spring in series at each pair of contact nodes.
+
+    The spring's stiffness is ``penalty`` [N/m3] times the area that belongs to the node.
+    """
     patches = {
         side: replace(pair, local=pair.local + np.diag(1.0 / (penalty * pair.groove.areas)), wave=None)
         for side, pair in setup.patches.items()
@@ -38,11 +41,11 @@ def add_penalty_springs(setup: Setup, penalty: float) -> Setup:
 
 
 def solve_with_penalty(scenes: Sequence[Scene], runs: Sequence[Run], share: float, cache: Path | None) -> list[Run]:
-    """Solve scenes of one geometry in 3D with penalty contacts, starting from their runs without penalty.
+    """Solve scenes of one geometry in 3D with penalty contacts, starting from their solutions without a penalty.
 
-    ``runs``: stored runs without penalty, one for each scene; ``share``: penalty over E/h, with Young's modulus E of the
-    balls and Lin's element size h; ``cache``: folder of kept intermediate results, if any. Raises ValueError if a run
-    does not converge.
+    ``runs``: stored solutions without a penalty, one for each scene; ``share``: penalty over E/h, with Young's modulus E
+    of the balls and Lin's element size h; ``cache``: folder for intermediate results, or None. Raises ValueError if a
+    solution does not converge.
     """
     settings = settings_of(scenes, runs[0].level)
     settings = replace(settings, reach=(LARGER * settings.reach[0], LARGER * settings.reach[1]))
@@ -52,7 +55,7 @@ def solve_with_penalty(scenes: Sequence[Scene], runs: Sequence[Run], share: floa
     for scene, run in zip(scenes, runs, strict=True):
         found = solve_reference(setup, scene, frozen=True)
         if found.status != "converged" or found.frozen is None:
-            raise ValueError(f"{scene.name}: {found.status}")
+            raise ValueError(f"{scene.name}: no convergence in 3D with penalty contacts, got status {found.status!r}")
         changed = replace(
             run,
             scene=scene.name,
@@ -69,11 +72,11 @@ def solve_with_penalty(scenes: Sequence[Scene], runs: Sequence[Run], share: floa
 
 
 class SlidingLoadCase(LoadCase):
-    """A load case of the 3D reference whose balls slide across their grooves, with friction of ``mu`` times the load.
+    """A load case of the 3D reference in which balls slide across their grooves, with friction of ``mu`` times the load.
 
     The friction resists an axial motion of the screw in the direction of its load (negative ``mu``: against it). It
     balances between the two contacts of a ball. On a body, a force across the contact's load is applied as a force
-    through the arc's centre, by normal forces on the contact's nodes; its moment about that centre, the arc's radius
+    through the arc's centre, by normal forces on the contact's nodes. Its moment about that centre, the arc's radius
     times mu times the load, is neglected.
     """
 
@@ -86,10 +89,10 @@ class SlidingLoadCase(LoadCase):
         self.mu, self.smooth, self.still = mu, self.mounted, self.at_rest
 
     def solve_next_round(self, last: ContactRound, *, moving: bool) -> ContactRound:
-        """Return the next iterate of contact loads and motion, with friction from the contact loads of the last one.
+        """Return the next iterate of contact loads and motion, with friction from the contact loads of the last iterate.
 
-        ``last``: last iterate; ``moving``: whether normals and gaps follow the motion; else gaps are corrected for the
-        mesh grid only.
+        ``last``: last iterate; ``moving``: whether normals and gaps follow the motion; else only the gaps are corrected,
+        for the mesh grid.
         """
         across = self.across(last).ravel()
         self.at_rest = self.still + self.C.coupling @ self.C.amplitude(across)
@@ -98,9 +101,9 @@ class SlidingLoadCase(LoadCase):
         return super().solve_next_round(last, moving=moving)
 
     def across(self, last: ContactRound) -> Array:
-        """Return forces on n contact nodes of each ball whose resultants are the contacts' friction forces, (balls, n).
+        """Return normal forces on the n contact nodes of each ball whose resultants are the friction forces, (balls, n).
 
-        The forces [N] act along the nodes' normals; ``last``: iterate whose contact loads give the friction.
+        The forces [N] act along the nodes' normals. ``last``: iterate whose contact loads give the friction.
         """
         (forces,), (normals,), (placed,) = last.forces, last.directions, self.sets
         section = placed.setup.map.axes()[[0, 2]]
@@ -115,11 +118,11 @@ class SlidingLoadCase(LoadCase):
 
 
 def solve_with_sliding(scenes: Sequence[Scene], runs: Sequence[Run], mu: float, cache: Path | None) -> list[Run]:
-    """Solve scenes of one geometry in 3D with balls that do not turn, so that grooves slide on them.
+    """Solve scenes of one geometry in 3D with balls that do not turn, so that the grooves slide on them with friction.
 
-    ``runs``: runs without friction, one for each scene; ``mu``: coefficient of friction, negative where the screw moves
-    against its load; ``cache``: folder of kept intermediate results, if any. Returns the runs with the changed contact
-    loads and contact angles. Raises ValueError if the iteration of load and friction does not converge.
+    ``runs``: solutions without friction, one for each scene; ``mu``: coefficient of friction, negative where the screw
+    moves against its load; ``cache``: folder for intermediate results, or None. Returns the solutions with changed
+    contact loads and contact angles. Raises ValueError if the iteration of load and friction does not converge.
     """
     settings = settings_of(scenes, runs[0].level)
     setup = prepare(scenes[0], runs[0].sides, settings, scenes=scenes[1:], cache=Cache(cache))
@@ -127,6 +130,6 @@ def solve_with_sliding(scenes: Sequence[Scene], runs: Sequence[Run], mu: float, 
     for scene, run in zip(scenes, runs, strict=True):
         ended = SlidingLoadCase(setup, scene, mu).solve(ROUNDS)
         if ended.status != "converged":
-            raise ValueError(f"{scene.name}: {ended.status}")
+            raise ValueError(f"{scene.name}: no convergence in 3D with sliding balls, got status {ended.status!r}")
         out.append(replace(run, load=ended.load, angle=np.degrees(ended.contact_angle)))
     return out

@@ -47,7 +47,7 @@ FIRST, PLACES = 2.0 * bearings.INCH, (0.1, 0.5, 0.9)
 
 @dataclass(frozen=True)
 class Layout:
-    """An arrangement of support bearings at both ends of the screw.
+    """An arrangement of support bearings at both ends of the screw in Smith's thesis.
 
     ``scene``: name of its scene; ``words``: description; ``kind``: "ball" or "taper"; ``left``, ``right``: for each
     bearing row of an end, the direction in which it carries thrust, +1 if the screw's tension loads it, else -1 (empty:
@@ -61,7 +61,7 @@ class Layout:
     right: tuple[int, ...]
 
     def bearings_at(self, end: str) -> BearingSet:
-        """Return the bearing rows of one end, "left" or "right", with their load-deflection laws."""
+        """Return the bearing rows of one end with their load-deflection laws; ``end``: "left" or "right"."""
         directions = self.left if end == "left" else self.right
         if directions == bearings.DIRECTIONS[self.kind][end]:
             return bearings.bearing_set(self.kind, end)
@@ -84,7 +84,7 @@ class EndThrusts:
     """Thrust on the supports of an axis, and its stiffness.
 
     ``left``, ``right``: thrust on the left and right supports, positive in tension of the screw [N]; ``stiffness``: axial
-    stiffness of screw and supports at the nut, without that of the nut [N/m].
+    stiffness of screw and supports at the nut [N/m], without the stiffness of the nut.
     """
 
     left: float
@@ -94,7 +94,7 @@ class EndThrusts:
 
 @cache
 def end_thrusts_by_formulas(layout: Layout, place: float, applied: float = bearings.APPLIED) -> EndThrusts:
-    """Return thrusts and stiffness of an axis by closed formulas, with all bearing rows of an end at one position.
+    """Return end thrusts and stiffness of an axis by closed formulas, with all bearing rows of an end at one position.
 
     ``place``: position of the nut over the length between the supports; ``applied``: axial load on the nut, towards the
     left end [N]. The screw is stretched as in Smith's thesis, and the bearing rows are preloaded.
@@ -119,32 +119,35 @@ def end_thrusts_by_formulas(layout: Layout, place: float, applied: float = beari
 
 
 def end_thrusts_by_scene(study: Study, layout: Layout, place: float) -> EndThrusts:
-    """Return thrusts and stiffness of an axis solved as a scene, with beam, contacts, and bearing rows at their places.
+    """Return end thrusts and stiffness of an axis, solved as a beam with contacts, each bearing row at its own position.
 
-    ``place``: position of the nut over the length between the supports.
+    ``study``: keeps the result; ``place``: position of the nut over the length between the supports.
     """
     return study.once(_solve_layout_scene, layout, place)
 
 
 def _solve_layout_scene(study: Study, layout: Layout, place: float) -> EndThrusts:  # noqa: ARG001 - kept by the study
-    """Solve the scene of an axis with the load at a nut position; raises AssertionError if it does not converge."""
+    """Solve the scene of an axis under a load at the nut; raises AssertionError if it does not converge.
+
+    ``place``: position of the nut over the length between the supports. ``study``: not used here.
+    """
     found = catalogue.shipped(layout.scene)
     if not isinstance(found, Assembly):
-        raise AssertionError(f"{layout.scene}: expected a scene of an axis")
+        raise AssertionError(f"{layout.scene}: expected a scene of an axis, got {type(found).__name__}")
     at = FIRST + place * bearings.screw_axis().length
     loads = tuple(replace(x, at=at, force=(0.0, 0.0, -bearings.APPLIED)) for x in found.loads)
     result = run_model(replace(found, loads=loads, stiffness_at=at), "lin", Options(engine="compiled"))
     if not result.converged or result.stiffness is None:
-        raise AssertionError(f"{layout.scene}: {result.status}")
+        raise AssertionError(f"{layout.scene}: expected convergence and a stiffness, got status {result.status!r}")
     thrust = {end: sum(float(s.force[2]) for s in result.sets if s.of.name.startswith(end)) for end in ("left", "right")}
     return EndThrusts(-thrust["left"], thrust["right"], float(result.stiffness[2, 2]))
 
 
 def stiffness_sum_in_series(layout: Layout) -> float:
-    """Return the axis stiffness [N/m] by Smith's sum in series, his equation (4.6), without the nut.
+    """Return the axis stiffness [N/m] without the nut by Smith's equation (4.6), a sum of compliances in series.
 
-    The sum contains the compliances of both supports and of the whole screw. The result is nan for a screw fixed at one
-    end only, for which Smith gives no sum.
+    It contains the compliances of both supports and of the whole screw. The result is nan for a screw fixed at one end
+    only, for which Smith gives no sum.
     """
     if not layout.right:
         return float("nan")
@@ -154,7 +157,10 @@ def stiffness_sum_in_series(layout: Layout) -> float:
 
 
 def layout_sentence(study: Study, layout: Layout) -> str:
-    """Return in words the end thrusts and the stiffness of an axis with the nut at mid-length, by scene and by formulas."""
+    """Return in words end thrusts and stiffness of an axis with the nut at mid-length, by beam model and by formulas.
+
+    ``study``: solved scenes.
+    """
     scene, closed = end_thrusts_by_scene(study, layout, 0.5), end_thrusts_by_formulas(layout, 0.5)
     ends = [f"{x.left / bearings.POUND:.0f} and {x.right / bearings.POUND:.0f} lbf" for x in (scene, closed)]
     stiff = [f"{x.stiffness / bearings.POUND_PER_INCH / 1e6:.3f}e6 lbf/in" for x in (scene, closed)]
@@ -162,10 +168,10 @@ def layout_sentence(study: Study, layout: Layout) -> str:
 
 
 def compare_layouts(study: Study) -> Iterator[tuple[Layout, float, EndThrusts, EndThrusts]]:
-    """Yield each layout of the axis and each nut position, with thrusts and stiffness computed in two ways.
+    """Yield end thrusts and stiffness of each layout of the axis and each position of the nut, computed in two ways.
 
-    Each entry: layout; position of the nut over the length; thrusts and stiffness by the scene; the same by closed
-    formulas.
+    Each entry: layout; position of the nut over the length; thrusts and stiffness by the beam model of its scene; the
+    same by closed formulas. ``study``: solved scenes.
     """
     for layout in LAYOUTS:
         for place in PLACES:
@@ -213,11 +219,11 @@ def _end_thrusts_under_load(tensile: float) -> dict[str, float]:
 
 
 def row_loads_as_printed(kind: str, end: str, state: str, preload: tuple[float, ...]) -> list[float]:
-    """Return the loads [lbf] of the bearing rows at one end by Smith's rule.
+    """Return the loads [lbf] of the bearing rows at one end of the axis by Smith's rule, which is not an equilibrium.
 
-    Each end gets half of the screw's tension and half of the carriage's load, and adds it in full to every row.
-    ``kind``: "ball" or "taper"; ``end``: "left" or "right"; ``state``: "stretch" or "applied"; ``preload``: of each row
-    [lbf].
+    Each end takes half of the screw's tension and half of the carriage's load, and adds it in full to every row.
+    ``kind``: "ball" or "taper"; ``end``: "left" or "right"; ``state``: "stretch" or "applied"; ``preload``: preload of
+    each row [lbf].
     """
     loads = as_printed.shared_loads(
         preload, bearings.DIRECTIONS[kind][end], 0.5 * round(screw_tension() / bearings.POUND, -1)
@@ -231,7 +237,10 @@ def row_loads_as_printed(kind: str, end: str, state: str, preload: tuple[float, 
 
 
 def section_4_1(e: Findings, study: Study) -> None:  # noqa: ARG001 - every table takes the study
-    """Compute the stretch of the screw and the warming that relieves it: section 4.1 of Smith (1994), into ``e``."""
+    """Compute the stretch of the screw and the warming that relieves it: section 4.1 of Smith (1994).
+
+    ``e``: receives the computed value for each printed number. ``study``: not used here.
+    """
     a = bearings.screw_axis()
     diameter = 2.0 * float(np.sqrt(a.area / np.pi))
     e.numbers(
@@ -253,7 +262,10 @@ def section_4_1(e: Findings, study: Study) -> None:  # noqa: ARG001 - every tabl
 
 
 def section_4_2(e: Findings, study: Study) -> None:
-    """Compute loads and stiffness of support bearings and axis: section 4.2 of Smith (1994), into ``e``."""
+    """Compute loads and stiffness of support bearings and axis: section 4.2 of Smith (1994).
+
+    ``e``: receives the computed value for each printed number, and whether each claim holds; ``study``: solved scenes.
+    """
     for kind in KINDS:
         for end in bearings.DIRECTIONS[kind]:
             _compute_end_rows(e, kind, end)
@@ -310,9 +322,9 @@ def axis_stiffness_at_middle(supports: float) -> float:
 
 
 def _compute_axis_stiffness(e: Findings, kind: str, as_scenes: str) -> None:
-    """Compute the axis stiffness by Smith's sum in series and with both screw halves in parallel, into ``e``.
+    """Compute the axis stiffness by Smith's sum in series, and with both halves of the screw in parallel, into ``e``.
 
-    ``kind``: "ball" or "taper"; ``as_scenes``: remark on end thrusts and stiffness by scene.
+    ``kind``: "ball" or "taper"; ``as_scenes``: remark with end thrusts and stiffness by the beam model.
     """
     package, screw, nut = (e.printed(k) for k in (f"package_{kind}", "screw", "nut"))
     printed = as_printed.series_stiffness((package, package), screw, nut)
@@ -325,7 +337,10 @@ def _compute_axis_stiffness(e: Findings, kind: str, as_scenes: str) -> None:
 
 
 def section_4_3(e: Findings, study: Study) -> None:  # noqa: ARG001 - every table takes the study
-    """Compute the torque that the motor must supply: section 4.3 of Smith (1994), into ``e``."""
+    """Compute the torque that the motor must supply: section 4.3 of Smith (1994).
+
+    ``e``: receives the computed value for each printed number. ``study``: not used here.
+    """
     rows = {"ball": (3, value_of("smith-2.3", "M")), "taper": (2, value_of("smith-3", "M"))}
     e.number("nut", 18.0)
     shaft = shaft_inertia(STEEL, 2.0 * float(np.sqrt(bearings.screw_axis().area / np.pi)), bearings.screw_axis().length)
@@ -344,7 +359,7 @@ def section_4_3(e: Findings, study: Study) -> None:  # noqa: ARG001 - every tabl
 
 
 def _compute_drive(e: Findings) -> None:
-    """Compute the data of the tested axis and its drive: section 5.1 of Smith (1994), into ``e``."""
+    """Compute speed, resolution and further data of the tested axis and its drive: section 5.1 of Smith, into ``e``."""
     warming = unloading_warming(bearings.screw_axis(), bearings.STRETCH, bearings.EXPANSION) / bearings.DEG_F
     e.numbers(
         {
@@ -410,8 +425,8 @@ def _compare_temperature_rises(e: Findings) -> None:
 def unseating_load(preload: float) -> float:
     """Return the load [N] on the carriage at mid-length that unloads the outer tapered-bearing row of one end of the axis.
 
-    ``preload``: of the bearing rows [N]. The screw is stretched. Half of the carriage's load acts on the end, which is
-    unloaded at its lift-off load less the screw's tension.
+    ``preload``: preload of the bearing rows [N]. The screw is stretched. The part of the carriage's load that acts on the
+    end unloads the row when it equals the row's lift-off load less the screw's tension.
     """
     share = support_loads(bearings.screw_axis(), 0.5 * bearings.screw_axis().length, 1.0)[0]
     return (lift_off_force(bearings.bearing_set("taper", "left", preload)) - screw_tension()) / share
@@ -434,7 +449,10 @@ def _compute_reduced_preload(e: Findings) -> None:
 
 
 def chapter_5(e: Findings, study: Study) -> None:  # noqa: ARG001 - every table takes the study
-    """Compute the numbers and claims printed in chapter 5 of Smith (1994), into ``e``."""
+    """Compute the numbers and claims printed in chapter 5 of Smith (1994).
+
+    ``e``: receives the computed value for each printed number, and whether each claim holds. ``study``: not used here.
+    """
     for fill in (
         _compute_drive,
         _compare_torque_tests,

@@ -98,7 +98,10 @@ DIRECTIONS: dict[str, dict[str, tuple[int, ...]]] = {
 
 @cache
 def ball_bearing() -> BallBearing:
-    """Return the angular-contact ball bearing MM35BS72 of Smith's Figure 2-10; outer groove radius 0.53 D = 0.182188 in."""
+    """Return the angular-contact ball bearing MM35BS72 of Smith's Figure 2-10.
+
+    The radius of the outer groove is 0.53 ball diameters, 0.182188 in.
+    """
     d = 0.34375 * INCH
     return BallBearing(18, d, 1.817159 * INCH, 2.520305 * INCH, 0.52 * d, 0.53 * d, YOUNG, POISSON)
 
@@ -115,8 +118,8 @@ def taper_bearing() -> TaperedBearing:
 def bearing_set(kind: str, end: str, preload: float = PRELOAD) -> BearingSet:
     """Return the preloaded bearing rows at one end of the screw.
 
-    ``kind``: "ball" or "taper"; ``end``: "left" or "right"; ``preload``: preload of the tapered rows [N]; for ball
-    bearings, the thrust on a single bearing whose deflection is the gap of every row.
+    ``kind``: "ball" or "taper"; ``end``: "left" or "right"; ``preload``: for tapered bearings, preload of the rows [N];
+    for ball bearings, thrust [N] on a single bearing, whose deflection is the initial gap of every row.
     """
     directions = DIRECTIONS[kind][end]
     if kind == "ball":
@@ -148,7 +151,7 @@ NEARLY_LINE = (1.0 - 1e-4, 1.0 - 1e-7, 1.0 - 1e-10)
 
 @cache
 def thrust_state_of_ball_bearing(load: float) -> ThrustState:
-    """Return the ball bearing's equilibrium under a thrust [N], by exact elliptic integrals."""
+    """Return contact angle, ball load and stiffness of the ball bearing under a thrust [N], by exact elliptic integrals."""
     return thrust_state(ball_bearing(), axial_displacement(ball_bearing(), load))
 
 
@@ -174,7 +177,11 @@ def ball_spreadsheet_stiffness(pounds: float) -> float:
 
 
 def table_2_1(e: Findings, study: Study) -> None:  # noqa: ARG001 - every table takes the study
-    """Compute the Hertz contact parameters delta*, a*, b* of Smith's Table 2-1 by elliptic integrals, into ``e``."""
+    """Compute the Hertz contact parameters delta*, a*, b* of Smith's Table 2-1 by elliptic integrals.
+
+    ``e``: receives the computed value for each number of the table, and whether each claim on the line contact holds.
+    ``study``: not used here.
+    """
     for i, difference in enumerate(DIFFERENCES):
         e.number(f"F_{i}", difference)
         for name, value in zip(("delta", "a", "b"), contact_parameters(difference), strict=True):
@@ -213,7 +220,7 @@ def _compute_dimensions(e: Findings) -> None:
 
 
 def _compute_loaded_cells(e: Findings) -> None:
-    """Compute the results in Smith's Figure 2-10 that depend on the contact angle under load, into ``e``."""
+    """Compute the cells of Smith's Figure 2-10 that depend on the contact angle under load, into ``e``."""
     source, s = ball_spreadsheet(SHEET_LOAD / POUND), thrust_state_of_ball_bearing(SHEET_LOAD)
     angle, q = float(s.angle), float(s.ball_load)
     e.number("F_N", SHEET_LOAD, as_printed=SHEET_POUND * SHEET_LOAD / POUND)
@@ -271,7 +278,7 @@ def _compute_triplex_set(e: Findings) -> None:
 
 
 def approach_fit_range() -> tuple[float, float, float]:
-    """Return the range of curvature differences F(p) in which Smith's fit of delta*, his equation (2.18), is within 2 %.
+    """Return the range of the curvature difference F(p) in which Smith's fit of delta*, his equation (2.18), is within 2 %.
 
     First: lower end; second: upper end; third: error of the fit at F(p) = 0.5 [%].
     """
@@ -291,7 +298,10 @@ def approach_fit_range() -> tuple[float, float, float]:
 
 
 def section_2_1(e: Findings, study: Study) -> None:  # noqa: ARG001 - every table takes the study
-    """Compute the numbers and claims printed in Figure 2-10 and section 2.1.2 of Smith (1994), into ``e``."""
+    """Compute the numbers and claims printed in Figure 2-10 and section 2.1.2 of Smith (1994).
+
+    ``e``: receives the computed value for each printed number, and whether each claim holds. ``study``: not used here.
+    """
     _compute_dimensions(e)
     _compute_loaded_cells(e)
     _compute_triplex_set(e)
@@ -304,7 +314,10 @@ def section_2_1(e: Findings, study: Study) -> None:  # noqa: ARG001 - every tabl
 
 
 def section_2_2(e: Findings, study: Study) -> None:  # noqa: ARG001 - every table takes the study
-    """Compute the ball bearing's stiffness over thrust: Table 2-2 of Smith (1994), into ``e``."""
+    """Compute the ball bearing's axial stiffness over thrust: Table 2-2 of Smith (1994).
+
+    ``e``: receives the computed value for each printed number, and whether each claim holds. ``study``: not used here.
+    """
     loads = [row.key.removeprefix("theory_") for row in load_table(e.table) if row.key.startswith("theory_")]
     measured, theory = (np.array([e.printed(f"{k}_{n}") for n in loads]) for k in ("measured", "theory"))
     right = np.array([float(thrust_state_of_ball_bearing(float(n) * POUND).stiffness) / POUND_PER_INCH for n in loads])
@@ -326,7 +339,10 @@ def section_2_2(e: Findings, study: Study) -> None:  # noqa: ARG001 - every tabl
 
 
 def section_2_3(e: Findings, study: Study) -> None:  # noqa: ARG001 - every table takes the study
-    """Compute the friction torque of the ball bearing: section 2.3 of Smith (1994), into ``e``."""
+    """Compute the friction torque of the ball bearing: section 2.3 of Smith (1994).
+
+    ``e``: receives the computed value for each printed number, and whether each claim holds. ``study``: not used here.
+    """
     b = ball_bearing()
     e.numbers({"nu": 1e6 * VISCOSITY, "n": SPEED / RPM, "f_0": 2.0, "F": BALL_TORQUE_LOAD / POUND, "Y_0": 0.3, "X_0": 0.5})
     e.number("F_kg", BALL_TORQUE_LOAD / 9.80665, "1 kg taken as 2.2 lb", as_printed=1000.0 / 2.2)
@@ -532,9 +548,9 @@ def _compute_taper_contacts(e: Findings) -> None:
 
 
 def _compute_taper_tests(e: Findings) -> None:
-    """Compute the counterparts of tested stiffness and friction torque of the tapered bearing: chapter 3 of Smith (1994).
+    """Compute the counterparts of tested stiffness and friction torque of the tapered bearing, into ``e``.
 
-    They are recorded into ``e``.
+    The tests are those of chapter 3 of Smith (1994).
     """
     load = TAPER_TORQUE_LOAD / POUND
     middle = taper_stiffness(load)
@@ -566,7 +582,10 @@ def _compute_taper_tests(e: Findings) -> None:
 
 
 def chapter_3(e: Findings, study: Study) -> None:  # noqa: ARG001 - every table takes the study
-    """Compute the numbers and claims printed in chapter 3 of Smith (1994), into ``e``."""
+    """Compute the numbers and claims printed in chapter 3 of Smith (1994).
+
+    ``e``: receives the computed value for each printed number, and whether each claim holds. ``study``: not used here.
+    """
     _compute_taper_spreadsheet(e)
     _compute_taper_contacts(e)
     _compute_taper_tests(e)

@@ -1,6 +1,5 @@
 """Kernels for friction and loads of contacts, in the subset of Python that numba compiles (``lowfi.jit``)."""
 
-from .band import solve_with_pivots
 from .dissipation import dissipation, dissipation_of_contacts
 from .motion import (
     GIVEN,
@@ -11,7 +10,7 @@ from .motion import (
     least_dissipation_of_bodies,
     minimise_dissipation,
 )
-from .rings import contact_energy, hertz_contact, minimise_each, minimise_energy
+from .rings import contact_energy, hertz_contact, minimise_each, minimise_energy, solve_with_pivots
 
 __all__ = [
     "GIVEN",

@@ -40,7 +40,7 @@ def _carlson_series(x: float, y: float, mean: float) -> float:
 
 @kernel
 def _carlson_series_slope(x: float, y: float, dx: float, dy: float) -> float:
-    """Return the derivative of the polynomial in `_carlson_series` if the deviations x, y change by dx, dy."""
+    """Return the derivative of the polynomial in `_carlson_series` in the direction (dx, dy) of the deviations x, y."""
     z, dz = -(x + y) / 3.0, -(dx + dy) / 3.0
     xy, zz = x * y, z * z
     dxy, dzz = dx * y + x * dy, 2.0 * z * dz
@@ -128,7 +128,11 @@ def confocal_coordinate(x: float, y: float, h: float, b2: float) -> float:
 
 @kernel
 def potential_near(x: float, y: float, h: float, b2: float, low: float) -> Potential:
-    """Return psi and its derivatives by Carlson's integrals, at (x, y, h) with confocal coordinate ``low`` <= 1."""
+    """Return the mean distance psi and its derivatives by Carlson's integrals, for confocal coordinates ``low`` <= 1.
+
+    x, y, h: point in units of the semi-axis a, with the height h above the ellipse; b2: square of the ratio of the
+    semi-axes; low: see `confocal_coordinate`. psi: mean distance of the point from the pressure distribution.
+    """
     # moments i_... of the ellipsoid's potential from R_D; edge: the integrals' lower end
     cy, cx = low + b2, low + 1.0
     p, t = rd_and_slope(low, cy, cx)
@@ -166,11 +170,11 @@ def potential_near(x: float, y: float, h: float, b2: float, low: float) -> Poten
 
 @kernel
 def potential_far(x: float, y: float, h: float, b2: float, low: float) -> Potential:
-    """Return psi and its derivatives by Gauss sums, for a point (x, y, h) with confocal coordinate ``low`` >= 1.
+    """Return the mean distance psi and its derivatives by Gauss sums, for confocal coordinates ``low`` >= 1.
 
-    The variable is u = sqrt(low/s). N and H r are summed without cancellation: integration by parts of s U^2/S gives N =
-    (3/16) int (s/S) U (e U - 4 f) ds with e = 1/(1 + s) + b^2/(b^2 + s) and f = x^2/(1 + s)^2 + b^2 y^2/(b^2 + s)^2, and
-    H r = -grad N.
+    The arguments are those of `potential_near`. The variable is u = sqrt(low/s). N and H r are summed without cancellation:
+    integration by parts of s U^2/S gives N = (3/16) int (s/S) U (e U - 4 f) ds with e = 1/(1 + s) + b^2/(b^2 + s) and f =
+    x^2/(1 + s)^2 + b^2 y^2/(b^2 + s)^2, and H r = -grad N.
     """
     rho = sqrt(low)
     x, y, h = x / rho, y / rho, h / rho
@@ -252,6 +256,10 @@ def dissipation(a: float, b: float, vx: float, vz: float, spin: float, speed: fl
 
 @kernel
 def dissipation_of_contacts(a: Array, b: Array, motion: Array, speed: float, out: Array) -> None:
-    """Write the terms of `dissipation` for n contacts to out (n, 11); a, b (n,) [m]; motion (n, 3): vx, vz, spin."""
+    """Write the dissipated power of n contacts over mu F, and its derivatives, to out (n, 11).
+
+    a, b (n,): semi-axes [m]; motion (n, 3): sliding vx, vz [m/s] and spin [rad/s]; speed: regularising speed [m/s]. The
+    eleven values are the fields of `DissipationTerms`.
+    """
     for i in range(a.shape[0]):
         out[i] = dissipation(a[i], b[i], motion[i, 0], motion[i, 1], motion[i, 2], speed)

@@ -28,7 +28,9 @@ def evaluate_dissipation(
     """Return the dissipation less the power of other forces at q (n,), and its excess over the friction loss [W].
 
     The excess is sum_i strength_i speed dD_i/dspeed. Writes the gradient by q to grad (n,) and the lower triangle of the
-    Hessian to hess (n, n). shape, maps, drives, push, speed: as in the head of this module.
+    Hessian to hess (n, n). shape (m, 3): semi-axes a, b [m] and friction bound mu F [N] of m contacts; maps (m, 3, n):
+    motion vx, vz [m/s], spin [rad/s] of the contacts by unit of each of n unknowns; drives (m, 3): their motion at q = 0;
+    push (n,): generalised forces other than friction; speed: regularising speed [m/s].
     """
     n = q.shape[0]
     value, excess = 0.0, 0.0
@@ -94,7 +96,8 @@ def newton_step(hess: Array, grad: Array, units: Array, step: Array) -> None:
 def column_units(shape: Array, maps: Array) -> Array:
     """Return the surface speed of the loaded contacts per unit of each unknown (n,); 1 for one that moves none of them.
 
-    It is the root of the sum of squares of vx, vz and a spin over the contacts, a being the larger semi-axis.
+    It is the root of the sum of squares of vx, vz and a spin over the contacts, a being the larger semi-axis. shape (m, 3):
+    semi-axes a, b [m] and friction bound [N] of m contacts; maps (m, 3, n): motion vx, vz, spin by unit of each unknown.
     """
     n = maps.shape[2]
     units = np.empty(n)
@@ -110,7 +113,10 @@ def column_units(shape: Array, maps: Array) -> Array:
 
 @kernel
 def largest_imbalance(grad: Array, units: Array) -> float:
-    """Return the largest unbalanced generalised force, the gradient grad (n,) over units (n,) [N]."""
+    """Return the largest unbalanced force [N]: the gradient of the dissipation, grad (n,), over units (n,).
+
+    units: surface speed per unit of each unknown (`column_units`).
+    """
     worst = 0.0
     for j in range(grad.shape[0]):
         worst = max(worst, abs(grad[j]) / units[j])
@@ -131,10 +137,11 @@ def minimise_dissipation(
 ) -> tuple[float, float, float, int]:
     """Minimise the dissipation at one regularising speed by Newton's method from q (n,), which is overwritten.
 
-    Other arguments are those of `evaluate_dissipation`. The iteration ends if the largest unbalanced force is below
-    ``tolerance`` times the sum of the friction bounds, after ``limit`` steps, or at a surface speed above ``reach`` [m/s],
-    where the other forces exceed friction. Returns the dissipation less the power of other forces [W], its excess over the
-    friction loss [W], the largest unbalanced force [N] and the number of steps.
+    shape, maps, drives, push, speed: contacts, kinematics, other forces and regularising speed, arguments of
+    `evaluate_dissipation`. The iteration ends if the largest unbalanced force is below ``tolerance`` times the sum of the
+    friction bounds, after ``limit`` steps, or at a surface speed above ``reach`` [m/s], where the other forces exceed
+    friction. Returns the dissipation less the power of other forces [W], its excess over the friction loss [W], the largest
+    unbalanced force [N] and the number of steps.
     """
     n = q.shape[0]
     grad, step, trial, next_grad = np.empty(n), np.empty(n), np.empty(n), np.empty(n)
@@ -175,7 +182,9 @@ def minimise_dissipation(
 def rolling_start(shape: Array, maps: Array, drives: Array) -> Array:
     """Return the motion q (n,) nearest to pure rolling: least squared surface speed, weighted by the friction bounds.
 
-    It solves a linear system and is unique except for motions without surface speed.
+    It solves a linear system and is unique except for motions without surface speed. shape (m, 3): semi-axes a, b [m] and
+    friction bound [N] of m contacts; maps (m, 3, n): motion vx, vz, spin of the contacts by unit of each unknown; drives
+    (m, 3): their motion at q = 0.
     """
     n = maps.shape[2]
     grad, hess, q = np.zeros(n), np.zeros((n, n)), np.empty(n)
@@ -192,7 +201,11 @@ def rolling_start(shape: Array, maps: Array, drives: Array) -> Array:
 
 @kernel
 def drive_speed(shape: Array, drives: Array) -> float:
-    """Return the largest surface speed [m/s] that the drive imposes on a loaded contact."""
+    """Return the largest surface speed [m/s] that the drive imposes on a loaded contact.
+
+    shape (m, 3): semi-axes a, b [m] and friction bound [N] of m contacts; drives (m, 3): motion vx, vz [m/s], spin [rad/s]
+    that the drive imposes on them.
+    """
     top = 0.0
     for i in range(shape.shape[0]):
         if shape[i, 2] > 0.0:
@@ -203,7 +216,11 @@ def drive_speed(shape: Array, drives: Array) -> float:
 
 @kernel
 def contact_speeds(shape: Array, maps: Array, drives: Array, q: Array) -> tuple[Array, Array]:
-    """Return the motions vx, vz, spin of the contacts (m, 3) at the motion q (n,), and their surface speeds (m,) [m/s]."""
+    """Return the motions vx, vz, spin of the contacts (m, 3) at the motion q (n,), and their surface speeds (m,) [m/s].
+
+    shape (m, 3): semi-axes a, b [m] and friction bound [N] of m contacts; maps (m, 3, n): motion vx, vz, spin of the
+    contacts by unit of each unknown; drives (m, 3): their motion at q = 0.
+    """
     m, n = shape.shape[0], q.shape[0]
     motion, size = drives.copy(), np.empty(m)
     for i in range(m):
@@ -226,7 +243,8 @@ ROLLING, GIVEN, NEAR = 0, 1, 2
 def friction_gradients(shape: Array, motion: Array, speed: float, forces: Array) -> None:
     """Write the gradient of each contact's dissipation by (vx, vz, spin) to forces (m, 3); friction is its negative.
 
-    motion (m, 3): vx, vz [m/s] and spin [rad/s] of the contacts; forces: along x, z [N] and moment about y [N m].
+    shape (m, 3): semi-axes a, b [m] and friction bound [N]; motion (m, 3): vx, vz [m/s] and spin [rad/s] of the contacts;
+    speed: regularising speed [m/s]; forces: along x, z [N] and moment about y [N m].
     """
     for i in range(shape.shape[0]):
         f = shape[i, 2]
@@ -253,9 +271,9 @@ def minimise_free_motion(
 ) -> int:
     """Minimise the dissipation without regularisation over q plus any combination of the rows of ``basis``.
 
-    slipping (m, 3): ``shape`` with a friction bound of zero for contacts at rest; basis (f, n): the f motions of the body
-    at which these remain at rest; reach: surface speed at which the search is given up [m/s]. Overwrites q (n,) and returns
-    the number of steps.
+    slipping (m, 3): semi-axes and friction bounds of the contacts, the bounds of those at rest being zero; maps, drives,
+    push: as in `evaluate_dissipation`; basis (f, n): the f motions of the body at which these remain at rest; reach:
+    surface speed at which the search is given up [m/s]. Overwrites q (n,) and returns the number of steps.
     """
     reduced = np.empty((maps.shape[0], 3, basis.shape[0]))
     for i in range(maps.shape[0]):
@@ -280,9 +298,10 @@ def sticking_reactions(
 ) -> float:
     """Write friction gradients and the reactions of sticking contacts that balance the body to ``forces`` (m, 3) [N, N m].
 
-    slipping (m, 3): ``shape`` with a friction bound of zero for sticking contacts; resting (k,): numbers of the sticking
-    contacts, whose reactions before are read from ``forces``; inverse (n, 3k): see `rest_space`. Returns the largest
-    unbalanced force that remains [N].
+    slipping (m, 3): semi-axes and friction bounds of the contacts, the bounds of sticking ones being zero; maps, drives,
+    push, q: as in `evaluate_dissipation`; resting (k,): numbers of the sticking contacts, whose previous reactions are read
+    from ``forces``; units: see `column_units`; inverse (n, 3k): see `rest_space`. Returns the largest unbalanced force that
+    remains [N].
     """
     n = maps.shape[2]
     out, hess, held = np.zeros(n), np.zeros((n, n)), forces[resting]
@@ -322,9 +341,10 @@ def impose_rest(
 ) -> tuple[bool, float, int]:
     """Set contacts slower than ``still`` [m/s] to rest and minimise the dissipation of the others.
 
-    Overwrites the motion q (n,), the negative friction and reactions forces (m, 3), and rest (m,), which becomes 1 for
-    contacts at rest and 0 for others. Returns whether the result is the least dissipation (rest is kinematically possible,
-    and every reaction lies inside its limit surface), the largest unbalanced force [N], and the number of steps.
+    shape, maps, drives, push: as in `evaluate_dissipation`. Overwrites the motion q (n,), the negative friction and
+    reactions forces (m, 3) [N, N m], and rest (m,), which becomes 1 for contacts at rest and 0 for others. Returns whether
+    the result is the least dissipation (rest is kinematically possible, and every reaction lies inside its limit surface),
+    the largest unbalanced force [N], and the number of steps.
     """
     n, units, count = maps.shape[2], column_units(shape, maps), 0
     (motion, size), slipping = contact_speeds(shape, maps, drives, q), shape.copy()
@@ -358,11 +378,11 @@ def least_dissipation(
 
     Written are the motion q, the negative friction and reactions ``forces`` [N, N m], ``rest`` (1 for contacts at rest, 0
     for others), and the lower and upper bound [W] of the least dissipation less the power of ``push``, by joint convexity
-    in motion and speed. Other arguments are those of `evaluate_dissipation`. The regularising speed decreases from 0.1 to
-    1e-6 times the drive's speed (to 1e-10 if a contact is on the verge of slip); each minimum is the start of the next.
-    Then contacts that stand still are set to rest. start: ``ROLLING``, ``GIVEN`` (start from q), or ``NEAR`` (start from q
-    with the speed 1e-6 at once, and from ``ROLLING`` if this fails). Returns the status (``EXACT``, ``REGULARISED``,
-    ``AT_REST``), the largest unbalanced force [N], and the number of steps.
+    in motion and speed. shape, maps, drives, push: contacts, kinematics and other forces, see `evaluate_dissipation`. The
+    regularising speed decreases from 0.1 to 1e-6 times the drive's speed (to 1e-10 if a contact is on the verge of slip);
+    each minimum is the start of the next. Then contacts that stand still are set to rest. start: ``ROLLING``, ``GIVEN``
+    (start from q), or ``NEAR`` (start from q with the speed 1e-6 at once, and from ``ROLLING`` if this fails). Returns the
+    status (``EXACT``, ``REGULARISED``, ``AT_REST``), the largest unbalanced force [N], and the number of steps.
     """
     top = drive_speed(shape, drives)
     if top == 0.0 and np.sum(np.abs(push)) == 0.0:

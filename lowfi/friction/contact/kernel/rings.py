@@ -1,6 +1,7 @@
 """Elastic energy of balls between the grooves of two rigid bodies, and Newton's method for its minimum.
 
-The bodies are screw and nut, inner and outer ring (a screw of zero lead), or rail and carriage.
+The bodies are screw and nut, inner and outer ring (a screw of zero lead), or rail and carriage. The last function solves
+the banded linear systems of Newton's method for balls that push each other with friction.
 """
 
 from math import sqrt
@@ -36,10 +37,11 @@ def hertz_contact(
 
 @kernel
 def contact_energy(cell: CellArrays, p: Array, u: Array, state: CellState) -> float:
-    """Return the elastic energy [J] of balls displaced by p (N, 2) and the inner body by u (m,) [m]; write ``state``.
+    """Return the elastic energy [J] of N balls displaced by p (N, 2) and the inner body by u (m,) [m]; write ``state``.
 
-    N: number of balls, m: number of free motions of the inner body. The energy is sum (2/5) C^(-3/2) <approach>^(5/2). The
-    gradient in ``state`` is that of the energy less push . p + pull . u, which is convex.
+    m: number of free motions of the inner body. The energy is sum (2/5) C^(-3/2) <approach>^(5/2). Contact forces, normals,
+    stiffness and gradient are written to ``state``; the gradient is that of the energy less the work push . p + pull . u of
+    the applied forces, a convex function.
     """
     start, interference, C, section, offset, push, pull, _ = cell
     ball, inner, stiff, force, normal = state
@@ -191,10 +193,12 @@ def minimise_each(
 ) -> None:
     """Minimise the energy of N independent balls, each with its own inner body that moves along ``along`` (2,).
 
-    start (N, 4, 2) and interference (N, 4) are those of ``CellArrays``; C (N, 4): Hertz constants [m/N^(2/3)]; given (N,
-    3): applied forces on the ball along x, z and on the inner body [N]; goal, limit: see `minimise_energy`. x (N, 3) are
-    the displacements of ball and inner body [m] to begin from, which are overwritten by the result. Writes contact forces
-    to force (N, 4) [N], contact normals to normal (N, 4, 2), and the largest unbalanced force to left (N,) [N].
+    start (N, 4, 2): vectors from the grooves' centres of curvature to the ball's centre along x, z [m]; interference (N,
+    4): interference of ball and groove [m], both before any displacement; C (N, 4): Hertz constants [m/N^(2/3)]; given (N,
+    3): applied forces on the ball along x, z and on the inner body [N]; goal: largest unbalanced force over the sum of all
+    forces; limit: largest number of Newton steps. x (N, 3): displacements of ball and inner body [m] from which the search
+    begins, overwritten by the result. Writes contact forces to force (N, 4) [N], contact normals to normal (N, 4, 2), and
+    the largest unbalanced force to left (N,) [N].
     """
     section, offset, stiff = along.copy().reshape(1, 2, 1), np.zeros((1, 2)), np.zeros((1, 4, 3))
     for k in range(x.shape[0]):
@@ -205,3 +209,43 @@ def minimise_each(
         ball, inner = x[k : k + 1, :2].copy(), x[k, 2:].copy()
         minimise_energy(cell, float(np.sum(np.abs(given[k]))), ball, inner, state, goal, limit)
         x[k, :2], x[k, 2:], left[k] = ball[0], inner, largest_entry(state.ball, state.inner)
+
+
+@kernel
+def solve_with_pivots(K: Array, x: Array, half: int) -> float:
+    """Solve a banded linear system by Gaussian elimination with row exchange; return the sign of its determinant.
+
+    Entry (i, j) of the matrix is K[i, half + j - i]; K (n, 3 half + 1) has room for entries that row exchange adds. The
+    right-hand sides x (n, c) are overwritten by the solutions, K by its factors. For a singular K the solutions are huge.
+    Row exchange is needed because friction between balls makes the matrix unsymmetric and, beyond a fold of the solution,
+    indefinite.
+    """
+    n, sign = x.shape[0], 1.0
+    for c in range(n):
+        low, right, top = min(n, c + half + 1), min(n, c + 2 * half + 1), c
+        for r in range(c + 1, low):
+            if abs(K[r, half + c - r]) > abs(K[top, half + c - top]):
+                top = r
+        if top != c:
+            sign = -sign
+            for j in range(c, right):
+                K[c, half + j - c], K[top, half + j - top] = K[top, half + j - top], K[c, half + j - c]
+            for q in range(x.shape[1]):
+                x[c, q], x[top, q] = x[top, q], x[c, q]
+        if K[c, half] == 0.0:
+            K[c, half] = 1e-300
+        if K[c, half] < 0.0:
+            sign = -sign
+        for r in range(c + 1, low):
+            ratio = K[r, half + c - r] / K[c, half]
+            if ratio != 0.0:
+                for j in range(c + 1, right):
+                    K[r, half + j - r] -= ratio * K[c, half + j - c]
+                for q in range(x.shape[1]):
+                    x[r, q] -= ratio * x[c, q]
+    for c in range(n - 1, -1, -1):
+        for q in range(x.shape[1]):
+            for j in range(c + 1, min(n, c + 2 * half + 1)):
+                x[c, q] -= K[c, half + j - c] * x[j, q]
+            x[c, q] /= K[c, half]
+    return sign

@@ -27,7 +27,7 @@ HALF = 5
 #: Columns of the banded matrix: half a band, the diagonal, half a band.
 WIDTH = 11
 
-#: Columns while rows are exchanged: what lies right of the diagonal may grow to twice the band.
+#: Number of columns while rows are exchanged, because the part right of the diagonal may then grow to twice the half band.
 FILLED = 16
 
 
@@ -86,7 +86,8 @@ def regularised_friction(s: float, w: float, shape: Array, eps: float) -> tuple[
 def force_and_gap_rate(z: float, smooth: float) -> tuple[float, float, float]:
     """Return the force between two balls, the rate of their gap, and the derivative of the force by z.
 
-    They obey force - rate = z and force times rate = ``smooth``, neither being negative.
+    z: unknown of the contact of the two balls; smooth: product of force and rate, zero for exact complementarity. The
+    results obey force - rate = z and force times rate = ``smooth``, neither being negative.
     """
     if smooth == 0.0:
         return max(z, 0.0), max(-z, 0.0), 1.0 if z > 0.0 else 0.0
@@ -99,7 +100,10 @@ def force_and_gap_rate(z: float, smooth: float) -> tuple[float, float, float]:
 
 @kernel
 def _add_groove_friction(chain: ChainArrays, point: ChainPoint, eps: float, K: Array, g: Array) -> None:
-    """Add the friction at the grooves, regularised by the creeping speed eps, to the residual g and its Jacobian K."""
+    """Add the friction at the grooves to the residual g (4 N,) of all equations and to its banded Jacobian K.
+
+    eps: creeping speed, below which contacts stick, over the carriage's speed.
+    """
     contacts, slip = chain.contacts, point.slip
     for j in range(contacts.shape[0]):
         for i in range(contacts.shape[1]):
@@ -121,9 +125,10 @@ def _add_groove_friction(chain: ChainArrays, point: ChainPoint, eps: float, K: A
 
 @kernel
 def _add_ball_friction(eps: float, bound: float, slope: float, k: int, pair: Array, K: Array, g: Array) -> None:
-    """Add the friction between balls k and k + 1, which slide at ``pair[k, 1:]``, to the residual g and its Jacobian K.
+    """Add the friction between balls k and k + 1 to the residual g (4 N,) of all equations and to its banded Jacobian K.
 
-    eps: creeping speed; bound: coefficient of friction times force; slope: derivative of the bound by z.
+    pair (N - 1, 3): ``pair`` of `ChainPoint`, whose last two columns are the sliding; eps: creeping speed; bound:
+    coefficient of friction times force; slope: derivative of the bound by z.
     """
     i, tx, ty = 4 * k, pair[k, 1], pair[k, 2]
     eta = sqrt(tx * tx + ty * ty + eps * eps)
@@ -183,7 +188,11 @@ def assemble_equations(chain: ChainArrays, point: ChainPoint, law: Smoothing, K:
 
 @kernel
 def _add_ball_motions(contacts: Array, point: ChainPoint, x: Array) -> None:
-    """Add what motions x (N, 3) of the balls change to the point's ``slip`` and ``pair``; contacts: of ``ChainArrays``."""
+    """Add the relative motions that motions x (N, 3) of the balls cause at all contacts to ``slip`` and ``pair``.
+
+    x: velocity and ball radius times two spins, over the carriage's speed; contacts: field of `ChainArrays`; point: has the
+    relative motions ``slip`` and ``pair``, which are overwritten.
+    """
     slip, pair, _, _ = point
     p, q, nx, ny = x[:, 1:2], x[:, 2:3], contacts[:, :, 0], contacts[:, :, 1]
     slip[:, :, 0] += x[:, 0:1] + ny * p - nx * q
@@ -194,7 +203,7 @@ def _add_ball_motions(contacts: Array, point: ChainPoint, x: Array) -> None:
 
 @kernel
 def rebuild_slips(chain: ChainArrays, point: ChainPoint) -> None:
-    """Write the point's ``slip`` and ``pair``, the relative motions at all contacts, from its ``drift``."""
+    """Compute the relative motions at all contacts, ``slip`` and ``pair`` of the point, from the balls' motions."""
     point.slip[:, :, 0], point.slip[:, :, 1], point.pair[:] = -chain.contacts[:, :, 2], 0.0, 0.0
     _add_ball_motions(chain.contacts, point, chain.nominal + point.drift)
 
@@ -211,7 +220,10 @@ def apply_step(chain: ChainArrays, point: ChainPoint, step: Array, t: float) -> 
 
 @kernel
 def reset_open_gaps(point: ChainPoint, eps: float) -> None:
-    """Set z of open gaps to minus their present rates in units of the creeping speed eps, as the exact equations need."""
+    """Set the unknown z of every open gap to minus its present rate over the creeping speed eps.
+
+    The equations with exact complementarity use this unit; the smoothed ones use the carriage's speed.
+    """
     for k in range(point.z.shape[0]):
         if point.z[k] <= 0.0:
             point.z[k] = min(0.0, point.pair[k, 0] / eps)
@@ -219,13 +231,16 @@ def reset_open_gaps(point: ChainPoint, eps: float) -> None:
 
 @kernel
 def copy_point(point: ChainPoint) -> ChainPoint:
-    """Return a copy of the point."""
+    """Return a copy of the motions and forces in ``point``."""
     return ChainPoint(point.slip.copy(), point.pair.copy(), point.drift.copy(), point.z.copy())
 
 
 @kernel
 def restore_point(point: ChainPoint, kept: ChainPoint) -> None:
-    """Overwrite the point by its copy ``kept``, because moving back by increments would leave round-off in the slips."""
+    """Overwrite all motions and forces of ``point`` by those of its copy ``kept``.
+
+    Moving back by increments would leave round-off in the relative motions of sticking contacts.
+    """
     point.slip[:], point.pair[:], point.drift[:], point.z[:] = kept
 
 
@@ -256,11 +271,12 @@ def _step_limit(step: Array) -> float:
 def semismooth_newton(
     chain: ChainArrays, point: ChainPoint, law: Smoothing, work: Work, tolerance: float, limit: int, firmest: float
 ) -> tuple[int, float]:
-    """Iterate by a semismooth Newton method on the coupled equations, steps halved until the residual falls.
+    """Solve the equations of a chain by a semismooth Newton method, with steps halved until the residual falls.
 
     Where it does not fall, velocities are damped by a stiffness of up to ``firmest``, because steps of motions without
-    resistance are noise. The point is moved. The search ends when the largest residual is at most ``tolerance``, or after
-    ``limit`` steps. Returns the number of steps and the largest residual; ``work`` has the equations at the point.
+    resistance are noise. ``point`` is the start and is overwritten by the solution; law: smoothing of the equations. The
+    search ends when the largest residual is at most ``tolerance``, or after ``limit`` steps. Returns the number of steps
+    and the largest residual; ``work`` has the equations at the point.
     """
     K, factors, g, step, other = work
     assemble_equations(chain, point, law, K, g)
@@ -301,10 +317,11 @@ def semismooth_newton(
 def undamped_newton(
     chain: ChainArrays, point: ChainPoint, law: Smoothing, work: Work, tolerance: float, limit: int
 ) -> tuple[int, float]:
-    """Iterate by undamped Newton steps on the coupled equations: at kinks the residual rises before it falls.
+    """Solve the equations of a chain by undamped Newton steps, because at kinks the residual rises before it falls.
 
-    The search ends when the largest residual is at most ``tolerance``, or after ``limit`` steps; if the residual has not
-    fallen then, the point is moved back to where it was. Returns the number of steps and the largest residual.
+    ``point`` is the start and is overwritten; law: smoothing of the equations; ``work``: work arrays. The search ends when
+    the largest residual is at most ``tolerance``, or after ``limit`` steps; if the residual has not fallen then, the point
+    is moved back to where it was. Returns the number of steps and the largest residual.
     """
     K, factors, g, step, other = work
     assemble_equations(chain, point, law, K, g)

@@ -34,10 +34,11 @@ FIRST = 0.1
 #: Largest residual of a point on the path, and largest number of Newton steps back to the path.
 ON_PATH, STEPS = 1e-9, 7
 
-#: Difference of the parameter s for derivatives by it.
+#: Step of the path parameter s in the finite difference for derivatives by s.
 DIFFERENCE = 1e-6
 
-#: Distance of points that belong to the same path whatever the step's length: what the residual leaves open at folds.
+#: Distance up to which a corrected point belongs to the same path, also for shorter steps along the path: at folds, a point
+#: with the accepted residual may lie so far from the path.
 NEAR = 1e-4
 
 #: Length of the first step along the path, shortest length, and the length below which a kink may turn the path.
@@ -48,8 +49,8 @@ LENGTH, SHORTEST, KINK = 0.05, 1e-9, 1e-5
 def path_smoothing(s: float, eps: float) -> Smoothing:
     """Return the smoothing of the equations at parameter s of the path, 0 to 1.
 
-    Friction between balls rises early, and the creeping speed falls to ``eps`` at s = 1. Springs hold motions without
-    resistance, because forces are accurate to ``ON_PATH`` only.
+    With s, the friction between balls rises to its full value, early on the path, and the creeping speed falls to ``eps``
+    at s = 1. Springs hold motions without resistance, because forces are accurate to ``ON_PATH`` only.
     """
     rest = (1.0 - s) ** 4
     creep = FIRST * exp(s * log(eps / FIRST))
@@ -58,7 +59,7 @@ def path_smoothing(s: float, eps: float) -> Smoothing:
 
 @kernel
 def convex_sign(point: ChainPoint) -> float:
-    """Return the sign of the Jacobian's determinant in the convex problem, which has no friction between balls.
+    """Return the sign of the Jacobian's determinant for a chain without friction between balls, whose problem is convex.
 
     The row of each of the N - 1 gaps, and the unused last row, changes the sign once.
     """
@@ -71,8 +72,9 @@ def _path_tangent(
 ) -> float:
     """Write the tangent of the path at a point; return 1 if the path goes on along it, or -1 if against it.
 
-    tau (4 N + 1,): tangent of unit length, with four entries a ball and last that of s, which is positive; change (4 N,):
-    derivative of the residual by s. Both are overwritten. ``work`` must have the equations at the point.
+    s: parameter of the path at the point; eps: creeping speed at the end of the path; tau (4 N + 1,): tangent of unit
+    length, with four entries for each ball and last that of s, which is positive; change (4 N,): derivative of the residual
+    by s. Both are overwritten. ``work`` must have the equations at the point.
     """
     K, factors, g, _, other = work
     assemble_equations(chain, point, path_smoothing(s + DIFFERENCE, eps), factors, other)
@@ -101,9 +103,9 @@ def _correct_point(
 ) -> tuple[bool, int, float]:
     """Correct a predicted point by Newton steps to the path, normal to the tangent tau or, if ``fixed``, at constant s.
 
-    change (4 N,): derivative of the residual by s; length: length of the step along the path. The correction is given up
-    where it exceeds most of this length, because it may lead to another path. Returns whether the point is on the path, the
-    number of Newton steps, and the parameter s there.
+    eps: creeping speed at the end of the path; change (4 N,): derivative of the residual by s; length: length of the step
+    along the path. The correction is given up where it exceeds most of this length, because it may lead to another path.
+    Returns whether the point is on the path, the number of Newton steps, and the parameter s there.
     """
     K, factors, g, step, other = work
     n, moved = g.shape[0], 0.0
@@ -127,17 +129,22 @@ def _correct_point(
 
 @kernel
 def _longest_step(tau: Array) -> float:
-    """Return the longest step along the tangent tau that moves no velocity by more than 0.5 and s by no more than 0.1."""
+    """Return the longest step along the path that moves no velocity by more than 0.5, and s by no more than 0.1.
+
+    tau (4 N + 1,): tangent of the path, with four entries for each ball and the last one for s. Velocities are over the
+    carriage's speed.
+    """
     n = tau.shape[0] - 1
     return float(1.0 / max(abs(tau[n]) / 0.1, np.max(np.abs(tau[:n].reshape(-1, 4)[:, :3])) / 0.5))
 
 
 @kernel
 def trace_path(chain: ChainArrays, point: ChainPoint, eps: float, work: Work, limit: int) -> tuple[int, bool]:
-    """Follow the path from a point near its beginning; return the number of Newton steps and whether it came to the end.
+    """Follow the path of solutions from a point near its beginning, while friction between balls rises to its full value.
 
-    The sign of the Jacobian's determinant tells in which direction the path goes on, as it changes where s turns. The point
-    is moved; limit: number of Newton steps after which no further step along the path is taken.
+    Returns the number of Newton steps, and whether the end of the path was reached. The sign of the Jacobian's determinant
+    tells in which direction the path goes on, as it changes where s turns. ``point`` is overwritten; eps: creeping speed at
+    the end of the path; limit: number of Newton steps after which no further step along the path is taken.
     """
     n: int = work.g.shape[0]
     change, tau, ahead = np.zeros(n), np.zeros(n + 1), np.zeros(n + 1)
@@ -177,7 +184,8 @@ def trace_path(chain: ChainArrays, point: ChainPoint, eps: float, work: Work, li
 #: solution.
 SPRING = 1e-3
 
-#: Product of ball-to-ball force and rate of the gap in the first, smoothed solution, which tells which balls press.
+#: Product of ball-to-ball force and rate of the gap in the first, smoothed solution, which shows which balls press on each
+#: other.
 ROUND = 1e-3
 
 #: Friction between balls, over that of the grooves, up to which Newton's method may try without the path, and up to
@@ -185,10 +193,10 @@ ROUND = 1e-3
 #: Forces of N - 1 contacts that push at random add up like the root of their number.
 LARGE, SLIGHT = 0.8, 0.3
 
-#: Contacts of a ball without which it has a motion that meets no resistance.
+#: Number of loaded contacts below which a ball has a motion without resistance.
 SUPPORTS = 3
 
-#: Most damping of velocities in the last solution, and largest number of undamped steps there.
+#: Largest damping of velocities in the last solution, and largest number of undamped Newton steps there.
 FIRMEST, LEAPS = 1.0, 20
 
 #: Residual that counts as converged between creeping speeds, and largest number of Newton steps at one of them, where
@@ -202,7 +210,10 @@ STARTS, PRESSED = 3, 3.0
 
 @kernel
 def _solve_without_ball_friction(chain: ChainArrays, point: ChainPoint, work: Work) -> int:
-    """Solve without friction between balls at the creeping speed ``FIRST``, from any drift; return the number of steps."""
+    """Solve a chain without friction between balls at the creeping speed ``FIRST``; return the number of Newton steps.
+
+    The search begins from the ``drift`` of ``point``, which is overwritten by the solution.
+    """
     rebuild_slips(chain, point)
     total = 0
     for smooth in (ROUND, 0.0):
@@ -222,10 +233,11 @@ def _all_balls_supported(contacts: Array) -> bool:
 def _reduce_creeping_speed(
     chain: ChainArrays, point: ChainPoint, work: Work, eps_end: float, share: float, limit: int
 ) -> tuple[int, bool]:
-    """Solve at creeping speeds falling from ``FIRST`` to ``eps_end``, with a fraction ``share`` of ball-to-ball friction.
+    """Solve a chain at creeping speeds that fall from ``FIRST`` to ``eps_end``, each solution being the next start.
 
-    limit: most Newton steps at one creeping speed. Returns the number of Newton steps, and whether all of them converged to
-    a state whose determinant has the sign of the convex problem; another sign indicates another branch.
+    share: fraction of the friction between balls that acts, 0 to 1; limit: most Newton steps at one creeping speed. Returns
+    the number of Newton steps, and whether all of them converged to a state whose determinant has the sign of the convex
+    problem; another sign indicates another branch.
     """
     total, eps = 0, FIRST
     while True:
@@ -279,8 +291,9 @@ def motion_from_other_start(
 ) -> tuple[int, float]:
     """Solve for motion and forces as `chain_motion`, from one of ``STARTS`` other starts.
 
-    start: 0 for the end of the path, 1 for the balls as they move without friction between them, 2 for all pairs pressed
-    together. Returns the number of Newton steps and the largest residual.
+    eps: creeping speed of the result; tolerance: largest residual aimed at; limit: largest number of Newton steps on the
+    path; start: 0 for the end of the path, 1 for the balls as they move without friction between them, 2 for all pairs
+    pressed together. Returns the number of Newton steps and the largest residual.
     """
     total = _solve_without_ball_friction(chain, point, work)
     if start == 0:
@@ -298,9 +311,10 @@ def motion_from_other_start(
 
 @kernel
 def motion_from_state(chain: ChainArrays, point: ChainPoint, work: Work, eps: float, tolerance: float) -> tuple[int, float]:
-    """Solve for motion and forces as `chain_motion`, but by Newton's method only, from the point of a similar chain.
+    """Solve for motion and forces as `chain_motion`, but by Newton's method only, from the state of a similar chain.
 
-    Returns the number of Newton steps and the largest residual.
+    ``point``: this state, which is overwritten; eps: creeping speed; tolerance: largest residual aimed at. Returns the
+    number of Newton steps and the largest residual.
     """
     reset_open_gaps(point, eps)
     return _solve_exact_equations(chain, point, work, eps, tolerance)
@@ -310,7 +324,11 @@ def motion_from_state(chain: ChainArrays, point: ChainPoint, work: Work, eps: fl
 def _solve_exact_equations(
     chain: ChainArrays, point: ChainPoint, work: Work, eps: float, tolerance: float
 ) -> tuple[int, float]:
-    """Iterate on the equations without smoothing from the point; return the number of steps and the largest residual."""
+    """Solve the equations with all friction between balls and exact complementarity, starting from ``point``.
+
+    eps: creeping speed; tolerance: largest residual at which the search ends. Returns the number of Newton steps and the
+    largest residual.
+    """
     exact = Smoothing(eps, 1.0, 0.0, 0.0)
     total, residual = semismooth_newton(chain, point, exact, work, tolerance, int(np.int64(100)), FIRMEST)
     if residual > tolerance:

@@ -38,7 +38,10 @@ def semi_axes(force: Array, C_a: Array, C_b: Array, a: Array, b: Array) -> None:
 
 @kernel
 def contact_map(groove: GrooveArrays, n_x: float, n_z: float, out: Array) -> None:
-    """Write to out (3, 4) the map from a ball's motion x to vx, vz [m/s], spin [rad/s] at a contact normal (n_x, n_z)."""
+    """Write to out (3, 4) the map from a ball's motion to sliding vx, vz [m/s] and spin [rad/s] at one contact.
+
+    n_x, n_z: contact normal along x3, z3. The motion (4,) is given as surface speeds over the nut's speed along the path.
+    """
     affine = groove.affine
     for r in range(3):
         for j in range(4):
@@ -49,7 +52,7 @@ def contact_map(groove: GrooveArrays, n_x: float, n_z: float, out: Array) -> Non
 def contact_motion(groove: GrooveArrays, i: int, rows: Array, x: Array) -> tuple[float, float, float]:
     """Return the relative motion of ball and groove at contact i: vx, vz [m/s] and spin [rad/s].
 
-    rows (3, 4): map of the contact (`contact_map`); x (4,): motion of the ball.
+    rows (3, 4): map of the contact (`contact_map`); x (4,): motion of the ball, surface speeds over the nut's speed.
     """
     orbit = x[0] - groove.ride[i]
     return (
@@ -63,8 +66,9 @@ def contact_motion(groove: GrooveArrays, i: int, rows: Array, x: Array) -> tuple
 def contact_friction(balls: BallArrays, x: Array, eps: float, motion: Array, pull: Array, loss: Array) -> None:
     """Write the relative motion, the friction and the loss at every contact of balls with motions x (N, 4).
 
-    motion (N, 4, 3): sliding along x, z and spin about y in the contacts' axes, over ``speed``; pull (N, 4, 3): friction on
-    the balls along and about the same axes, in the unit of ``BallArrays``; loss (N, 4): force times motion in these units.
+    x: surface speeds over the nut's speed along the path; eps: regularising speed over the same speed. motion (N, 4, 3):
+    sliding along x, z and spin about y in the contacts' axes, over the same speed; pull (N, 4, 3): friction on the balls
+    along and about the same axes, in the unit of ``BallArrays``; loss (N, 4): force times motion in these units.
     """
     shape, maps, drives = balls.shape, balls.maps, balls.drives
     for k in range(x.shape[0]):
@@ -85,9 +89,10 @@ def contact_friction(balls: BallArrays, x: Array, eps: float, motion: Array, pul
 
 @kernel
 def ball_sliding(groove: GrooveArrays, this: Array, other: Array, eps: float) -> tuple[float, float, float]:
-    """Return two components of the sliding of a ball on the next one, and their size with eps, sqrt(u^2 + v^2 + eps^2).
+    """Return two components u, v of the sliding of a ball on the next one, and the size sqrt(u^2 + v^2 + eps^2).
 
-    this, other (4,): motions of the ball and of the next one.
+    All speeds are over the nut's speed along the path. this, other (4,): motions of the ball and of the next one; eps:
+    regularising speed.
     """
     first, second = groove.first, groove.second
     u, v = 0.0, 0.0
@@ -111,8 +116,9 @@ def neighbour_forces(
 ) -> None:
     """Write the forces of neighbours on balls to on_ball (N, 3) [N], and the losses of balls that slide to loss (N,) [W].
 
-    f (N,): force from ball k on ball k + 1, here in N; loss[k] is that of ball k on ball k + 1; push (2, 3), slide (2, 2,
-    3): directions of the force and of the two tangents as in ``screw.groove.PairGeometry``.
+    x (N, 4): motions of the balls, surface speeds over the nut's speed; f (N,): force of ball k on ball k + 1, here in N;
+    eps: regularising speed over the nut's speed; loss[k] is that of ball k on ball k + 1; push (2, 3), slide (2, 2, 3):
+    directions of the force and of the two tangents as in ``screw.groove.PairGeometry``.
     """
     n = f.shape[0]
     on_ball[:] = 0.0
@@ -128,7 +134,10 @@ def neighbour_forces(
 
 @kernel
 def move_without_neighbours(balls: BallArrays, x: Array) -> None:
-    """Overwrite the motions x (N, 4) of loaded balls by those of least dissipation without neighbours."""
+    """Overwrite the motions x (N, 4) of loaded balls by their motions of least dissipation without neighbours.
+
+    x: motions before, surface speeds over the nut's speed along the path; those of unloaded balls remain.
+    """
     forces, rest, bounds, none, start = np.empty((4, 3)), np.empty(4), np.empty(2), np.zeros(4), int(np.int64(ROLLING))
     for k in range(x.shape[0]):
         if np.sum(balls.shape[k, :, 2]) > 0.0:
@@ -145,7 +154,10 @@ REACH = 0.3
 
 @kernel
 def remaining_slack(groove: GrooveArrays, balls: BallArrays, x: Array, k: int) -> float:
-    """Return the rate by which ball k may still gain more on the next ball than it does, over the nut's speed."""
+    """Return the rate at which the gap after ball k stays open, over the nut's speed: the largest less the actual closing.
+
+    x (N, 4): motions of the balls, surface speeds over the nut's speed.
+    """
     ahead = (k + 1) % x.shape[0]
     return float(groove.closing * (x[ahead, 0] - x[k, 0]) + balls.slack[k])
 
@@ -154,8 +166,9 @@ def remaining_slack(groove: GrooveArrays, balls: BallArrays, x: Array, k: int) -
 def balance_residual(groove: GrooveArrays, balls: BallArrays, x: Array, f: Array, eps: float, parts: BalanceParts) -> float:
     """Write the forces out of balance and the complementarity to ``parts``; return the root of their sum of squares.
 
-    x (N, 4), f (N,), eps: as in the head of this module. Force and remaining rate of the gap are complementary where
-    Fischer-Burmeister's function f + gap - sqrt(f^2 + gap^2) is zero.
+    x (N, 4): motions of the balls, surface speeds over the nut's speed along the path; f (N,): force of ball k on ball k +
+    1 over the unit of force; eps: regularising speed over the nut's speed. Force and remaining rate of the gap are
+    complementary where Fischer-Burmeister's function f + gap - sqrt(f^2 + gap^2) is zero.
     """
     hold, shape, maps, drives = balls.hold, balls.shape, balls.maps, balls.drives
     nominal, first, second, closing = groove.nominal, groove.first, groove.second, groove.closing
@@ -189,7 +202,7 @@ def balance_residual(groove: GrooveArrays, balls: BallArrays, x: Array, f: Array
 
 @kernel
 def largest_residual(parts: BalanceParts) -> float:
-    """Return the largest absolute entry of the forces out of balance and of the complementarity."""
+    """Return the largest absolute force out of balance or complementarity function in ``parts``."""
     return float(max(np.max(np.abs(parts.balance)), np.max(np.abs(parts.complementarity))))
 
 
@@ -199,9 +212,10 @@ def pair_blocks(
 ) -> None:
     """Write the derivatives of the forces between ball k and the next ball to ``out``, four blocks (4, 5, 5).
 
-    The blocks are those on the diagonal at ball k, right of it, below it, and on the diagonal at the next ball; rows and
-    columns of a block are a ball's motion and its force on the next. slopes (N, 2): derivatives of the complementarity by
-    force and gap.
+    x (N, 4): motions over the nut's speed; f (N,): ball-to-ball forces over the unit of force; eps: regularising speed over
+    the nut's speed. The blocks are those on the diagonal at ball k, right of it, below it, and on the diagonal at the next
+    ball; rows and columns of a block are a ball's motion and its force on the next. slopes (N, 2): derivatives of the
+    complementarity by force and gap.
     """
     first, second, closing = groove.first, groove.second, groove.closing
     u, v, size = ball_sliding(groove, x[k], x[(k + 1) % f.shape[0]], eps)
@@ -231,10 +245,12 @@ def pair_blocks(
 def balance_jacobian(
     groove: GrooveArrays, balls: BallArrays, x: Array, f: Array, parts: BalanceParts, eps: float, start: int, K: Array
 ) -> None:
-    """Write the banded Jacobian of the balance to K (5 N, 3 HALF + 1), in the form of ``contact.kernel.band``.
+    """Write the banded Jacobian of the balance to K (5 N, 3 HALF + 1), in the form of `solve_with_pivots`.
 
-    parts: derivatives that `balance_residual` has written at x and f; start: ball whose rows come first. The closed track
-    is cut open before it: the coupling of the last ball with this one is left out.
+    x (N, 4): motions of the balls, surface speeds over the nut's speed along the path; f (N,): force of ball k on ball k +
+    1 over the unit of force; eps: regularising speed over the nut's speed; parts: derivatives that `balance_residual` has
+    written at x and f; start: ball whose rows come first. The closed track is cut open before it: the coupling of the last
+    ball with this one is left out.
     """
     n, out = f.shape[0], np.empty((4, 5, 5))
     K[:] = 0.0
@@ -257,7 +273,10 @@ def balance_jacobian(
 
 @kernel
 def ball_after_open_gap(groove: GrooveArrays, balls: BallArrays, x: Array, f: Array) -> int:
-    """Return the number of the ball after the gap that is most clearly open: before it a closed track may be cut."""
+    """Return the number of the ball after the most clearly open gap, at which the equations of a closed track are cut.
+
+    x (N, 4): motions over the nut's speed; f (N,): ball-to-ball forces over the unit of force.
+    """
     start, most = 0, -np.inf
     for k in range(f.shape[0]):
         left = remaining_slack(groove, balls, x, k) - f[k] if balls.allowed[k] > 0.0 else np.inf
@@ -270,7 +289,11 @@ def ball_after_open_gap(groove: GrooveArrays, balls: BallArrays, x: Array, f: Ar
 def newton_step(
     groove: GrooveArrays, balls: BallArrays, x: Array, f: Array, parts: BalanceParts, eps: float, dx: Array, df: Array
 ) -> None:
-    """Write Newton's step of the motions to dx (N, 4) and of the forces to df (N,), from the ``parts`` at x and f."""
+    """Write Newton's step of the motions to dx (N, 4) and of the ball-to-ball forces to df (N,).
+
+    x (N, 4): motions over the nut's speed; f (N,): ball-to-ball forces over the unit of force; eps: regularising speed over
+    the nut's speed; parts: residuals and derivatives that `balance_residual` has written at x and f.
+    """
     n, start = f.shape[0], ball_after_open_gap(groove, balls, x, f)
     K, side = np.empty((5 * n, 3 * HALF + 1)), np.empty((5 * n, 1))
     balance_jacobian(groove, balls, x, f, parts, eps, start, K)
@@ -299,11 +322,13 @@ def solve_balance(
     limit: int,
     parts: BalanceParts,
 ) -> tuple[float, int]:
-    """Iterate by Newton's method at one regularising speed, steps halved until the residual falls.
+    """Solve the balance by Newton's method at one regularising speed, with steps halved until the residual falls.
 
-    x (N, 4) and f (N,) are the start and are overwritten; ``parts`` become those of the end. The iteration ends when the
-    residual (root of the sum of squares) is at most ``goal``, after ``limit`` steps, or when no step lets it fall; below
-    ``near``, where round-off may be the reason, few halvings are tried. Returns the residual and the number of steps.
+    x (N, 4): motions over the nut's speed; f (N,): ball-to-ball forces over the unit of force; both are the start and are
+    overwritten by the solution; eps: regularising speed over the nut's speed; ``parts`` are overwritten by residuals and
+    derivatives there. The iteration ends when the residual (root of the sum of squares) is at most ``goal``, after
+    ``limit`` steps, or when no step lets it fall; below ``near``, where round-off may be the reason, few halvings are
+    tried. Returns the residual and the number of steps.
     """
     n, dx, df = f.shape[0], np.empty_like(x), np.empty_like(f)
     size = balance_residual(groove, balls, x, f, eps, parts)

@@ -43,9 +43,10 @@ def _dissipation_derivatives(
 ) -> None:
     """Write the derivatives of the dissipation D of contact i over its friction bound mu F.
 
-    f: contact force F [N]; rows (3, 4): map of the contact; x (4,): motion of the ball. Written are the gradient g (3,) by
-    (vx, vz, spin), the Hessian in h[:3], and the derivative of F g by F in h[3]. The semi-axes grow with F^(1/3), and
-    D(s a, s b, vx, vz, spin) = D(a, b, vx, vz, s spin).
+    f: contact force F [N]; rows (3, 4): map of the contact (`contact_map`); x (4,): motion of the ball, surface speeds over
+    the nut's speed; eps: regularising speed over the nut's speed. Written are the gradient g (3,) by (vx, vz, spin), the
+    Hessian in h[:3], and the derivative of F g by F in h[3]. The semi-axes grow with F^(1/3), and D(s a, s b, vx, vz, spin)
+    = D(a, b, vx, vz, s spin).
     """
     cube = f ** (1.0 / 3.0)
     vx, vz, spin = contact_motion(groove, i, rows, x)
@@ -66,10 +67,10 @@ def _force_effects(
 ) -> None:
     """Write how the forces of one contact act on the nine rows of `ball_rows`.
 
-    load (9,): effect of a normal force of one; pull (9, 3): effect of each component (vx, vz, spin) of the friction.
-    n_x, n_z: contact normal; rows (3, 4): map of the contact; speed: of the nut along the path [m/s]; along: share of the
-    friction along the path that acts on the screw; on: whether the contact is on the screw. The result is linear in (n_x,
-    n_z, rows, along).
+    load (9,): effect of a unit normal force; pull (9, 3): effect of each component (vx, vz, spin) of the friction. n_x,
+    n_z: contact normal; rows (3, 4): map of the contact (`contact_map`); speed: speed of the nut along the path [m/s];
+    share: fraction of the friction that acts on the loads; along: fraction of the friction along the path that acts on the
+    screw; on: whether the contact is on the screw. The result is linear in (n_x, n_z, rows, along).
     """
     load[:] = 0.0
     pull[:] = 0.0
@@ -86,9 +87,11 @@ def ball_rows(
 ) -> None:
     """Write what ball k adds to the equations to out (9,) [N], and its derivatives to by (9, 8).
 
-    p (2,): displacement of the ball [m]; shift (2,): that of the screw in its section [m]; x (4,): motion of the ball.
-    Rows: force on the ball in x3, z3 with ``share`` of the friction (2), gradient of the grooves' dissipation by the motion
-    (4), force of the ball on the screw in x3, y3, z3 (3). Columns of ``by``: p (2), x (4), shift (2).
+    p (2,): displacement of the ball [m]; shift (2,): that of the screw in the ball's section [m]; x (4,): motion of the
+    ball, surface speeds over the nut's speed; share: fraction of the friction that acts on the loads; eps: regularising
+    speed over the nut's speed. Rows: force on the ball in x3, z3 with ``share`` of the friction (2), gradient of the
+    grooves' dissipation by the motion (4), force of the ball on the screw in x3, y3, z3 (3). Columns of ``by``: p (2), x
+    (4), shift (2).
     """
     cell, groove, balls = system.cell, system.groove, system.balls
     start, interference, C, affine = cell.start, cell.interference, cell.C, groove.affine
@@ -138,7 +141,8 @@ LONGEST_STEP = 0.1
 def _add_pair(system: JointSystem, at: Place, k: int, share: float, eps: float, start: int, matrix: JointMatrix) -> None:
     """Add the force and friction between ball k and the next ball to the equations in ``matrix``, with their derivatives.
 
-    start: ball whose rows come first, before which a closed track is cut open.
+    at: present unknowns; share: fraction of the friction that acts on the loads; eps: regularising speed over the nut's
+    speed; start: ball whose rows come first, before which a closed track is cut open.
     """
     groove, balls = system.groove, system.balls
     first, second, closing = groove.first, groove.second, groove.closing
@@ -193,7 +197,8 @@ def _add_pair_force(
     """Add the force between two balls, in the plane of the groove's section, to the balance of one of them.
 
     which: 0 for the first ball, 1 for the second; row, other: first row of each ball in the matrix; rub: direction (u, v)
-    of the sliding of the first on the second ball, and its size; f: force between them; mu: coefficient of friction.
+    of the sliding of the first on the second ball, and its size; f: force between them; mu: coefficient of friction; share:
+    fraction of this force and friction that acts on the loads.
     """
     first, second, push, slide = system.groove.first, system.groove.second, system.push, system.slide
     side, K = matrix.side, matrix.band
@@ -220,8 +225,9 @@ def _add_pair_force(
 def assemble_joint(system: JointSystem, at: Place, share: float, eps: float, start: int, matrix: JointMatrix) -> float:
     """Write residual and Jacobian of all equations to ``matrix``; return the root of the residual's sum of squares.
 
-    at: unknowns; start: ball whose rows come first, before which a closed track is cut open. External forces on the screw
-    are those of the system's ``cell``.
+    at: unknowns; share: fraction of the friction that acts on the loads; eps: regularising speed over the nut's speed;
+    start: ball whose rows come first, before which a closed track is cut open. External forces on the screw are those of
+    the system's ``cell``.
     """
     cell, unit, length, rows = system.cell, system.unit, system.length, system.rows
     hold, nominal = system.balls.hold, system.groove.nominal
@@ -303,10 +309,12 @@ def joint_newton_step(matrix: JointMatrix, start: int, length: float, d: Place) 
 
 @kernel
 def newton_joint(system: JointSystem, at: Place, share: float, eps: float, goal: float, limit: int) -> tuple[float, int]:
-    """Iterate by Newton's method on loads and motion together, steps halved until the residual falls.
+    """Solve loads and motion together by Newton's method, with steps halved until the residual falls.
 
-    ``at`` is the start and is overwritten. The iteration ends when the residual is at most ``goal``, after ``limit`` steps,
-    or when no step lets the residual fall. Returns the residual (root of the sum of squares) and the number of steps.
+    ``at`` is the start and is overwritten by the solution; ``share``: fraction of the friction that acts on the loads;
+    ``eps``: regularising speed over the nut's speed. The iteration ends when the residual is at most ``goal``, after
+    ``limit`` steps, or when no step lets the residual fall. Returns the residual (root of the sum of squares) and the
+    number of steps.
     """
     p, u, x, f = at
     n, m, length, reach = f.shape[0], u.shape[0], system.length, system.cell.reach

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from rollbench.compare.cases.external import holding
+from rollbench.compare.cases.external import page as holding
 from rollbench.compare.cases.external.evidence import scene_name
 from rollbench.compare.measure import load_error
 from rollbench.compare.models.registry import Options, run_model
@@ -36,7 +36,7 @@ def test_ways_differ_in_how_the_nut_is_held_alone() -> None:
 def test_a_model_with_a_rigid_nut_sees_no_difference(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(holding, "DEFAULT", "lin")
     monkeypatch.setattr(holding, "SIZES", ("bnf-4010-5",))
-    section = holding.make_section(Study(), lambda _: None)
+    section = holding.fixation_section(Study(), lambda _: None)
     (table,) = (item for item in section.items if isinstance(item, Table))
     assert "largest load by +0.0 to +0.0 %" in section.conclusion
     by_model = [row for row in table.rows if row["by"] == "lin"]

@@ -7,8 +7,18 @@ import pytest
 from tests.evidence_study import GROUP, STUDY
 
 from rollbench.compare.cases.makers import bearings, nuts, page
-from rollbench.compare.cases.makers.outside import BIAS, MEASURED, NUMBER, Band, Outside, bias_and_scatter, summary_table
-from rollbench.compare.cases.makers.tables import Table, half_step, read_table
+from rollbench.compare.cases.makers.outside import (
+    BIAS,
+    MEASURED,
+    NUMBER,
+    Band,
+    MakerTable,
+    Outside,
+    bias_and_scatter,
+    half_step,
+    read_table,
+    summary_table,
+)
 
 pytestmark = pytest.mark.xdist_group(GROUP)
 
@@ -149,6 +159,6 @@ def test_verdicts_and_what_does_not_count() -> None:
 
 
 def test_numbers_as_tables_write_them() -> None:
-    assert Table("x", {"decimal": ","}, ()).number("1 250,5") == 1250.5
-    assert Table("x", {"thousands": ","}, ()).number("12,500") == 12500.0
-    assert Table("x", {}, ()).number("\u00a02 150") == 2150.0
+    assert MakerTable("x", {"decimal": ","}, ()).number("1 250,5") == 1250.5
+    assert MakerTable("x", {"thousands": ","}, ()).number("12,500") == 12500.0
+    assert MakerTable("x", {}, ()).number("\u00a02 150") == 2150.0

@@ -1,7 +1,12 @@
-"""Quasi-static motion of a body on frictional contacts with given normal loads: the motion of least dissipation.
+"""Equilibria of balls and other bodies on rolling contacts, each found as the minimum of a convex function.
 
-At contact i the body moves relative to its counterbody by v_i = ``maps[i] @ q + drives[i]``, with the unknown motion q.
-Friction and the other forces ``push`` on the body balance at the minimum of
+The contact loads of balls between two rigid bodies are those at the minimum of elastic energy over all positions
+(`settle_cell`). The bodies are screw and nut, inner and outer ring, or carriage and rail. The inner body moves by u, the
+outer body is fixed, and the unknowns of every ball are its two coordinates in the plane of its groove section.
+
+The quasi-static motion of a body on frictional contacts with given normal loads is the motion of least dissipation
+(`least_dissipation`). At contact i the body moves relative to its counterbody by v_i = ``maps[i] @ q + drives[i]``, with
+the unknown motion q. Friction and the other forces ``push`` on the body balance at the minimum of
 
     sum_i mu F_i D_i(v_i) - push . q.                                                                                  (1)
 
@@ -10,14 +15,114 @@ The function is convex, so that every equilibrium is a minimum, also with contac
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
+from rollbench.lowfi.friction.contact.kernel_types import CellArrays, CellState
 from rollbench.lowfi.friction.contact.laws import Contacts, Friction, Law, Sigmoid
 from rollbench.lowfi.jit import CONTACT, kernels
 from rollbench.meshes.arrays import Array
+
+#: Unbalanced force, over the sum of all forces, at which the iteration ends, and up to which its result counts as
+#: converged.
+GOAL, ACCEPTED = 1e-13, 1e-8
+#: Largest number of Newton steps.
+STEPS = 600
+
+
+@dataclass(frozen=True)
+class SettledCell:
+    """Contact loads of N balls between two rigid bodies, the inner of which has m free motions."""
+
+    #: Contact forces ``(N, 4)`` [N].
+    force: Array
+    #: Contact angles under load ``(N, 4)`` [rad].
+    angle: Array
+    #: Displacements of the balls along x, z of their sections ``(N, 2)`` [m].
+    ball: Array
+    #: Displacement of the inner body along its free motions ``(m,)`` [m].
+    inner: Array
+    #: Largest unbalanced force [N].
+    left: float
+    #: Number of Newton steps.
+    steps: int
+    #: Whether the unbalanced force is below 1e-8 times the sum of forces.
+    converged: bool
+
+
+def cell_state(cell: CellArrays) -> CellState:
+    """Return zero arrays for the balls in ``cell``, to which the kernels write contact forces, stiffness and gradients."""
+    n, m = cell.interference.shape[0], cell.pull.shape[0]
+    return CellState(np.zeros((n, 2)), np.zeros(m), np.zeros((n, 4, 3)), np.zeros((n, 4)), np.zeros((n, 4, 2)))
+
+
+def settle_cell(
+    cell: CellArrays, load: float, ball: Array, inner: Array, angles: Callable[[Array], Array], fast: bool = False
+) -> SettledCell:
+    """Return the contact loads of balls between two rigid bodies, by Newton's method with line search.
+
+    They are the minimum of sum (2/5) C^(-3/2) <approach>^(5/2) - pull . u - push . p over the displacements u of the inner
+    body and p of the balls. The model is valid for approaches far below the distance r_G - r_B of groove and ball centres.
+    The loads do not depend on the start.
+
+    Parameters
+    ----------
+    cell
+        Geometry, stiffness and loads of balls and bodies.
+    load
+        Sum of the magnitudes of the applied forces [N].
+    ball, inner
+        Displacements of the balls ``(N, 2)`` and of the inner body ``(m,)`` [m] from which the search begins; both are
+        overwritten by the result.
+    angles
+        Function that computes contact angles ``(N, 4)`` [rad] from contact normals ``(N, 4, 2)``.
+    fast
+        Whether to use compiled kernels.
+    """
+    state = cell_state(cell)
+    steps = int(kernels(CONTACT, compiled=fast).minimise_energy(cell, load, ball, inner, state, GOAL, STEPS))
+    left = float(max(np.max(np.abs(state.ball), initial=0.0), np.max(np.abs(state.inner), initial=0.0)))
+    good = left <= ACCEPTED * (load + float(np.sum(state.force)))
+    return SettledCell(state.force, angles(state.normal), ball, inner, left, steps, good)
+
+
+def settle_each_ball(
+    start: Array, interference: Array, C: Array, along: Array, given: Array, shift: Array, fast: bool = False
+) -> tuple[Array, Array, Array, Array]:
+    """Return the contact loads of N independent balls, each between its own inner body and the fixed outer body.
+
+    Parameters
+    ----------
+    start
+        Vectors from the grooves' centres of curvature to the ball's centre along x, z ``(N, 4, 2)`` [m].
+    interference
+        Interference of ball and groove before any displacement ``(N, 4)`` [m].
+    C
+        Hertz constants C of the approach C F^(2/3) ``(N, 4)`` [m/N^(2/3)].
+    along
+        Direction along x, z in which the inner bodies move ``(2,)``.
+    given
+        Applied forces: on the ball along x, z, and on the inner body along its motion ``(N, 3)`` [N].
+    shift
+        Displacements of ball (x, z) and inner body from which the search begins ``(N, 3)`` [m].
+    fast
+        Whether to use compiled kernels.
+
+    Returns
+    -------
+    tuple[Array, Array, Array, Array]
+        Displacements of ball and inner body ``(N, 3)`` [m], contact loads ``(N, 4)`` [N], contact normals along x, z
+        ``(N, 4, 2)``, and largest unbalanced force ``(N,)`` [N].
+    """
+    x, n = shift.copy(), len(shift)
+    force, normal, left = np.zeros((n, 4)), np.zeros((n, 4, 2)), np.zeros(n)
+    given_arrays = (np.ascontiguousarray(a, dtype=float) for a in (start, interference, C, along, given))
+    kernels(CONTACT, compiled=fast).minimise_each(*given_arrays, x, force, normal, left, GOAL, STEPS)
+    return x, force, normal, left
+
 
 #: Values of ``Motion.status`` in the order of the numbers that the kernel returns.
 STATUS = ("exact", "regularised", "at rest")
@@ -40,7 +145,7 @@ class Problem:
     push: Array
 
     def motion_at(self, q: Array) -> Array:
-        """Return the motions vx, vz [m/s], spin [rad/s] of the contacts ``(m, 3)`` at the unknowns q ``(n,)``."""
+        """Return the motions vx, vz [m/s], spin [rad/s] of the contacts ``(m, 3)`` for unknown velocities q ``(n,)``."""
         return np.asarray(self.drives + self.maps @ q)
 
     def units(self) -> Array:
@@ -128,9 +233,9 @@ def least_dissipation(problem: Problem, start: Array | None = None, fast: bool =
 
 
 def remove_friction_forces(motion: Motion) -> Motion:
-    """Return a motion with its friction set to zero: the limit of a vanishing coefficient of friction.
+    """Return the same motion with friction forces and losses of zero: the limit of a vanishing coefficient of friction.
 
-    With given normal loads the motion does not depend on the coefficient.
+    With given normal loads the motion itself does not depend on the coefficient.
 
     Parameters
     ----------
@@ -142,7 +247,7 @@ def remove_friction_forces(motion: Motion) -> Motion:
 
 
 def balance_by_root(problem: Problem, law: Law, start: Array, fast: bool = False) -> Motion:
-    """Return the motion at a root of the force balance, found by MINPACK's hybrid method, for comparison with Lin's method.
+    """Return the motion at a root of the force balance, found by MINPACK's hybrid method as in Lin's thesis.
 
     The search corresponds to Matlab's fsolve for eq. (3.19) of Lin's thesis. It fails from many starts near two-point
     contact, and for sharp sigmoids.
@@ -162,6 +267,7 @@ def balance_by_root(problem: Problem, law: Law, start: Array, fast: bool = False
     scale = max(float(np.sum(problem.at.strength)), 1e-300)
 
     def residual(p: Array) -> Array:
+        """Return the generalised forces out of balance over the sum of friction bounds, for scaled unknowns p ``(n,)``."""
         f = law.friction(problem.at, problem.motion_at(p / units), fast)
         wrench = np.column_stack([f.force, f.moment])
         return np.asarray((np.einsum("ir,irj->j", wrench, problem.maps) + problem.push) / (units * scale))

@@ -3,13 +3,13 @@
 import numpy as np
 import pytest
 
-from rollbench.compare.cases.liu import bodies, evidence
+from rollbench.compare.cases.liu import evidence, page
 from rollbench.compare.models.study import Study
 from rollbench.compare.scenes import catalogue
 from rollbench.lowfi.random_errors.chain import solve_chain
 from rollbench.meshes.parts import Scene
 
-SCENE = catalogue.case(bodies.SCENE, Scene)
+SCENE = catalogue.case(page.SCENE, Scene)
 
 
 def test_grooves_and_materials_of_screw_and_nut_are_alike_as_the_chain_takes_them():
@@ -19,19 +19,19 @@ def test_grooves_and_materials_of_screw_and_nut_are_alike_as_the_chain_takes_the
 
 
 def test_an_error_is_the_diameter_of_a_ball():
-    found = bodies.change_errors_and_load(SCENE, evidence.errors_of_ball_33(2e-6), 1000.0)
+    found = page.change_errors_and_load(SCENE, evidence.errors_of_ball_33(2e-6), 1000.0)
     assert found.errors.balls.listed == ((33, 1e-6),)
     assert found.loads[0].force == (0.0, 0.0, 1000.0)
 
 
 def test_chain_shares_the_load_as_the_beam_does_on_average():
     errors = np.zeros(evidence.ball_count())
-    beam = Study().solve(bodies.change_errors_and_load(SCENE, errors, 5000.0)).load[:, 0]
-    axial = solve_chain(bodies.rigid_nut_model(SCENE).chain, errors, 5000.0).load
+    beam = Study().solve(page.change_errors_and_load(SCENE, errors, 5000.0)).load[:, 0]
+    axial = solve_chain(page.rigid_nut_model(SCENE).chain, errors, 5000.0).load
     assert beam.mean() == pytest.approx(axial.mean(), rel=2e-3)
     turns, chain = (load.reshape(3, 26).mean(axis=1) for load in (beam, axial))
     assert turns == pytest.approx(chain, rel=0.01)
-    one = bodies.ModelLoads("none", 5000.0, axial, beam, beam)
+    one = page.ModelLoads("none", 5000.0, axial, beam, beam)
     rms, most, ball = one.difference_from_axial(beam)
     assert 0.0 < rms < abs(most) < 5.0
     assert 1 <= ball <= evidence.ball_count()
