@@ -21,9 +21,9 @@ from typing import Any
 import numpy as np
 
 from rollbench.meshes.arrays import Array
-from rollbench.meshes.canonical import digest
-from rollbench.meshes.leftovers import make_folder_for_group, make_readable_for_group, temporary_name
+from rollbench.meshes.files import make_folder_for_group, make_readable_for_group, temporary_name
 from rollbench.meshes.parts import Scene
+from rollbench.meshes.record_keys import digest
 
 #: Version of the file format; files of other versions are not read.
 FORMAT = 2

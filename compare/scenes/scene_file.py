@@ -16,7 +16,7 @@ from rollbench.compare.files import ENCODING, NotTextError, similar_paths, text_
 from rollbench.compare.quantities import count_of
 from rollbench.compare.scenes.duty_cycle import WHOLE, Described, DutyCycle
 from rollbench.meshes.axis import Assembly
-from rollbench.meshes.kept import kept
+from rollbench.meshes.cache import kept
 from rollbench.meshes.parts import Scene
 from rollbench.meshes.units import COMMA, has_comma
 

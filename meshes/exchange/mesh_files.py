@@ -14,13 +14,19 @@ from numpy.typing import NDArray
 
 from rollbench.meshes.arrays import Array, Index
 from rollbench.meshes.exchange.deck import data_lines, deck_number, element_faces, set_lines
-from rollbench.meshes.leftovers import temporary_name
+from rollbench.meshes.files import temporary_name
 from rollbench.meshes.libraries import pip_command
-from rollbench.meshes.node_order import VTK
 
 if TYPE_CHECKING:
     from skfem import Mesh
 
+#: For each element type, its name in meshio, and the number in gmsh's cell of each node of VTK's cell (checked by tests).
+VTK: dict[str, tuple[str, tuple[int, ...]]] = {
+    "P1": ("tetra", tuple(range(4))),
+    "P2": ("tetra10", (0, 1, 2, 3, 4, 5, 6, 7, 9, 8)),
+    "Q1": ("hexahedron", tuple(range(8))),
+    "Q2": ("hexahedron27", (*range(8), 8, 11, 13, 9, 16, 18, 19, 17, 10, 12, 14, 15, 22, 23, 21, 24, 20, 25, 26)),
+}
 # Number, in meshio's (VTK's) cell, of each node of MED's cell: MED orients the first face in reverse (checked with gmsh).
 _MED: dict[str, tuple[int, ...]] = {
     "tetra": (0, 2, 1, 3),

@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from rollbench.compare.cases.external.evidence import scene_name
-from rollbench.compare.measure import error_percent, load_error
+from rollbench.compare.measure import error_percent, load_error, mean_load
 from rollbench.compare.models.model_form import FLANGE, estimate, points_of_drawn_screws
 from rollbench.compare.models.registry import DEFAULT
 from rollbench.compare.models.study import Study
@@ -24,7 +24,6 @@ from rollbench.compare.scenes.template import RIM, THICK
 from rollbench.lowfi.rating.life import life
 from rollbench.lowfi.rating.rigidity import axial_displacement, axial_force
 from rollbench.meshes.arrays import Array
-from rollbench.meshes.loads import mean_load
 from rollbench.meshes.parts import SIDES, Flange, NutHeld, Scene
 from rollbench.reports.content import Cell, Quantity, Section, Table, Text
 

@@ -18,9 +18,9 @@ from rollbench.compare.scenes.keys import BallSizeKeys, HelixKeys, Table, key
 from rollbench.lowfi.friction.screw.groove import ScrewGroove
 from rollbench.lowfi.friction.screw.motion import Coupling
 from rollbench.lowfi.friction.screw.run import Pair, Run
-from rollbench.meshes.fields import usual
 from rollbench.meshes.parts import Motion, Time
 from rollbench.meshes.ranges import Azimuth, Quantity, Turns, Whole
+from rollbench.meshes.record_keys import usual
 
 Share = Annotated[float, Quantity("number", -1, 1, 1)]
 Pattern = Annotated[list[Share], Field(min_length=4, max_length=4)]
