@@ -151,7 +151,7 @@ class RexsModel:
         return [x for r in found if (x := self.components[r.roles["part"]]).type == type]
 
     def material(self, *ids: int) -> RexsComponent | None:
-        """Return the material of the first component among ``ids`` that has one; None if none has."""
+        """Return the material of the first component among those with the ids ``ids`` that has one; None if none has."""
         for k in ids:
             for r in self.relations:
                 if r.type == "reference" and r.roles.get("origin") == k and "referenced" in r.roles:
@@ -284,7 +284,7 @@ def text_of(model: RexsModel, version: str, date: str) -> str:
 
 
 def _write_component(parent: ET.Element, component: RexsComponent, attributes: dict[str, Value]) -> None:
-    """Append a component with some of its attributes to an XML element."""
+    """Append a component with the given attributes to the XML element ``parent``."""
     head = {"id": str(component.id), "type": component.type, "name": component.name}
     one = ET.SubElement(parent, "component", {k: v for k, v in head.items() if v})
     for name, value in attributes.items():
