@@ -214,7 +214,11 @@ def build_ball(
 def _mesh_ball(
     m: GrooveMap, sockets: tuple[BallSocket, ...], boxes: list[tuple[SocketMesh, Array]], fine: float, coarse: float
 ) -> BallBody:
-    """Mesh a ball whose sockets have the surface meshes ``boxes``, each with the bulged positions of its corner nodes."""
+    """Mesh a ball with given meshes of its sockets' faces.
+
+    ``boxes``: for each socket, the mesh of its faces, and the local coordinates of its corner nodes while the ball is
+    filled, at which the faces bulge; ``fine``, ``coarse``: element sizes at the sockets and far from them [m].
+    """
     near = np.concatenate([ball_points(m, socket, box.xi) for socket, (box, _) in zip(sockets, boxes, strict=True)])
 
     def attempt(gmsh: Any, plane: int, volume: int, share: float) -> tuple[BallBody, float]:

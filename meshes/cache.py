@@ -172,7 +172,10 @@ class Cache:
         self.fault = self.fault or fault
 
     def _path(self, build: Callable[..., object], arguments: tuple[object, ...], type_: type) -> Path | None:
-        """Return the path of the file for a result; None without a folder to which only this user can write."""
+        """Return the path of the file for a result; None where no folder exists to which only this user can write.
+
+        Arguments as for `Cache.get`.
+        """
         if self.root is None:
             return None
         key = content_key(build, arguments, type_)
@@ -214,7 +217,10 @@ def _remove_oldest_files(folder: Path, limit: int) -> None:
 
 
 def _read_record(path: Path, type_: type[T]) -> tuple[T, float] | None:
-    """Read a result and its computing time [s] from a file; None where the file is missing, damaged or of another class."""
+    """Read a result and its computing time [s] from a file; None where the file is missing, damaged or of another class.
+
+    ``type_``: class of the result.
+    """
     try:
         with path.open("rb") as file:
             digest, content = file.read(_DIGEST), file.read()
@@ -304,7 +310,10 @@ _stores: list[Cache] = []
 
 
 def switch_on() -> None:
-    """Store results of functions decorated by `kept` in the user's cache folder, unless ROLLBENCH_CACHE is "off"."""
+    """From now on, store results of functions decorated by `kept` in the user's cache folder, and read them from there.
+
+    Does nothing where the environment variable ROLLBENCH_CACHE is "off".
+    """
     root = default_root()
     _stores[:] = [] if root is None else [Cache(root / GEOMETRIES, GEOMETRIES_LIMIT)]
 
@@ -416,7 +425,7 @@ def unpack_record(content: bytes, *packages: str) -> Any:
 def _describe_value(value: Any, arrays: list[Any]) -> Any:
     """Return the structure of a value for JSON: plain values unchanged, others as a list that begins with their kind.
 
-    Arrays are appended to ``arrays``, and the structure refers to them by their numbers.
+    ``arrays``: list to which the value's arrays are appended; the structure refers to them by their numbers.
     """
     if value is None or type(value) in (bool, int, float, str):
         return value
@@ -454,7 +463,10 @@ def _class_name(class_: type) -> str:
 
 
 def _unpack_value(tree: Any, arrays: list[Any], packages: tuple[str, ...]) -> Any:
-    """Build a value from its structure as returned by `_describe_value`, with classes of certain packages only."""
+    """Build a value from its structure as returned by `_describe_value`.
+
+    ``tree``: the structure; ``arrays``: the arrays to which it refers; ``packages``: packages whose classes may occur.
+    """
     if not isinstance(tree, list):
         return tree
     sort, *content = tree

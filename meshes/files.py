@@ -94,7 +94,10 @@ def remove_leftovers(path: Path, ending: str = "tmp") -> None:
 
 
 def _is_abandoned(path: Path, machine: str, process: int) -> bool:
-    """Return whether the process that wrote a temporary file has ended, or the file of another machine is old."""
+    """Return whether a temporary file is left over: its process has ended, or it is an old file of another machine.
+
+    ``machine``: digits of the machine in the file's name; ``process``: id of the process that wrote it.
+    """
     try:
         if machine != _machine_name():
             return time.time() - path.lstat().st_mtime > OLD
@@ -148,7 +151,8 @@ def private_folder(root: Path, *below: str) -> Path:
 def _check_ownership(status: os.stat_result, folder: Path, *, shared: bool) -> None:
     """Raise PermissionError where a folder belongs to another user, or others may write to it.
 
-    A ``shared`` folder may belong to root, and others may write to it if its sticky bit is set.
+    ``status``: the folder's owner and permissions. A ``shared`` folder may belong to root, and others may write to it if
+    its sticky bit is set.
     """
     if not hasattr(os, "getuid"):
         return

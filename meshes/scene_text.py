@@ -191,13 +191,16 @@ def case_table(
 
 
 def _oversize_keys(parts: Scene | Assembly) -> list[float]:
-    """Return the oversize of the balls [m] in each ball screw or ball bearing of a scene."""
+    """Return the oversize of the balls [m] in the ball screw or bearing, or in each rolling set with balls of a shaft."""
     scenes = [parts] if isinstance(parts, Scene) else [s.parts for s in parts.sets if isinstance(s.parts, Scene)]
     return [scene.errors.balls.oversize for scene in scenes]
 
 
 def _displaced_keys(before: Support, after: Support) -> Table:
-    """Collect the keys of a support whose prescribed displacement changes in a load case; empty where it does not."""
+    """Collect the keys of a support whose prescribed displacement changes in a load case; empty where it does not.
+
+    ``before``, ``after``: the support without load cases, and in the load case.
+    """
     moved = {n: text_of(Shift if n[0] == "u" else Turn, x) for n, x in after.fixed if dict(before.fixed)[n] != x}
     return {"at": text_of(Size, after.at), "displace": moved} if moved else {}
 
@@ -212,7 +215,7 @@ def _head_table(scene: Scene | Assembly, material: Material, kind: str = "") -> 
 
 
 def _material_key(material: Material, shared: Material | None) -> Table:
-    """Return the key for the material of a part; empty where the part has the material of the scene file's head."""
+    """Return the key ``material`` of a part; empty where the part has the material ``shared``, that of the file's head."""
     if material == shared:
         return {}
     unusual = not SOLIDS[0] <= material.youngs_modulus <= SOLIDS[1]
@@ -265,7 +268,10 @@ def groove_table(radius: float, ball: float) -> Table:
 
 
 def _body_table(scene: Scene, part: Screw | Nut, shared: Material) -> Table:
-    """Collect the keys of a screw or nut: dimensions, groove, and its material where that is not the ``shared`` one."""
+    """Collect the keys of a screw or nut: dimensions, groove, and its material.
+
+    ``shared``: material at the head of the scene file; a part that has it gets no key for its material.
+    """
     table = table_of(part, "groove_radius", "material", "flange")
     return table | groove_table(part.groove_radius, scene.balls.radius) | _material_key(part.material, shared)
 
@@ -326,9 +332,10 @@ def _friction_table(friction: Friction | None) -> Table:
 
 
 def _set_table(axis: Assembly, one: RollingSet, shared: Material) -> Table:
-    """Collect the keys of a rolling set (a bearing or ball nut on a shaft).
+    """Collect the keys of ``one``, a bearing or ball nut on the shaft of ``axis``.
 
     Its inner ring (table ``screw``) is written only where groove, diameter or material differ from those of the shaft.
+    ``shared``: material at the head of the scene file.
     """
     parts, rollers = one.parts, isinstance(one.parts, RollerRow)
     bearing = isinstance(parts, Scene) and parts.track.lead == 0.0
@@ -370,7 +377,7 @@ def _force_and_moment(force: Sequence[float], moment: Sequence[float]) -> Table:
 
 
 def _stiffness_rows(matrix: Stiffness | None) -> Table:
-    """Return the key for a 6x6 stiffness: ``springs`` for a diagonal matrix, else ``matrix``; empty for None."""
+    """Return the key for a 6x6 stiffness matrix: ``springs`` where it is diagonal, else ``matrix``; empty for None."""
     if matrix is None:
         return {}
     if any(x for i, row in enumerate(matrix) for j, x in enumerate(row) if i != j):
@@ -463,7 +470,10 @@ def _value_with_unit(value: Any, quantity: Quantity | None) -> Any:
 
 
 def _table_lines(table: Mapping[str, Any], path: str) -> Iterator[str]:
-    """Yield the TOML lines of a table: first its keys with plain values, then the tables inside it."""
+    """Yield the TOML lines of a table: first its keys with plain values, then the tables inside it.
+
+    ``path``: name of the table with a dot at its end; empty for the whole file.
+    """
     inner = {}
     for name, value in table.items():
         tables = isinstance(value, dict) or (isinstance(value, list) and value and isinstance(value[0], dict))

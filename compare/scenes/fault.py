@@ -149,7 +149,10 @@ class KeyFaults:
         return self.replaced <= INDEPENDENT_TABLES
 
     def stem_from_file(self, keys: Sequence[str]) -> bool:
-        """Return whether a fault of these keys is due to the file, since none of their tables was replaced for reading on."""
+        """Return whether a fault of these keys is due to the file itself.
+
+        It is not if one of their tables was replaced so that reading could continue.
+        """
         return not any(key.split(".")[0].split("[")[0] in self.replaced for key in keys)
 
 

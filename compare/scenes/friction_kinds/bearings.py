@@ -94,7 +94,10 @@ def bearing_ball_faults(keys: BearingBallKeys) -> Iterator[Fault]:
 
 
 def _law_faults(f: LawKeys, speed: float) -> Iterator[Fault]:
-    """Yield faults of a friction law: parameters of another law, missing parameters, or a sigmoid without rotation."""
+    """Yield faults of a friction law: parameters of another law, missing parameters, or a sigmoid without rotation.
+
+    ``f``: keys of the friction law; ``speed``: angular speed of the inner ring [rad/s].
+    """
     for name, law in (("creep", "regularised"), ("sharpness", "sigmoid"), ("map_step", "sigmoid")):
         if getattr(f, name) is not None and f.law != law:
             yield Fault((f"friction.{name}",), f'only with law = "{law}"', f'remove it, or set law = "{law}"')
@@ -226,7 +229,7 @@ def bearing_pair_faults(keys: BearingPairKeys) -> Iterator[Fault]:
 
 
 def _bearing_case(keys: BearingPairKeys, b: RingKeys) -> BearingCase:
-    """Return one of the two bearings, with its load and friction, from its validated keys."""
+    """Return the record of the bearing with the keys ``b``, one of the two of the scene, with its load and friction."""
     groove = ScrewGroove(
         b.balls.radius,
         common.groove_radius(b.screw, b.balls),

@@ -193,9 +193,9 @@ def groove_and_path_faults(body: OneRingKeys, p: str = "", *, ring: bool) -> Ite
 
 
 def displacement_faults(reach: float, size: float, where: str) -> Iterator[Fault]:
-    """Yield a fault for an oversize or displacement ``size`` [m] that is too large for the groove.
+    """Yield a fault for an oversize or a displacement of the inner ring that is too large for the groove.
 
-    ``reach``: groove radius less ball radius [m]; ``where``: name of the key.
+    ``reach``: groove radius less ball radius [m]; ``size``: the oversize or displacement [m]; ``where``: name of its key.
     """
     if abs(size) >= reach:
         advice = "choose a smaller value; the models hold for small displacements of the ball's centre"
@@ -203,7 +203,10 @@ def displacement_faults(reach: float, size: float, where: str) -> Iterator[Fault
 
 
 def hertz_faults(groove: ScrewGroove, prefix: str = "") -> Iterator[Fault]:
-    """Yield a fault for grooves whose Hertz constants do not exist (``prefix``: that of the names of their tables)."""
+    """Yield a fault for grooves whose Hertz constants do not exist.
+
+    ``prefix``: prefix of the names of the grooves' tables in the file, such as ``four_point.``.
+    """
     try:
         with np.errstate(invalid="ignore"):
             if np.all(np.isfinite(groove.constants.C)):
