@@ -104,8 +104,8 @@ class Cache:
 
     If the folder cannot be written to, if other users may write to it, or if the disk is full, one message is printed on
     standard error, and the computation continues without the cache. ``hits`` and ``misses`` count the results that `get`
-    read and computed. ``cold_seconds`` is the sum of the computing times of all these results. ``fault`` is the message,
-    empty without an error; with ``quiet`` it is not printed, and left to another process.
+    read and computed. ``cold_seconds`` is the sum of the computing times of all these results, also of those it read.
+    ``fault`` is the message, empty without an error; with ``quiet`` it is not printed, because another process prints it.
 
     Parameters
     ----------
@@ -146,7 +146,7 @@ class Cache:
         ------
         TypeError
             The result is not a ``type_``; or no key can be computed, because the function is local or an argument has no
-            canonical form.
+            canonical text.
         """
         path = self._path(build, arguments, type_)
         record = None if path is None else _read_record(path, type_)
@@ -186,7 +186,10 @@ class Cache:
             return None
 
     def _write(self, path: Path, content: bytes) -> None:
-        """Write the file of a result, and delete the oldest files where all together exceed the limit."""
+        """Write the file of a result, and delete the files not used for the longest time where all exceed the limit.
+
+        ``content``: computing time and result as bytes. A result larger than the limit is not stored.
+        """
         if len(content) > self.limit:
             return
         try:
@@ -239,7 +242,7 @@ def content_key(build: Callable[..., object], arguments: tuple[object, ...], typ
 
     Parameters
     ----------
-    build, arguments, type_ : Callable[..., object]
+    build, arguments, type_
         Function, its arguments, and the class of its result, as for `Cache.get`.
 
     Returns
@@ -250,7 +253,7 @@ def content_key(build: Callable[..., object], arguments: tuple[object, ...], typ
     Raises
     ------
     TypeError
-        The function is local or a lambda, or an argument has no canonical form.
+        The function is local or a lambda, or an argument has no canonical text (`record_keys.canonical`).
     """
     name = f"{build.__module__}.{build.__qualname__}"
     if "<" in name:
@@ -312,7 +315,7 @@ _stores: list[Cache] = []
 def switch_on() -> None:
     """From now on, store results of functions decorated by `kept` in the user's cache folder, and read them from there.
 
-    Does nothing where the environment variable ROLLBENCH_CACHE is "off".
+    Where the environment variable ROLLBENCH_CACHE is "off", results are computed, and neither stored nor read.
     """
     root = default_root()
     _stores[:] = [] if root is None else [Cache(root / GEOMETRIES, GEOMETRIES_LIMIT)]

@@ -392,6 +392,11 @@ def scaled_jacobians(mesh: Mesh) -> Array:
     divided by the largest product of three edges that meet in a corner; these edges are those of the straight tetrahedron
     with the same J. The curvature of second-order cells is included, which pyvista's cell quality ignores.
 
+    Parameters
+    ----------
+    mesh : Mesh
+        The mesh, of tetrahedra or hexahedra.
+
     Returns
     -------
     (m,) Array
@@ -450,7 +455,7 @@ def _smallest_scaled_jacobians(x: Array, table: Array) -> Array:
 
 
 def measure_quality(mesh: Mesh) -> Quality:
-    """Count the cells and nodes of a mesh, and compute the scaled Jacobians of its cells."""
+    """Count the cells and nodes of a mesh, and compute smallest and median of its cells' `scaled_jacobians`."""
     jacobians = scaled_jacobians(mesh)
     worst = int(jacobians.argmin())
     x, y, z = mesh.doflocs[:, mesh.dofs.element_dofs[:, worst]].mean(axis=1)

@@ -57,9 +57,9 @@ def usual(default: Any, description: str = "", example: object = None, *, now: A
     ----------
     default : Any
         Frozen default, on the day on which the field was added.
-    description, example : , default ''
+    description, example : str and object, optional
         Description of the field as a key of scene files, and an example of its value, as for `about`.
-    now : object, optional, default _NONE
+    now : object, optional
         Default that is used today, where it differs from the frozen one.
     compare : bool, default True
         Whether the field counts when records are compared and hashed.
@@ -187,7 +187,7 @@ def canonical(value: object) -> str:
 
 
 def _record_text(record: type, values: Mapping[str, object]) -> str:
-    """Return the canonical text of a record from its class and the values of its fields."""
+    """Return the canonical text of a record of the class ``record`` from the values of its fields, by the fields' names."""
     name, usual = record.__name__, _frozen_default_texts(record)
     texts = {field: canonical(value) for field, value in values.items()}
     return f"{name}({', '.join(f'{field}={texts[field]}' for field in sorted(texts) if texts[field] != usual.get(field))})"
@@ -195,7 +195,7 @@ def _record_text(record: type, values: Mapping[str, object]) -> str:
 
 @cache
 def _frozen_default_texts(record: type) -> Mapping[str, str]:
-    """Return the canonical texts of a record's frozen defaults by field; empty for a record that is not `keyed`."""
+    """Return the canonical texts of a record's frozen defaults by field; empty for a class not decorated by `keyed`."""
     frozen = FROZEN.get(record.__name__, {})
     return {field: f"{type(x).__name__}()" if is_dataclass(x) else canonical(x) for field, x in frozen.items()}
 

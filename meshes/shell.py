@@ -181,7 +181,7 @@ class Face:
 
     @property
     def pairs(self) -> Index:
-        """Edges of the face's triangles ``(3 t, 2)``, as indices into the face's own nodes."""
+        """Edges of the face's triangles ``(3 t, 2)``, as indices into `number`, the nodes of the face."""
         return np.concatenate([self.local[:, [0, 1]], self.local[:, [1, 2]], self.local[:, [2, 0]]])
 
     def turn(self, first: int, second: int) -> bool:
@@ -734,7 +734,7 @@ def graded_size(near: Array, fine: float, coarse: float, first: float, last: flo
 
 
 def best_mesh(name: str, attempt: Callable[[Any, int, int, float], tuple[Body, float]]) -> Body:
-    """Mesh a body with the algorithms and sizes of `ATTEMPTS` until a mesh has no fault, and return the best mesh.
+    """Mesh a body with the algorithms and sizes of `ATTEMPTS` until a mesh has no fault; return the least faulty mesh.
 
     Parameters
     ----------

@@ -67,11 +67,11 @@ def read_axis(keys: AxisKeys, raw: Mapping[str, Any], origin: str, name: str) ->
     Parameters
     ----------
     keys
-        Validated keys.
+        Validated keys of the file.
     raw
-        Tables of the file.
+        Tables of the file, which show the faulty values.
     origin
-        File for errors.
+        Name of the file, for messages.
     name
         Name of the scene.
 

@@ -312,7 +312,10 @@ def overlapping_pair(centres: Array, radii: Array) -> tuple[int, int] | None:
 
 
 def _circuit_faults(scene: Scene) -> Iterator[Fault]:
-    """Yield the faults of ball circuits that cannot be built, and of a simulation that moves the nut off the screw."""
+    """Yield the faults of ball circuits that cannot be built.
+
+    Also of a simulation over time that would move the nut off the screw.
+    """
     from rollbench.lowfi.friction.whole.circuit import CircuitError, circuits, travel
 
     try:

@@ -145,7 +145,7 @@ class RexsModel:
         self.relations.append(RexsRelation(type, roles, order))
 
     def parts(self, whole: int, type: str) -> list[RexsComponent]:
-        """Return the components of a type that are parts of the component with the id ``whole``, in their order."""
+        """Return the components of a type that are parts of the component with the id ``whole``, in their stated order."""
         found = [r for r in self.relations if r.roles.get("assembly") == whole and "part" in r.roles]
         found.sort(key=lambda r: r.order or 0)
         return [x for r in found if (x := self.components[r.roles["part"]]).type == type]

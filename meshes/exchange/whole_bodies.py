@@ -56,7 +56,7 @@ class HalfRing:
     """
 
     def __init__(self, shell: Shell, m: GrooveMap, spec: BodySpec, share: float = 1.0) -> None:
-        """Divide the curves of the half ring and triangulate its faces.
+        """Divide the curves on the surface of the half ring into edges, and triangulate its faces.
 
         Parameters
         ----------

@@ -396,9 +396,10 @@ def _linear_faults(keys: LinearPairKeys | LinearChainKeys) -> Iterator[Fault]:
 
 
 def side_force_range(angles: Array, nominal: float, distribution: Loads) -> tuple[float, float]:
-    """Return the smallest and largest ratio of side force to vertical force for which no contact of a ball pulls.
+    """Return the smallest and largest ratio of side force to vertical force for which no contact of a ball is in tension.
 
-    ``angles``: contact angles (4,) [rad]; ``nominal``: nominal contact angle [rad].
+    ``angles``: contact angles (4,) [rad] at BL, BR, TR, TL; ``nominal``: nominal contact angle [rad]; ``distribution``: how
+    the loads follow from the forces, a value of the key ``load.distribution``.
     """
     if distribution == "elastic":
         return -np.inf, np.inf
@@ -412,7 +413,11 @@ def side_force_range(angles: Array, nominal: float, distribution: Loads) -> tupl
 
 
 def _ball_angles_and_gaps(keys: LinearPairKeys | LinearChainKeys) -> tuple[Array, Array, Array]:
-    """Return contact angles (N, 4) [rad], side force ratios (N,) and gaps to the next ball (N,) [m] of a linear bearing."""
+    """Return angles, side forces and gaps of the N balls of a linear bearing.
+
+    These are the contact angles (N, 4) [rad], the ratios of side force to vertical force (N,), and the gaps to the next
+    ball (N,) [m].
+    """
     if isinstance(keys, LinearPairKeys):
         two = np.full(2, keys.angles.deviation)
         turned, rho = angle_deviations(two, mated=keys.angles.mated), keys.load.side_force_ratio

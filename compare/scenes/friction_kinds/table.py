@@ -163,7 +163,7 @@ def _bearing_pair_tables(scene: BearingPairScene) -> Table:
 
 
 def _ring_tables(case: BearingCase) -> Table:
-    """Return the tables of ball path, grooves and balls of one bearing."""
+    """Return the tables of ball path, grooves and balls of one of the two bearings of a scene."""
     bodies = _body_tables(case.groove, 0.0 - case.clearance)
     return bodies | {"balls": bodies["balls"] | {"count": case.count}}
 
