@@ -316,10 +316,11 @@ def _refuse_overlap(m: GrooveMap, sockets: tuple[BallSocket, ...]) -> None:
 
 
 def _inside(outline: Array, points: Array, frame: Array) -> Flags:
-    """Find the points ``(n, 3)`` inside the cone from the ball's centre through a closed outline ``(k, 3)``.
+    """Find the points inside the cone that runs from the ball's centre through a closed outline; returns a mask ``(n,)``.
 
-    Points and outline are projected onto a plane, and the outline's winding number about each point is computed. The rows
-    of ``frame`` (3, 3) are the plane's normal and its two axes.
+    ``outline``: points of the outline in order ``(k, 3)``; ``points``: points to test ``(n, 3)``; ``frame``: unit vectors
+    in its rows, the normal of a plane and its two axes ``(3, 3)``. Points and outline are projected onto this plane, and
+    the winding number of the outline about each point is computed.
     """
     before = points @ frame[0] > 0.0
     turn = np.zeros(len(points))

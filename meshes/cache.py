@@ -491,7 +491,10 @@ def _unpack_value(tree: Any, arrays: list[Any], packages: tuple[str, ...]) -> An
 
 
 def _import_class(name: str, packages: tuple[str, ...]) -> Any:
-    """Import a class by its name ``module:class``; raise ValueError for one of a package that is not allowed."""
+    """Import a class by its name ``module:class``; ValueError for one of a package that is not allowed.
+
+    ``packages``: names of the allowed packages.
+    """
     module, _, path = name.partition(":")
     if module.split(".")[0] not in packages:
         raise ValueError(f"{name} does not belong to one of the packages {', '.join(packages)}")
@@ -504,7 +507,10 @@ def _import_class(name: str, packages: tuple[str, ...]) -> Any:
 
 
 def _build_record(class_: type, fields: dict[str, Any]) -> Any:
-    """Create a record of a dataclass with the values of its fields, without calling its constructor."""
+    """Create a record of the dataclass ``class_`` without calling its constructor.
+
+    ``fields``: values by the names of the fields. ValueError unless these are exactly the fields of the class.
+    """
     if not dataclasses.is_dataclass(class_) or fields.keys() != {f.name for f in dataclasses.fields(class_)}:
         raise ValueError(f"{class_.__name__} is not a record with the fields {', '.join(fields)}")
     record = object.__new__(class_)

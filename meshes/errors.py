@@ -182,10 +182,11 @@ def beyond_step(scene: Scene, station: Array) -> Mask:
 
 
 def _shifted_centres(scene: Scene, station: Array) -> Array:
-    """Return the groove centres ``(n, 4, 2)`` [m] at balls with axial positions (n,) [m]: nominal, plus the lead offset.
+    """Return the groove centres at the balls ``(n, 4, 2)`` [m]: the nominal ones, shifted by the nut's lead offset.
 
-    A groove shifted along the axis by d is shifted across the track by d cos(alpha), with the lead angle alpha. The shift
-    along the track has no effect, because the groove is the same everywhere along the track.
+    ``station``: axial positions of the balls ``(n,)`` [m]. A groove shifted along the axis by d is shifted across the track
+    by d cos(alpha), with the lead angle alpha. The shift along the track has no effect, because the groove is the same
+    everywhere along the track.
     """
     centre = np.empty((station.size, 4, 2))
     centre[:] = nominal_groove_centres(scene)

@@ -442,7 +442,10 @@ def _collect_mesh(surface: Surface, filled: FilledShell) -> GroovedBody:
 
 
 def _flank_deviation(m: GrooveMap, side: int, points: Array) -> float:
-    """Return the largest distance [m] between points and the exact surface of a flank (0 to 3)."""
+    """Return the largest distance [m] between points and the exact surface of a flank.
+
+    ``side``: flank 0 to 3; ``points``: coordinates ``(n, 3)`` [m].
+    """
     r, zeta = np.hypot(points[:, 0], points[:, 1]), points[:, 2] - m.z0
     if m.rg:
         zeta = zeta - m.rg * (np.arctan2(points[:, 1], points[:, 0]) - m.phase)

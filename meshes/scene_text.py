@@ -209,7 +209,10 @@ def _displaced_keys(before: Support, after: Support) -> Table:
 
 
 def _head_table(scene: Scene | Assembly, material: Material, kind: str = "") -> Table:
-    """Collect the first keys of a scene file: title, source, assumptions, kind of scene, and material of the parts."""
+    """Collect the first keys of a scene file: title, source, assumptions, kind of scene, and material of the parts.
+
+    ``material``: material of all parts that have no key for their material; ``kind``: value of the key, empty for none.
+    """
     head = {"title": scene.title, "source": scene.source, "assumed": [*scene.assumed], "kind": kind}
     return head | {"material": _material_key(material, None)["material"]}
 
@@ -277,7 +280,10 @@ def _body_table(scene: Scene, part: Screw | Nut, shared: Material) -> Table:
 
 
 def _nut_table(scene: Scene, shared: Material) -> Table:
-    """Collect the keys of a nut, with its flange and the surface at which it is fixed (table ``nut.held``)."""
+    """Collect the keys of a nut, with its flange and the surface at which it is fixed (table ``nut.held``).
+
+    ``shared``: material at the head of the scene file; a nut that has it gets no key for its material.
+    """
     nut, flange, at = scene.nut, scene.nut.flange, scene.solid.nut_held
     held = given_keys(at=at)
     if flange is not None and at in (None, "flange face"):
@@ -290,7 +296,10 @@ def _nut_table(scene: Scene, shared: Material) -> Table:
 
 
 def _balls_table(scene: Scene, shared: Material) -> Table:
-    """Collect the keys of the balls: their number and turns where spacing is even in each circuit, else their azimuths."""
+    """Collect the keys of the balls: number and turns where they are evenly spaced in each circuit, else their azimuths.
+
+    ``shared``: material at the head of the scene file; balls that have it get no key for their material.
+    """
     balls, track = scene.balls, scene.track
     at, apart = balls.azimuths, [b - a for a, b in zip(balls.azimuths, balls.azimuths[1:], strict=False)]
     each = next((i for i, x in enumerate(apart, 1) if abs(x - apart[0]) > 1e-6 * abs(apart[0])), len(at))
@@ -460,7 +469,10 @@ def table_of(record: Any, *left_out: str) -> Table:
 
 
 def _value_with_unit(value: Any, quantity: Quantity | None) -> Any:
-    """Write the value of a field with its unit; in a tuple, each entry."""
+    """Write the value of a record's field with its unit; for a tuple, write each entry.
+
+    ``quantity``: quantity of the field, which defines the unit; None for a field without unit.
+    """
     if isinstance(value, tuple):
         return [table_of(x) if hasattr(x, "__dataclass_fields__") else _value_with_unit(x, quantity) for x in value]
     return quantity.written(value) if quantity is not None and isinstance(value, float) else value

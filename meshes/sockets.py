@@ -466,7 +466,10 @@ def _largest_share(fits: Callable[[float], bool]) -> float:
 
 
 def _hull_points(m: GrooveMap, size: SocketSize, side: int) -> Array:
-    """Sample points ``(n, 3)`` [m] throughout the socket of a ball at azimuth 0 and z = 0."""
+    """Return sample points throughout a socket, ``(n, 3)`` [m], for a ball at azimuth 0 and z = 0.
+
+    ``size``: size of the socket; ``side``: flank 0 to 3.
+    """
     axes = (np.linspace(-1.0, 1.0, 7), np.linspace(0.0, 1.0, 3), np.linspace(-1.0, 1.0, 3))
     return local_points(m, size, side, np.stack(np.meshgrid(*axes, indexing="ij"), -1).reshape(-1, 3))
 

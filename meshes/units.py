@@ -377,7 +377,7 @@ def _single_unit_factor(name: str) -> tuple[str, Decimal, Decimal] | None:
 
 
 def _nearest_unit_advice(unit: str, dimension: str) -> str:
-    """Return advice on an unknown unit: the most similar common unit of the dimension, or all common units."""
+    """Return advice on the unknown unit ``unit``: the most similar common unit of the dimension, or all common units."""
     import difflib
 
     known = COMMON[dimension]

@@ -384,7 +384,7 @@ def _set_record(keys: AxisKeys, i: int, raw: Mapping[str, Any], origin: str) -> 
 
 
 def _roller_row(r: RollerKeys, material: Material) -> RollerRow:
-    """Return the record of a row of tapered rollers from its keys."""
+    """Return the record of a row of tapered rollers from its keys ``r``; ``material``: that of rollers and rings."""
     row = RollerRow(r.count, r.diameter, r.length, r.cup_angle, r.roller_angle, r.ring_depth, material)
     names = ("slices", "edge_radius", "end_radius", "rib_height", "rib_friction", "torque_factor")
     given = {name: getattr(r, name) for name in names}

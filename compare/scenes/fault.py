@@ -111,7 +111,10 @@ def _aliases(key: str) -> Iterator[str]:
 
 
 def _value_at(raw: Any, path: str) -> Any:
-    """Return the value of a key, given by a path such as ``sets[0].balls``, in a file's tables; None if it is missing."""
+    """Return the value of a key in the tables ``raw`` of a file; None if it is missing.
+
+    ``path``: path of the key, such as ``sets[0].balls``.
+    """
     for key in re.findall(r"[^.\[\]]+", path):
         if isinstance(raw, list):
             raw = raw[int(key)] if int(key) < len(raw) else None

@@ -84,12 +84,15 @@ def groove_centre_distance(keys: schema.SceneKeys) -> float:
 
 
 def groove_radius_of(keys: schema.SceneKeys, part: schema.ScrewKeys | schema.NutKeys) -> float:
-    """Return the groove radius of screw or nut [m], as given or from the conformity."""
+    """Return the groove radius of the screw or nut ``part`` [m], as given or as conformity times ball diameter."""
     return part.groove_radius or (part.conformity or 0.0) * (2.0 * keys.balls.radius)
 
 
 def _shared_fields(keys: schema.SceneKeys, part: schema.ScrewKeys | schema.NutKeys) -> dict[str, Any]:
-    """Return the fields of length, diameter, groove radius and material, which the records of screw and nut share."""
+    """Return the fields that the records of screw and nut have in common: length, diameter, groove radius and material.
+
+    ``part``: keys of the screw or nut.
+    """
     shape = {"length": part.length, "outer_diameter": part.outer_diameter, "groove_radius": groove_radius_of(keys, part)}
     return {**shape, "material": material_of(part.material, keys.material)}
 
@@ -336,13 +339,13 @@ def _scene_of_case(scene: Scene | Assembly, keys: CaseKeys) -> Scene | Assembly:
 
 
 def _errors_of_case(scene: Scene, keys: CaseKeys) -> Errors:
-    """Return the geometric errors of a scene, with the ball oversize of the load case if it gives one."""
+    """Return the geometric errors of a scene in a load case, with the ball oversize of the load case if it states one."""
     oversize = scene.errors.balls.oversize if keys.oversize is None else keys.oversize
     return replace(scene.errors, balls=replace(scene.errors.balls, oversize=oversize))
 
 
 def _displaced_support(support: Support, keys: CaseKeys) -> Support:
-    """Return a support with the displacements that a load case prescribes at the support's position."""
+    """Return a support with the displacements that the load case ``keys`` prescribes at the support's position."""
     moved: dict[str, float] = {}
     for other in keys.supports:
         if abs(other.at - support.at) <= MERGE:

@@ -77,7 +77,10 @@ class RexsReader:
 
 
 def quantity_text(attribute: str, value: float) -> str:
-    """Return the value of a REXS attribute with its unit, as text for a scene file."""
+    """Return ``value``, that of a REXS attribute, as text with its unit for a scene file.
+
+    ``attribute``: name of the attribute, from which the unit follows.
+    """
     unit = UNITS[attribute]
     return f"{value!r} {SCENE_UNITS.get(unit, unit)}"
 
@@ -443,7 +446,8 @@ def _load_table(x: RexsComponent, case: dict[str, Value]) -> Table:
 def _case_tables(model: RexsModel, shaft: RexsComponent, loads: list[RexsComponent]) -> list[Table]:
     """Return the tables of the load cases, each with its loads and its share of the operating time.
 
-    If the file has a time and a speed for every load case, these are given instead of shares.
+    ``loads``: components of the loads on the shaft. If the file has a time and a speed for every load case, these are given
+    instead of shares.
     """
     unit = next((k for k, c in model.components.items() if c.type == "gear_unit"), 0)
     of_unit = [RexsComponent(0, "", "", case.get(unit, {})) for case in model.cases]

@@ -296,7 +296,10 @@ def _operation_faults(keys: SceneKeys) -> Iterator[Fault]:
 
 
 def _circulation_faults(keys: SceneKeys, circuits: int) -> Iterator[Fault]:
-    """Yield the faults of circulating balls: [circulation] and [balls] state different circuits, or arcs are unequal."""
+    """Yield the faults of circulating balls: [circulation] and [balls] state different circuits, or arcs are unequal.
+
+    ``circuits``: number of circuits of each start according to [balls].
+    """
     if keys.circulation is None and keys.time is None:
         return
     stated = 1 if keys.circulation is None else keys.circulation.circuits

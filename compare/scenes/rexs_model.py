@@ -210,7 +210,10 @@ def read_model(path: Path) -> RexsModel:
 
 
 def _component_id(element: ET.Element, path: Path) -> int:
-    """Return the id of an XML element as a number; InputError if it is not a whole number."""
+    """Return the id of an XML element as a number; InputError if it is not an integer.
+
+    ``path``: the file, for messages.
+    """
     text = element.get("id", "")
     if not text.isdigit():
         raise InputError(str(path), element.tag, f"id={text!r}", "a whole number", "export the file again")
@@ -218,7 +221,10 @@ def _component_id(element: ET.Element, path: Path) -> int:
 
 
 def _known_attributes(component: ET.Element, path: Path) -> dict[str, Value]:
-    """Return the values of a component's attributes in `UNITS`; InputError for a wrong unit or an invalid number."""
+    """Return the values of a component's attributes that occur in `UNITS`, by the attributes' names.
+
+    ``component``: its XML element; ``path``: the file, for messages. InputError for a wrong unit or an invalid number.
+    """
     found = {}
     for one in component.iterfind("attribute"):
         name, unit = one.get("id", ""), one.get("unit", "")

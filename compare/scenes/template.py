@@ -168,7 +168,10 @@ def _description(entry: Node) -> str:
 
 
 def _referenced_table(entry: Node, defs: Node) -> Node:
-    """Return the definition of the table to which an entry of the JSON Schema refers."""
+    """Return the definition of the table to which an entry of the JSON Schema refers.
+
+    ``defs``: definitions of the schema, by their names.
+    """
     table: Node = defs[entry["$ref"].rsplit("/", 1)[1]]
     return table
 

@@ -136,7 +136,10 @@ class HalfRing:
         return points_from_cylindrical(r, phi, self.line + zeta)
 
     def _straight(self, k: int, t: Array) -> tuple[Array, Array]:
-        """Return radius and z [m] along straight edge k of the cross-section, at fractions t of its length."""
+        """Return radius and z of points on the straight edge k of the cross-section, two arrays ``(n,)`` [m].
+
+        ``t``: positions of the points along the edge, as fractions of its length ``(n,)``.
+        """
         x = self.corners[k] + t[:, None] * (self.corners[(k + 1) % 7] - self.corners[k])
         return x[:, 0], x[:, 1]
 

@@ -112,7 +112,7 @@ def _law_faults(f: LawKeys, speed: float) -> Iterator[Fault]:
 
 
 def bearing_ball_record(keys: BearingBallKeys, name: str) -> BearingBallScene:
-    """Return the scene of one bearing ball from its validated keys."""
+    """Return the scene ``name`` of one bearing ball from its validated keys."""
     f = keys.friction
     bearing = Bearing(
         keys.balls.radius,
@@ -251,7 +251,7 @@ def _bearing_case(keys: BearingPairKeys, b: RingKeys) -> BearingCase:
 
 
 def bearing_pair_record(keys: BearingPairKeys, name: str) -> BearingPairScene:
-    """Return the scene of a four-point and a double-row bearing from its validated keys."""
+    """Return the scene ``name`` of a four-point and a double-row bearing from its validated keys."""
     four, double = (_bearing_case(keys, b) for b in (keys.four_point, keys.double_row))
     return BearingPairScene(*head_fields(keys, name), four, double, np.array(keys.load.angles))
 
@@ -428,7 +428,7 @@ def _ball_angles_and_gaps(keys: LinearPairKeys | LinearChainKeys) -> tuple[Array
 
 
 def linear_bearing_record(keys: LinearPairKeys | LinearChainKeys, name: str) -> LinearScene:
-    """Return the scene of balls in a linear bearing from its validated keys."""
+    """Return the scene ``name`` of balls in a linear bearing from its validated keys."""
     f, radius = keys.friction, keys.balls.radius
     bearing = LinearBearing(
         radius,

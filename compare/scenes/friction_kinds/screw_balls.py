@@ -207,7 +207,7 @@ def _screw_groove(keys: ScrewPairKeys | ScrewRunKeys) -> ScrewGroove:
 
 
 def screw_pair_record(keys: ScrewPairKeys, name: str) -> ScrewPairScene:
-    """Return the scene of two balls of a ball screw from its validated keys."""
+    """Return the scene ``name`` of two balls of a ball screw from its validated keys."""
     first, second = keys.angles.deviations
     pattern = tuple(keys.angles.pattern)
     pair = Pair(
@@ -223,7 +223,7 @@ def screw_pair_record(keys: ScrewPairKeys, name: str) -> ScrewPairScene:
 
 
 def screw_run_record(keys: ScrewRunKeys, name: str) -> ScrewRunScene:
-    """Return the scene of a transient simulation of a whole ball screw from its validated keys."""
+    """Return the scene ``name`` of a simulation of a whole ball screw over time from its validated keys."""
     groove, a = _screw_groove(keys), keys.angles
     time = Time(**{f.name: getattr(keys.time, f.name) for f in fields(Time)})
     run = Run(
