@@ -22,7 +22,6 @@ from rollbench.compare.commands.terminal import app
 from rollbench.compare.errors import ArgumentError, InputError, one_line
 from rollbench.compare.running import clear_progress_line
 from rollbench.compare.text.printing import OutputLost, guard_standard_output
-from rollbench.meshes import kept
 from rollbench.meshes.processes import one_thread
 
 #: Largest time to wait, after an interrupt, for threads that clean up [s].
@@ -185,7 +184,9 @@ def main(tokens: list[str] | None = None) -> None:
             setattr(sys, name, open(os.devnull, "w"))  # noqa: SIM115 - open until the process ends
     if tokens is None:
         one_thread()
-        kept.switch_on()
+        from rollbench.meshes.cache import switch_on  # loads numpy, which reads the number of threads
+
+        switch_on()
         warnings.filterwarnings("ignore", "A worker stopped while some jobs were given")  # joblib restarts the worker
         os.environ.setdefault("NUMBA_OPT", "1")  # compiles in 0.6 of the time of numba's default 3; kernels are as fast
     try:

@@ -19,7 +19,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from rollbench.compare.errors import InputError
-from rollbench.meshes.leftovers import make_folder_for_group, make_readable_for_group, temporary_name
+from rollbench.meshes.files import make_folder_for_group, make_readable_for_group, temporary_name
 from rollbench.meshes.libraries import import_fault, pip_command
 
 if TYPE_CHECKING:

@@ -1,4 +1,4 @@
-"""Definitions of errors in per cent; all parts of the program compute percentages by this module."""
+"""Definitions of errors in per cent, and of the mean contact load; all percentages are computed by this module."""
 
 from __future__ import annotations
 
@@ -7,9 +7,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from rollbench.meshes.arrays import Array
-from rollbench.meshes.loads import mean_load
+from rollbench.meshes.arrays import Array, Mask
 from rollbench.meshes.parts import SIDES
+
+#: Ratio to the largest contact load up to which a contact counts as unloaded, where only the loads are known. It excludes
+#: flanks that barely touch the balls.
+BARELY = 0.01
 
 
 def error_percent(value: ArrayLike, reference: ArrayLike, scale: ArrayLike | None = None) -> Array:
@@ -98,7 +101,7 @@ def load_error(value: Array, reference: Array, contacts: int = 0) -> LoadError:
     reference
         Contact loads of the reference, (n, 4) [N].
     contacts
-        Number by which the sum of the loads is divided for the mean load, see `meshes.loads.mean_load`.
+        Number by which the sum of the loads is divided for the mean load, see `mean_load`.
 
     Returns
     -------
@@ -128,3 +131,69 @@ def load_error(value: Array, reference: Array, contacts: int = 0) -> LoadError:
         side=SIDES[int(side)],
         gate_percent=float(np.abs(error_percent(value, reference, gate_scale(reference, mean))[either]).max()),
     )
+
+
+def loaded_contacts(load: Array) -> Mask:
+    """Find the contacts that carry more than `BARELY` (1 %) of the largest load.
+
+    Parameters
+    ----------
+    load : Array of any shape
+        Contact loads [N].
+
+    Returns
+    -------
+    Mask of that shape
+        True where the contact counts as loaded.
+
+    Examples
+    --------
+    >>> loaded_contacts(np.array([358.0, 358.0, 0.2, 0.0])).tolist()
+    [True, True, False, False]
+    """
+    return np.asarray(load > BARELY * load.max(initial=0.0))
+
+
+def count_contacts(load: Array, contacts: int = 0) -> int:
+    """Return the number of contacts over which the mean load is taken; see `mean_load`.
+
+    Parameters
+    ----------
+    load : Array of any shape
+        Contact loads [N].
+    contacts : int, default 0
+        Number of contacts if it is known, else 0.
+
+    Returns
+    -------
+    int
+        ``contacts``, or the number of `loaded_contacts` if ``contacts`` is 0.
+    """
+    return contacts or int(np.count_nonzero(loaded_contacts(load)))
+
+
+def mean_load(load: Array, contacts: int = 0) -> float:
+    """Return the sum of the contact loads divided by the number of contacts that carry load in the error-free screw.
+
+    Parameters
+    ----------
+    load : Array of any shape
+        Contact loads [N].
+    contacts : int, default 0
+        Number of loaded contacts in the error-free screw (`lowfi.statics.nominal.nominal_contacts`), the same for all
+        models, meshes and specimens of a scene. 0 where it is not known: for loads without a scene, for one of several nuts
+        on a shaft, or where only geometric errors load the screw. Then the number of `loaded_contacts` is used.
+
+    Returns
+    -------
+    float
+        Mean load [N]; 0 without load.
+
+    Examples
+    --------
+    >>> mean_load(np.array([358.0, 358.0, 0.2, 0.0]))
+    358.1
+    >>> mean_load(np.array([358.0, 358.0, 10.0, 0.0]), 2)
+    363.0
+    """
+    return float(load[load > 0.0].sum() / count_contacts(load, contacts)) if (load > 0.0).any() else 0.0

@@ -36,7 +36,7 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any, TypeVar
 
-from rollbench.meshes.private import private_folder
+from rollbench.meshes.files import private_folder
 
 F = TypeVar("F", bound=Callable[..., Any])
 

@@ -12,9 +12,9 @@ from typing import ClassVar, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from rollbench.meshes.fields import about, keyed, usual
 from rollbench.meshes.parts import FREEDOMS, Friction, Ingredients, Load, Lubricant, Material, Motion, Scene, Screw, Support
 from rollbench.meshes.ranges import Bore, ContactAngle, Density, Duration, Efficiency, Inertia, Mass, Size, Station, Torque
+from rollbench.meshes.record_keys import about, keyed, usual
 
 #: A symmetric 6x6 stiffness matrix; rows and columns are in the order of FREEDOMS [N/m, N, N m].
 Stiffness = tuple[tuple[float, ...], ...]

@@ -214,7 +214,11 @@ def build_ball(
 def _mesh_ball(
     m: GrooveMap, sockets: tuple[BallSocket, ...], boxes: list[tuple[SocketMesh, Array]], fine: float, coarse: float
 ) -> BallBody:
-    """Mesh a ball whose sockets have the surface meshes ``boxes``, each with the bulged positions of its corner nodes."""
+    """Mesh a ball with given meshes of its sockets' faces.
+
+    ``boxes``: for each socket, the mesh of its faces, and the local coordinates of its corner nodes while the ball is
+    filled, at which the faces bulge; ``fine``, ``coarse``: element sizes at the sockets and far from them [m].
+    """
     near = np.concatenate([ball_points(m, socket, box.xi) for socket, (box, _) in zip(sockets, boxes, strict=True)])
 
     def attempt(gmsh: Any, plane: int, volume: int, share: float) -> tuple[BallBody, float]:
@@ -312,10 +316,11 @@ def _refuse_overlap(m: GrooveMap, sockets: tuple[BallSocket, ...]) -> None:
 
 
 def _inside(outline: Array, points: Array, frame: Array) -> Flags:
-    """Find the points ``(n, 3)`` inside the cone from the ball's centre through a closed outline ``(k, 3)``.
+    """Find the points inside the cone that runs from the ball's centre through a closed outline; returns a mask ``(n,)``.
 
-    Points and outline are projected onto a plane, and the outline's winding number about each point is computed. The rows
-    of ``frame`` (3, 3) are the plane's normal and its two axes.
+    ``outline``: points of the outline in order ``(k, 3)``; ``points``: points to test ``(n, 3)``; ``frame``: unit vectors
+    in its rows, the normal of a plane and its two axes ``(3, 3)``. Points and outline are projected onto this plane, and
+    the winding number of the outline about each point is computed.
     """
     before = points @ frame[0] > 0.0
     turn = np.zeros(len(points))

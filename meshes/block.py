@@ -184,7 +184,10 @@ def tetrahedral_block(order: int, influence: Influence, size: float) -> BlockMes
 
 
 def _name_boundaries(mesh: Mesh, size: float) -> BlockMesh:
-    """Return the mesh of a quarter block with its named boundaries, found by the nodes' coordinates."""
+    """Return the mesh of a quarter block with its named boundaries, found from the nodes' coordinates.
+
+    ``size``: edge of the block [m].
+    """
 
     def lies_on_plane(axis: int, place: float) -> Callable[[Array], Array]:
         return lambda x: np.abs(x[axis] - place) < 1e-9 * size

@@ -1,35 +1,48 @@
 """Cache on disk for results that are slow to compute, such as meshes; the key is the function and its arguments.
 
 Each result is one file, and is never left incomplete; files not used for the longest time are deleted first. A file begins
-with a digest of its contents; if they do not match, the result is computed again. Only data are read, never pickled objects
-(`meshes.packed`), and only from a folder of this user (`meshes.private`).
+with a digest of its contents; if they do not match, the result is computed again. Files are read only from a folder to
+which only this user can write (`meshes.files`).
 
-The key is computed from the function's name, the canonical form of its arguments, the result's class, the versions of gmsh,
+The key is computed from the function's name, the canonical text of its arguments, the result's class, the versions of gmsh,
 scikit-fem and rollbench, and the sources of the packages that compute the result, because a version number does not change
 while a mesh generator is being developed.
+
+Results are stored without pickle: arrays as in an .npz file, and a description of the structure in JSON. Reading creates
+only numbers, texts, and records of known packages. No code in the data is run: fields are set without calling constructors.
+Values that a record has cached in addition to its fields are not written.
+
+The decorator `kept` stores results that depend only on a geometry, for all commands. It does so only after a process has
+called `switch_on`, as the command line does. So calls of the library, tests and timings compute all results.
 """
 
 from __future__ import annotations
 
+import dataclasses
 import glob
 import hashlib
+import io
+import json
 import os
 import re
 import shutil
 import struct
 import sys
 import time
-from collections.abc import Callable
-from contextlib import suppress
-from functools import lru_cache
+import zlib
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
+from functools import lru_cache, wraps
+from importlib import import_module
 from importlib.util import find_spec
 from pathlib import Path
-from typing import TypeVar
+from typing import Any, ParamSpec, TypeVar
+from zipfile import BadZipFile
 
-from rollbench.meshes.canonical import digest
-from rollbench.meshes.leftovers import temporary_name
-from rollbench.meshes.packed import pack_record, unpack_record
-from rollbench.meshes.private import private_folder
+import numpy as np
+
+from rollbench.meshes.files import private_folder, temporary_name
+from rollbench.meshes.record_keys import digest
 
 
 class StageDone(str):
@@ -48,6 +61,7 @@ class StageDone(str):
         return done
 
 
+P = ParamSpec("P")
 T = TypeVar("T")
 
 #: Subfolder of a cache for its files, and the one that versions before 0.5 used.
@@ -58,6 +72,11 @@ _DIGEST = 32
 _SECONDS = struct.Struct("<d")
 #: Default of the largest size of a cache [bytes].
 LIMIT = 4_000_000_000
+#: Folder of the results of functions decorated by `kept`, inside the folder of all caches, and largest size of its files
+#: together [bytes].
+GEOMETRIES, GEOMETRIES_LIMIT = "geometries", 300_000_000
+#: Packages whose records and classes may occur in stored results.
+TRUSTED = ("rollbench", "skfem")
 
 _BEGAN = time.time()
 
@@ -85,8 +104,8 @@ class Cache:
 
     If the folder cannot be written to, if other users may write to it, or if the disk is full, one message is printed on
     standard error, and the computation continues without the cache. ``hits`` and ``misses`` count the results that `get`
-    read and computed. ``cold_seconds`` is the sum of the computing times of all these results. ``fault`` is the message,
-    empty without an error; with ``quiet`` it is not printed, and left to another process.
+    read and computed. ``cold_seconds`` is the sum of the computing times of all these results, also of those it read.
+    ``fault`` is the message, empty without an error; with ``quiet`` it is not printed, because another process prints it.
 
     Parameters
     ----------
@@ -127,7 +146,7 @@ class Cache:
         ------
         TypeError
             The result is not a ``type_``; or no key can be computed, because the function is local or an argument has no
-            canonical form.
+            canonical text.
         """
         path = self._path(build, arguments, type_)
         record = None if path is None else _read_record(path, type_)
@@ -153,7 +172,10 @@ class Cache:
         self.fault = self.fault or fault
 
     def _path(self, build: Callable[..., object], arguments: tuple[object, ...], type_: type) -> Path | None:
-        """Return the path of the file for a result; None without a folder to which only this user can write."""
+        """Return the path of the file for a result; None where no folder exists to which only this user can write.
+
+        Arguments as for `Cache.get`.
+        """
         if self.root is None:
             return None
         key = content_key(build, arguments, type_)
@@ -164,7 +186,10 @@ class Cache:
             return None
 
     def _write(self, path: Path, content: bytes) -> None:
-        """Write the file of a result, and delete the oldest files where all together exceed the limit."""
+        """Write the file of a result, and delete the files not used for the longest time where all exceed the limit.
+
+        ``content``: computing time and result as bytes. A result larger than the limit is not stored.
+        """
         if len(content) > self.limit:
             return
         try:
@@ -182,12 +207,12 @@ class Cache:
 
 def _remove_oldest_files(folder: Path, limit: int) -> None:
     """Delete the files not used for the longest time, until the rest together does not exceed a limit [bytes]."""
-    kept = []
+    stored = []
     for file in folder.glob("*.npz"):
         with suppress(FileNotFoundError):  # another process removed it
-            kept.append((file.stat(), file))
-    total = sum(status.st_size for status, _ in kept)
-    for status, file in sorted(kept, key=lambda item: item[0].st_mtime):
+            stored.append((file.stat(), file))
+    total = sum(status.st_size for status, _ in stored)
+    for status, file in sorted(stored, key=lambda item: item[0].st_mtime):
         if total <= limit:
             return
         file.unlink(missing_ok=True)
@@ -195,7 +220,10 @@ def _remove_oldest_files(folder: Path, limit: int) -> None:
 
 
 def _read_record(path: Path, type_: type[T]) -> tuple[T, float] | None:
-    """Read a result and its computing time [s] from a file; None where the file is missing, damaged or of another class."""
+    """Read a result and its computing time [s] from a file; None where the file is missing, damaged or of another class.
+
+    ``type_``: class of the result.
+    """
     try:
         with path.open("rb") as file:
             digest, content = file.read(_DIGEST), file.read()
@@ -214,7 +242,7 @@ def content_key(build: Callable[..., object], arguments: tuple[object, ...], typ
 
     Parameters
     ----------
-    build, arguments, type_ : Callable[..., object]
+    build, arguments, type_
         Function, its arguments, and the class of its result, as for `Cache.get`.
 
     Returns
@@ -225,7 +253,7 @@ def content_key(build: Callable[..., object], arguments: tuple[object, ...], typ
     Raises
     ------
     TypeError
-        The function is local or a lambda, or an argument has no canonical form.
+        The function is local or a lambda, or an argument has no canonical text (`record_keys.canonical`).
     """
     name = f"{build.__module__}.{build.__qualname__}"
     if "<" in name:
@@ -278,3 +306,214 @@ def _installed_version(package: str) -> str:
         return metadata.version(package)
     except metadata.PackageNotFoundError:
         return "not installed"
+
+
+#: The cache of the functions decorated by `kept`; empty while it is switched off.
+_stores: list[Cache] = []
+
+
+def switch_on() -> None:
+    """From now on, store results of functions decorated by `kept` in the user's cache folder, and read them from there.
+
+    Where the environment variable ROLLBENCH_CACHE is "off", results are computed, and neither stored nor read.
+    """
+    root = default_root()
+    _stores[:] = [] if root is None else [Cache(root / GEOMETRIES, GEOMETRIES_LIMIT)]
+
+
+def switched_on() -> bool:
+    """Return whether results of functions decorated by `kept` are stored on disk and read from there."""
+    return bool(_stores)
+
+
+def switch_off() -> None:
+    """Stop the use of the cache on disk: all results are computed from now on."""
+    _stores.clear()
+
+
+@contextmanager
+def no_cache() -> Iterator[None]:
+    """Disable the cache on disk during a ``with`` block, for timings."""
+    before, _stores[:] = list(_stores), []
+    try:
+        yield
+    finally:
+        _stores[:] = before
+
+
+def kept(type_: type[T]) -> Callable[[Callable[P, T]], Callable[P, T]]:
+    """Make a decorator for functions whose results are stored in the cache on disk, where that is on (`switch_on`).
+
+    Parameters
+    ----------
+    type_ : type[T]
+        Class of the results: a number, or a record of this package.
+
+    Returns
+    -------
+    decorator
+        Decorator for a function whose arguments are plain records. Only calls with positional arguments use the cache.
+    """
+
+    def decorate(build: Callable[P, T]) -> Callable[P, T]:
+        @wraps(build)
+        def cached(*args: P.args, **kwargs: P.kwargs) -> T:
+            if not _stores or kwargs:
+                return build(*args, **kwargs)
+            return _stores[0].get(build, args, type_)
+
+        return cached
+
+    return decorate
+
+
+def pack_record(value: object) -> bytes:
+    """Convert a record to bytes.
+
+    Parameters
+    ----------
+    value : object
+        Record, number, text, array, sparse matrix, tuple, list, dict or class; may be nested.
+
+    Returns
+    -------
+    bytes
+        Contents of an .npz file.
+
+    Raises
+    ------
+    TypeError
+        The value, or one inside it, is of another type.
+
+    Examples
+    --------
+    >>> unpack_record(pack_record((1, {"a": [2.5, None]})))
+    (1, {'a': [2.5, None]})
+    """
+    arrays: list[Any] = []
+    tree = json.dumps(_describe_value(value, arrays))
+    stream = io.BytesIO()
+    np.savez(stream, np.frombuffer(tree.encode(), np.uint8), *arrays)
+    return stream.getvalue()
+
+
+def unpack_record(content: bytes, *packages: str) -> Any:
+    """Convert bytes from `pack_record` back to the record.
+
+    Parameters
+    ----------
+    content : bytes
+        Bytes returned by `pack_record`.
+    *packages : str
+        Packages whose classes may occur, in addition to `TRUSTED`.
+
+    Returns
+    -------
+    Any
+        The record, or other value.
+
+    Raises
+    ------
+    ValueError
+        The bytes are not from `pack_record`, or contain a class of another package.
+    """
+    try:
+        with np.load(io.BytesIO(content), allow_pickle=False) as file:
+            tree, *arrays = (file[name] for name in file.files)
+        return _unpack_value(json.loads(tree.tobytes()), arrays, (*TRUSTED, *packages))
+    except (AttributeError, EOFError, ImportError, LookupError, RecursionError, TypeError, BadZipFile, zlib.error) as error:
+        raise ValueError(f"the bytes do not contain a record: {error}") from error
+
+
+def _describe_value(value: Any, arrays: list[Any]) -> Any:
+    """Return the structure of a value for JSON: plain values unchanged, others as a list that begins with their kind.
+
+    ``arrays``: list to which the value's arrays are appended; the structure refers to them by their numbers.
+    """
+    if value is None or type(value) in (bool, int, float, str):
+        return value
+    if isinstance(value, np.ndarray | np.generic) and value.dtype != object:
+        arrays.append(value)
+        return ["array" if isinstance(value, np.ndarray) else "scalar", len(arrays) - 1]
+    if type(value).__module__.startswith("scipy.sparse"):
+        matrix: Any = value if value.format in ("csr", "csc") else value.tocsr()
+        return [
+            "sparse",
+            _class_name(type(matrix)),
+            list(matrix.shape),
+            *(_describe_value(x, arrays) for x in _matrix_parts(matrix)),
+        ]
+    if type(value) in (tuple, list):
+        return [type(value).__name__, *(_describe_value(x, arrays) for x in value)]
+    if type(value) is dict:
+        return ["dict", *([_describe_value(k, arrays), _describe_value(x, arrays)] for k, x in value.items())]
+    if isinstance(value, type):
+        return ["class", _class_name(value)]
+    if dataclasses.is_dataclass(value):
+        fields = {f.name: _describe_value(getattr(value, f.name), arrays) for f in dataclasses.fields(value)}
+        return ["record", _class_name(type(value)), fields]
+    raise TypeError(f"a value of type {type(value).__name__} cannot be stored")
+
+
+def _matrix_parts(matrix: Any) -> tuple[Any, Any, Any]:
+    """Return the arrays of a compressed sparse matrix: values, indices and index pointers."""
+    return matrix.data, matrix.indices, matrix.indptr
+
+
+def _class_name(class_: type) -> str:
+    """Return the name of a class with its module, as ``module:class``."""
+    return f"{class_.__module__}:{class_.__qualname__}"
+
+
+def _unpack_value(tree: Any, arrays: list[Any], packages: tuple[str, ...]) -> Any:
+    """Build a value from its structure as returned by `_describe_value`.
+
+    ``tree``: the structure; ``arrays``: the arrays to which it refers; ``packages``: packages whose classes may occur.
+    """
+    if not isinstance(tree, list):
+        return tree
+    sort, *content = tree
+
+    def unpack(x: Any) -> Any:
+        return _unpack_value(x, arrays, packages)
+
+    makers: dict[str, Callable[[], Any]] = {
+        "array": lambda: arrays[content[0]],
+        "scalar": lambda: arrays[content[0]][()],
+        "tuple": lambda: tuple(map(unpack, content)),
+        "list": lambda: list(map(unpack, content)),
+        "dict": lambda: {unpack(k): unpack(x) for k, x in content},
+        "sparse": lambda: _import_class(content[0], ("scipy",))(tuple(map(unpack, content[2:])), shape=tuple(content[1])),
+        "class": lambda: _import_class(content[0], packages),
+        "record": lambda: _build_record(_import_class(content[0], packages), {k: unpack(x) for k, x in content[1].items()}),
+    }
+    return makers[sort]()
+
+
+def _import_class(name: str, packages: tuple[str, ...]) -> Any:
+    """Import a class by its name ``module:class``; ValueError for one of a package that is not allowed.
+
+    ``packages``: names of the allowed packages.
+    """
+    module, _, path = name.partition(":")
+    if module.split(".")[0] not in packages:
+        raise ValueError(f"{name} does not belong to one of the packages {', '.join(packages)}")
+    found: Any = import_module(module)
+    for attribute in path.split("."):
+        found = getattr(found, attribute)
+    if not isinstance(found, type):
+        raise ValueError(f"{name} is not a class")
+    return found
+
+
+def _build_record(class_: type, fields: dict[str, Any]) -> Any:
+    """Create a record of the dataclass ``class_`` without calling its constructor.
+
+    ``fields``: values by the names of the fields. ValueError unless these are exactly the fields of the class.
+    """
+    if not dataclasses.is_dataclass(class_) or fields.keys() != {f.name for f in dataclasses.fields(class_)}:
+        raise ValueError(f"{class_.__name__} is not a record with the fields {', '.join(fields)}")
+    record = object.__new__(class_)
+    for name, value in fields.items():
+        object.__setattr__(record, name, value)
+    return record

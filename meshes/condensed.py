@@ -21,9 +21,9 @@ from typing import Any
 import numpy as np
 
 from rollbench.meshes.arrays import Array
-from rollbench.meshes.canonical import digest
-from rollbench.meshes.leftovers import make_folder_for_group, make_readable_for_group, temporary_name
+from rollbench.meshes.files import make_folder_for_group, make_readable_for_group, temporary_name
 from rollbench.meshes.parts import Scene
+from rollbench.meshes.record_keys import digest
 
 #: Version of the file format; files of other versions are not read.
 FORMAT = 2
@@ -107,7 +107,11 @@ class CondensedBodies:
         return self._fit(list(self.sides).index(side))[1]
 
     def _fit(self, k: int) -> tuple[Array, float]:
-        """Fit the coefficients (e, h) of `local_law` to the samples of flank number k, and return their RMS deviation."""
+        """Fit the coefficients of `local_law` to the samples of a flank.
+
+        ``k``: index of the flank in ``sides``. Returns the coefficients e and h ``(2,)``, and the RMS deviation of the
+        samples from the fit, relative to the approach.
+        """
         force = self.force[k]
         share = np.cbrt(force) / self.hertz[k]
         rows, wanted = np.column_stack([share, share * np.cbrt(force)]), share * self.local[k]
@@ -239,7 +243,10 @@ def _read_members(content: bytes) -> dict[str, bytes]:
 
 
 def _read_array(name: str, content: bytes) -> Array:
-    """Read an array in numpy's format; raise ValueError for another format, or a size that differs from the header's."""
+    """Read the array ``name`` from bytes in numpy's format.
+
+    ValueError for another format, or a size that differs from that in the header.
+    """
     length = BEGINNING.get(content[:8])
     first = 8 + (struct.calcsize(length) if length else 0)
     if length is None or len(content) < first:

@@ -40,7 +40,10 @@ class Specimen:
 
 
 def _draw_terms(terms: tuple[FourierTerm, ...], rng: np.random.Generator) -> list[tuple[float, float, float]]:
-    """Draw the amplitudes of Fourier terms; returns (harmonic, amplitude of the sine [m], of the cosine [m]) of each."""
+    """Draw the amplitudes of Fourier terms: for each term, add normal random numbers to its amplitudes.
+
+    Returns a list with (harmonic, amplitude of the sine [m], amplitude of the cosine [m]) for each term.
+    """
     drawn = []
     for term in terms:
         a, b = rng.normal(0.0, term.sigma, 2) if term.sigma > 0.0 else (0.0, 0.0)
@@ -49,7 +52,10 @@ def _draw_terms(terms: tuple[FourierTerm, ...], rng: np.random.Generator) -> lis
 
 
 def _fourier_series(drawn: list[tuple[float, float, float]], phi: Array) -> Array:
-    """Return a Fourier series and its first two derivatives at the azimuths ``phi`` (n,) [rad], shape ``(3, n)``."""
+    """Return a Fourier series and its first two derivatives at azimuths, ``(3, n)`` [m, m/rad, m/rad2].
+
+    ``drawn``: for each term, harmonic and amplitudes of sine and cosine [m]; ``phi``: azimuths ``(n,)`` [rad].
+    """
     total = np.zeros((3, phi.size))
     for h, a, b in drawn:
         s, c = np.sin(h * phi), np.cos(h * phi)
@@ -58,7 +64,10 @@ def _fourier_series(drawn: list[tuple[float, float, float]], phi: Array) -> Arra
 
 
 def _draw_profile(side: SideErrors, rng: np.random.Generator) -> list[float]:
-    """Draw the coefficients of a flank's profile error, the inward offset as a polynomial in the section angle [m]."""
+    """Draw the coefficients of a flank's profile error [m].
+
+    The error is an inward offset of the groove, a polynomial in the section angle in rad; powers are ascending.
+    """
     terms = zip_longest(side.profile, side.profile_sigma, fillvalue=0.0)
     return [float(m + (rng.normal(0.0, s) if s > 0.0 else 0.0)) for m, s in terms]
 
@@ -173,10 +182,11 @@ def beyond_step(scene: Scene, station: Array) -> Mask:
 
 
 def _shifted_centres(scene: Scene, station: Array) -> Array:
-    """Return the groove centres ``(n, 4, 2)`` [m] at balls with axial positions (n,) [m]: nominal, plus the lead offset.
+    """Return the groove centres at the balls ``(n, 4, 2)`` [m]: the nominal ones, shifted by the nut's lead offset.
 
-    A groove shifted along the axis by d is shifted across the track by d cos(alpha), with the lead angle alpha. The shift
-    along the track has no effect, because the groove is the same everywhere along the track.
+    ``station``: axial positions of the balls ``(n,)`` [m]. A groove shifted along the axis by d is shifted across the track
+    by d cos(alpha), with the lead angle alpha. The shift along the track has no effect, because the groove is the same
+    everywhere along the track.
     """
     centre = np.empty((station.size, 4, 2))
     centre[:] = nominal_groove_centres(scene)
@@ -240,7 +250,7 @@ def specimen(scene: Scene, layout: BallLayout, member: int = 0) -> Specimen:
 
 
 def _at_balls(scene: Scene, layout: BallLayout, drawn: Drawn) -> Specimen:
-    """Evaluate drawn errors at the scene's balls."""
+    """Evaluate the errors ``drawn`` at the positions of the scene's balls, ``layout``."""
     return drawn.at(scene, layout.azimuth, layout.azimuth - scene.nut.azimuth, layout.z, drawn.ball_radius)
 
 

@@ -135,9 +135,10 @@ def with_boundaries(mesh: Mesh, facets: Mapping[str, Index]) -> Mesh:
 
 
 def _facet_keys(corners: Index, count: int) -> Index:
-    """Compute one integer for each edge or face from its ascending corners ``(k, 2 or more)``, to compare and sort faces.
+    """Compute one integer for each edge or face of a mesh from its corners, to find and sort faces.
 
-    Integers sort like the corners. Three corners are enough to identify a face of a mesh.
+    ``corners``: numbers of the corners, ascending in each row ``(k, 2 or more)``; ``count``: number of nodes of the mesh.
+    Integers sort like the corners. Three corners are enough to identify a face.
     """
     if count >= 2**21:
         raise ValueError(f"the mesh has {count} nodes, and faces can be identified in meshes of fewer than {2**21} only")
@@ -265,7 +266,10 @@ def freedoms_on(mesh: Mesh, *names: str) -> Index:
 
 
 def _freedoms_of_boundary(dofs: Dofs, mesh: Mesh, names: tuple[str, ...]) -> Index:
-    """Return the degrees of freedom of ``dofs`` that lie on named boundaries of a mesh, in ascending order."""
+    """Return the numbers of the degrees of freedom on named boundaries of a mesh, in ascending order.
+
+    ``dofs``: numbering of the degrees of freedom by scikit-fem, of a scalar or of a vector field on the mesh.
+    """
     freedoms = [dofs.get_facet_dofs(mesh.boundaries[name]).flatten() for name in names]
     return np.unique(np.concatenate(freedoms)).astype(np.int64)
 
@@ -388,6 +392,11 @@ def scaled_jacobians(mesh: Mesh) -> Array:
     divided by the largest product of three edges that meet in a corner; these edges are those of the straight tetrahedron
     with the same J. The curvature of second-order cells is included, which pyvista's cell quality ignores.
 
+    Parameters
+    ----------
+    mesh : Mesh
+        The mesh, of tetrahedra or hexahedra.
+
     Returns
     -------
     (m,) Array
@@ -407,9 +416,10 @@ def scaled_jacobians(mesh: Mesh) -> Array:
 
 
 def _of_cells(mesh: Mesh, cells: Index, at: Array | None = None) -> Array:
-    """Return the smallest scaled Jacobian ``(c,)`` of each of some cells ``(c, nodes)`` of a mesh.
+    """Return the smallest scaled Jacobian of each of some cells of a mesh ``(c,)``.
 
-    It is evaluated at the cells' nodes, or at the points with the reference coordinates ``at``.
+    ``cells``: nodes of the cells ``(c, nodes)``; ``at``: reference coordinates ``(3, q)`` of the points at which it is
+    evaluated, None for the cells' nodes.
     """
     points, table = mesh.doflocs.T, node_slopes(mesh.elem(), at)
     result = np.empty(len(cells))
@@ -445,7 +455,7 @@ def _smallest_scaled_jacobians(x: Array, table: Array) -> Array:
 
 
 def measure_quality(mesh: Mesh) -> Quality:
-    """Count the cells and nodes of a mesh, and compute the scaled Jacobians of its cells."""
+    """Count the cells and nodes of a mesh, and compute smallest and median of its cells' `scaled_jacobians`."""
     jacobians = scaled_jacobians(mesh)
     worst = int(jacobians.argmin())
     x, y, z = mesh.doflocs[:, mesh.dofs.element_dofs[:, worst]].mean(axis=1)

@@ -352,6 +352,11 @@ def groove_line(line: float, zeta: float, rg: float, at: float | None = None) ->
 def widest_gap(spec: BodySpec) -> float:
     """Return the azimuth in the middle of the widest angular gap between sockets, where a ring is cut open for meshing.
 
+    Parameters
+    ----------
+    spec : BodySpec
+        Dimensions and contact positions of the ring.
+
     Returns
     -------
     float

@@ -16,10 +16,10 @@ from typing import Literal
 import numpy as np
 
 from rollbench.meshes.arrays import Array
-from rollbench.meshes.fields import keyed, usual
 from rollbench.meshes.helix import groove_radii, lead_angle, nominal_groove_centres, reduced_lead
 from rollbench.meshes.one_arc import near_apex, sides_of_arcs
 from rollbench.meshes.parts import SIDE_SIGNS, Scene
+from rollbench.meshes.record_keys import keyed, usual
 
 
 @keyed

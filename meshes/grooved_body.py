@@ -132,9 +132,9 @@ class Surface:
         self._ends(self._helix() if m.rg else self._ring())
 
     def _holes(self, side: int, line: float) -> list[list[Side]]:
-        """Return the rims of the sockets on a flank of one start's groove, as holes in the face of the flank.
+        """Return the rims of the sockets on a flank of one start's groove, which are holes in the face of the flank.
 
-        ``line`` is the groove's constant z - r_g phi [m].
+        ``side``: flank 0 to 3; ``line``: constant z - r_g phi of the groove [m], with the lead per radian r_g.
         """
         m, spec = self.m, self.spec
         holes = []
@@ -153,9 +153,11 @@ class Surface:
         return holes
 
     def _flank(self, side: int, line: float, boundary: list[Side]) -> None:
-        """Triangulate a flank of one start's groove, with the constant ``line`` = z - r_g phi [m].
+        """Triangulate a flank of one start's groove.
 
-        In the plane, azimuths are measured from the section normal to the helix, which distorts angles least.
+        ``side``: flank 0 to 3; ``line``: constant z - r_g phi of the groove [m], with the lead per radian r_g;
+        ``boundary``: sides of the face in the coordinates (azimuth, section angle). In the plane, azimuths are measured
+        from the section normal to the helix, which distorts angles least.
         """
         m = self.m
         scale = np.array([np.hypot(m.rg, socket_centre(m, side)[0]), float(m.radius[side])])
@@ -173,7 +175,10 @@ class Surface:
         self.shell.face(f"flank {SIDES[side]}", loops, space, self.flank_limit)
 
     def _cylinder(self, name: str, r: float, boundary: list[Side], limit: float) -> None:
-        """Triangulate a face on the cylinder of radius r [m]; plane coordinates of its boundary are (azimuth, z)."""
+        """Triangulate the face ``name`` on the cylinder of radius r [m], with edges of at most ``limit`` [m].
+
+        ``boundary``: sides of the face in the coordinates (azimuth, z).
+        """
         scale = np.array([r, 1.0])
         loop = [(n, x * scale) for n, x in boundary]
         self.shell.face(name, [loop], lambda x: points_from_cylindrical(r, x[:, 0] / r, x[:, 1]), limit)
@@ -185,21 +190,25 @@ class Surface:
     def _around(self, low: Curve, high: Curve, at: tuple[float, float], seam: Placing, limit: float) -> list[Side]:
         """Return the four sides of a face between two circles, which is cut open along the curve ``seam``.
 
-        ``at`` holds the second plane coordinate of the lower and of the upper circle.
+        ``at``: second plane coordinate of the lower and of the upper circle; ``limit``: length of the longest edge on the
+        seam [m].
         """
         cut = self.shell.curve(seam, *at, limit, (int(low.nodes[0]), int(high.nodes[0])))
         begin, end = upright_line(self.start), upright_line(self.start + 2.0 * np.pi)
         return [low.on(level_line(at[0])), cut.on(end), high.back(level_line(at[1])), cut.back(begin)]
 
     def _tube(self, name: str, r: float, low: Curve, high: Curve, z: tuple[float, float], limit: float) -> None:
-        """Triangulate the cylinder of radius r [m] between two circles, at the axial positions ``z`` [m]."""
+        """Triangulate the face ``name`` on the cylinder of radius r [m] between two circles.
+
+        ``z``: axial positions of the circles [m]; ``limit``: length of the longest edge [m].
+        """
         seam = self._around(low, high, z, lambda t: points_from_cylindrical(r, self.start, t), limit)
         self._cylinder(name, r, seam, limit)
 
     def _ends(self, bounds: list[list[Side]]) -> None:
         """Triangulate the two flat ends, and the bore of a hollow screw or the outside of a nut.
 
-        ``bounds`` holds, for each end, its boundary on the side of the groove.
+        ``bounds``: for the end at smaller z and for that at larger z, the closed boundary next to the groove.
         """
         r = self.groove.behind
         loops = [[bound] for bound in bounds]
@@ -284,7 +293,11 @@ class Surface:
         return [self._bound(threads, [pair[end] for pair in arcs], end) for end in (0, 1)]
 
     def _bound(self, threads: list[GrooveThread], arcs: list[Curve], end: int) -> list[Side]:
-        """Return the boundary of a flat end (0 low, 1 high): alternately a flank's edge, the land, and the next flank."""
+        """Return the boundary of a flat end next to the grooves: edges of a flank, the land, the next flank, and so on.
+
+        ``threads``: flanks of each start's groove; ``arcs``: for each start, the arc of the land at this end; ``end``: 0
+        for the end at smaller z, 1 for that at larger z.
+        """
         g, step = self.groove, -1 if self.m.rg > 0.0 else 1
         loop, k = [], 0
         for _ in threads:
@@ -338,25 +351,27 @@ class GrooveThread:
         ]
 
     def _azimuth(self, place: int, end: int, gamma: Array) -> tuple[float | Array, Array]:
-        """Return radius [m] and azimuth [rad] where a flank (0 left, 1 right) meets a flat end (0 low, 1 high).
+        """Return radius [m] and azimuth [rad] of points at which a flank meets a flat end.
 
-        ``gamma`` is the section angle on the flank [rad].
+        ``place``: 0 left, 1 right flank; ``end``: 0 for the end at smaller z, 1 for that at larger z; ``gamma``: section
+        angles of the points [rad].
         """
         r, zeta = self.groove.profile(self.groove.sides[place], gamma)
         phi = (self.z[end] - self.line - zeta) / self.groove.m.rg
         return self.groove.radius(self.line, r, phi), phi
 
     def _space(self, place: int, end: int) -> Placing:
-        """Make the curve in space along which a flank (0 left, 1 right) meets a flat end (0 low, 1 high).
+        """Make the curve in space along which a flank meets a flat end; its parameter is the section angle gamma [rad].
 
-        Its parameter is the section angle gamma [rad].
+        ``place``: 0 left, 1 right flank; ``end``: 0 for the end at smaller z, 1 for that at larger z.
         """
         return lambda gamma: points_from_cylindrical(*self._azimuth(place, end, gamma), self.z[end])
 
     def flat(self, place: int, end: int) -> Placing:
         """Make the curve along which a flank meets a flat end, in the plane coordinates (x, y) of the end.
 
-        ``place``: 0 left, 1 right flank; ``end``: 0 low, 1 high end. The parameter is the section angle gamma [rad].
+        ``place``: 0 left, 1 right flank; ``end``: 0 for the end at smaller z, 1 for that at larger z. The parameter of the
+        curve is the section angle gamma [rad].
         """
         return lambda gamma: self._space(place, end)(gamma)[:, :2]
 
@@ -410,7 +425,10 @@ def build_body(m: GrooveMap, spec: BodySpec) -> GroovedBody:
 
 
 def _collect_mesh(surface: Surface, filled: FilledShell) -> GroovedBody:
-    """Build the record of a body's mesh with named boundaries; edges that would invert cells are straightened."""
+    """Build the record of a body's mesh, with named boundaries; edges that would invert cells are straightened.
+
+    ``surface``: surface of the body; ``filled``: mesh of the volume inside it.
+    """
     m, spec, shell = surface.m, surface.spec, surface.shell
     places = zip(surface.corners, spec.sockets, strict=True)
     rows = [filled.box_nodes(corners, surface.boxes[side]) for corners, (_, _, side) in places]
@@ -424,7 +442,10 @@ def _collect_mesh(surface: Surface, filled: FilledShell) -> GroovedBody:
 
 
 def _flank_deviation(m: GrooveMap, side: int, points: Array) -> float:
-    """Return the largest distance [m] between points and the exact surface of a flank (0 to 3)."""
+    """Return the largest distance [m] between points and the exact surface of a flank.
+
+    ``side``: flank 0 to 3; ``points``: coordinates ``(n, 3)`` [m].
+    """
     r, zeta = np.hypot(points[:, 0], points[:, 1]), points[:, 2] - m.z0
     if m.rg:
         zeta = zeta - m.rg * (np.arctan2(points[:, 1], points[:, 0]) - m.phase)

@@ -219,7 +219,10 @@ def nominal_contact_points(scene: Scene) -> Array:
 
 
 def _along_contacts(scene: Scene, distance: list[float]) -> Array:
-    """Return points ``(4, 2)`` [m] in the contact directions of the flanks, at distances [m] from the ball's centre."""
+    """Return points in the section, in the contact direction of each flank from the ball's centre, ``(4, 2)`` [m].
+
+    ``distance``: distance of the point from the ball's centre for each flank [m].
+    """
     c, s = cos(scene.track.contact_angle), sin(scene.track.contact_angle)
     return np.array([(d * (x * c), d * (z * s)) for d, (x, z) in zip(distance, SIDE_SIGNS, strict=True)])
 

@@ -22,7 +22,7 @@ def brentq(f: Callable[[float], float], low: float, high: float, xtol: float = 2
         Continuous function.
     low, high : float
         Ends of the interval, at which f has different signs.
-    xtol, rtol : float, default 2e-12
+    xtol, rtol : float, default 2e-12 and LEAST
         Tolerances: the error of the root is at most ``xtol + rtol abs(root)``; rtol must be at least `LEAST`.
 
     Returns

@@ -8,7 +8,6 @@ from __future__ import annotations
 from dataclasses import dataclass, field, fields
 from typing import Annotated, Any, Literal
 
-from rollbench.meshes.fields import about, keyed, usual
 from rollbench.meshes.ranges import (
     MAX_BALLS,
     Azimuth,
@@ -46,6 +45,7 @@ from rollbench.meshes.ranges import (
     ViscosityRatio,
     Whole,
 )
+from rollbench.meshes.record_keys import about, keyed, usual
 
 #: Names of the four flanks in the order of the columns of every ``(n, 4)`` array: screw left, right; nut left, right.
 SIDES = ("SL", "SR", "NL", "NR")

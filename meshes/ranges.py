@@ -141,7 +141,7 @@ class Quantity:
 
     @staticmethod
     def _refused(allowed: str, advice: str) -> PydanticCustomError:
-        """Return pydantic's error for a wrong value, with the allowed range and advice."""
+        """Return pydantic's error for a value that is refused, with the allowed range and the advice to the user."""
         from pydantic_core import PydanticCustomError
 
         return PydanticCustomError("quantity", "{advice}", {"allowed": allowed, "advice": advice})

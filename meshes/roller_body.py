@@ -131,15 +131,19 @@ def section_mesh(zone: Zone, width: float, depth: float, *, round: bool) -> Sect
 
 
 def _depth_below_surface(points: Array, depth: float, round: bool) -> Array:
-    """Return the distance [m] of points in a section below the contact surface of a raceway, or of a ``round`` roller."""
+    """Return the distance of points in a cross-section below the contact surface of a raceway or roller ``(n,)`` [m].
+
+    ``points``: section coordinates y, z ``(n, 2)`` [m]; ``depth``: depth of the section, for a roller its radius [m];
+    ``round``: whether it is the section of a roller, a quarter of a disc.
+    """
     return depth - np.hypot(points[:, 0], depth - points[:, 1]) if round else points[:, 1]
 
 
 def _sweep_section(flat: Section, lines: Array) -> tuple[Index, Array, Index]:
     """Extrude a plane mesh to hexahedra whose ends are at the distances ``lines`` [m] from the apex.
 
-    Returns, for each node of the hexahedra, its node of the section and its distance from the apex [m]; and the nodes
-    of each hexahedron in gmsh's order.
+    Returns three arrays: for each node of the hexahedra its node of the section, and its distance from the apex [m]; then
+    the nodes of each hexahedron, in gmsh's order.
     """
     along = np.interp(np.arange(2 * len(lines) - 1) / 2.0, np.arange(len(lines)), lines)
     n = len(flat.points)
@@ -169,7 +173,10 @@ def _sweep_section(flat: Section, lines: Array) -> tuple[Index, Array, Index]:
 
 
 def _boundary_corners(cells: Index, chosen: Array) -> Index:
-    """Return the corners of those faces of hexahedra whose four corners all belong to the nodes ``chosen`` (a mask)."""
+    """Return the corners ``(k, 4)`` of those faces of hexahedra whose four corners all belong to a set of nodes.
+
+    ``cells``: nodes of the hexahedra ``(m, 27)``; ``chosen``: for each node of the mesh, whether it belongs to the set.
+    """
     corners = cells[:, :8]
     quads = np.array([(0, 3, 2, 1), (0, 1, 5, 4), (0, 4, 7, 3), (1, 2, 6, 5), (2, 3, 7, 6), (4, 5, 6, 7)])
     faces = corners[:, quads].reshape(-1, 4)
@@ -231,7 +238,11 @@ def swept_body(
 
 
 def _inward_direction(at: Array, depth: float, round: bool) -> Array:
-    """Return the unit normals into the body at points ``at`` (n, 2) on the contact surface of a section."""
+    """Return the unit normals into the body ``(n, 2)`` at points on the contact surface of a cross-section.
+
+    ``at``: section coordinates y, z ``(n, 2)`` [m]; ``depth``: depth of the section, for a roller its radius [m];
+    ``round``: whether it is the section of a roller, a quarter of a disc.
+    """
     inward = np.column_stack([-at[:, 0], depth - at[:, 1]]) / depth
     return np.asarray(inward if round else np.tile([0.0, 1.0], (len(at), 1)))
 

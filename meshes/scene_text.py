@@ -191,13 +191,16 @@ def case_table(
 
 
 def _oversize_keys(parts: Scene | Assembly) -> list[float]:
-    """Return the oversize of the balls [m] in each ball screw or ball bearing of a scene."""
+    """Return the oversize of the balls [m] in the ball screw or bearing, or in each rolling set with balls of a shaft."""
     scenes = [parts] if isinstance(parts, Scene) else [s.parts for s in parts.sets if isinstance(s.parts, Scene)]
     return [scene.errors.balls.oversize for scene in scenes]
 
 
 def _displaced_keys(before: Support, after: Support) -> Table:
-    """Collect the keys of a support whose prescribed displacement changes in a load case; empty where it does not."""
+    """Collect the keys of a support whose prescribed displacement changes in a load case; empty where it does not.
+
+    ``before``, ``after``: the support without load cases, and in the load case.
+    """
     moved = {n: text_of(Shift if n[0] == "u" else Turn, x) for n, x in after.fixed if dict(before.fixed)[n] != x}
     return {"at": text_of(Size, after.at), "displace": moved} if moved else {}
 
@@ -206,13 +209,16 @@ def _displaced_keys(before: Support, after: Support) -> Table:
 
 
 def _head_table(scene: Scene | Assembly, material: Material, kind: str = "") -> Table:
-    """Collect the first keys of a scene file: title, source, assumptions, kind of scene, and material of the parts."""
+    """Collect the first keys of a scene file: title, source, assumptions, kind of scene, and material of the parts.
+
+    ``material``: material of all parts that have no key for their material; ``kind``: value of the key, empty for none.
+    """
     head = {"title": scene.title, "source": scene.source, "assumed": [*scene.assumed], "kind": kind}
     return head | {"material": _material_key(material, None)["material"]}
 
 
 def _material_key(material: Material, shared: Material | None) -> Table:
-    """Return the key for the material of a part; empty where the part has the material of the scene file's head."""
+    """Return the key ``material`` of a part; empty where the part has the material ``shared``, that of the file's head."""
     if material == shared:
         return {}
     unusual = not SOLIDS[0] <= material.youngs_modulus <= SOLIDS[1]
@@ -265,13 +271,19 @@ def groove_table(radius: float, ball: float) -> Table:
 
 
 def _body_table(scene: Scene, part: Screw | Nut, shared: Material) -> Table:
-    """Collect the keys of a screw or nut: dimensions, groove, and its material where that is not the ``shared`` one."""
+    """Collect the keys of a screw or nut: dimensions, groove, and its material.
+
+    ``shared``: material at the head of the scene file; a part that has it gets no key for its material.
+    """
     table = table_of(part, "groove_radius", "material", "flange")
     return table | groove_table(part.groove_radius, scene.balls.radius) | _material_key(part.material, shared)
 
 
 def _nut_table(scene: Scene, shared: Material) -> Table:
-    """Collect the keys of a nut, with its flange and the surface at which it is fixed (table ``nut.held``)."""
+    """Collect the keys of a nut, with its flange and the surface at which it is fixed (table ``nut.held``).
+
+    ``shared``: material at the head of the scene file; a nut that has it gets no key for its material.
+    """
     nut, flange, at = scene.nut, scene.nut.flange, scene.solid.nut_held
     held = given_keys(at=at)
     if flange is not None and at in (None, "flange face"):
@@ -284,7 +296,10 @@ def _nut_table(scene: Scene, shared: Material) -> Table:
 
 
 def _balls_table(scene: Scene, shared: Material) -> Table:
-    """Collect the keys of the balls: their number and turns where spacing is even in each circuit, else their azimuths."""
+    """Collect the keys of the balls: number and turns where they are evenly spaced in each circuit, else their azimuths.
+
+    ``shared``: material at the head of the scene file; balls that have it get no key for their material.
+    """
     balls, track = scene.balls, scene.track
     at, apart = balls.azimuths, [b - a for a, b in zip(balls.azimuths, balls.azimuths[1:], strict=False)]
     each = next((i for i, x in enumerate(apart, 1) if abs(x - apart[0]) > 1e-6 * abs(apart[0])), len(at))
@@ -326,9 +341,10 @@ def _friction_table(friction: Friction | None) -> Table:
 
 
 def _set_table(axis: Assembly, one: RollingSet, shared: Material) -> Table:
-    """Collect the keys of a rolling set (a bearing or ball nut on a shaft).
+    """Collect the keys of ``one``, a bearing or ball nut on the shaft of ``axis``.
 
     Its inner ring (table ``screw``) is written only where groove, diameter or material differ from those of the shaft.
+    ``shared``: material at the head of the scene file.
     """
     parts, rollers = one.parts, isinstance(one.parts, RollerRow)
     bearing = isinstance(parts, Scene) and parts.track.lead == 0.0
@@ -370,7 +386,7 @@ def _force_and_moment(force: Sequence[float], moment: Sequence[float]) -> Table:
 
 
 def _stiffness_rows(matrix: Stiffness | None) -> Table:
-    """Return the key for a 6x6 stiffness: ``springs`` for a diagonal matrix, else ``matrix``; empty for None."""
+    """Return the key for a 6x6 stiffness matrix: ``springs`` where it is diagonal, else ``matrix``; empty for None."""
     if matrix is None:
         return {}
     if any(x for i, row in enumerate(matrix) for j, x in enumerate(row) if i != j):
@@ -453,7 +469,10 @@ def table_of(record: Any, *left_out: str) -> Table:
 
 
 def _value_with_unit(value: Any, quantity: Quantity | None) -> Any:
-    """Write the value of a field with its unit; in a tuple, each entry."""
+    """Write the value of a record's field with its unit; for a tuple, write each entry.
+
+    ``quantity``: quantity of the field, which defines the unit; None for a field without unit.
+    """
     if isinstance(value, tuple):
         return [table_of(x) if hasattr(x, "__dataclass_fields__") else _value_with_unit(x, quantity) for x in value]
     return quantity.written(value) if quantity is not None and isinstance(value, float) else value
@@ -463,7 +482,10 @@ def _value_with_unit(value: Any, quantity: Quantity | None) -> Any:
 
 
 def _table_lines(table: Mapping[str, Any], path: str) -> Iterator[str]:
-    """Yield the TOML lines of a table: first its keys with plain values, then the tables inside it."""
+    """Yield the TOML lines of a table: first its keys with plain values, then the tables inside it.
+
+    ``path``: name of the table with a dot at its end; empty for the whole file.
+    """
     inner = {}
     for name, value in table.items():
         tables = isinstance(value, dict) or (isinstance(value, list) and value and isinstance(value[0], dict))

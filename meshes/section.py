@@ -322,7 +322,7 @@ def merge_stations(stations: Array, exact: Array) -> Array:
 
 
 def _steps_between(start: float, end: float, length: float) -> Array:
-    """Divide an interval into the fewest equal elements of at most ``length`` [m], and return their nodes [m]."""
+    """Divide an interval of the shaft into the fewest equal elements of at most ``length`` [m]; return their nodes [m]."""
     count = max(1, ceil((end - start) / length - 1e-9))
     return np.linspace(start, end, count + 1)
 

@@ -181,7 +181,7 @@ class Face:
 
     @property
     def pairs(self) -> Index:
-        """Edges of the face's triangles ``(3 t, 2)``, as indices into the face's own nodes."""
+        """Edges of the face's triangles ``(3 t, 2)``, as indices into `number`, the nodes of the face."""
         return np.concatenate([self.local[:, [0, 1]], self.local[:, [1, 2]], self.local[:, [2, 0]]])
 
     def turn(self, first: int, second: int) -> bool:
@@ -589,13 +589,16 @@ class FilledShell:
         return with_faces(self.mesh, {name: shell.tris(name) for name in dict.fromkeys(f.name for f in shell.faces)})
 
     def on(self, tris: Index) -> Index:
-        """Return the corner and midside nodes of triangles ``(t, 3)`` on the surface, in ascending order."""
+        """Return the numbers of all corner and midside nodes of triangles on the surface, in ascending order.
+
+        ``tris``: corners of the triangles ``(t, 3)``.
+        """
         pairs = np.concatenate([tris[:, [0, 1]], tris[:, [1, 2]], tris[:, [2, 0]]])
         return np.unique(np.concatenate([tris.ravel(), self.middle(pairs)]))
 
 
 def turned_right(points: Array, cells: Index) -> Index:
-    """Reorder the nodes of tetrahedra ``(m, 4)`` so that all volumes are positive."""
+    """Reorder the nodes of tetrahedra ``(m, 4)`` so that all volumes are positive; ``points``: all nodes ``(n, 3)`` [m]."""
     a, b, c, d = (points[cells[:, k]] for k in range(4))
     turned = np.einsum("ni,ni->n", np.cross(b - a, c - a), d - a) < 0.0
     return np.where(turned[:, None], cells[:, [0, 2, 1, 3]], cells)
@@ -731,7 +734,7 @@ def graded_size(near: Array, fine: float, coarse: float, first: float, last: flo
 
 
 def best_mesh(name: str, attempt: Callable[[Any, int, int, float], tuple[Body, float]]) -> Body:
-    """Mesh a body with the algorithms and sizes of `ATTEMPTS` until a mesh has no fault, and return the best mesh.
+    """Mesh a body with the algorithms and sizes of `ATTEMPTS` until a mesh has no fault; return the least faulty mesh.
 
     Parameters
     ----------

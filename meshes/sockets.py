@@ -182,9 +182,10 @@ def bulge_faces(xi: Array, share: float) -> Array:
 
 
 def _ridge_heights(points: Array, square: Index, inside: Array) -> Array:
-    """Return the height ``(s,)`` of the first diagonal of quadrilaterals ``(s, 4)`` above the second, over their length.
+    """Return the heights of the first diagonals of quadrilaterals above the second ones, divided by their lengths ``(s,)``.
 
-    Heights are positive away from the point ``inside``.
+    ``points``: coordinates of the nodes ``(n, 3)`` [m]; ``square``: nodes of the quadrilaterals ``(s, 4)``; ``inside``: a
+    point; heights are positive on the side away from it.
     """
     a, b, c, d = (points[square[:, k]] for k in range(4))
     out = np.cross(c - a, d - b)
@@ -194,7 +195,11 @@ def _ridge_heights(points: Array, square: Index, inside: Array) -> Array:
 
 
 def _second_order(xi: Array, corners: Index, owner: Index) -> SocketMesh:
-    """Add the midside nodes to the triangles ``(t, 3)`` of a socket's faces, so that they become second-order ones."""
+    """Add midside nodes to the triangles of a socket's faces, so that they become second-order triangles.
+
+    ``xi``: local coordinates of the corner nodes ``(c, 3)``; ``corners``: corners of the triangles ``(t, 3)``; ``owner``:
+    face 0 to 4 on which each triangle lies ``(t,)``.
+    """
     edges: dict[tuple[int, int], int] = {}
     rows = []
     for a, b, c in corners.tolist():
@@ -366,7 +371,7 @@ def flank_limits(m: GrooveMap, side: int, land: float) -> tuple[float, float]:
 
 
 def whole_turns(m: GrooveMap, phi: float, z: float, line: float) -> tuple[int, float]:
-    """Return the number of turns between a ball's azimuth and the azimuth counted along a helical groove.
+    """Return the whole turns by which a ball's azimuth differs from that along a helical groove, and its distance from it.
 
     Parameters
     ----------
@@ -382,7 +387,7 @@ def whole_turns(m: GrooveMap, phi: float, z: float, line: float) -> tuple[int, f
     turns : int
         Number of whole turns to add to the azimuth.
     off : float
-        Remaining axial distance of the ball from the groove's centre line [m].
+        Axial distance of the ball, after these turns, from the groove's centre line [m].
     """
     off = z - m.rg * phi - line
     pitch = 2.0 * np.pi * m.rg
@@ -461,7 +466,10 @@ def _largest_share(fits: Callable[[float], bool]) -> float:
 
 
 def _hull_points(m: GrooveMap, size: SocketSize, side: int) -> Array:
-    """Sample points ``(n, 3)`` [m] throughout the socket of a ball at azimuth 0 and z = 0."""
+    """Return sample points throughout a socket, ``(n, 3)`` [m], for a ball at azimuth 0 and z = 0.
+
+    ``size``: size of the socket; ``side``: flank 0 to 3.
+    """
     axes = (np.linspace(-1.0, 1.0, 7), np.linspace(0.0, 1.0, 3), np.linspace(-1.0, 1.0, 3))
     return local_points(m, size, side, np.stack(np.meshgrid(*axes, indexing="ij"), -1).reshape(-1, 3))
 

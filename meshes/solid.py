@@ -9,9 +9,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rollbench.meshes.fields import keyed, usual
 from rollbench.meshes.helix import groove_radii, nominal_groove_centres
 from rollbench.meshes.parts import Scene, UnfitKey
+from rollbench.meshes.record_keys import keyed, usual
 
 #: Radius of the hole that is assumed along the axis of a solid screw, as a ratio to the pitch radius. The mesh needs a
 #: hole; its effect is part of the modelling uncertainty.

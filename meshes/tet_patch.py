@@ -144,7 +144,10 @@ def _set_sizes(gmsh: Any, box: TetBox) -> None:
 
 
 def _socket_faces(socket: SocketMesh | None) -> tuple[Array, list[list[int]]]:
-    """Return the corners in local coordinates, and the polygons, of the faces between a patch and the coarse body."""
+    """Return the faces between a patch and the coarse body: corners in local coordinates ``(c, 3)``, and the polygons.
+
+    Each polygon is a list of indices of corners. ``socket``: surface mesh of these faces; None: five plane faces.
+    """
     if socket is None:
         corners = np.array([[a, d, b] for a in (-1.0, 1.0) for d in (0.0, 1.0) for b in (-1.0, 1.0)])
         return corners, [[0, 1, 3, 2], [4, 5, 7, 6], [2, 3, 7, 6], [0, 2, 6, 4], [1, 3, 7, 5]]
@@ -153,7 +156,10 @@ def _socket_faces(socket: SocketMesh | None) -> tuple[Array, list[list[int]]]:
 
 
 def _rim_corners(corners: Array, polygons: list[list[int]]) -> list[int]:
-    """Return the corners around the open top of a patch's faces, in order."""
+    """Return the corners around the open top of a patch's faces, in order; ValueError unless there is exactly one open rim.
+
+    ``corners``: local coordinates ``(c, 3)``; ``polygons``: indices of the corners of each face.
+    """
     sides: dict[tuple[int, int], int] = {}
     for p in polygons:
         for i, j in zip(p, [*p[1:], p[0]], strict=True):
@@ -207,7 +213,11 @@ def _add_geometry(gmsh: Any, box: TetBox, socket: SocketMesh | None) -> tuple[in
 
 
 def _collect_arrays(gmsh: Any, box: TetBox, inner: int, ring: int, begin: float) -> LocalTets:
-    """Read nodes and cells of the patch from gmsh's model, and convert the nodes to local coordinates."""
+    """Read nodes and cells of the patch from gmsh's model, and convert the nodes to local coordinates.
+
+    ``inner``, ``ring``: numbers of the model's surfaces for the contact zone and for the ring around it; ``begin``: time at
+    which meshing began [s].
+    """
     tags, xyz, _ = gmsh.model.mesh.getNodes()
     index = np.full(int(tags.max()) + 1, -1, dtype=np.int64)
     index[tags.astype(np.int64)] = np.arange(tags.size)

@@ -245,10 +245,7 @@ def parse_quantity(value: object, dimension: str) -> float:
 
 @lru_cache(maxsize=1024)
 def _of_text(value: str, dimension: str) -> float:
-    """Convert a text to its value in SI units, as `parse_quantity`, and store the result.
-
-    The same texts are converted often: limits of ranges with every value, and a scene's values in every step of a sweep.
-    """
+    """Convert a text to its value in SI units, as `parse_quantity` does; results are stored, because texts occur often."""
     number, unit = _split_number_and_unit(value, dimension)
     if not unit:
         raise UnitError(value, dimension, "has no unit")
@@ -350,10 +347,7 @@ def tidy_unit(unit: str) -> str:
 
 @lru_cache(maxsize=256)
 def _unit_factor(unit: str) -> tuple[str, Decimal, Decimal]:
-    """Return the dimension of a product or quotient of units, and numerator and denominator of its factor to SI.
-
-    The dimension is empty where the unit is unknown, or belongs to no entry of `DIMENSIONS`.
-    """
+    """Return the dimension of a product or quotient of units, and numerator and denominator of its factor to SI units."""
     above, below = Decimal(1), Decimal(1)
     powers: tuple[int, ...] = (0,) * 5
     for i, product in enumerate(re.split(r"\s*/\s*", unit)):
@@ -372,10 +366,7 @@ def _unit_factor(unit: str) -> tuple[str, Decimal, Decimal]:
 
 
 def _single_unit_factor(name: str) -> tuple[str, Decimal, Decimal] | None:
-    """Return the dimension of a single unit, and numerator and denominator of its factor to SI; None for an unknown unit.
-
-    The unit may have a prefix and a plural s.
-    """
+    """Return the dimension of a single unit, and numerator and denominator of its factor to SI units; None if unknown."""
     for whole in (name, name.removesuffix("s")):
         for prefix, tens in PREFIXES.items():
             if whole.startswith(prefix) and whole.removeprefix(prefix) in UNITS:
@@ -386,7 +377,7 @@ def _single_unit_factor(name: str) -> tuple[str, Decimal, Decimal] | None:
 
 
 def _nearest_unit_advice(unit: str, dimension: str) -> str:
-    """Return advice on an unknown unit: the most similar common unit of the dimension, or all common units."""
+    """Return advice on the unknown unit ``unit``: the most similar common unit of the dimension, or all common units."""
     import difflib
 
     known = COMMON[dimension]

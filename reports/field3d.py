@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from rollbench.meshes.arrays import Array
-from rollbench.meshes.node_order import VTK
+from rollbench.meshes.exchange.mesh_files import VTK
 from rollbench.reports.content import FieldPicture, MeshPart
 from rollbench.reports.figures import COLOURS
 from rollbench.reports.offscreen import draw_in_child, set_view

@@ -13,7 +13,7 @@ from typing import Any
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup, escape
 
-from rollbench.meshes.leftovers import temporary_name
+from rollbench.meshes.files import temporary_name
 from rollbench.reports import field3d, figures, scene3d, sketch, view
 from rollbench.reports.cells import cell_view, filled_table, is_number, micro_sign, typeset_text, write_csv
 from rollbench.reports.content import (

@@ -9,12 +9,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from rollbench.compare.files import write_csv, write_figure
+from rollbench.compare.measure import mean_load
 from rollbench.compare.models.registry import is_model
 from rollbench.compare.reference.estimate import Reference
 from rollbench.compare.results.compared import OURS, Compared, ComparedLoads
 from rollbench.compare.sections.curves import load_curve, load_panel
 from rollbench.compare.text.printing import cell, plain_table, ruled_table
-from rollbench.meshes.loads import mean_load
 from rollbench.meshes.parts import SIDES, Scene
 from rollbench.reports.content import Figure
 

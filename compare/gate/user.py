@@ -28,7 +28,7 @@ from rollbench.compare.gate.verdict import (
     suspected_causes,
     value_verdict,
 )
-from rollbench.compare.measure import error_percent
+from rollbench.compare.measure import error_percent, mean_load
 from rollbench.compare.models.comparison import (
     Referenced,
     SetOfAssembly,
@@ -52,7 +52,6 @@ from rollbench.compare.reference.tasks import Solvable, groups
 from rollbench.lowfi.statics.nominal import nominal_contacts
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly
-from rollbench.meshes.loads import mean_load
 from rollbench.meshes.parts import SIDES, Scene
 from rollbench.meshes.units import parse_quantity
 

@@ -18,12 +18,11 @@ from rollbench.compare.gate.judged import (
     error_limit_of,
     hertz_approach_or_pressure,
 )
-from rollbench.compare.measure import SMALL, LoadError, error_percent, load_error
+from rollbench.compare.measure import SMALL, LoadError, error_percent, load_error, loaded_contacts, mean_load
 from rollbench.compare.models.comparison import RULE, Loads, gate_points
 from rollbench.compare.quantities import split_unit
 from rollbench.compare.reference.estimate import Reference
 from rollbench.meshes.arrays import Array
-from rollbench.meshes.loads import loaded_contacts, mean_load
 from rollbench.meshes.parts import SIDES, Scene
 from rollbench.meshes.quantity import Stated, record
 from rollbench.meshes.quantity import quantity as stated

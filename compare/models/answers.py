@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 
 from rollbench.compare.errors import ArgumentError, Refusal
+from rollbench.compare.measure import mean_load
 from rollbench.compare.models import loading
 from rollbench.compare.models.loading import (
     LiftOff,
@@ -55,7 +56,6 @@ from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly, RollerRow, RollingSet
 from rollbench.meshes.errors import specimen
 from rollbench.meshes.helix import ball_layout
-from rollbench.meshes.loads import mean_load
 from rollbench.meshes.one_arc import Clearance, clearance_of, distance_of_centres, is_one_arc
 from rollbench.meshes.parts import Lubricant, Motion, Scene, Support
 from rollbench.meshes.quantity import Stated, quantity, record

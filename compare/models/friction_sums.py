@@ -11,7 +11,7 @@ from rollbench.compare.quantities import number
 from rollbench.lowfi.friction.whole.torque import ONE_TURN, ScrewTorque, will_compile
 from rollbench.lowfi.jit import CONTACT, is_machine_code_cached
 from rollbench.lowfi.statics.result import StaticResult
-from rollbench.meshes.kept import kept
+from rollbench.meshes.cache import kept
 from rollbench.meshes.parts import Friction, Motion, Scene
 
 

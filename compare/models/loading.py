@@ -8,6 +8,7 @@ from typing import TypeVar, overload
 
 import numpy as np
 
+from rollbench.compare.measure import mean_load
 from rollbench.compare.models.registry import Options, run_model
 from rollbench.lowfi.rating.rigidity import approach_per_displacement, axial_force
 from rollbench.lowfi.statics.nominal import nominal_contacts
@@ -16,7 +17,6 @@ from rollbench.lowfi.statics.summary import about_origin
 from rollbench.lowfi.warned import Warned
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly, Housing
-from rollbench.meshes.loads import mean_load
 from rollbench.meshes.parts import SIDES, Load, Scene
 from rollbench.meshes.quantity import Stated, quantity, record
 
@@ -34,7 +34,7 @@ NEAR = 0.9
 class Preload:
     """Contact loads without external loads, caused by ball oversize, geometry errors and misaligned supports."""
 
-    #: Mean load of the loaded contacts (`meshes.loads.mean_load`) [N].
+    #: Mean load of the loaded contacts (`compare.measure.mean_load`) [N].
     mean: float = quantity(
         "mean_N",
         "mean load of a contact or roller without the scene's loads",

@@ -20,7 +20,7 @@ from typing import Any
 
 import numpy as np
 
-from rollbench.compare.measure import LoadError, error_percent, load_error
+from rollbench.compare.measure import LoadError, error_percent, load_error, mean_load
 from rollbench.compare.models.comparison import REFERENCED, finest_bodies
 from rollbench.compare.models.model_form import Point, leave_one_out, point, points_of_drawn_screws
 from rollbench.compare.models.registry import DEFAULT, MODELS, Options, run_model
@@ -34,7 +34,6 @@ from rollbench.lowfi.statics.elastic import solve_elastic
 from rollbench.lowfi.statics.response import forget
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.meshes.arrays import Array
-from rollbench.meshes.loads import mean_load
 from rollbench.meshes.parts import Scene
 
 #: Scenes on which every modelling choice is varied: one without preload, one with preload.

@@ -37,7 +37,7 @@ from typing import Any
 import numpy as np
 
 from rollbench.compare.files import replace_file
-from rollbench.compare.measure import error_percent
+from rollbench.compare.measure import error_percent, mean_load
 from rollbench.compare.models.answers import load_answers
 from rollbench.compare.models.applicability import outside
 from rollbench.compare.models.comparison import Loads, from_result, from_run
@@ -51,7 +51,6 @@ from rollbench.compare.reference.store import Run, load_run, shipped_store
 from rollbench.compare.reference.variants import VARIANTS
 from rollbench.lowfi.statics.nominal import nominal_contacts
 from rollbench.meshes.arrays import Array
-from rollbench.meshes.loads import mean_load
 from rollbench.meshes.parts import SIDES, Material, Scene
 from rollbench.meshes.quantity import Stated, quantity, record
 

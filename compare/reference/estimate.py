@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from rollbench.compare.measure import error_percent
+from rollbench.compare.measure import error_percent, mean_load
 from rollbench.compare.reference import grid_parts
 from rollbench.compare.reference.convergence import representative_size
 from rollbench.compare.reference.grid_parts import GridParts, error_near_faces, excess_near_faces, parts
@@ -16,7 +16,6 @@ from rollbench.compare.reference.levels import LEVELS
 from rollbench.compare.reference.store import Run, load_run, shipped_store
 from rollbench.lowfi.statics.nominal import nominal_contacts
 from rollbench.meshes.arrays import Array
-from rollbench.meshes.loads import mean_load
 from rollbench.meshes.parts import Scene
 
 #: Number of the finest levels from which the uncertainty is estimated. Coarser levels say little about the finest.
@@ -55,7 +54,7 @@ class Reference:
 
     @property
     def mean(self) -> float:
-        """Mean load [N] of the loaded contacts, to which errors refer (`meshes.loads.mean_load`)."""
+        """Mean load [N] of the loaded contacts, to which errors refer (`compare.measure.mean_load`)."""
         return mean_load(self.load, self.contacts)
 
     @property

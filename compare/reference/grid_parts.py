@@ -52,12 +52,11 @@ from pathlib import Path
 import numpy as np
 
 from rollbench.compare.files import replace_file
-from rollbench.compare.measure import error_percent
+from rollbench.compare.measure import error_percent, mean_load
 from rollbench.compare.reference.levels import LEVELS, PRODUCTION
 from rollbench.compare.reference.store import shipped_store
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.helix import ball_layout
-from rollbench.meshes.loads import mean_load
 from rollbench.meshes.parts import Scene
 from rollbench.meshes.solid import solid_dimensions
 

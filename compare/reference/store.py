@@ -26,9 +26,9 @@ from rollbench.compare.running import machine
 from rollbench.hifi.meshing.settings import Settings
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly
-from rollbench.meshes.canonical import Fields, canonical, digest
 from rollbench.meshes.condensed import geometry_digest
 from rollbench.meshes.parts import GateLimits, Operation, Scene
+from rollbench.meshes.record_keys import Fields, canonical, digest
 from rollbench.meshes.solid import solid_dimensions
 
 #: Largest size of a run's file [bytes], and deepest nesting of its brackets (largest shipped file: a tenth of it, and 4).

@@ -17,8 +17,8 @@ from rollbench.compare.errors import ArgumentError, InputError, Refusal
 from rollbench.compare.reference.levels import LEVELS, SOURCE_LEVEL, scaled
 from rollbench.compare.reference.variants import VARIANTS
 from rollbench.meshes.axis import Assembly
-from rollbench.meshes.canonical import Fields, canonical
 from rollbench.meshes.parts import Scene
+from rollbench.meshes.record_keys import Fields, canonical
 
 if TYPE_CHECKING:
     from rollbench.hifi.meshing.settings import ExpectedContacts, Settings

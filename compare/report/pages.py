@@ -15,14 +15,13 @@ from time import perf_counter
 import numpy as np
 
 from rollbench.compare.case import every_case
-from rollbench.compare.measure import error_percent
+from rollbench.compare.measure import error_percent, mean_load
 from rollbench.compare.reference.computing import compute_runs
 from rollbench.compare.reference.store import load_run
 from rollbench.compare.reference.tasks import Task
 from rollbench.compare.running import cores, gmsh_fault
 from rollbench.compare.scenes import catalogue
 from rollbench.meshes.libraries import MESHING, PICTURES, apt_command
-from rollbench.meshes.loads import mean_load
 from rollbench.reports.content import FieldPicture, LoadedScrew, Page, Section, Table
 from rollbench.reports.offscreen import drawing_fault as drawing_fault
 

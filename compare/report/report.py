@@ -38,7 +38,7 @@ from rollbench.compare.results.data import Written
 from rollbench.compare.running import cores, gmsh_fault, machine, need_packages, on_terminal, package_versions
 from rollbench.compare.scenes import catalogue
 from rollbench.compare.text.printing import Answer
-from rollbench.meshes import kept
+from rollbench.meshes import cache
 from rollbench.meshes.libraries import PAGES
 from rollbench.meshes.processes import held_to_one_thread
 from rollbench.reports.content import Report, Section
@@ -197,7 +197,7 @@ def _make_in_worker(
         Whether compliance data of bodies are stored on disk, as on the command line.
     """
     if keeping:
-        kept.switch_on()
+        cache.switch_on()
     study, progress, made = Study(*given), Progress(len(parts), say), {}
     for part in parts:
         progress.section(part.name)
@@ -245,7 +245,7 @@ def make_sections(
             half = [part for part in parts if part not in last and (part.page in COMPILED) == compiled]
             tables = [name for name, case in gathered if (case in COMPILED) == compiled]
             if half or tables:
-                jobs.append((partial(_make_in_worker, keeping=kept.switched_on()), (half, tables, given, say)))
+                jobs.append((partial(_make_in_worker, keeping=cache.switched_on()), (half, tables, given, say)))
         for _, (made, used) in as_done(jobs, workers=2):
             for name in made:
                 announce(name)

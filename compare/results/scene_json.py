@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from rollbench.compare.measure import error_percent
+from rollbench.compare.measure import count_contacts, error_percent, mean_load
 from rollbench.compare.models.answers import LoadAnswers, RollerAnswers, clearance_of_deep_groove
 from rollbench.compare.models.load_cases import CycleResults, Lives, Solved, SolvedAxis
 from rollbench.compare.models.model_form import ModelForm
@@ -22,7 +22,6 @@ from rollbench.lowfi.statics.tangent import Tangent
 from rollbench.lowfi.warned import warning_line
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import RollerRow
-from rollbench.meshes.loads import count_contacts, mean_load
 from rollbench.meshes.parts import FREEDOMS, SIDES, Motion, Scene
 from rollbench.meshes.quantity import Stated, quantity, record
 
@@ -262,7 +261,7 @@ def loads_json(load: Array, contacts: int = 0) -> dict[str, Any] | None:
     """Return the summary of the contact loads of balls as JSON (`LoadSums`); None if no contact is loaded.
 
     ``load``: contact loads, (n, 4) [N]. ``contacts``: number by which their sum is divided for the mean load, see
-    `meshes.loads.mean_load`.
+    `compare.measure.mean_load`.
     """
     loaded = load > 0.0
     if not loaded.any():

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from rollbench.compare.measure import error_percent
+from rollbench.compare.measure import error_percent, mean_load
 from rollbench.compare.models.load_cases import Solved, SolvedAxis
 from rollbench.compare.quantities import count_of
 from rollbench.compare.reference.estimate import Reference, reference
@@ -17,7 +17,6 @@ from rollbench.lowfi.statics.result import StaticResult
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.errors import specimen
 from rollbench.meshes.helix import ball_layout, groove_radii, nominal_groove_centres
-from rollbench.meshes.loads import mean_load
 from rollbench.meshes.parts import SIDE_SIGNS, Scene
 from rollbench.meshes.surface import groove_profile
 from rollbench.reports.content import CaseView, SetView, View

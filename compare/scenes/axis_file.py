@@ -67,11 +67,11 @@ def read_axis(keys: AxisKeys, raw: Mapping[str, Any], origin: str, name: str) ->
     Parameters
     ----------
     keys
-        Validated keys.
+        Validated keys of the file.
     raw
-        Tables of the file.
+        Tables of the file, which show the faulty values.
     origin
-        File for errors.
+        Name of the file, for messages.
     name
         Name of the scene.
 
@@ -91,7 +91,11 @@ def _geometry_faults_of_sets(scene: Scene | Assembly) -> Iterator[Fault]:
 
 
 def _checked_parts(keys: AxisKeys, raw: Mapping[str, Any], origin: str, name: str) -> Assembly | Scene:
-    """Return the record of shaft, nuts, bearings and housings under the scene's loads, after all checks."""
+    """Return the record of shaft, nuts, bearings and housings under the scene's loads, after all checks.
+
+    ``raw``: tables of the file, which show faulty values; ``origin``: name of the file, for messages; ``name``: name of the
+    scene. SceneError for faults.
+    """
     raise_faults(origin, raw, [*_key_faults(keys), *case_faults(keys)])
     sets = tuple(_set_record(keys, i, raw, origin) for i in range(len(keys.sets)))
     raise_faults(origin, raw, list(_position_faults(keys, sets)))
@@ -129,7 +133,10 @@ def _checked_parts(keys: AxisKeys, raw: Mapping[str, Any], origin: str, name: st
 
 
 def _assumptions_of_sets(keys: AxisKeys, sets: Sequence[RollingSet]) -> Iterator[str]:
-    """Yield the assumptions made for each nut or bearing: a conformity from a rigidity, a preload from a load rating."""
+    """Yield a sentence on each assumption about a nut or bearing: conformity from a rigidity, preload from a load rating.
+
+    ``sets``: their records, in the order of ``keys.sets``.
+    """
     for one, whole in zip(keys.sets, sets, strict=True):
         if isinstance(whole.parts, Scene):
             yield from whole.parts.assumed
@@ -151,14 +158,17 @@ def _is_plain_scene(keys: AxisKeys) -> bool:
 
 
 def kind_of_set(one: SetKeys) -> str:
-    """Return the kind of a set by its tables: "ball nut", "bearing" or "tapered roller bearing"."""
+    """Return the kind of a nut or bearing from its tables: "ball nut", "bearing" or "tapered roller bearing"."""
     if one.rollers is not None:
         return "tapered roller bearing"
     return "bearing" if one.track is not None and one.track.lead == 0.0 else "ball nut"
 
 
 def _key_faults(keys: AxisKeys) -> Iterator[Fault]:
-    """Yield the faults of keys that exclude or need each other: of friction, motion, drive, sets, housings and joints."""
+    """Yield the faults of keys that exclude or need each other: of friction, motion, drive, sets, housings and joints.
+
+    Also of names: of sets and housings that occur twice, and of housings that are not described.
+    """
     yield from friction_choice_faults(keys.friction)
     yield from motion_faults(keys.motion)
     yield from _drive_faults(keys)
@@ -219,7 +229,10 @@ def _drive_faults(keys: AxisKeys) -> Iterator[Fault]:
 
 
 def _set_faults(keys: AxisKeys, i: int, one: SetKeys) -> Iterator[Fault]:
-    """Yield the faults of keys of the set with index ``i`` that exclude or need each other."""
+    """Yield the faults of keys that exclude or need each other of a nut or bearing.
+
+    ``one``: its keys; ``i``: its index in the list ``sets`` of the file.
+    """
     at = f"sets[{i}]"
     yield from arrangement_faults(at, one)
     balls = {n: getattr(one, n) for n in ("track", "nut", "balls")}
@@ -298,7 +311,10 @@ def _roller_end_faults(at: str, r: RollerKeys) -> Iterator[Fault]:
 
 
 def _stiffness_faults(keys: StiffKeys, where: str) -> Iterator[Fault]:
-    """Yield the faults of a stiffness that is given by both springs and matrix, or by an invalid matrix."""
+    """Yield the faults of a stiffness that is given by both springs and matrix, or by an invalid matrix.
+
+    ``where``: path of its table in the file, such as ``joints[0]``.
+    """
     if keys.springs is not None and keys.matrix is not None:
         yield Fault((f"{where}.matrix",), "either springs or matrix", "leave one of the two out", "both springs and matrix")
     if keys.matrix is not None:
@@ -318,7 +334,7 @@ def _stiffness_record(keys: StiffKeys) -> Stiffness | None:
 
 
 def _scene_keys(keys: AxisKeys, one: SetKeys) -> SceneKeys:
-    """Return the keys of a scene that has one nut or bearing only, with its inner groove on the shaft."""
+    """Return the keys of a scene that contains only the nut or bearing ``one``, with its inner groove on the shaft."""
     shaft = keys.screw
     fields: dict[str, Any] = {n: getattr(shaft, n) for n in ScrewKeys.model_fields}
     if one.screw is not None:
@@ -343,7 +359,10 @@ def _scene_keys(keys: AxisKeys, one: SetKeys) -> SceneKeys:
 
 
 def _set_record(keys: AxisKeys, i: int, raw: Mapping[str, Any], origin: str) -> RollingSet:
-    """Return the record of the nut or bearing in ``sets[i]``; SceneError for its faults."""
+    """Return the record of the nut or bearing in ``sets[i]``; SceneError for its faults.
+
+    ``raw``: tables of the file, which show faulty values; ``origin``: name of the file, for messages.
+    """
     one = keys.sets[i]
     thrust = one.thrust or "both"
     shared = (one.name, kind_of_set(one))
@@ -365,7 +384,7 @@ def _set_record(keys: AxisKeys, i: int, raw: Mapping[str, Any], origin: str) -> 
 
 
 def _roller_row(r: RollerKeys, material: Material) -> RollerRow:
-    """Return the record of a row of tapered rollers from its keys."""
+    """Return the record of a row of tapered rollers from its keys ``r``; ``material``: that of rollers and rings."""
     row = RollerRow(r.count, r.diameter, r.length, r.cup_angle, r.roller_angle, r.ring_depth, material)
     names = ("slices", "edge_radius", "end_radius", "rib_height", "rib_friction", "torque_factor")
     given = {name: getattr(r, name) for name in names}
@@ -373,14 +392,20 @@ def _roller_row(r: RollerKeys, material: Material) -> RollerRow:
 
 
 def _with_one_arc(scene: Scene, thrust: str) -> Scene:
-    """Return a bearing with one arc per groove, unless its thrust is "both"; a nut keeps its gothic arcs."""
+    """Return a bearing with one arc per groove, unless its thrust is "both"; a nut keeps its gothic arches.
+
+    ``thrust``: direction of the axial force on the shaft that it carries: "+z", "-z", "both" or "deep groove".
+    """
     if scene.track.lead != 0.0 or thrust == "both":
         return scene
     return replace(scene, track=replace(scene.track, arcs="-z" if thrust == "-z" else "+z"))
 
 
 def _with_keys_of_set(fault: Fault, i: int, raw: Mapping[str, Any]) -> Fault:
-    """Return a fault of the scene with one set, with its keys as in the file: most keys gain the prefix ``sets[i].``."""
+    """Return a fault with the names that its keys have in the file, most of them with the prefix ``sets[i].``.
+
+    The fault was found in a scene that contains only the set with the index ``i``. ``raw``: tables of the file.
+    """
     inner = "screw" in raw["sets"][i]
     keys = []
     for k in fault.keys:
@@ -393,6 +418,7 @@ def _position_faults(keys: AxisKeys, sets: Sequence[RollingSet]) -> Iterator[Fau
     """Yield the faults of positions along the shaft, and of housings that are loaded although they cannot move.
 
     Positions must lie on the shaft, its plain sections must not overlap, and each support must fix a freedom not yet fixed.
+    ``sets``: records of the nuts and bearings, in the order of ``keys.sets``.
     """
     length = keys.screw.length
     stations = [
@@ -444,7 +470,10 @@ def _position_faults(keys: AxisKeys, sets: Sequence[RollingSet]) -> Iterator[Fau
 
 
 def arrangement_faults(at: str, one: SetKeys) -> Iterator[Fault]:
-    """Yield the faults of keys that need an arrangement of bearings, or exclude one; ``at``: path of the set."""
+    """Yield the faults of keys that need an arrangement of bearings, or exclude one.
+
+    ``at``: path of the set in the file, such as ``sets[0]``; ``one``: its keys.
+    """
     given = one.arrangement is not None
     if one.pair_preload and not given:
         advice = 'write e.g. arrangement = "DB", or give preload in its place'
@@ -558,7 +587,8 @@ def conformity_for_rigidity(parts: Scene, preload: float, rigidity: float) -> fl
 def with_conformity(parts: Scene, one: SetKeys, origin: str, at: str) -> Scene:
     """Return a bearing with the groove radii that follow from the rigidity of a pair; unchanged if no rigidity is given.
 
-    InputError if no conformity gives the rigidity. ``at``: path of the set.
+    ``one``: keys of the set, with rigidity and preload of the pair; ``origin``: name of the file, for messages; ``at``:
+    path of the set in the file. InputError if no conformity gives the rigidity.
     """
     if one.pair_rigidity is None:
         return parts

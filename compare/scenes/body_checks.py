@@ -135,7 +135,10 @@ def _groove_faults(scene: Scene, largest: float) -> Iterator[Fault]:
 
 
 def _profile_faults(scene: Scene, part: str, room: float) -> Iterator[Fault]:
-    """Yield the faults of profile errors of a part ("S" screw, "N" nut) that use up a ball's clearance ``room`` [m]."""
+    """Yield the faults of profile errors that are larger than the clearance of a ball in its groove.
+
+    ``part``: "S" screw or "N" nut; ``room``: groove radius less the radius of the largest ball [m].
+    """
     gamma = np.linspace(0.0, math.pi / 2.0, 91)
     for side in (s for s in SIDES if s[0] == part):
         profile = scene.errors.side(side).profile
@@ -147,7 +150,7 @@ def _profile_faults(scene: Scene, part: str, room: float) -> Iterator[Fault]:
 
 
 def _section_faults(scene: Scene) -> Iterator[Fault]:
-    """Yield the faults of pitch radius, outer diameters and bore: the balls must lie in the surfaces of screw and nut."""
+    """Yield the faults of pitch radius, outer diameters and bore: balls must lie partly in the screw and within the nut."""
     pitch, ball = scene.track.pitch_radius, scene.balls.radius
     if pitch <= ball:
         reach = f"balls of diameter {mm(2.0 * ball)} would reach the axis"
@@ -169,7 +172,10 @@ def _section_faults(scene: Scene) -> Iterator[Fault]:
 
 
 def _beam_faults(scene: Scene) -> Iterator[Fault]:
-    """Yield the faults of a threaded shaft whose reduced section as a beam has no material (Lin C.6-C.8)."""
+    """Yield the faults of a threaded shaft whose cross-section as a beam, reduced by the groove, has no material.
+
+    The reduction is that of Lin (2019), eqs. (C.6) to (C.8).
+    """
     if scene.ingredients.screw == "rigid":
         return
     ratio = volume_ratio(scene)
@@ -257,7 +263,7 @@ def _flange_faults(nut: Nut, flange: Flange) -> Iterator[Fault]:
 
 
 def _packing_faults(scene: Scene, radii: Array) -> Iterator[Fault]:
-    """Yield the faults of balls, with radii (n,) [m], that lie outside the nut or overlap each other."""
+    """Yield the faults of balls that lie outside the nut or overlap each other; ``radii``: radii of all balls (n,) [m]."""
     track, nut = scene.track, scene.nut
     centres = ball_layout(scene).centre
     where = ("balls.azimuths", "balls.count")
@@ -306,7 +312,10 @@ def overlapping_pair(centres: Array, radii: Array) -> tuple[int, int] | None:
 
 
 def _circuit_faults(scene: Scene) -> Iterator[Fault]:
-    """Yield the faults of ball circuits that cannot be built, and of a simulation that moves the nut off the screw."""
+    """Yield the faults of ball circuits that cannot be built.
+
+    Also of a simulation over time that would move the nut off the screw.
+    """
     from rollbench.lowfi.friction.whole.circuit import CircuitError, circuits, travel
 
     try:

@@ -71,7 +71,7 @@ def shipped(name: str) -> Described:
 
 
 def case(name: str, of: type[Of]) -> Of:
-    """Return the shipped scene ``name``; InputError if it is not of the kind (record class) ``of``."""
+    """Return the shipped scene ``name``; InputError if it is not of the kind ``of``, a class of records."""
     described = shipped(name)
     if not isinstance(described, of):
         from rollbench.compare.scenes import scene_file

@@ -65,7 +65,7 @@ class FaultText(NamedTuple):
 
 
 def scene_error(origin: str, texts: Sequence[FaultText]) -> SceneError:
-    """Return one SceneError for all faults of the file ``origin``: it shows the first fault and carries the others."""
+    """Return one SceneError for all faults of the file ``origin``: it shows the first fault and contains the others."""
     errors = [SceneError(origin, *one) for one in texts]
     return SceneError(origin, *texts[0], len(texts) - 1, tuple(errors[1:]))
 
@@ -87,7 +87,10 @@ def raise_faults(origin: str, raw: Mapping[str, Any], faults: Sequence[Fault]) -
 
 
 def fault_texts(raw: Mapping[str, Any], faults: Sequence[Fault]) -> list[FaultText]:
-    """Return the message parts of faults; each names the first of the fault's keys, or of their aliases, in the file."""
+    """Return the message parts of faults of a file with the tables ``raw``.
+
+    Of the keys that may cause a fault, and of their `ALIASES`, the message names the first one that the file has.
+    """
     out = []
     for fault in faults:
         names = [name for key in fault.keys for name in (key, *_aliases(key))]
@@ -101,14 +104,17 @@ def fault_texts(raw: Mapping[str, Any], faults: Sequence[Fault]) -> list[FaultTe
 
 
 def _aliases(key: str) -> Iterator[str]:
-    """Yield the keys that a file may have in place of ``key`` (`ALIASES`)."""
+    """Yield the keys that a file may have in place of ``key``, such as a diameter in place of a radius (`ALIASES`)."""
     for suffix, others in ALIASES.items():
         if key.endswith(suffix):
             yield from (key.removesuffix(suffix) + other for other in others)
 
 
 def _value_at(raw: Any, path: str) -> Any:
-    """Return the value of a key, given by a path such as ``sets[0].balls``, in a file's tables; None if it is missing."""
+    """Return the value of a key in the tables ``raw`` of a file; None if it is missing.
+
+    ``path``: path of the key, such as ``sets[0].balls``.
+    """
     for key in re.findall(r"[^.\[\]]+", path):
         if isinstance(raw, list):
             raw = raw[int(key)] if int(key) < len(raw) else None
@@ -146,7 +152,10 @@ class KeyFaults:
         return self.replaced <= INDEPENDENT_TABLES
 
     def stem_from_file(self, keys: Sequence[str]) -> bool:
-        """Return whether a fault of these keys stems from the file, not from a replaced table."""
+        """Return whether a fault of these keys is due to the file itself.
+
+        It is not if one of their tables was replaced so that reading could continue.
+        """
         return not any(key.split(".")[0].split("[")[0] in self.replaced for key in keys)
 
 
@@ -169,10 +178,10 @@ def validate_or_raise(raw: Mapping[str, Any], keys: type[Keys], origin: str) -> 
 
 
 def validate_leniently(raw: Mapping[str, Any], keys: type[Keys]) -> tuple[Keys | None, KeyFaults]:
-    """Return a file's keys and their faults, reading on after a fault.
+    """Return the validated keys of a file with the tables ``raw``, and all faults of keys; reading continues after a fault.
 
-    A faulty value is replaced by the example of its key, and an unknown key is left out. The keys are None if the file
-    cannot be read even so, such as if a whole table is missing.
+    ``keys``: pydantic model of the keys. A faulty value is replaced by the example of its key, and an unknown key is left
+    out. The returned keys are None if the file cannot be read even so, for example if a whole table is missing.
     """
     try:
         return keys.model_validate(raw), KeyFaults()
@@ -193,7 +202,10 @@ def validate_leniently(raw: Mapping[str, Any], keys: type[Keys]) -> tuple[Keys |
 
 
 def _replace_faulty_value(raw: Any, where: Sequence[int | str], kind: str, node: Mapping[str, Any]) -> bool:
-    """Replace the value at ``where`` by its key's example, or drop it, in place; return whether that was possible."""
+    """Replace a faulty value in the tables ``raw`` by its key's example, or remove it; return whether that was possible.
+
+    ``where``: path of the key; ``kind``: pydantic's name of the error; ``node``: part of the JSON Schema for the key.
+    """
     for key in where[:-1]:
         known = isinstance(raw, list) if isinstance(key, int) else isinstance(raw, dict) and key in raw
         if not known:
@@ -211,9 +223,9 @@ def _replace_faulty_value(raw: Any, where: Sequence[int | str], kind: str, node:
 
 
 def key_faults(keys: type[BaseModel], error: ValidationError) -> list[FaultText]:
-    """Return the message parts of all faults that pydantic found, unknown keys first.
+    """Return the message parts of all faults that pydantic found in ``keys``, unknown keys first.
 
-    A missing key is not reported if an unknown key was probably meant for it, since that fault's advice names it.
+    A missing key is not reported if an unknown key was probably meant for it, because the advice on that key names it.
     """
     faults = sorted(error.errors(include_url=False), key=lambda f: f["type"] not in UNKNOWN_KEY_ERRORS)
     schema, named = tidy_schema(keys), set()
@@ -230,7 +242,10 @@ def key_faults(keys: type[BaseModel], error: ValidationError) -> list[FaultText]
 
 
 def _is_short_by_faulty_entries(fault: Any) -> bool:
-    """Return whether pydantic reports a list as too short only because it does not count the list's faulty entries."""
+    """Return whether pydantic reports a list as too short only because it does not count the list's faulty entries.
+
+    ``fault``: an entry of pydantic's list of errors.
+    """
     return bool(fault["type"] == "too_short" and len(fault["input"]) >= fault["ctx"]["min_length"])
 
 
@@ -240,7 +255,10 @@ def _key_path(where: Sequence[int | str]) -> str:
 
 
 def unknown_key_text(schema: dict[str, Any], fault: Any) -> tuple[FaultText, str]:
-    """Return the message parts for an unknown key, and the known key that is probably meant (empty if none is similar)."""
+    """Return the message parts for an unknown key, and the known key that is probably meant (empty if none is similar).
+
+    ``schema``: JSON Schema of the scene; ``fault``: an entry of pydantic's list of errors.
+    """
     where = fault["loc"]
     known, word = list(schema_part(schema, where[:-1]).get("properties", {})), known_key_for(str(where[-1]))
     near = difflib.get_close_matches(str(where[-1]), known, n=1, cutoff=0.5)
@@ -254,7 +272,10 @@ def unknown_key_text(schema: dict[str, Any], fault: Any) -> tuple[FaultText, str
 
 
 def _refused_value_text(schema: dict[str, Any], fault: Any) -> FaultText:
-    """Return the message parts for a missing key or a refused value that pydantic reports."""
+    """Return the message parts for a missing key or a refused value.
+
+    ``schema``: JSON Schema of the scene; ``fault``: an entry of pydantic's list of errors.
+    """
     where, context, kind = fault["loc"], fault.get("ctx", {}), fault["type"]
     node = schema_part(schema, where)
     allowed = str(context.get("allowed") or _allowed_values(node))
@@ -300,7 +321,11 @@ def _allowed_values(node: Mapping[str, Any]) -> str:
 
 
 def _advice_for_key(node: Mapping[str, Any], name: str, kind: str, given: object) -> str:
-    """Return the advice on what to write for a faulty or missing key, from its part of the JSON Schema."""
+    """Return the advice on what to write for a faulty or missing key.
+
+    ``node``: part of the JSON Schema for the key; ``name``: the key; ``kind``: pydantic's name of the error; ``given``: the
+    faulty value.
+    """
     if "enum" in node and isinstance(given, str):
         near = difflib.get_close_matches(given, node["enum"], n=1, cutoff=0.5)
         if near:
@@ -315,5 +340,5 @@ def _advice_for_key(node: Mapping[str, Any], name: str, kind: str, given: object
 
 
 def known_key_for(name: str) -> str:
-    """Return the key of a scene that is meant by a frequent unknown key (`WORDS`); an empty text for any other key."""
+    """Return the key of a scene that is meant by a frequent unknown key, from the table `WORDS`; empty for other keys."""
     return WORDS.get(name.strip().lower().replace("-", "_").replace(" ", "_"), "")

@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 
 
 def scene_of(keys: schema.SceneKeys, name: str) -> parts.Scene:
-    """Return the scene (ball screw or bearing) that validated keys describe; ``name``: name of the scene."""
+    """Return the scene ``name`` (ball screw or bearing) from the validated keys of its file."""
     track, e, nut, held = keys.track, keys.errors, keys.nut, keys.solid.nut_held
     listed = tuple(sorted((int(k), v) for k, v in e.balls.listed.items()))
     material = material_of(keys.balls.material, keys.material)
@@ -67,9 +67,9 @@ def scene_of(keys: schema.SceneKeys, name: str) -> parts.Scene:
 
 
 def _track_record(keys: schema.SceneKeys) -> parts.Track:
-    """Return the path of the ball centres.
+    """Return the record of the path of the ball centres.
 
-    With a clearance it is that of a bearing with one arc per groove, whose contact angle follows from the clearance.
+    With a clearance it is the path of a bearing with one arc per groove, whose contact angle follows from the clearance.
     """
     fields, clearance = keys.track.model_dump(exclude={"clearance"}), keys.track.clearance
     if clearance is not None:
@@ -79,17 +79,20 @@ def _track_record(keys: schema.SceneKeys) -> parts.Track:
 
 
 def groove_centre_distance(keys: schema.SceneKeys) -> float:
-    """Return the distance between the centres of the two grooves [m] at which a ball touches both grooves."""
+    """Return the distance between the centres of both grooves' arcs [m] at which a ball touches both grooves."""
     return groove_radius_of(keys, keys.screw) + groove_radius_of(keys, keys.nut) - 2.0 * keys.balls.radius
 
 
 def groove_radius_of(keys: schema.SceneKeys, part: schema.ScrewKeys | schema.NutKeys) -> float:
-    """Return the groove radius of screw or nut [m], as given or from the conformity."""
+    """Return the groove radius of the screw or nut ``part`` [m], as given or as conformity times ball diameter."""
     return part.groove_radius or (part.conformity or 0.0) * (2.0 * keys.balls.radius)
 
 
 def _shared_fields(keys: schema.SceneKeys, part: schema.ScrewKeys | schema.NutKeys) -> dict[str, Any]:
-    """Return the fields of length, diameter, groove radius and material, which the records of screw and nut share."""
+    """Return the fields that the records of screw and nut have in common: length, diameter, groove radius and material.
+
+    ``part``: keys of the screw or nut.
+    """
     shape = {"length": part.length, "outer_diameter": part.outer_diameter, "groove_radius": groove_radius_of(keys, part)}
     return {**shape, "material": material_of(part.material, keys.material)}
 
@@ -123,7 +126,7 @@ def friction_of(keys: schema.FrictionKeys) -> parts.Friction:
 
 
 def material_of(keys: MaterialKeys | None, default: MaterialKeys) -> parts.Material:
-    """Return the material of a part; values that its table lacks are those of [material], ``default``."""
+    """Return the material of a part from the keys of its table; missing values are those of [material], ``default``."""
     keys = keys or default
     modulus = default.youngs_modulus if keys.youngs_modulus is None else keys.youngs_modulus
     ratio = default.poissons_ratio if keys.poissons_ratio is None else keys.poissons_ratio
@@ -135,8 +138,8 @@ def material_of(keys: MaterialKeys | None, default: MaterialKeys) -> parts.Mater
 def _ball_azimuths(balls: schema.BallKeys, track: schema.TrackKeys) -> tuple[float, ...]:
     """Return the azimuths of the balls of one start [rad].
 
-    They are listed in the file, or spread evenly over its arcs, or over the turns of each circuit. Circuits and the gaps
-    between them are centred on the nut.
+    They are listed in the file, or spread evenly over the angle ranges ``arcs``, or over the turns of each circuit.
+    Circuits and the gaps between them are centred on the nut.
     """
     if balls.azimuths is not None:
         return tuple(balls.azimuths)
@@ -152,7 +155,11 @@ def _ball_azimuths(balls: schema.BallKeys, track: schema.TrackKeys) -> tuple[flo
 
 
 def balls_of_circuit(balls: schema.BallKeys, track: schema.TrackKeys) -> int:
-    """Return the number of balls of one circuit: an equal part of the count, or from the filling, at least one."""
+    """Return the number of balls of one circuit, an equal part of the count of all balls.
+
+    Without a count, it follows from the ``filling``, the part of the turns that the balls would fill if they touched; it is
+    at least one.
+    """
     if balls.count is not None:
         return balls.count // (track.starts * balls.circuits)
     touching = angle_of_touching_balls(track.pitch_radius, track.lead, 2.0 * balls.radius)
@@ -187,7 +194,7 @@ def ball_total(balls: schema.BallKeys, track: schema.TrackKeys) -> int:
 
 
 def support_of(support: schema.SupportKeys | HousingKeys) -> parts.Support:
-    """Return the record of a support or housing's fixing: its position, and the prescribed value of each fixed freedom."""
+    """Return the record of a support or of a housing's fixing: position, and prescribed value of each fixed freedom."""
     held: dict[str, float] = dict.fromkeys(support.fix, 0.0)
     held |= support.displace.given
     return parts.Support(support.at, tuple((name, held[name]) for name in parts.FREEDOMS if name in held))
@@ -221,9 +228,10 @@ def oversize_for_preload(scene: parts.Scene, force: float) -> float:
 
 
 def preload_force(scene: parts.Scene, given: float | ShareOfRating) -> tuple[float, str]:
-    """Return the preload [N] from a force or a share of the dynamic load rating, and a text on that share.
+    """Return the preload [N], and a text on the load rating from which it was computed.
 
-    The text is empty if the preload is given as a force.
+    ``given``: force [N], for which the text is empty; or fraction of the dynamic load rating of the nut or bearing
+    ``scene``.
     """
     if not isinstance(given, ShareOfRating):
         return given, ""
@@ -235,7 +243,10 @@ def preload_force(scene: parts.Scene, given: float | ShareOfRating) -> tuple[flo
 
 
 def with_preload(scene: parts.Scene, keys: schema.PreloadKeys | None) -> parts.Scene:
-    """Return the scene with its preload as an oversize of the balls; a force is converted, which is noted as assumption."""
+    """Return the scene with its preload as an oversize of the balls; the conversion of a force is stated as an assumption.
+
+    ``keys``: table of the preload; None or a lead offset leaves the scene unchanged.
+    """
     if keys is None or keys.lead_offset is not None:
         return scene
     size, assumed = keys.oversize or 0.0, scene.assumed
@@ -328,13 +339,13 @@ def _scene_of_case(scene: Scene | Assembly, keys: CaseKeys) -> Scene | Assembly:
 
 
 def _errors_of_case(scene: Scene, keys: CaseKeys) -> Errors:
-    """Return the geometric errors of a scene, with the ball oversize of the load case if it gives one."""
+    """Return the geometric errors of a scene in a load case, with the ball oversize of the load case if it states one."""
     oversize = scene.errors.balls.oversize if keys.oversize is None else keys.oversize
     return replace(scene.errors, balls=replace(scene.errors.balls, oversize=oversize))
 
 
 def _displaced_support(support: Support, keys: CaseKeys) -> Support:
-    """Return a support with the displacements that a load case prescribes at the support's position."""
+    """Return a support with the displacements that the load case ``keys`` prescribes at the support's position."""
     moved: dict[str, float] = {}
     for other in keys.supports:
         if abs(other.at - support.at) <= MERGE:
@@ -370,7 +381,10 @@ def case_faults(keys: SceneKeys | AxisKeys) -> Iterator[Fault]:
 
 
 def _share_faults(case: CaseKeys, where: str) -> Iterator[Fault]:
-    """Yield a fault unless a load case has either a share, or both time and speed; ``where``: path of the case."""
+    """Yield a fault unless a load case has either a share of the revolutions, or both time and speed.
+
+    ``where``: path of the case in the file, such as ``cases[0]``.
+    """
     if (case.share is None) == (case.time is None):
         given = "neither" if case.share is None else "both share and time"
         advice = 'write share = 0.5, or time = "20 s" with speed = "200 rpm"'
@@ -384,7 +398,10 @@ def _share_faults(case: CaseKeys, where: str) -> Iterator[Fault]:
 
 
 def _support_faults(keys: SceneKeys | AxisKeys, case: CaseKeys, where: str) -> Iterator[Fault]:
-    """Yield the faults of a load case's displacements: no support of the scene fixes the freedom, or it is given twice."""
+    """Yield the faults of displacements in a load case: no support of the scene fixes the freedom, or it is given twice.
+
+    ``keys``: keys of the scene; ``where``: path of the case in the file, such as ``cases[0]``.
+    """
     seen: set[tuple[int, str]] = set()
     for j, other in enumerate(case.supports):
         supports = [(i, s) for i, s in enumerate(keys.supports) if abs(s.at - other.at) <= MERGE]
@@ -406,7 +423,10 @@ def _support_faults(keys: SceneKeys | AxisKeys, case: CaseKeys, where: str) -> I
 
 
 def fault_of_case(fault: Fault, k: int) -> Fault:
-    """Return a fault of the scene under load case ``k``, which names keys of the load case where the file has them."""
+    """Return a fault of the scene under load case ``k``, with the keys of that load case before those of the scene.
+
+    The message then names a key of the load case, ``cases[k].KEY``, where the file has it.
+    """
     blamed = tuple(f"cases[{k}].{key}" for key in fault.keys if key.startswith(("loads", "supports")))
     oversize = () if blamed else (f"cases[{k}].oversize",)
     return replace(fault, keys=(*blamed, *oversize, *fault.keys))

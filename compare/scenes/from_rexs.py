@@ -77,7 +77,10 @@ class RexsReader:
 
 
 def quantity_text(attribute: str, value: float) -> str:
-    """Return the value of a REXS attribute with its unit, as text for a scene file."""
+    """Return ``value``, that of a REXS attribute, as text with its unit for a scene file.
+
+    ``attribute``: name of the attribute, from which the unit follows.
+    """
     unit = UNITS[attribute]
     return f"{value!r} {SCENE_UNITS.get(unit, unit)}"
 
@@ -145,7 +148,10 @@ def _chosen_shaft(reader: RexsReader, name: str) -> RexsComponent:
 
 
 def _is_bearing(model: RexsModel, roles: dict[str, int]) -> bool:
-    """Return whether a REXS relation connects a rolling bearing with its inner and outer part."""
+    """Return whether a REXS relation connects a rolling bearing with its inner and outer part.
+
+    ``roles``: ids of the related components, by their roles in the relation.
+    """
     return {"assembly", "inner_part", "outer_part"} <= set(roles) and model.components[roles["assembly"]].type in BEARINGS
 
 
@@ -192,7 +198,7 @@ def _scene_tables(reader: RexsReader, shaft: RexsComponent) -> Table:
 
 
 def _plain_section(reader: RexsReader, x: RexsComponent) -> Table:
-    """Return the table of a plain section of the shaft; a conical section becomes a cylinder of its mean diameters."""
+    """Return the table of the plain section ``x`` of the shaft; a cone becomes a cylinder of its mean diameters."""
     needed = ("u_coordinate_on_shaft", "length", "outer_diameter_begin")
     for name in needed:
         if x.number(name) is None:
@@ -208,7 +214,10 @@ def _plain_section(reader: RexsReader, x: RexsComponent) -> Table:
 
 
 def _tables_of_bearing(reader: RexsReader, bearing: RexsComponent, steels: Steels, names: set[str]) -> list[Table]:
-    """Return the tables of a bearing, one for each row, with names that are not yet in ``names``."""
+    """Return the tables of a bearing, one for each row, with names that are not yet in ``names``.
+
+    ``steels``: material of the shaft, and default material of all parts.
+    """
     model, name = reader.model, bearing.name or f"bearing {bearing.id}"
     kind, rows = bearing.word("bearing_type"), model.parts(bearing.id, "rolling_bearing_row") or [bearing]
     if kind not in (*BALLS, *BALLS_OF_THRUST, *ROLLERS):
@@ -233,7 +242,7 @@ def _tables_of_bearing(reader: RexsReader, bearing: RexsComponent, steels: Steel
 
 
 def _shift_position(place: str, by: float) -> str:
-    """Return a position along the shaft, a text in mm, shifted by a distance [mm]."""
+    """Return the position ``place`` along the shaft, a text in mm, shifted by a distance [mm]."""
     value, _, unit = place.partition(" ")
     return f"{float(value) + by!r} {unit}"
 
@@ -241,7 +250,11 @@ def _shift_position(place: str, by: float) -> str:
 def _table_of_row(
     reader: RexsReader, bearing: RexsComponent, row: RexsComponent, steels: Steels, name: str, place: str
 ) -> Table:
-    """Return the table ``[[sets]]`` for one row of a bearing, at the position ``place`` along the shaft."""
+    """Return the table ``[[sets]]`` for one row of a bearing.
+
+    ``steels``: material of the shaft, and default material of all parts; ``name``: name of the set; ``place``: position of
+    the row along the shaft, as text.
+    """
     model, kind = reader.model, bearing.word("bearing_type")
     elements = model.parts(row.id, "rolling_element")
     element = elements[0] if elements else row
@@ -279,7 +292,11 @@ def _table_of_row(
 def _roller_tables(
     reader: RexsReader, row: RexsComponent, element: RexsComponent, name: str, place: str, count: int
 ) -> Table:
-    """Return the tables of position and rollers for a row of tapered rollers."""
+    """Return the tables of position and rollers for a row of tapered rollers.
+
+    ``element``: component of a roller; ``name``: name of the set; ``place``: position of the row along the shaft, as text;
+    ``count``: number of rollers.
+    """
     of = f"{name}.rollers"
     depth = reader.given.pop(f"{of}.ring_depth", None)
     if depth is None:
@@ -309,7 +326,11 @@ def _ball_tables(
     place: str,
     count: int,
 ) -> Table:
-    """Return the tables of ball path, inner ring, outer ring and balls for a row of balls."""
+    """Return the tables of ball path, inner ring, outer ring and balls for a row of balls.
+
+    ``elements``: components of the balls; ``steels``: material of the shaft, and default material of all parts; ``name``:
+    name of the set; ``place``: position of the row along the shaft, as text; ``count``: number of balls.
+    """
     model, element = reader.model, elements[0] if elements else row
     rings = {x.word("bearing_ring_type"): x for x in model.parts(bearing.id, "bearing_ring")}
     inner, outer = rings.get("inner_ring", bearing), rings.get("outer_ring", bearing)
@@ -363,14 +384,20 @@ def _without_sign(text: str | None) -> str | None:
 
 
 def _material_table(reader: RexsReader, of: RexsComponent, key: str) -> Table:
-    """Return the table of a material from the elastic constants of a component; a missing one is recorded as a fault."""
+    """Return the table of a material from the elastic constants of the component ``of``; missing ones are faults.
+
+    ``key``: prefix of the keys with which the user can give missing constants, such as ``material``.
+    """
     ratio = reader.need(of, "poisson_ratio", f"{key}.poissons_ratio")
     modulus = reader.need(of, "elastic_modulus", f"{key}.youngs_modulus")
     return {"youngs_modulus": modulus, "poissons_ratio": None if ratio is None else float(ratio.split()[0])}
 
 
 def _own_material(reader: RexsReader, steel: RexsComponent | None, usual: RexsComponent | None, key: str) -> Table:
-    """Return the material table of a part if it differs from the usual material, else an empty table."""
+    """Return the material table of a part if its material differs from the default material ``usual``, else an empty table.
+
+    ``key``: prefix of the keys with which the user can give missing constants.
+    """
     if steel is None or (usual is not None and steel.attributes == usual.attributes):
         return {}
     return {"material": _material_table(reader, steel, f"{key}.material")}
@@ -389,13 +416,13 @@ def _material_of_elements(model: RexsModel, bearing: RexsComponent) -> RexsCompo
 
 
 def _components_beside(model: RexsModel, shaft: RexsComponent, type: str) -> list[RexsComponent]:
-    """Return the components of a type that are attached to the shaft by a side relation."""
+    """Return the components of a type, such as "concept_bearing", that a relation of type "side" attaches to the shaft."""
     sides = (r.roles for r in model.relations if r.type == "side" and shaft.id in r.roles.values())
     return [x for roles in sides if (x := model.components[roles["assembly"]]).type == type]
 
 
 def _support_table(reader: RexsReader, x: RexsComponent) -> Table:
-    """Return the table of a rigid support for a concept bearing; empty if the bearing carries no force or moment."""
+    """Return the table of a rigid support for the concept bearing ``x``; empty if it carries no force or moment."""
     fix = ["ux", "uy"] if x.attributes.get("radial_force_absorption") else []
     fix += ["uz"] if x.word("axial_force_absorption") == "both_directions" else []
     fix += ["rx", "ry"] if (x.number("bending_stiffness") or 0.0) >= RIGID else []
@@ -405,9 +432,9 @@ def _support_table(reader: RexsReader, x: RexsComponent) -> Table:
 
 
 def _load_table(x: RexsComponent, case: dict[str, Value]) -> Table:
-    """Return the table of a load on the shaft, with values of the load case ``case`` instead of its own.
+    """Return the table of the load ``x`` on the shaft; attributes that the load case ``case`` states take precedence.
 
-    The support at the end of the shaft carries the torque about the axis.
+    The torque about the axis is balanced by the support at the end of the shaft.
     """
     known = RexsComponent(x.id, x.type, x.name, x.attributes | case)
     force = [known.number(f"force_{axis}_direction") or 0.0 for axis in "vwu"]
@@ -419,7 +446,8 @@ def _load_table(x: RexsComponent, case: dict[str, Value]) -> Table:
 def _case_tables(model: RexsModel, shaft: RexsComponent, loads: list[RexsComponent]) -> list[Table]:
     """Return the tables of the load cases, each with its loads and its share of the operating time.
 
-    If the file has speeds for all load cases, times and speeds are given instead of shares.
+    ``loads``: components of the loads on the shaft. If the file has a time and a speed for every load case, these are given
+    instead of shares.
     """
     unit = next((k for k, c in model.components.items() if c.type == "gear_unit"), 0)
     of_unit = [RexsComponent(0, "", "", case.get(unit, {})) for case in model.cases]

@@ -160,7 +160,7 @@ def _material_faults(keys: SceneKeys, part: str) -> Iterator[Fault]:
 
 
 def _ball_choice_faults(keys: SceneKeys) -> Iterator[Fault]:
-    """Yield the faults of the keys for number and arrangement of the balls."""
+    """Yield the faults of the keys for number and positions of the balls: count and turns, arcs, or azimuths."""
     balls, starts, ring = keys.balls, keys.track.starts, keys.track.lead == 0.0
     if ring and starts > 1:
         advice = "write starts = 1, or give a lead: a bearing has one row of balls"
@@ -193,7 +193,7 @@ def _ball_choice_faults(keys: SceneKeys) -> Iterator[Fault]:
 
 
 def _arc_faults(balls: BallKeys) -> Iterator[Fault]:
-    """Yield the faults of the angle ranges filled with balls: they are empty, out of order, or given besides turns."""
+    """Yield the faults of the angle ranges filled with balls: empty, out of order, or given in addition to ``turns``."""
     ends = [end for arc in balls.arcs or [] for end in arc]
     if balls.turns is not None:
         yield Fault(("balls.arcs",), "either turns or arcs", "leave one of the two out", "both turns and arcs")
@@ -203,7 +203,10 @@ def _arc_faults(balls: BallKeys) -> Iterator[Fault]:
 
 
 def _listed_faults(keys: SceneKeys, total: int) -> Iterator[Fault]:
-    """Yield the faults of too many balls, and of radius errors that are listed for a missing ball or twice."""
+    """Yield the faults of too many balls, and of radius errors that are listed for a missing ball or twice.
+
+    ``total``: number of balls of the scene.
+    """
     if total > MAX_BALLS:
         allowed = f"at most {MAX_BALLS} balls"
         yield Fault(("balls.azimuths",), allowed, "list fewer azimuths", f"{total} balls")
@@ -293,7 +296,10 @@ def _operation_faults(keys: SceneKeys) -> Iterator[Fault]:
 
 
 def _circulation_faults(keys: SceneKeys, circuits: int) -> Iterator[Fault]:
-    """Yield the faults of circulating balls: [circulation] and [balls] state different circuits, or arcs are unequal."""
+    """Yield the faults of circulating balls: [circulation] and [balls] state different circuits, or arcs are unequal.
+
+    ``circuits``: number of circuits of each start according to [balls].
+    """
     if keys.circulation is None and keys.time is None:
         return
     stated = 1 if keys.circulation is None else keys.circulation.circuits

@@ -209,7 +209,10 @@ def tidy_schema(keys: type[BaseModel]) -> dict[str, Any]:
 
 
 def without_null(node: Any) -> Any:
-    """Return a JSON Schema without ``null`` (TOML has none), without pydantic's titles, and without defaults of tables."""
+    """Return a JSON Schema, or a part of it, without ``null``, which TOML does not have.
+
+    Pydantic's titles and the defaults of tables are removed too.
+    """
     if isinstance(node, list):
         return [without_null(v) for v in node]
     if not isinstance(node, dict):
@@ -232,7 +235,10 @@ def without_null(node: Any) -> Any:
 
 
 def _with_unit(default: Any, node: dict[str, Any]) -> Any:
-    """Return a default value, stored in SI units, as text with a unit, as it would be written in a file."""
+    """Return a default value in SI units as text with a unit, as it would be written in a file.
+
+    ``node``: part of the JSON Schema for the key.
+    """
     if isinstance(default, list):
         return [_with_unit(x, node.get("items", {})) for x in default]
     if isinstance(default, float) and "x-unit" in node:

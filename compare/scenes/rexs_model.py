@@ -145,13 +145,13 @@ class RexsModel:
         self.relations.append(RexsRelation(type, roles, order))
 
     def parts(self, whole: int, type: str) -> list[RexsComponent]:
-        """Return the components of a type that are parts of the component with the id ``whole``, in their order."""
+        """Return the components of a type that are parts of the component with the id ``whole``, in their stated order."""
         found = [r for r in self.relations if r.roles.get("assembly") == whole and "part" in r.roles]
         found.sort(key=lambda r: r.order or 0)
         return [x for r in found if (x := self.components[r.roles["part"]]).type == type]
 
     def material(self, *ids: int) -> RexsComponent | None:
-        """Return the material of the first component among ``ids`` that has one; None if none has."""
+        """Return the material of the first component among those with the ids ``ids`` that has one; None if none has."""
         for k in ids:
             for r in self.relations:
                 if r.type == "reference" and r.roles.get("origin") == k and "referenced" in r.roles:
@@ -210,7 +210,10 @@ def read_model(path: Path) -> RexsModel:
 
 
 def _component_id(element: ET.Element, path: Path) -> int:
-    """Return the id of an XML element as a number; InputError if it is not a whole number."""
+    """Return the id of an XML element as a number; InputError if it is not an integer.
+
+    ``path``: the file, for messages.
+    """
     text = element.get("id", "")
     if not text.isdigit():
         raise InputError(str(path), element.tag, f"id={text!r}", "a whole number", "export the file again")
@@ -218,7 +221,10 @@ def _component_id(element: ET.Element, path: Path) -> int:
 
 
 def _known_attributes(component: ET.Element, path: Path) -> dict[str, Value]:
-    """Return the values of a component's attributes in `UNITS`; InputError for a wrong unit or an invalid number."""
+    """Return the values of a component's attributes that occur in `UNITS`, by the attributes' names.
+
+    ``component``: its XML element; ``path``: the file, for messages. InputError for a wrong unit or an invalid number.
+    """
     found = {}
     for one in component.iterfind("attribute"):
         name, unit = one.get("id", ""), one.get("unit", "")
@@ -284,7 +290,7 @@ def text_of(model: RexsModel, version: str, date: str) -> str:
 
 
 def _write_component(parent: ET.Element, component: RexsComponent, attributes: dict[str, Value]) -> None:
-    """Append a component with some of its attributes to an XML element."""
+    """Append a component with the given attributes to the XML element ``parent``."""
     head = {"id": str(component.id), "type": component.type, "name": component.name}
     one = ET.SubElement(parent, "component", {k: v for k, v in head.items() if v})
     for name, value in attributes.items():

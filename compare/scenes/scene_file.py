@@ -16,7 +16,7 @@ from rollbench.compare.files import ENCODING, NotTextError, similar_paths, text_
 from rollbench.compare.quantities import count_of
 from rollbench.compare.scenes.duty_cycle import WHOLE, Described, DutyCycle
 from rollbench.meshes.axis import Assembly
-from rollbench.meshes.kept import kept
+from rollbench.meshes.cache import kept
 from rollbench.meshes.parts import Scene
 from rollbench.meshes.units import COMMA, has_comma
 
@@ -57,14 +57,17 @@ def scene_of_text(text: str, origin: str) -> Scene:
 
 
 def scene_or_assembly(scene: Described, origin: str) -> Scene | Assembly:
-    """Return the scene if it is a ball screw, a bearing, or a shaft with several of them; SceneError for other kinds."""
+    """Return the scene if it is a ball screw, a bearing, or a shaft with several of them; SceneError for other kinds.
+
+    ``origin``: name of the file, for messages.
+    """
     return scene if isinstance(scene, Assembly) else single_set_or_raise(scene, origin)
 
 
 def each_case(scene: Described, origin: str) -> list[Scene] | list[Assembly]:
     """Return the scenes to be solved: the scene of each load case in order, or the scene itself if it has no load cases.
 
-    SceneError for kinds of scenes of which only friction is computed.
+    ``origin``: name of the file, for messages. SceneError for kinds of scenes of which only friction is computed.
     """
     if isinstance(scene, DutyCycle):
         return [case.scene for case in scene.cases]  # type: ignore[return-value]
@@ -73,7 +76,10 @@ def each_case(scene: Described, origin: str) -> list[Scene] | list[Assembly]:
 
 
 def single_set_or_raise(scene: Described, origin: str) -> Scene:
-    """Return the scene if it is a ball screw or bearing with a single nut or row; SceneError for other kinds."""
+    """Return the scene if it is a ball screw or bearing with a single nut or row; SceneError for other kinds.
+
+    ``origin``: name of the file, for messages.
+    """
     if isinstance(scene, Scene):
         return scene
     if isinstance(scene, DutyCycle):
@@ -119,7 +125,7 @@ def parse_scene(text: str, origin: str) -> Described:
 
 @kept(ParsedScene)
 def _parsed(text: str, origin: str) -> ParsedScene:
-    """Return the scene that a text describes; cached on disk."""
+    """Return the scene that a text describes, read from the cache on disk where it was stored before."""
     from rollbench.compare.scenes.scene_tables import read_tables  # heavy import, not needed for a cached text
 
     return ParsedScene(read_tables(read_toml(text, origin), origin))
@@ -165,7 +171,7 @@ def read_text(path: str | Path) -> str:
 
 
 def scene_hash(text: str) -> str:
-    """Return a hash of a scene's text without its role: the first 16 hexadecimal digits of its SHA-256."""
+    """Return the first 16 hexadecimal digits of the SHA-256 of a scene's text without the line of the key ``role``."""
     described = re.sub(r"(?m)^role = .*\n", "", text)
     return hashlib.sha256(described.encode("utf-8", "surrogatepass")).hexdigest()[:16]
 

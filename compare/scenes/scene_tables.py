@@ -72,7 +72,10 @@ def read_tables(raw: dict[str, Any], origin: str) -> Described:
 
 
 def keys_of(raw: dict[str, Any], origin: str) -> SceneKeys | AxisKeys:
-    """Return the validated keys of a ball screw, a bearing, or a shaft with several of them; SceneError for faulty keys."""
+    """Return the validated keys of a ball screw, a bearing, or a shaft with several of them; SceneError for faulty keys.
+
+    ``raw``: tables of the file; ``origin``: name of the file, for messages.
+    """
     return _axis_keys(raw, origin) if _is_axis(raw) else validate_or_raise(raw, SceneKeys, origin)
 
 
@@ -91,7 +94,7 @@ def _is_axis(raw: dict[str, Any]) -> bool:
 def single_set_scene(raw: dict[str, Any], origin: str) -> Scene | DutyCycle:
     """Return the ball screw or bearing that the tables ``raw`` describe, in one load case or several.
 
-    A SceneError for the file ``origin`` lists all faults that can be detected before the first ones are corrected.
+    SceneError for a faulty file ``origin``; it lists all faults that can be detected before the first ones are corrected.
     """
     keys, key_faults = validate_leniently(raw, SceneKeys)
     texts = list(key_faults.texts)

@@ -118,7 +118,11 @@ def _schema_of_kind(kind: str) -> dict[str, Any]:
 
 
 def _table_lines(node: Node, defs: Node, values: Node, path: str) -> Iterator[str]:
-    """Yield the lines of a table of a template: first its keys with plain values, then the tables inside it."""
+    """Yield the lines of a table of a template: first its keys with plain values, then the tables inside it.
+
+    ``node``: JSON Schema of the table; ``defs``: definitions of the schema, by their names; ``values``: contents of the
+    table; ``path``: name of the table with a dot, empty for the whole file.
+    """
     inner = {}
     for name, entry in node["properties"].items():
         content = values.get(name)
@@ -142,7 +146,10 @@ def _table_lines(node: Node, defs: Node, values: Node, path: str) -> Iterator[st
 
 
 def _key_line(name: str, entry: Node, value: Any) -> Iterator[str]:
-    """Yield the line of a key of a template: with its value, or as a comment with its default or an example."""
+    """Yield the line of a key: with its value, or as a comment with its default or an example if ``value`` is None.
+
+    ``entry``: part of the JSON Schema for the key.
+    """
     text = _description(entry)
     if "x-allowed" in entry:
         text += f" ({entry['x-allowed']})"
@@ -161,7 +168,10 @@ def _description(entry: Node) -> str:
 
 
 def _referenced_table(entry: Node, defs: Node) -> Node:
-    """Return the definition of the table to which an entry of the JSON Schema refers."""
+    """Return the definition of the table to which an entry of the JSON Schema refers.
+
+    ``defs``: definitions of the schema, by their names.
+    """
     table: Node = defs[entry["$ref"].rsplit("/", 1)[1]]
     return table
 
@@ -219,7 +229,7 @@ def double_nut_text(size: str) -> str:
 
 
 def _filled_text(name: str, values: Mapping[str, Any], **words: object) -> str:
-    """Return a text of the folder ``like_texts`` with values filled in.
+    """Return the text ``name`` of the folder ``like_texts``, with ``values`` and ``words`` in its placeholders.
 
     Its title and assumptions do not repeat values that a user may change later.
     """
@@ -227,7 +237,10 @@ def _filled_text(name: str, values: Mapping[str, Any], **words: object) -> str:
 
 
 def _without_unused_gap(text: str, values: dict[str, Any]) -> str:
-    """Return the text of a scene without the key ``circuit_gap`` if the nut has a single circuit of balls."""
+    """Return the text of a scene, without the line ``circuit_gap = ...`` if the nut has a single circuit of balls.
+
+    ``values``: dimensions from `catalogue_values`.
+    """
     return text if values["circuits"] > 1 else re.sub(r"(?m)^circuit_gap = .*\n", "", text)
 
 

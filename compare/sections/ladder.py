@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from rollbench.compare.measure import LoadError, error_percent, load_error
+from rollbench.compare.measure import LoadError, error_percent, load_error, mean_load
 from rollbench.compare.models.comparison import REFERENCED
 from rollbench.compare.models.model_form import SHARE
 from rollbench.compare.models.modelling import RUNGS, UNSEEN, Rung, errors_by_replaced_body, ladder, left_out_one
@@ -15,7 +15,6 @@ from rollbench.compare.models.study import Study
 from rollbench.lowfi.compliance.bodies import PARTS
 from rollbench.lowfi.compliance.parts import REFINED, Backend
 from rollbench.lowfi.statics.elastic import solve_elastic
-from rollbench.meshes.loads import mean_load
 from rollbench.reports.content import Figure, Panel, Quantity, Row, Section, Series, Table, Text
 
 #: Least number of scenes for which a model's expected errors are drawn.

@@ -17,7 +17,7 @@ from pathlib import Path
 
 import numpy as np
 
-from rollbench.compare.measure import error_percent
+from rollbench.compare.measure import error_percent, mean_load
 from rollbench.compare.models.comparison import REFERENCED, from_result
 from rollbench.compare.models.model_form import SHARE
 from rollbench.compare.models.modelling import REFINED, RUNGS, SPOKEN_FOR, UNSEEN, Rung, base_run, ladder, left_out_one
@@ -47,7 +47,6 @@ from rollbench.compare.reference.store import load_run, shipped_store
 from rollbench.compare.scenes import scene_file
 from rollbench.compare.sections.fit import range_items
 from rollbench.meshes.arrays import Array
-from rollbench.meshes.loads import mean_load
 from rollbench.meshes.parts import Scene
 from rollbench.reports.content import Figure, Panel, Quantity, Row, Section, Series, Table, Text
 

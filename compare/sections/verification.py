@@ -10,7 +10,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from rollbench.compare.measure import error_percent, load_error
+from rollbench.compare.measure import error_percent, load_error, mean_load
 from rollbench.compare.models.study import Study
 from rollbench.compare.reference.estimate import Reference
 from rollbench.compare.studies.crosscheck.nut import load_nut
@@ -39,7 +39,6 @@ from rollbench.hifi.contact.block import (
     solve_hertz_contact_like_lin,
 )
 from rollbench.hifi.contact.block import solve_hertz_contact as solve_block
-from rollbench.meshes.loads import mean_load
 from rollbench.reports.content import Figure, Panel, Quantity, Row, Section, Series, Table, Text
 
 #: Numbers of cells across the short semi-axis, by element type. Chosen for a total of 25 s on two cores: tetrahedra are not

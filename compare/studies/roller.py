@@ -32,7 +32,7 @@ from rollbench.lowfi.rollers import (
     tapered_bearing,
 )
 from rollbench.meshes.axis import Assembly, RollerRow
-from rollbench.meshes.canonical import digest
+from rollbench.meshes.record_keys import digest
 
 #: Version of the 3D roller model in the names of stored runs; raise it when the mechanics change.
 SCHEMA = 1

@@ -33,9 +33,9 @@ from rollbench.compare.scenes import scene_file
 from rollbench.compare.studies import survey
 from rollbench.compare.studies.sweep.run import COMPILE_FROM
 from rollbench.lowfi.statics.nominal import nominal_contacts
-from rollbench.meshes.canonical import digest
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import Scene
+from rollbench.meshes.record_keys import digest
 from rollbench.reports.content import Figure, Panel, Series
 
 #: Name of the file with the contact loads, next to the survey's record.

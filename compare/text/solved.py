@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from rollbench.compare.measure import mean_load
 from rollbench.compare.models.load_cases import CycleResults, Solved, SolvedAxis
 from rollbench.compare.models.programs import title_of
 from rollbench.compare.models.registry import random_errors
@@ -30,7 +31,6 @@ from rollbench.lowfi.statics.nominal import nominal_contacts
 from rollbench.lowfi.statics.result import AxisResult, Equilibrium, SolverReport, by_freedoms
 from rollbench.lowfi.statics.tangent import Tangent
 from rollbench.lowfi.warned import warning_line
-from rollbench.meshes.loads import mean_load
 from rollbench.meshes.parts import FREEDOMS, SIDES
 
 if TYPE_CHECKING:

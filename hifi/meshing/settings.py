@@ -26,11 +26,11 @@ from rollbench.hifi.shaft.beam import Frame, beam_stiffness, round_section
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly, Thrust
 from rollbench.meshes.errors import specimen
-from rollbench.meshes.fields import keyed, usual
 from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.helix import ball_layout, groove_radii, lead_angle
 from rollbench.meshes.one_arc import sides_of_arc
 from rollbench.meshes.parts import SIDE_SIGNS, Material, Scene
+from rollbench.meshes.record_keys import keyed, usual
 from rollbench.meshes.solid import solid_dimensions
 
 #: Expected semi-axes are rounded to this length [m], so that similar scenes share their patches.

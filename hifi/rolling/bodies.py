@@ -48,12 +48,12 @@ from rollbench.meshes.arrays import Array, Index
 from rollbench.meshes.ball_body import build_ball
 from rollbench.meshes.cache import Cache
 from rollbench.meshes.fem import freedoms_on, nodes_on, points_of, with_points
-from rollbench.meshes.fields import keyed, usual
 from rollbench.meshes.groove import BodySpec
 from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.grooved_body import build_body
 from rollbench.meshes.helix import BallLayout
 from rollbench.meshes.parts import SIDE_SIGNS
+from rollbench.meshes.record_keys import keyed, usual
 from rollbench.meshes.sockets import SocketSize, fitted_socket, local_points, socket_centre, socket_reach
 
 #: Left flanks of screw or inner ring, and of nut or outer ring; right flanks are these turned.

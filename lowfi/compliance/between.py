@@ -46,8 +46,8 @@ from rollbench.lowfi.compliance.tube import (
     tube_compliance,
 )
 from rollbench.meshes.arrays import Array
+from rollbench.meshes.cache import kept
 from rollbench.meshes.helix import BallLayout, nominal_contact_points
-from rollbench.meshes.kept import kept
 from rollbench.meshes.parts import Scene
 from rollbench.meshes.section import BeamSection
 from rollbench.meshes.solid import solid_dimensions

@@ -49,9 +49,9 @@ from rollbench.lowfi.compliance.parts import (
 )
 from rollbench.lowfi.compliance.tube import clamped_beam_compliance, motion_rows
 from rollbench.meshes.arrays import Array
+from rollbench.meshes.cache import kept
 from rollbench.meshes.condensed import CondensedBodies, geometry_digest, load_condensed
 from rollbench.meshes.helix import BallLayout, ball_layout
-from rollbench.meshes.kept import kept
 from rollbench.meshes.one_arc import NEAR, is_one_arc
 from rollbench.meshes.parts import SIDE_SIGNS, SIDES, Scene
 from rollbench.meshes.solid import solid_dimensions

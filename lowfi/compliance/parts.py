@@ -15,9 +15,9 @@ import numpy as np
 
 from rollbench.lowfi.compliance.beyond_hertz import Flank
 from rollbench.meshes.arrays import Array
+from rollbench.meshes.cache import kept
 from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.helix import ball_layout
-from rollbench.meshes.kept import kept
 from rollbench.meshes.parts import Ingredients, Scene
 from rollbench.meshes.section import BeamSection, screw_section, tube_section
 from rollbench.meshes.solid import solid_dimensions

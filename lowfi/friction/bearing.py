@@ -34,7 +34,7 @@ from rollbench.lowfi.friction.screw.groove import ON_SCREW, SIGN_X, SIGN_Z, Cons
 from rollbench.lowfi.friction.screw.motion import Cell, ball_motion, bare_cell, settle_load
 from rollbench.lowfi.hertz import contact_modulus, hertz_constants
 from rollbench.meshes.arrays import Array
-from rollbench.meshes.fields import keyed, usual
+from rollbench.meshes.record_keys import keyed, usual
 
 #: Names of a ball's contacts: inner or outer ring, left or right.
 SIDES = ("IL", "IR", "OR", "OL")

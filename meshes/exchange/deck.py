@@ -281,7 +281,10 @@ def _deck_lines(deck: Deck, units: Units) -> Iterator[str]:
 
 
 def _body_lines(body: DeckBody, nodes: int, cells: int, units: Units) -> Iterator[str]:
-    """Yield the lines with the nodes, elements and sets of a body, numbered after the ``nodes`` and ``cells`` before it."""
+    """Yield the lines with the nodes, elements and sets of a body.
+
+    ``nodes``, ``cells``: number of nodes and of elements of the bodies before it, after which its own are numbered.
+    """
     yield f"*NODE, NSET={body.name}_ALL"
     for k, x in enumerate((body.points / units.length).tolist(), start=nodes + 1):
         yield f"{k}, {deck_number(x[0])}, {deck_number(x[1])}, {deck_number(x[2])}"
@@ -301,7 +304,8 @@ def _section_lines(
 ) -> Iterator[str]:
     """Yield the lines of a rigid section: two reference nodes, and the equations u = t + theta x r of its other nodes.
 
-    The displacements of the two reference nodes are the section's translation t and rotation theta.
+    The displacements of the two reference nodes are the section's translation t and rotation theta. ``starts``: number of
+    nodes and of elements before each body, by its name; ``reference``: largest node number before the two reference nodes.
     """
     body = next(b for b in deck.bodies if b.name == section.body)
     place = ", ".join(deck_number(x) for x in (section.point / units.length).tolist())
@@ -321,9 +325,11 @@ def _section_lines(
 
 
 def _spring_lines(springs: Sequence[tuple[int, int]], cells: int, stiffness: float, units: Units) -> Iterator[str]:
-    """Yield the lines of weak springs to the ground, each at a node (counted from 0) and a degree of freedom 0 to 5.
+    """Yield the lines of weak springs to the ground.
 
-    Degrees of freedom 3 to 5, the rotations of a section, are displacements of the section's second reference node.
+    ``springs``: pairs of a node, counted from 0, and a degree of freedom 0 to 5; ``cells``: number of elements before the
+    springs; ``stiffness``: stiffness of each spring [N/m]. Degrees of freedom 3 to 5, the rotations of a section, are
+    displacements of the section's second reference node.
     """
     for freedom in range(2 * AXES):
         nodes = [node + freedom // AXES + 1 for node, k in springs if k == freedom]
@@ -338,9 +344,10 @@ def _spring_lines(springs: Sequence[tuple[int, int]], cells: int, stiffness: flo
 
 
 def _motion_lines(deck: Deck, references: dict[str, int], units: Units, *, moved: bool) -> Iterator[str]:
-    """Yield the lines of the sections' prescribed motions: those that are zero; with ``moved``, those that are not.
+    """Yield the lines of the sections' prescribed motions: of those equal to zero, or with ``moved`` of the others.
 
-    Abaqus accepts prescribed motions other than zero only inside a step.
+    ``references``: largest node number before the two reference nodes of each section, by its name. Abaqus accepts
+    prescribed motions other than zero only inside a step.
     """
     for section in deck.sections:
         for freedom, value in section.held:
@@ -360,7 +367,10 @@ def _contact_lines(deck: Deck, units: Units) -> Iterator[str]:
 
 
 def _step_lines(deck: Deck, references: dict[str, int], units: Units) -> Iterator[str]:
-    """Yield the lines of the static step: prescribed motions, loads and requested output."""
+    """Yield the lines of the static step: prescribed motions, loads and requested output.
+
+    ``references``: largest node number before the two reference nodes of each section, by its name.
+    """
     yield from (f"*STEP, INC=100{', NLGEOM' if deck.nlgeom else ''}", "*STATIC", "1.0, 1.0, 1.0e-6, 1.0")
     yield from ("*CONTROLS, PARAMETERS=TIME INCREMENTATION", PATIENCE)
     moved = list(_motion_lines(deck, references, units, moved=True))

@@ -14,13 +14,19 @@ from numpy.typing import NDArray
 
 from rollbench.meshes.arrays import Array, Index
 from rollbench.meshes.exchange.deck import data_lines, deck_number, element_faces, set_lines
-from rollbench.meshes.leftovers import temporary_name
+from rollbench.meshes.files import temporary_name
 from rollbench.meshes.libraries import pip_command
-from rollbench.meshes.node_order import VTK
 
 if TYPE_CHECKING:
     from skfem import Mesh
 
+#: For each element type, its name in meshio, and the number in gmsh's cell of each node of VTK's cell (checked by tests).
+VTK: dict[str, tuple[str, tuple[int, ...]]] = {
+    "P1": ("tetra", tuple(range(4))),
+    "P2": ("tetra10", (0, 1, 2, 3, 4, 5, 6, 7, 9, 8)),
+    "Q1": ("hexahedron", tuple(range(8))),
+    "Q2": ("hexahedron27", (*range(8), 8, 11, 13, 9, 16, 18, 19, 17, 10, 12, 14, 15, 22, 23, 21, 24, 20, 25, 26)),
+}
 # Number, in meshio's (VTK's) cell, of each node of MED's cell: MED orients the first face in reverse (checked with gmsh).
 _MED: dict[str, tuple[int, ...]] = {
     "tetra": (0, 2, 1, 3),
@@ -207,7 +213,11 @@ def _skfem_fields(mesh: Mesh, region: str) -> dict[str, Index]:
 
 
 def _as_vtu(plain: Any, faces: Mapping[str, Index], region: str, marks: Mapping[str, Index]) -> Any:
-    """Add the fields of boundaries and region for a .vtu file to a mesh of meshio, and return it."""
+    """Add the fields that name boundaries and region in a .vtu file to a mesh of meshio, and return it.
+
+    ``plain``: mesh of meshio, which is changed; ``faces``: nodes of each boundary's faces ``(k, nodes)``, by its name;
+    ``region``: name of the group of all cells, or empty; ``marks``: cell fields from `_skfem_fields`.
+    """
     for name, members in faces.items():
         plain.point_data[f"boundary {name}"] = np.isin(np.arange(len(plain.points)), members).astype(np.uint8)
     count = len(plain.cells[0].data)
@@ -220,7 +230,7 @@ def _as_msh(plain: Any, faces: Mapping[str, Index], region: str, marks: Mapping[
     """Make a mesh of meshio for a .msh file, with physical groups for the region and the boundaries.
 
     A region without a name is called "other". In this format each entity must have a node that belongs to it alone. Cell
-    fields are NaN on the faces of boundaries.
+    fields are NaN on the faces of boundaries. Arguments as for `_as_vtu`; ``plain`` is not changed.
     """
     import meshio
 
@@ -245,9 +255,10 @@ def _as_msh(plain: Any, faces: Mapping[str, Index], region: str, marks: Mapping[
 
 
 def _owning_sets(cells: list[Index], count: int) -> Index:
-    """Assign each node ``(count,)`` to one of the sets of ``cells`` that contain it, so that each set owns a node.
+    """Assign each of ``count`` nodes to one of the sets of cells that contain it, so that each set owns a node.
 
-    A node belongs to the smallest of these sets, unless a larger one would own no node.
+    ``cells``: nodes of the cells of each set ``(k, nodes)``. Returns the number of the set that owns each node
+    ``(count,)``. A node belongs to the smallest of these sets, unless a larger one would own no node.
     """
     nodes = [np.unique(members) for members in cells]
     owner = np.zeros(count, dtype=np.int64)
@@ -263,8 +274,8 @@ def _owning_sets(cells: list[Index], count: int) -> Index:
 def _as_med(plain: Any, faces: Mapping[str, Index], region: str, _: object) -> Any:
     """Make a mesh of meshio for a .med file, with families for the region's cells and for faces and nodes of boundaries.
 
-    Faces are counter-clockwise seen from outside. Cells are reordered here, because MED orients them in reverse, and meshio
-    does not change their order.
+    Faces are counter-clockwise seen from outside. Nodes of cells are reordered here, because MED orients cells in reverse,
+    and meshio does not change their order. Arguments as for `_as_vtu`; the last one is not used.
     """
     import meshio
 
@@ -320,8 +331,10 @@ def _family_numbers(belongs: NDArray[np.bool_], names: Sequence[str]) -> tuple[I
 def _write_inp(path: Path, points: Array, cell: str, cells: Index, faces: Mapping[str, Index], region: str) -> None:
     """Write a mesh as an Abaqus input file, with sets of nodes and cells and with surfaces.
 
-    meshio is not used, because its lines have more than the allowed 16 entries, and its elements are hybrid ones. Numbers
-    have at most the 20 characters that CalculiX reads, so that coordinates are rounded by about 1e-12 of the mesh's size.
+    ``cell``: element type by its name in meshio; ``cells``: nodes of the cells; ``faces``: nodes of each boundary's faces,
+    by its name; ``region``: name of the group of all cells, or empty. meshio is not used, because its lines have more than
+    the allowed 16 entries, and its elements are hybrid ones. Numbers have at most the 20 characters that CalculiX reads, so
+    that coordinates are rounded by about 1e-12 of the mesh's size.
     """
     text = ["*HEADING", "rollbench; lengths in m", "*NODE, NSET=NALL"]
     text += [

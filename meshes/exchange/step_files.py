@@ -114,13 +114,16 @@ def _add_balls(scene: Scene) -> Iterator[tuple[float, Array]]:
 
 
 def _face_positions(scene: Scene, shift: float) -> tuple[float, float]:
-    """Return the axial positions of the two faces of the nut or outer ring [m]."""
+    """Return the axial positions of the two faces of the nut or outer ring [m].
+
+    ``shift``: displacement of the nut or outer ring along z [m].
+    """
     half = scene.nut.length / 2.0
     return scene.nut.position - half + shift, scene.nut.position + half + shift
 
 
 def _wall_radii(scene: Scene, *, screw: bool) -> tuple[float, float]:
-    """Return the radii [m] of the land, and of the surface on the other side: bore of the screw or outside of the nut."""
+    """Return the radius of the lands, and that of the surface opposite the groove (bore of screw, outside of nut) [m]."""
     dims = solid_dimensions(scene)
     if screw:
         return scene.screw.outer_diameter / 2.0, scene.screw.bore / 2.0 or dims.hole
@@ -128,7 +131,10 @@ def _wall_radii(scene: Scene, *, screw: bool) -> tuple[float, float]:
 
 
 def _add_tube(gmsh: Any, scene: Scene, ends: tuple[float, float], *, screw: bool) -> None:
-    """Add the screw or nut of a helical track to the model as a tube without its groove."""
+    """Add the screw or nut of a helical track to gmsh's model, as a tube without its groove.
+
+    ``ends``: axial positions of its two ends [m]; ``screw``: whether it is the screw, or the nut.
+    """
     occ, (low, high) = gmsh.model.occ, ends
     inner, outer = sorted(_wall_radii(scene, screw=screw))
     tubes = [(3, occ.addCylinder(0, 0, MM * low, 0, 0, MM * (high - low), MM * r)) for r in (outer, inner)]
@@ -136,7 +142,10 @@ def _add_tube(gmsh: Any, scene: Scene, ends: tuple[float, float], *, screw: bool
 
 
 def _add_ring(gmsh: Any, scene: Scene, ends: tuple[float, float], *, screw: bool) -> None:
-    """Add a bearing ring with its groove to the model, as a solid of revolution of its cross-section."""
+    """Add a bearing ring with its groove to gmsh's model, as a solid of revolution of its cross-section.
+
+    ``ends``: axial positions of its two faces [m]; ``screw``: whether it is the inner ring, or the outer one.
+    """
     occ, (land, wall), z = gmsh.model.occ, _wall_radii(scene, screw=screw), scene.nut.position
     left, right = (
         _flank_points(scene, side, np.array([apex_angle(scene, side), land_angle(scene, side, land)]))
@@ -166,14 +175,17 @@ def _flanks_of_body(screw: bool) -> tuple[int, int]:
 
 
 def _flank_points(scene: Scene, side: int, gamma: Array) -> Array:
-    """Return section coordinates (x3, z3) ``(k, 2)`` [m] of points on a flank, at section angles gamma ``(k,)`` [rad]."""
+    """Return section coordinates (x3, z3) of points on a flank ``(k, 2)`` [m].
+
+    ``side``: flank 0 to 3; ``gamma``: section angles of the points ``(k,)`` [rad].
+    """
     drawn = specimen(scene, ball_layout(scene))
     (sx, sz), c = SIDE_SIGNS[side], drawn.centre[0, side]
     return np.asarray(c + drawn.radius[side] * np.column_stack([sx * np.cos(gamma), sz * np.sin(gamma)]))
 
 
 def apex_angle(scene: Scene, side: int) -> float:
-    """Return the section angle [rad] at which a flank meets the other flank, at z3 = 0."""
+    """Return the section angle [rad] at which the flank ``side`` (0 to 3) meets the other flank of its groove, z3 = 0."""
     drawn = specimen(scene, ball_layout(scene))
     return asin(-float(drawn.centre[0, side, 1]) * SIDE_SIGNS[side][1] / float(drawn.radius[side]))
 
@@ -205,9 +217,10 @@ def land_angle(scene: Scene, side: int, land: float) -> float:
 
 
 def _flank_points_at_azimuth(scene: Scene, side: int, gamma: Array, azimuth: float, shift: float) -> Array:
-    """Return points ``(k, 3)`` [m] of a flank in the section at an azimuth [rad], at section angles gamma ``(k,)`` [rad].
+    """Return points of a flank in the section at an azimuth [rad], ``(k, 3)`` [m].
 
-    ``shift`` is the displacement of the nut along z [m].
+    ``side``: flank 0 to 3; ``gamma``: section angles of the points ``(k,)`` [rad]; ``shift``: displacement of the nut along
+    z [m].
     """
     z = scene.nut.position + shift + reduced_lead(scene.track) * (azimuth - scene.track.phase)
     at = layout_at(scene.track, np.array([azimuth]), np.array([z]))
@@ -216,9 +229,10 @@ def _flank_points_at_azimuth(scene: Scene, side: int, gamma: Array, azimuth: flo
 
 
 def _add_flank(gmsh: Any, scene: Scene, side: int, ends: tuple[float, float], shift: float) -> float:
-    """Add the surface of a helical flank between two axial positions to the model, as a loft through exact arcs.
+    """Add the surface of a helical flank to gmsh's model, as a loft through exact arcs.
 
-    Returns the largest distance [m] between the loft and the exact flank.
+    ``side``: flank 0 to 3; ``ends``: axial positions between which it extends [m]; ``shift``: displacement of the nut along
+    z [m]. Returns the largest distance [m] between the loft and the exact flank.
     """
     occ, lead = gmsh.model.occ, reduced_lead(scene.track)
     land = _wall_radii(scene, screw=side < 2)[0]

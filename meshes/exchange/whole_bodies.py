@@ -56,7 +56,7 @@ class HalfRing:
     """
 
     def __init__(self, shell: Shell, m: GrooveMap, spec: BodySpec, share: float = 1.0) -> None:
-        """Divide the curves of the half ring and triangulate its faces.
+        """Divide the curves on the surface of the half ring into edges, and triangulate its faces.
 
         Parameters
         ----------
@@ -105,7 +105,10 @@ class HalfRing:
         self._faces()
 
     def _edge(self, k: int, phi: float, nodes: NDArray[np.int64]) -> Curve:
-        """Divide edge k of the ring's cross-section at azimuth ``phi`` [rad], from its corner k to the next one."""
+        """Divide edge k of the ring's cross-section at the azimuth ``phi`` [rad], from its corner k to the next one.
+
+        ``nodes``: numbers of the nodes at the seven corners of this cross-section.
+        """
         ends = int(nodes[k]), int(nodes[(k + 1) % 7])
         if k in (3, 4):
             begin, end = self._gamma(k)
@@ -133,7 +136,10 @@ class HalfRing:
         return points_from_cylindrical(r, phi, self.line + zeta)
 
     def _straight(self, k: int, t: Array) -> tuple[Array, Array]:
-        """Return radius and z [m] along straight edge k of the cross-section, at fractions t of its length."""
+        """Return radius and z of points on the straight edge k of the cross-section, two arrays ``(n,)`` [m].
+
+        ``t``: positions of the points along the edge, as fractions of its length ``(n,)``.
+        """
         x = self.corners[k] + t[:, None] * (self.corners[(k + 1) % 7] - self.corners[k])
         return x[:, 0], x[:, 1]
 
@@ -184,7 +190,10 @@ class HalfRing:
             self.shell.face("cut", [loop], _section_space(phi), np.inf)
 
     def _flank_space(self, k: int, scale: Array) -> Placing:
-        """Return the map from scaled (azimuth, section angle) to points on the flank of edge k."""
+        """Return the function that maps plane coordinates of the flank of edge k to points ``(n, 3)`` [m].
+
+        The plane coordinates are (azimuth, section angle), multiplied by the lengths ``scale`` [m].
+        """
         return lambda x: self._flank(k, x[:, 1] / scale[1], x[:, 0] / scale[0])
 
     def _end(self, name: str, k: int) -> None:
@@ -203,21 +212,23 @@ class HalfRing:
         self.shell.face(name, [loop], plane_map(float(self.corners[k, 1])), np.inf)
 
     def _swept(self, name: str, k: int, ends: tuple[float, float], scale: Array, space: Placing, limit: float) -> None:
-        """Triangulate the curved face that edge k of the cross-section generates about the axis.
+        """Triangulate the curved face ``name`` that edge k of the cross-section generates about the axis.
 
-        ``scale`` converts the plane coordinates (azimuth, coordinate along the edge) into lengths.
+        ``ends``: coordinate along the edge at its two corners; ``scale``: factors that convert the plane coordinates
+        (azimuth, coordinate along the edge) to lengths; ``space``: map of these lengths to points; ``limit``: length of the
+        longest edge [m].
         """
         loop = [(n, x * scale) for n, x in self._around(k, *ends)]
         self.shell.face(name, [loop], space, limit)
 
 
 def _cylinder_curve(r: float) -> Placing:
-    """Return the map from (arc length, z) to points on a cylinder of radius r [m]."""
+    """Return the function that maps plane coordinates (arc length, z) [m] to points on a cylinder of radius r [m]."""
     return lambda x: points_from_cylindrical(r, x[:, 0] / r, x[:, 1])
 
 
 def _section_space(phi: float) -> Placing:
-    """Return the map from (radius, z) to points in the axial plane at azimuth ``phi`` [rad]."""
+    """Return the function that maps plane coordinates (radius, z) [m] to points in the axial plane at an azimuth [rad]."""
     return lambda x: points_from_cylindrical(x[:, 0], phi, x[:, 1])
 
 
@@ -483,7 +494,11 @@ def half_ball(radius: float, refinement: Refinement, sign: float) -> WholeBody:
 
 
 def _fill_surface(name: str, surface: Callable[[Shell, float], object], refinement: Refinement) -> WholeBody:
-    """Mesh the body inside a closed surface; edges that would invert cells are straightened."""
+    """Mesh the body inside a closed surface; edges that would invert cells are straightened.
+
+    ``name``: name of the body, for messages; ``surface``: function that triangulates the surface in a `Shell`, with a
+    factor on the element sizes; ``refinement``: element sizes.
+    """
 
     def attempt(gmsh: Any, plane: int, volume: int, share: float) -> tuple[WholeBody, float]:
         shell = Shell(gmsh, refinement.size(share), share * refinement.fine, plane)

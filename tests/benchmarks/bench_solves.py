@@ -31,7 +31,7 @@ from rollbench.lowfi.statics.contacts import forget_nominal
 from rollbench.lowfi.statics.response import forget
 from rollbench.lowfi.statics.static import solve_static
 from rollbench.meshes.axis import Housing, RollingSet, diagonal_stiffness
-from rollbench.meshes.kept import no_cache
+from rollbench.meshes.cache import no_cache
 from rollbench.meshes.parts import Friction
 
 CASE = catalogue.scene("lin-case1")

@@ -22,7 +22,7 @@ from rollbench.compare.errors import SceneError
 from rollbench.compare.reference.store import sealed, unsealed
 from rollbench.compare.scenes import catalogue, scene_file
 from rollbench.meshes.condensed import CondensedBodies, load_condensed
-from rollbench.meshes.leftovers import temporary_name
+from rollbench.meshes.files import temporary_name
 
 #: What a mutated file may become.
 READ, REFUSED, CRASHED, CHANGED = "read as before", "refused", "traceback", "other numbers read"

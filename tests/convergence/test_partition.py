@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from tests.helpers import relative, solved, with_ingredients
 
+from rollbench.compare.measure import mean_load
 from rollbench.compare.results.scene_json import discretisation_percent
 from rollbench.compare.scenes import catalogue
 from rollbench.lowfi.statics.nominal import nominal_contacts
-from rollbench.meshes.loads import mean_load
 
 pytestmark = pytest.mark.xdist_group("partition")
 

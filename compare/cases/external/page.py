@@ -18,7 +18,7 @@ import numpy as np
 from rollbench.compare.cases.external import evidence as external
 from rollbench.compare.cases.external.evidence import PREFIX, assumptions, scene_name
 from rollbench.compare.evidence import Evidence, computations_by_table, evidence
-from rollbench.compare.measure import error_percent, load_error
+from rollbench.compare.measure import error_percent, load_error, mean_load
 from rollbench.compare.models.loading import solve_scaled
 from rollbench.compare.models.model_form import FLANGE, estimate, points_of_drawn_screws
 from rollbench.compare.models.modelling import UNSEEN
@@ -35,7 +35,6 @@ from rollbench.lowfi.rating.life import life
 from rollbench.lowfi.rating.rigidity import axial_displacement, axial_force, rigidities
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly
-from rollbench.meshes.loads import mean_load
 from rollbench.meshes.parts import SIDES, Flange, NutHeld, Scene
 from rollbench.reports.content import Cell, Figure, Panel, Quantity, Section, Series, Table, Text
 

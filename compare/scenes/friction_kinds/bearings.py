@@ -94,7 +94,10 @@ def bearing_ball_faults(keys: BearingBallKeys) -> Iterator[Fault]:
 
 
 def _law_faults(f: LawKeys, speed: float) -> Iterator[Fault]:
-    """Yield faults of a friction law: parameters of another law, missing parameters, or a sigmoid without rotation."""
+    """Yield faults of a friction law: parameters of another law, missing parameters, or a sigmoid without rotation.
+
+    ``f``: keys of the friction law; ``speed``: angular speed of the inner ring [rad/s].
+    """
     for name, law in (("creep", "regularised"), ("sharpness", "sigmoid"), ("map_step", "sigmoid")):
         if getattr(f, name) is not None and f.law != law:
             yield Fault((f"friction.{name}",), f'only with law = "{law}"', f'remove it, or set law = "{law}"')
@@ -109,7 +112,7 @@ def _law_faults(f: LawKeys, speed: float) -> Iterator[Fault]:
 
 
 def bearing_ball_record(keys: BearingBallKeys, name: str) -> BearingBallScene:
-    """Return the scene of one bearing ball from its validated keys."""
+    """Return the scene ``name`` of one bearing ball from its validated keys."""
     f = keys.friction
     bearing = Bearing(
         keys.balls.radius,
@@ -226,7 +229,7 @@ def bearing_pair_faults(keys: BearingPairKeys) -> Iterator[Fault]:
 
 
 def _bearing_case(keys: BearingPairKeys, b: RingKeys) -> BearingCase:
-    """Return one of the two bearings, with its load and friction, from its validated keys."""
+    """Return the record of the bearing with the keys ``b``, one of the two of the scene, with its load and friction."""
     groove = ScrewGroove(
         b.balls.radius,
         common.groove_radius(b.screw, b.balls),
@@ -248,7 +251,7 @@ def _bearing_case(keys: BearingPairKeys, b: RingKeys) -> BearingCase:
 
 
 def bearing_pair_record(keys: BearingPairKeys, name: str) -> BearingPairScene:
-    """Return the scene of a four-point and a double-row bearing from its validated keys."""
+    """Return the scene ``name`` of a four-point and a double-row bearing from its validated keys."""
     four, double = (_bearing_case(keys, b) for b in (keys.four_point, keys.double_row))
     return BearingPairScene(*head_fields(keys, name), four, double, np.array(keys.load.angles))
 
@@ -393,9 +396,10 @@ def _linear_faults(keys: LinearPairKeys | LinearChainKeys) -> Iterator[Fault]:
 
 
 def side_force_range(angles: Array, nominal: float, distribution: Loads) -> tuple[float, float]:
-    """Return the smallest and largest ratio of side force to vertical force for which no contact of a ball pulls.
+    """Return the smallest and largest ratio of side force to vertical force for which no contact of a ball is in tension.
 
-    ``angles``: contact angles (4,) [rad]; ``nominal``: nominal contact angle [rad].
+    ``angles``: contact angles (4,) [rad] at BL, BR, TR, TL; ``nominal``: nominal contact angle [rad]; ``distribution``: how
+    the loads follow from the forces, a value of the key ``load.distribution``.
     """
     if distribution == "elastic":
         return -np.inf, np.inf
@@ -409,7 +413,11 @@ def side_force_range(angles: Array, nominal: float, distribution: Loads) -> tupl
 
 
 def _ball_angles_and_gaps(keys: LinearPairKeys | LinearChainKeys) -> tuple[Array, Array, Array]:
-    """Return contact angles (N, 4) [rad], side force ratios (N,) and gaps to the next ball (N,) [m] of a linear bearing."""
+    """Return angles, side forces and gaps of the N balls of a linear bearing.
+
+    These are the contact angles (N, 4) [rad], the ratios of side force to vertical force (N,), and the gaps to the next
+    ball (N,) [m].
+    """
     if isinstance(keys, LinearPairKeys):
         two = np.full(2, keys.angles.deviation)
         turned, rho = angle_deviations(two, mated=keys.angles.mated), keys.load.side_force_ratio
@@ -420,7 +428,7 @@ def _ball_angles_and_gaps(keys: LinearPairKeys | LinearChainKeys) -> tuple[Array
 
 
 def linear_bearing_record(keys: LinearPairKeys | LinearChainKeys, name: str) -> LinearScene:
-    """Return the scene of balls in a linear bearing from its validated keys."""
+    """Return the scene ``name`` of balls in a linear bearing from its validated keys."""
     f, radius = keys.friction, keys.balls.radius
     bearing = LinearBearing(
         radius,

@@ -59,7 +59,7 @@ Head = tuple[str, str, str, tuple[str, ...]]
 
 
 def head_fields(keys: KindKeys, name: str) -> Head:
-    """Return the first fields of a scene's record: name, title, source, assumptions."""
+    """Return the first four fields of a scene's record: ``name``, title, source and assumptions."""
     assumed = tuple(map(escape_unprintable, keys.assumed))
     return name, escape_unprintable(keys.title), escape_unprintable(keys.source), assumed
 
@@ -129,14 +129,18 @@ def elastic_constants(material: MaterialKeys) -> tuple[float, float]:
 
 
 def groove_radius(groove: GrooveKeys, balls: BallSizeKeys) -> float:
-    """Return the groove radius [m], either given or computed from the conformity."""
+    """Return the radius of a groove [m], as given or as conformity times ball diameter.
+
+    ``groove``, ``balls``: tables with the keys of the groove and of the balls.
+    """
     return groove.groove_radius or 2.0 * (groove.conformity or 0.0) * balls.radius
 
 
 def groove_faults(groove: GrooveKeys, balls: BallSizeKeys, table: str) -> Iterator[Fault]:
     """Yield a fault for a groove that is given twice, not at all, or with a radius not above that of the ball.
 
-    ``table``: name of the groove's table.
+    ``groove``, ``balls``: tables with the keys of the groove and of the balls; ``table``: name of the groove's table in the
+    file.
     """
     wrong = list(groove_choice_faults(groove, table))
     yield from wrong
@@ -193,9 +197,9 @@ def groove_and_path_faults(body: OneRingKeys, p: str = "", *, ring: bool) -> Ite
 
 
 def displacement_faults(reach: float, size: float, where: str) -> Iterator[Fault]:
-    """Yield a fault for an oversize or displacement ``size`` [m] that is too large for the groove.
+    """Yield a fault for an oversize or a displacement of the inner ring that is too large for the groove.
 
-    ``reach``: groove radius less ball radius [m]; ``where``: name of the key.
+    ``reach``: groove radius less ball radius [m]; ``size``: the oversize or displacement [m]; ``where``: name of its key.
     """
     if abs(size) >= reach:
         advice = "choose a smaller value; the models hold for small displacements of the ball's centre"
@@ -203,7 +207,10 @@ def displacement_faults(reach: float, size: float, where: str) -> Iterator[Fault
 
 
 def hertz_faults(groove: ScrewGroove, prefix: str = "") -> Iterator[Fault]:
-    """Yield a fault for grooves whose Hertz constants do not exist (``prefix``: that of the names of their tables)."""
+    """Yield a fault for grooves whose Hertz constants do not exist.
+
+    ``prefix``: prefix of the names of the grooves' tables in the file, such as ``four_point.``.
+    """
     try:
         with np.errstate(invalid="ignore"):
             if np.all(np.isfinite(groove.constants.C)):

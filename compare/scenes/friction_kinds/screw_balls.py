@@ -18,9 +18,9 @@ from rollbench.compare.scenes.keys import BallSizeKeys, HelixKeys, Table, key
 from rollbench.lowfi.friction.screw.groove import ScrewGroove
 from rollbench.lowfi.friction.screw.motion import Coupling
 from rollbench.lowfi.friction.screw.run import Pair, Run
-from rollbench.meshes.fields import usual
 from rollbench.meshes.parts import Motion, Time
 from rollbench.meshes.ranges import Azimuth, Quantity, Turns, Whole
+from rollbench.meshes.record_keys import usual
 
 Share = Annotated[float, Quantity("number", -1, 1, 1)]
 Pattern = Annotated[list[Share], Field(min_length=4, max_length=4)]
@@ -207,7 +207,7 @@ def _screw_groove(keys: ScrewPairKeys | ScrewRunKeys) -> ScrewGroove:
 
 
 def screw_pair_record(keys: ScrewPairKeys, name: str) -> ScrewPairScene:
-    """Return the scene of two balls of a ball screw from its validated keys."""
+    """Return the scene ``name`` of two balls of a ball screw from its validated keys."""
     first, second = keys.angles.deviations
     pattern = tuple(keys.angles.pattern)
     pair = Pair(
@@ -223,7 +223,7 @@ def screw_pair_record(keys: ScrewPairKeys, name: str) -> ScrewPairScene:
 
 
 def screw_run_record(keys: ScrewRunKeys, name: str) -> ScrewRunScene:
-    """Return the scene of a transient simulation of a whole ball screw from its validated keys."""
+    """Return the scene ``name`` of a simulation of a whole ball screw over time from its validated keys."""
     groove, a = _screw_groove(keys), keys.angles
     time = Time(**{f.name: getattr(keys.time, f.name) for f in fields(Time)})
     run = Run(

@@ -60,7 +60,7 @@ TABLE = {
 
 
 def kind_named(name: str) -> SceneKind:
-    """Return the keys, checks and record of the kind ``name``, one of `duty_cycle.KINDS`."""
+    """Return keys, check and maker of the record of a kind of scenes; ``name``: one of `duty_cycle.KINDS`."""
     return TABLE[name]
 
 
@@ -110,7 +110,7 @@ def _material_table(young: float, poisson: float) -> Table:
 
 
 def _body_tables(groove: ScrewGroove, oversize: float) -> Table:
-    """Return the tables of ball path, grooves, balls and their oversize [m]."""
+    """Return the tables of ball path, grooves and balls; ``oversize``: oversize of the ball radius [m]."""
     section = groove_table(groove.groove_radius, groove.ball_radius)
     hand = {"hand": "left"} if groove.lead < 0.0 else {}
     path = {"pitch_radius": text_of(Radius, groove.pitch_radius), "lead": text_of(Lead, abs(groove.lead)), **hand}
@@ -163,7 +163,7 @@ def _bearing_pair_tables(scene: BearingPairScene) -> Table:
 
 
 def _ring_tables(case: BearingCase) -> Table:
-    """Return the tables of ball path, grooves and balls of one bearing."""
+    """Return the tables of ball path, grooves and balls of one of the two bearings of a scene."""
     bodies = _body_tables(case.groove, 0.0 - case.clearance)
     return bodies | {"balls": bodies["balls"] | {"count": case.count}}
 

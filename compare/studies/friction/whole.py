@@ -33,8 +33,8 @@ from rollbench.lowfi.friction.whole.state import FrictionState, friction_state
 from rollbench.lowfi.friction.whole.torque import ONE_TURN
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.lowfi.warned import Warned
+from rollbench.meshes.cache import kept
 from rollbench.meshes.helix import lead_angle
-from rollbench.meshes.kept import kept
 from rollbench.meshes.parts import SIDES, BallErrors, Friction, Motion, Scene, SideErrors, Support
 
 #: Smallest and largest coefficient of friction measured on lubricated rolling contacts.

@@ -18,6 +18,7 @@ from functools import lru_cache, partial
 import numpy as np
 from numpy.typing import NDArray
 
+from rollbench.compare.measure import mean_load
 from rollbench.compare.models.loading import scaled
 from rollbench.compare.models.registry import Options, run_model
 from rollbench.compare.models.study import Study
@@ -38,7 +39,6 @@ from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly
 from rollbench.meshes.errors import Specimens, alike_in_shape, specimen, specimens, without_draws
 from rollbench.meshes.helix import BallLayout, ball_layout, nominal_groove_centres
-from rollbench.meshes.loads import mean_load
 from rollbench.meshes.parts import Scene
 
 #: Kind of kernels: for many solutions compiling them is worthwhile.

@@ -35,7 +35,7 @@ from rollbench.hifi.rolling.balls import FIRST, NEARLY_RIGID, Choices, solve_rig
 from rollbench.hifi.rolling.bodies import Sizes
 from rollbench.hifi.rolling.kinematics import Rolling
 from rollbench.hifi.rolling.patch import MARGIN
-from rollbench.meshes.canonical import digest
+from rollbench.meshes.record_keys import digest
 
 #: Cells of a contact along and across the groove, by level.
 LEVELS = {1: (16, 24), 2: (20, 30), 3: (24, 36)}

@@ -28,6 +28,7 @@ import numpy as np
 
 from rollbench.compare.errors import ArgumentError, InputError
 from rollbench.compare.files import replace_file
+from rollbench.compare.measure import mean_load
 from rollbench.compare.models.answers import axial_place_without_loads
 from rollbench.compare.models.load_cases import cycle_life, loads_of
 from rollbench.compare.models.loading import axial_load, axial_preload, displacement_of_interest, scaled, solve_scaled
@@ -42,7 +43,6 @@ from rollbench.lowfi.statics.nominal import nominal_contacts
 from rollbench.lowfi.statics.result import AxisResult, StaticResult
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly, RollerRow
-from rollbench.meshes.loads import mean_load
 from rollbench.meshes.parts import SIDES, Friction, Motion, Scene
 
 #: Outputs of a sample: key and heading.

@@ -20,10 +20,10 @@ from rollbench.lowfi.hertz import contact_modulus, printed_hertz
 from rollbench.lowfi.statics.contacts import error_free_hertz
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.errors import specimen
-from rollbench.meshes.fields import keyed, usual
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.numerics import brentq
 from rollbench.meshes.parts import SIDE_SIGNS, Balls, Material, Nut, Scene, Screw, Track
+from rollbench.meshes.record_keys import keyed, usual
 from rollbench.meshes.surface import printed_radii
 
 Mode = Literal["right", "as printed"]

@@ -21,8 +21,8 @@ from rollbench.lowfi.friction.screw.groove import ScrewGroove
 from rollbench.lowfi.friction.screw.motion import Cell, Coupling, ball_motion, bare_cell, screw_rows
 from rollbench.lowfi.friction.screw.travel import ClosedTrack, History, Instant, Place, simulate
 from rollbench.meshes.arrays import Array
-from rollbench.meshes.fields import keyed, usual
 from rollbench.meshes.numerics import brentq
+from rollbench.meshes.record_keys import keyed, usual
 
 #: Factors of the deviation theta at the contacts SL, SR, NL, NR: both contact angles on the screw deviate alike, or in
 #: opposite directions, as on a groove that is shifted sideways.

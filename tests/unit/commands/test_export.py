@@ -26,8 +26,8 @@ from rollbench.compare.studies.export import exported_parts
 from rollbench.hifi.bodies import coarse as submodel
 from rollbench.hifi.elements import forms
 from rollbench.meshes import parts, solid
+from rollbench.meshes.exchange.mesh_files import VTK
 from rollbench.meshes.fem import cells_of, faces_of, mesh_of, nodes_on, points_of
-from rollbench.meshes.node_order import VTK
 
 pytestmark = pytest.mark.xdist_group("exported meshes")
 

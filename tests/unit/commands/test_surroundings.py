@@ -13,7 +13,7 @@ from rollbench.compare import cli, errors, files
 from rollbench.compare.report import several, verify
 from rollbench.compare.scenes import catalogue, scene_file
 from rollbench.lowfi import jit
-from rollbench.meshes.leftovers import temporary_name
+from rollbench.meshes.files import temporary_name
 from rollbench.reports.cells import escape_formula
 
 

@@ -18,7 +18,7 @@ from skfem import MeshTet, MeshTet2
 
 from rollbench.meshes import cache as module
 from rollbench.meshes.cache import Cache, content_key
-from rollbench.meshes.private import private_folder
+from rollbench.meshes.files import private_folder
 
 
 @dataclass(frozen=True)

@@ -13,10 +13,9 @@ from tests.keyed_records import built, changed, default, example, keyed_records,
 from rollbench.compare.reference.store import KEY, UNSAID, bodies_key, files_of, key_of, shipped_store
 from rollbench.compare.scenes import catalogue
 from rollbench.lowfi.statics.result import Status
-from rollbench.meshes import canonical as module
-from rollbench.meshes.canonical import Fields, canonical, digest
-from rollbench.meshes.fields import FROZEN, keyed, usual
+from rollbench.meshes import record_keys as module
 from rollbench.meshes.parts import Errors, Scene
+from rollbench.meshes.record_keys import FROZEN, Fields, canonical, digest, keyed, usual
 
 pytestmark = pytest.mark.every_run  # records of studies are among those of one solve
 RECORDS = keyed_records()

@@ -2,13 +2,13 @@
 
 import pytest
 
-from rollbench.meshes import kept, parts
+from rollbench.meshes import cache, parts
 from rollbench.meshes.section import BeamSection, tube_section
 
 calls: list[float] = []
 
 
-@kept.kept(BeamSection)
+@cache.kept(BeamSection)
 def section(outer: float) -> BeamSection:
     calls.append(outer)
     return tube_section(outer, 0.01, parts.Material(2.1e11, 0.3))
@@ -18,20 +18,20 @@ def section(outer: float) -> BeamSection:
 def on(tmp_path, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setenv("ROLLBENCH_CACHE", str(tmp_path))
     calls.clear()
-    kept.switch_on()
+    cache.switch_on()
     yield tmp_path
-    kept.switch_off()
+    cache.switch_off()
 
 
 def test_made_once_and_read_after_but_for_what_is_timed_and_what_is_damaged(on) -> None:
     whole = section(0.04)
     assert section(0.04) == whole
     assert calls == [0.04]
-    with kept.no_cache():
+    with cache.no_cache():
         section(0.04)
     section(0.04)
     assert calls == [0.04] * 2
-    (file,) = (on / kept.FOLDER).rglob("*.npz")
+    (file,) = (on / cache.GEOMETRIES).rglob("*.npz")
     content = bytearray(file.read_bytes())
     content[-40] ^= 1
     file.write_bytes(content)

@@ -5,11 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from rollbench.compare.measure import load_error
+from rollbench.compare.measure import load_error, mean_load
 from rollbench.compare.results.scene_json import loads_json
 from rollbench.compare.scenes import catalogue
 from rollbench.lowfi.statics import nominal, static
-from rollbench.meshes.loads import mean_load
 from rollbench.meshes.parts import BallErrors, Errors
 
 

@@ -17,7 +17,7 @@ from rollbench.compare.scenes import catalogue
 from rollbench.compare.studies.run_times import load_times
 from rollbench.hifi.setup import TOGETHER
 from rollbench.meshes.cache import StageDone
-from rollbench.meshes.leftovers import make_readable_for_group
+from rollbench.meshes.files import make_readable_for_group
 
 CASE1 = catalogue.scene("lin-case1")
 TASK = Task((CASE1,), 1)

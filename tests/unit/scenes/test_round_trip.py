@@ -13,8 +13,8 @@ from rollbench.compare.scenes import catalogue, scene_file
 from rollbench.compare.scenes.friction_kinds.common import KindScene
 from rollbench.compare.scenes.schema import AxisKeys, SceneKeys
 from rollbench.compare.scenes.template import template
-from rollbench.meshes.canonical import canonical
 from rollbench.meshes.parts import FourierTerm
+from rollbench.meshes.record_keys import canonical
 
 #: Tables in the order of the schema.
 ORDER = {"ball screw": [*SceneKeys.model_fields], "double nut": [*AxisKeys.model_fields]}

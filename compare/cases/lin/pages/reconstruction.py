@@ -21,7 +21,7 @@ from rollbench.compare.cases.lin.reconstruction.readings import (
     largest_change_by_friction,
     tilt_at_onset_of_sliding,
 )
-from rollbench.compare.measure import error_percent
+from rollbench.compare.measure import error_percent, mean_load
 from rollbench.compare.models.registry import DEFAULT
 from rollbench.compare.models.study import Study
 from rollbench.compare.printed import value_of
@@ -30,7 +30,6 @@ from rollbench.compare.reference.store import load_run, shipped_store
 from rollbench.compare.scenes import catalogue
 from rollbench.compare.studies.rolling import runs as rolling
 from rollbench.meshes.arrays import Array
-from rollbench.meshes.loads import mean_load
 from rollbench.meshes.parts import SIDES
 from rollbench.reports.content import Figure, Panel, Quantity, Row, Section, Series, Table, Text
 

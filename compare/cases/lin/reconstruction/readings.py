@@ -43,7 +43,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from rollbench.compare.measure import error_percent, load_error
+from rollbench.compare.measure import error_percent, load_error, mean_load
 from rollbench.compare.models.study import Study
 from rollbench.compare.printed import value_of
 from rollbench.compare.reference.computing import compute_runs
@@ -54,7 +54,6 @@ from rollbench.compare.reference.variants import ends_in_plain_shaft, scaled, so
 from rollbench.compare.scenes import catalogue
 from rollbench.lowfi.statics.contacts import error_free_hertz
 from rollbench.meshes.arrays import Array
-from rollbench.meshes.loads import mean_load
 from rollbench.meshes.parts import Scene
 
 #: Coefficient of friction that Lin prints for the contacts of his 3D model.

@@ -8,7 +8,7 @@ import pytest
 
 from rollbench.compare.cases.external import page as holding
 from rollbench.compare.cases.external.evidence import scene_name
-from rollbench.compare.measure import load_error
+from rollbench.compare.measure import load_error, mean_load
 from rollbench.compare.models.registry import Options, run_model
 from rollbench.compare.models.study import Study
 from rollbench.compare.reference import grid_parts
@@ -16,7 +16,6 @@ from rollbench.compare.reference.store import shipped_store
 from rollbench.compare.scenes import catalogue
 from rollbench.hifi.condensation import points_in_bolt_circles
 from rollbench.lowfi.rating.rigidity import approach_per_displacement
-from rollbench.meshes.loads import mean_load
 from rollbench.meshes.solid import solid_dimensions
 from rollbench.reports.content import Table
 

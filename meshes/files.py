@@ -1,7 +1,9 @@
-"""Names of temporary files and folders, and removal of those that ended processes have left behind.
+"""Temporary files, and permissions of files and folders.
 
 A temporary file is in the same folder as its target. Its name contains machine and process, so that the next process which
 writes the same target recognises abandoned ones.
+
+A cache needs a folder to which only this user can write, because its files are trusted, and machine code in it is run.
 """
 
 from __future__ import annotations
@@ -11,6 +13,7 @@ import os
 import platform
 import re
 import shutil
+import stat
 import time
 from contextlib import suppress
 from pathlib import Path
@@ -91,7 +94,10 @@ def remove_leftovers(path: Path, ending: str = "tmp") -> None:
 
 
 def _is_abandoned(path: Path, machine: str, process: int) -> bool:
-    """Return whether the process that wrote a temporary file has ended, or the file of another machine is old."""
+    """Return whether a temporary file is left over: its process has ended, or it is an old file of another machine.
+
+    ``machine``: digits of the machine in the file's name; ``process``: id of the process that wrote it.
+    """
     try:
         if machine != _machine_name():
             return time.time() - path.lstat().st_mtime > OLD
@@ -106,3 +112,52 @@ def _is_abandoned(path: Path, machine: str, process: int) -> bool:
 def _machine_name() -> str:
     """Return eight hexadecimal digits that identify this machine."""
     return hashlib.sha256(platform.node().encode()).hexdigest()[:8]
+
+
+def private_folder(root: Path, *below: str) -> Path:
+    """Create a folder to which only this user can write, inside a root folder, and check the permissions.
+
+    On Windows permissions are not checked.
+
+    Parameters
+    ----------
+    root : Path
+        Root folder; it may be shared by all users, as the folder of temporary files is (sticky bit).
+    *below : str
+        Names of the nested folders inside the root.
+
+    Returns
+    -------
+    Path
+        The innermost folder.
+
+    Raises
+    ------
+    PermissionError
+        The root or a folder inside belongs to another user, or others may write to it.
+    OSError
+        A folder cannot be created.
+    """
+    root.mkdir(mode=0o700, parents=True, exist_ok=True)
+    _check_ownership(root.stat(), root, shared=True)
+    folder = root
+    for name in below:
+        folder /= name
+        folder.mkdir(mode=0o700, exist_ok=True)
+        _check_ownership(folder.lstat(), folder, shared=False)
+    return folder
+
+
+def _check_ownership(status: os.stat_result, folder: Path, *, shared: bool) -> None:
+    """Raise PermissionError where a folder belongs to another user, or others may write to it.
+
+    ``status``: the folder's owner and permissions. A ``shared`` folder may belong to root, and others may write to it if
+    its sticky bit is set.
+    """
+    if not hasattr(os, "getuid"):
+        return
+    owners = {os.getuid(), 0} if shared else {os.getuid()}
+    if not stat.S_ISDIR(status.st_mode) or status.st_uid not in owners:
+        raise PermissionError(13, "the folder belongs to another user, or is a link", str(folder))
+    if status.st_mode & 0o022 and not (shared and status.st_mode & stat.S_ISVTX):
+        raise PermissionError(13, "other users may write to the folder (remedy: chmod go-w)", str(folder))

@@ -1,10 +1,14 @@
-"""Canonical text of values and its digest, from which the keys of stored runs and of cached results are computed.
+"""Canonical text of records and other values, from which the keys of stored 3D runs and cached results are computed.
 
-The text of a record (dataclass or named tuple) is its class's name and those fields that differ from their frozen defaults,
-sorted by name. A frozen default is the one on the day the field was added (`meshes.fields`). So a new field changes no key,
-and a default that is changed later changes the keys of all records that used it. Equal numbers have the same text whatever
-their type; negative zero differs from zero, and all NaN values are the same. The module of a record's class does not
-matter.
+A stored run is found again by a key, a digest of the canonical text of its inputs. The text of a record (dataclass or named
+tuple) is its class's name and those fields that differ from their frozen defaults, sorted by name. A frozen default is the
+default on the day on which the field was added. So a new field changes no key of older runs, provided that `usual` defines
+its default; `keyed` raises an error at import otherwise. A default that is changed later changes the keys of all records
+that used it. Equal numbers have the same text whatever their type; negative zero differs from zero, and all NaN values are
+the same. The module of a record's class does not matter.
+
+For fields that are also keys of a scene file, the type gives unit and range (`meshes.ranges`), and `about` or `usual` gives
+description and example.
 """
 
 from __future__ import annotations
@@ -13,13 +17,91 @@ import hashlib
 import json
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, fields, is_dataclass
+from dataclasses import MISSING, dataclass, field, fields, is_dataclass
 from functools import cache
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
-from rollbench.meshes.fields import FROZEN
+T = TypeVar("T")
+
+#: Frozen defaults: for the name of each record, the default of each field by the field's name.
+FROZEN: dict[str, dict[str, object]] = {}
+_NONE: Any = object()
+
+
+def about(description: str, example: object = None) -> dict[str, Any]:
+    """Make the metadata of a dataclass field that is also a key of scene files.
+
+    Parameters
+    ----------
+    description : str
+        Description of the key, for the JSON schema and the manual.
+    example : object, default None
+        Example of a value as written in a scene file.
+
+    Returns
+    -------
+    dict
+        Argument ``metadata`` of ``dataclasses.field``.
+    """
+    return {"description": description} | ({} if example is None else {"examples": [example]})
+
+
+def usual(default: Any, description: str = "", example: object = None, *, now: Any = _NONE, compare: bool = True) -> Any:
+    """Make a dataclass field with a default; a value equal to this default does not enter the keys of stored runs.
+
+    The default given here is frozen: it must never be changed, because the keys of stored runs depend on it.
+
+    Parameters
+    ----------
+    default : Any
+        Frozen default, on the day on which the field was added.
+    description, example : str and object, optional
+        Description of the field as a key of scene files, and an example of its value, as for `about`.
+    now : object, optional
+        Default that is used today, where it differs from the frozen one.
+    compare : bool, default True
+        Whether the field counts when records are compared and hashed.
+
+    Returns
+    -------
+    dataclasses.Field
+        The field, for the body of a dataclass.
+    """
+    metadata = {"usual": default} | (about(description, example) if description else {})
+    return field(default=default if now is _NONE else now, metadata=metadata, compare=compare)
+
+
+def keyed(record: type[T]) -> type[T]:
+    """Register the frozen defaults of a dataclass whose fields enter the keys of stored runs (a class decorator).
+
+    Parameters
+    ----------
+    record : type[T]
+        The frozen dataclass.
+
+    Returns
+    -------
+    type
+        The same class; its frozen defaults are now in `FROZEN`.
+
+    Raises
+    ------
+    TypeError
+        The default of a field is not defined by `usual`.
+    """
+    frozen: dict[str, object] = {}
+    for each in fields(record):  # type: ignore[arg-type]
+        if "usual" in each.metadata:
+            frozen[each.name] = each.metadata["usual"]
+        elif each.default is not MISSING or each.default_factory is not MISSING:
+            advice = "write usual(DEFAULT), or the new field changes the keys of stored runs"
+            raise TypeError(f"{record.__name__}.{each.name}: its default is not frozen: {advice}")
+    FROZEN[record.__name__] = frozen
+    record.__pydantic_config__ = {"extra": "forbid"}  # type: ignore[attr-defined]
+    return record
+
 
 #: Version of the canonical text, a part of every digest; increase it when the text of any value changes.
 FORM = 1
@@ -105,7 +187,7 @@ def canonical(value: object) -> str:
 
 
 def _record_text(record: type, values: Mapping[str, object]) -> str:
-    """Return the canonical text of a record from its class and the values of its fields."""
+    """Return the canonical text of a record of the class ``record`` from the values of its fields, by the fields' names."""
     name, usual = record.__name__, _frozen_default_texts(record)
     texts = {field: canonical(value) for field, value in values.items()}
     return f"{name}({', '.join(f'{field}={texts[field]}' for field in sorted(texts) if texts[field] != usual.get(field))})"
@@ -113,7 +195,7 @@ def _record_text(record: type, values: Mapping[str, object]) -> str:
 
 @cache
 def _frozen_default_texts(record: type) -> Mapping[str, str]:
-    """Return the canonical texts of a record's frozen defaults by field; empty for a record that is not `keyed`."""
+    """Return the canonical texts of a record's frozen defaults by field; empty for a class not decorated by `keyed`."""
     frozen = FROZEN.get(record.__name__, {})
     return {field: f"{type(x).__name__}()" if is_dataclass(x) else canonical(x) for field, x in frozen.items()}
 
