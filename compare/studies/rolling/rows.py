@@ -1,6 +1,8 @@
 """Rolling balls: low-order models against the 3D model with its uncertainty and printed values, and the gate on them.
 
-Also the change of ball-to-ball forces with numerical choices, and their development from rest.
+Also the change of ball-to-ball forces with numerical choices, their development from rest, and the rows of
+``rollbench compare`` and ``rollbench mesh-study`` for scenes of rolling balls. The 3D results are stored ones, or new ones
+that are then stored.
 """
 
 from __future__ import annotations
@@ -14,10 +16,12 @@ from typing import Any
 
 import numpy as np
 
+from rollbench.compare.errors import ArgumentError
 from rollbench.compare.gate.gate import GateRow
 from rollbench.compare.measure import error_percent
 from rollbench.compare.models.study import Study
 from rollbench.compare.printed import entry
+from rollbench.compare.reference.jobs import Engine
 from rollbench.compare.reference.levels import FINITE, HALF_SPACE
 from rollbench.compare.reference.store import shipped_store
 from rollbench.compare.scenes.catalogue import case as shipped_case
@@ -31,9 +35,13 @@ from rollbench.compare.studies.rolling.runs import (
     LINEAR,
     SCENES,
     SHAPE,
+    SOURCE_LEVEL,
+    SOURCE_SIZE,
     BodyVariant,
     RollingRun,
     body_variants,
+    check_levels,
+    find_or_compute_runs,
     largest_choice_effect,
     load_run,
 )
@@ -462,3 +470,70 @@ def _force_uncertainty_percent(name: str, stores: Sequence[Path], *bodies: str) 
     ``bodies``: kind of the bodies; half spaces if left out.
     """
     return next((row.uncertainty_percent for row in stored_rows(name, stores, *bodies) if row.quantity == FORCE), None)
+
+
+def rolling_comparison(
+    scenes: Sequence[KindScene], levels: tuple[int, ...] | None, store: Path, engine: Engine, *, fresh: bool, bodies: str
+) -> list[RollingRow]:
+    """Compare low-order models of rolling balls with the 3D model; missing runs are computed and stored in the store.
+
+    ``levels``: levels of the grids, None for all; ``fresh``: whether stored runs are computed again; ``bodies``: kind of
+    the bodies. Raises InputError for an unknown level, Refusal if a run did not converge.
+    """
+    wanted = check_levels(levels or tuple(LEVELS))
+    out: list[RollingRow] = []
+    for scene in scenes:
+        found = find_or_compute_runs(scene, wanted, store, engine, fresh=fresh, bodies=bodies)
+        half_space = (
+            None if bodies == HALF_SPACE else find_or_compute_runs(scene, wanted[-1:], store, Engine(), fresh=False)[0]
+        )
+        out += scene_rows(scene, found, half_space)
+    return out
+
+
+def rolling_mesh_study(
+    scenes: Sequence[KindScene], levels: int | None, store: Path, engine: Engine, *, source: bool, fresh: bool, bodies: str
+) -> list[dict[str, Any]]:
+    """Return every quantity on every grid, with and without the rigid limit, and its uncertainty from all grids.
+
+    ``levels``: number of grids from the coarsest on, None for all; ``source``: whether the grid with the element size of
+    Lin's thesis is added; ``fresh``: whether stored runs are computed again; ``bodies``: kind of the bodies. Raises
+    InputError for a number of grids out of range, Refusal if a run did not converge.
+    """
+    levels = len(LEVELS) if levels is None else levels
+    if not 1 <= levels <= len(LEVELS):
+        raise ArgumentError("levels", str(levels), f"1 to {len(LEVELS)}", "take three levels, which show the scatter")
+    out: list[dict[str, Any]] = []
+    for scene in scenes:
+        wanted = [*([SOURCE_LEVEL] if source and scene.kind in SOURCE_SIZE else []), *range(1, levels + 1)]
+        found = find_or_compute_runs(scene, wanted, store, engine, fresh=fresh, bodies=bodies)
+        grids = [run for run in found if run.level != SOURCE_LEVEL]
+        for key in found[-1].values:
+            share = without_infinity({"uncertainty": quantity_uncertainty(grids, key)})
+            out += [study_row(scene.name, run, key) | share for run in found]
+    return out
+
+
+def without_infinity(row: dict[str, Any]) -> dict[str, Any]:
+    """Return a table row with None in place of infinite values."""
+    return {k: None if isinstance(v, float) and abs(v) == float("inf") else v for k, v in row.items()}
+
+
+def study_row(name: str, run: RollingRun, key: str) -> dict[str, Any]:
+    """Return a table row with one quantity of a run: value, rigid limit, and effect of elasticity on the grid.
+
+    ``name``: name of the scene; ``key``: name of the quantity with its unit.
+    """
+    return {
+        "scene": name,
+        "load_state": load_state(name),
+        "quantity": key,
+        "level": "source" if run.level == SOURCE_LEVEL else str(run.level),
+        "cells": f"{run.shape[0]} x {run.shape[1]}",
+        "value": run.values[key],
+        "grid_alone": run.elastic[key],
+        "elasticity": run.elastic[key] - run.near_rigid[key],
+        "rigid_limit": run.limit[key],
+        "energy_lost_percent": 100.0 * run.upwind,
+        "seconds": run.seconds,
+    }

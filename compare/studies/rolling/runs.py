@@ -21,12 +21,14 @@ from time import process_time
 
 import numpy as np
 
-from rollbench.compare.errors import Refusal
+from rollbench.compare.errors import ArgumentError, Refusal
 from rollbench.compare.files import replace_file
 from rollbench.compare.measure import error_percent
+from rollbench.compare.reference.jobs import Engine
 from rollbench.compare.reference.levels import FINITE, HALF_SPACE
+from rollbench.compare.reference.parallel import as_done
 from rollbench.compare.reference.store import Measured, measuring_conditions, shipped_store
-from rollbench.compare.running import out_of_memory
+from rollbench.compare.running import on_terminal, out_of_memory
 from rollbench.compare.scenes.catalogue import case as shipped_case
 from rollbench.compare.scenes.friction_kinds.common import KindScene
 from rollbench.compare.studies.rolling.cases import RollingCase, rolling_case
@@ -420,3 +422,35 @@ def _load_variants(stores: Sequence[Path]) -> tuple[BodyVariant, ...] | None:
         if found["key"] == variants_key() and any(one.choice == LIVE for one in rows):
             return rows
     return None
+
+
+def find_or_compute_runs(
+    scene: KindScene, levels: Sequence[int], store: Path, engine: Engine, *, fresh: bool, bodies: str = "half-space"
+) -> list[RollingRun]:
+    """Return the runs of a scene on several grids, stored ones where they exist; each new run is stored when it is done.
+
+    ``levels``: levels of the grids; ``store``: folder for new runs; ``engine``: where they are computed; ``fresh``: whether
+    stored runs are computed again; ``bodies``: kind of the bodies. Refusal if a run did not converge.
+    """
+    stores = (store, shipped_store())
+    found = {} if fresh else {k: run for k in levels if (run := load_run(scene, k, stores, bodies)) is not None}
+    missing = [k for k in levels if k not in found]
+    jobs = [(compute_run, (scene, k, bodies, engine.processes)) for k in missing]
+    for number, run in as_done(jobs, engine.backend, engine.scheduler, engine.workers, engine.wait):
+        save_run(store, scene, run)
+        found[missing[number]] = run
+        on_terminal(f"{scene.name}: level {run.level}, {run.shape[0]} x {run.shape[1]} cells, {run.all_seconds:.1f} s")
+    bad = next((found[k] for k in levels if not found[k].converged), None)
+    if bad is not None:
+        raise Refusal(scene.name, f"level {bad.level}", bad.status, "try another level")
+    return [found[k] for k in levels]
+
+
+def check_levels(levels: Sequence[int]) -> list[int]:
+    """Return the levels as a list; InputError for a level that scenes of rolling balls do not have."""
+    other = [k for k in levels if k not in LEVELS]
+    if other:
+        got = ", ".join("source" if k == SOURCE_LEVEL else str(k) for k in other)
+        advice = "choose other levels; mesh-study with `source_mesh=True` shows the element size of Lin's thesis"
+        raise ArgumentError("levels", got, f"1 to {len(LEVELS)} for scenes of friction", advice)
+    return list(levels)

@@ -1,24 +1,56 @@
-"""Run of a sweep: missing samples are solved in batches, in parallel if requested, and every sample is stored."""
+"""A sweep (``rollbench sweep``): its definition, the solution of its samples, and the summary of its results.
+
+Missing samples are solved in batches, in parallel if requested, and every sample is stored. The summary has counts,
+statistics, main effects, Sobol indices, figures and the worst samples.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import csv
+import io
+import json
+from collections import Counter
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+from numpy.typing import NDArray
+from scipy.stats import sobol_indices
+
 from rollbench.compare import __version__
 from rollbench.compare.errors import ArgumentError, InputError, ProgramError, Refusal
+from rollbench.compare.files import replace_file, write_figure
 from rollbench.compare.models import user_models
-from rollbench.compare.models.registry import AXIS_MODELS, MODELS, known_model
+from rollbench.compare.models.registry import AXIS_MODELS, DEFAULT, MODELS, default_model, known_model
 from rollbench.compare.reference import parallel
 from rollbench.compare.reference.jobs import Engine, first_here
-from rollbench.compare.scenes import scene_file, scene_tables
+from rollbench.compare.scenes import catalogue, scene_file, scene_tables
+from rollbench.compare.scenes.scene_file import scene_hash
 from rollbench.compare.studies.sweep import sample
-from rollbench.compare.studies.sweep.keys import Method, Vary, design_points, replaced_keys, values_at, with_varied_keys
-from rollbench.compare.studies.sweep.sample import MAIN, OUTPUTS, refusal_reason, solve_batch, solve_sample_or_refuse
+from rollbench.compare.studies.sweep.keys import (
+    Method,
+    Vary,
+    base_points,
+    design_points,
+    read_vary,
+    replaced_keys,
+    values_at,
+    with_varied_keys,
+)
+from rollbench.compare.studies.sweep.sample import (
+    CONVERGED,
+    MAIN,
+    OUTPUTS,
+    Record,
+    refusal_reason,
+    solve_batch,
+    solve_sample_or_refuse,
+)
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly
+from rollbench.reports.content import Figure, Panel, Series
 
 #: Function that shows a line of progress.
 Step = Callable[[str], None]
@@ -182,3 +214,380 @@ def _solve_missing(sweep: Sweep, folder: Path, engine: Engine, step: Step, work:
         done += len(records)
         failed += sum(record["status"] != "converged" for record in records)
         step(f"[{done}/{len(left)}] {failed} failed")
+
+
+#: Number of worst samples that are listed; number of parts of a range for main effects; levels of the quantiles.
+WORST, BINS, LEVELS = 10, 8, (0.01, 0.05, 0.5, 0.95, 0.99)
+
+#: Number of resamples for confidence intervals, level of these intervals, smallest number of base points for Sobol indices.
+RESAMPLES, CONFIDENCE, LEAST = 200, 0.95, 8
+
+#: Standard deviation over the mean below which an output counts as constant.
+CONSTANT = 1e-9
+
+
+def summarise_sweep(sweep: Sweep, records: Mapping[int, Record]) -> dict[str, Any]:
+    """Return the summary of a sweep as JSON values; refused samples are counted by reason, with one example each."""
+    rows = [records[n] for n in sorted(records)]
+    good = converged_records(records)
+    failed = [row for row in rows if row["status"] != CONVERGED]
+    reasons = Counter(row.get("reason", row["status"]) for row in failed)
+    first = {
+        row.get("reason", row["status"]): row["status"] for row in reversed(failed)
+    }  # a refusal says its sample's value
+    return {
+        **{k: v for k, v in sweep.header().items() if k != "text"},
+        "scene_hash": scene_hash(sweep.text),
+        "solved": len(rows),
+        "converged": len(good),
+        "failures": [{"reason": first[reason], "samples": n} for reason, n in reasons.most_common()],
+        "outputs": {name: output_statistics(output_column(good, name)) for name in sweep.wanted_outputs},
+        "main_effects": main_effects(sweep.keys, good),
+        "worst": sorted(good, key=lambda row: -row[MAIN])[:WORST],
+        "indices": sobol_indices_by_output(sweep, records),
+    }
+
+
+def converged_records(records: Mapping[int, Record]) -> list[Record]:
+    """Return the records of converged samples in the order of their numbers."""
+    return [records[n] for n in sorted(records) if records[n]["status"] == CONVERGED]
+
+
+def output_column(rows: Sequence[Record], name: str) -> Array:
+    """Return one output of k samples, (k,); nan for a sample without it. ``name``: a key of `OUTPUTS`."""
+    return np.array([np.nan if row[name] is None else row[name] for row in rows], dtype=float)
+
+
+def input_values(keys: Sequence[Vary], rows: Sequence[Record]) -> Array:
+    """Return the values of d varied keys in k samples as numbers, (k, d), see `Vary.as_number`."""
+    found = [[vary.as_number(v) for vary, v in zip(keys, row["values"], strict=True)] for row in rows]
+    return np.array(found, dtype=float).reshape(len(rows), len(keys))
+
+
+def output_statistics(values: Array) -> dict[str, float] | None:
+    """Return mean with standard error, standard deviation, extremes and quantiles of an output.
+
+    ``values``: the output in k samples, (k,); those that are not finite are left out. None with fewer than two finite
+    values.
+    """
+    y = values[np.isfinite(values)]
+    if y.size < 2:
+        return None
+    sd = float(y.std(ddof=1))
+    found = {"mean": float(y.mean()), "standard_error": sd / float(np.sqrt(y.size)), "standard_deviation": sd}
+    found |= {"smallest": float(y.min()), "largest": float(y.max())}
+    return found | {f"quantile_{level:g}": float(np.quantile(y, level)) for level in LEVELS}
+
+
+def main_effects(keys: Sequence[Vary], rows: Sequence[Record]) -> dict[str, list[dict[str, float]]]:
+    """Return, for each varied key, the mean of `MAIN` in each part of its range, or at each value of its list.
+
+    A row has "at" (mean value of the key, in its unit), "mean" and "standard_error" of the output, and "samples" (their
+    number).
+    """
+    x, y = input_values(keys, rows), output_column(rows, MAIN)
+    return {vary.key: [_group_mean(x[g, k], y[g]) for g in _group_masks(vary, x[:, k])] for k, vary in enumerate(keys)}
+
+
+def _group_masks(vary: Vary, x: Array) -> list[NDArray[np.bool_]]:
+    """Return a mask (k,) of k samples for each part of a key's range, or for each of its values.
+
+    ``x``: values of the key in the samples, (k,).
+    """
+    distinct = np.unique(x)
+    if distinct.size <= BINS or vary.choices:
+        return [x == value for value in distinct]
+    bins = np.clip(((x - vary.low) / (vary.high - vary.low) * BINS).astype(int), 0, BINS - 1)
+    return [bins == k for k in np.unique(bins)]
+
+
+def _group_mean(x: Array, y: Array) -> dict[str, float]:
+    """Return mean key value, mean output with its standard error, and number of samples of one group.
+
+    ``x``: values of the key (k,); ``y``: values of the output (k,).
+    """
+    error = float(y.std(ddof=1) / np.sqrt(y.size)) if y.size > 1 else 0.0
+    return {"at": float(x.mean()), "mean": float(y.mean()), "standard_error": error, "samples": int(y.size)}
+
+
+def sobol_indices_by_output(sweep: Sweep, records: Mapping[int, Record]) -> dict[str, Any]:
+    """Return the Sobol indices of every output with `CONFIDENCE` intervals, or the reason why there are none.
+
+    For each output and key: first, first_low, first_high, total, total_low, total_high; None for a constant output. They
+    are computed from base points all of whose samples converged: the first of these, as many as make a power of two.
+    """
+    if sweep.method != "sobol":
+        return {"none": f"a design by {sweep.method} gives no Sobol indices: sobol does"}
+    d, n = len(sweep.keys), base_points(sweep.samples, len(sweep.keys))
+    rows = [records.get(k) for k in range(n * (d + 2))]
+    good = np.array([row is not None and row["status"] == CONVERGED for row in rows]).reshape(d + 2, n)
+    whole = np.flatnonzero(good.all(axis=0))
+    if whole.size < LEAST:
+        return {"none": f"{whole.size} base points of {n} have all their samples; {LEAST} are needed"}
+    kept = whole[: 2 ** int(np.log2(whole.size))]
+    found: dict[str, Any] = {"base_points": int(kept.size), "of": n, "confidence": CONFIDENCE, "outputs": {}}
+    for name in sweep.wanted_outputs:
+        y = np.array([np.nan if row is None or row.get(name) is None else row[name] for row in rows], dtype=float)
+        found["outputs"][name] = _indices_with_intervals(sweep.keys, y.reshape(d + 2, n)[:, kept], sweep.seed)
+    return found
+
+
+def _indices_with_intervals(keys: Sequence[Vary], y: Array, seed: int) -> dict[str, dict[str, float]] | None:
+    """Return the Sobol indices of one output for each key, with intervals by resampling; None for a constant output.
+
+    ``y``: output (d + 2, n) at the base points A, at the base points B, and for each of d keys at the mixture of both; n:
+    number of base points; ``seed``: seed of the resampling.
+    """
+    if not np.all(np.isfinite(y)) or y[:2].std() <= CONSTANT * abs(y[:2].mean()):
+        return None
+    n = y.shape[1]
+    rng = np.random.default_rng([seed, n])
+    drawn = np.stack([np.stack(_sobol_estimates(y[:, rng.integers(0, n, n)])) for _ in range(RESAMPLES)])
+    tail = 0.5 * (1.0 - CONFIDENCE)
+    low, high = np.quantile(drawn, [tail, 1.0 - tail], axis=0)
+    out = {}
+    for k, vary in enumerate(keys):
+        out[vary.key] = {
+            f"{kind}{end}": float(value[i, k])
+            for i, kind in enumerate(("first", "total"))
+            for end, value in (("", np.stack(_sobol_estimates(y))), ("_low", low), ("_high", high))
+        }
+    return out
+
+
+def _sobol_estimates(y: Array) -> tuple[Array, Array]:
+    """Return the first-order, then the total Sobol indices of an output, each (d,).
+
+    ``y``: output (d + 2, n) at n base points A, at n base points B, and for each of d keys at the mixture of both.
+    """
+    d = len(y) - 2
+    mixtures = y[2:] if d > 1 else np.repeat(y[2:], 2, axis=0)  # scipy 1.17 fails for a single key: it is given twice
+    found = sobol_indices(func={"f_A": y[:1], "f_B": y[1:2], "f_AB": mixtures[:, None, :]}, n=y.shape[1])
+    return np.atleast_1d(found.first_order)[:d], np.atleast_1d(found.total_order)[:d]
+
+
+#: Largest number of panels of a figure, and of points of a scatter plot.
+PANELS, POINTS = 6, 2000
+
+#: Key of the seed of random errors.
+SEED = "errors.seed"
+
+
+def sweep_figures(name: str, keys: Sequence[Vary], found: Mapping[str, Any], rows: Sequence[Record]) -> list[Figure]:
+    """Return the figures of a sweep; none with fewer than two converged samples.
+
+    ``name``: start of the figures' names; ``found``: summary of the sweep; ``rows``: records of the converged samples.
+    """
+    if len(rows) < 2:
+        return []
+    shown, left = _keys_to_show(keys, found)
+    return [*summary_figures(name, keys, found), _scatter_figure(name, keys, shown, rows, left)]
+
+
+def summary_figures(
+    name: str, keys: Sequence[Vary], found: Mapping[str, Any], called: Callable[[Vary], str] = lambda vary: vary.name
+) -> list[Figure]:
+    """Return the figures that need only the summary of a sweep.
+
+    ``name``: start of the figures' names; ``found``: summary of the sweep; ``called``: function that returns the short name
+    of a key.
+    """
+    shown, left = _keys_to_show(keys, found)
+    figures = [
+        _effects_figure(name, [keys[k] for k in shown], found, left, called),
+        _worst_figure(name, keys, found["worst"], called),
+    ]
+    indices = _indices_figure(name, keys, found["indices"], called)
+    return figures if indices is None else [*figures, indices]
+
+
+def _keys_to_show(keys: Sequence[Vary], found: Mapping[str, Any]) -> tuple[list[int], str]:
+    """Return the numbers of the keys with the largest effect, then a sentence if some keys are left out.
+
+    There are at most as many as a figure has panels. ``found``: summary of the sweep. A seed of random errors is not shown,
+    as there is no trend along it.
+    """
+    ordered = _keys_with_order(keys)
+    shown = sorted(ordered, key=lambda k: -_effect_range(found["main_effects"][keys[k].key]))[:PANELS]
+    return shown, "" if len(shown) == len(ordered) else f" The {PANELS} keys of largest effect, of {len(ordered)}."
+
+
+def _keys_with_order(keys: Sequence[Vary]) -> list[int]:
+    """Return the indices of keys whose values have an order; that of a seed only if there is no other key."""
+    return [k for k, vary in enumerate(keys) if vary.key != SEED] or list(range(len(keys)))
+
+
+def _effect_range(groups: Sequence[Mapping[str, float]]) -> float:
+    """Return the difference between the largest and the smallest mean output of a key's groups (see `main_effects`)."""
+    means = [g["mean"] for g in groups]
+    return max(means) - min(means)
+
+
+def _effects_figure(
+    name: str, keys: Sequence[Vary], found: Mapping[str, Any], left: str, called: Callable[[Vary], str]
+) -> Figure:
+    """Draw the main effects: mean of `MAIN` over each key, with its standard error.
+
+    ``found``: summary of the sweep; ``left``: sentence on keys that are left out; ``called``: function that returns the
+    short name of a key.
+    """
+    panels = []
+    for vary in keys:
+        groups = found["main_effects"][vary.key]
+        at, mean = [g["at"] for g in groups], [g["mean"] for g in groups]
+        bars = [m - g["standard_error"] for m, g in zip(mean, groups, strict=True)]
+        ends = [m + g["standard_error"] for m, g in zip(mean, groups, strict=True)]
+        series = Series("mean", at, mean, "line+markers", bars=(bars, ends))
+        short = called(vary)
+        label = vary.label if short == vary.name or not vary.unit else f"{short} / {vary.unit}"
+        panels.append(Panel(short, label, OUTPUTS[MAIN], (series,), integer_x=bool(vary.choices)))
+    caption = "Mean over all samples in a part of the key's range; bars: its standard error." + left
+    return Figure(f"{name}-effects", f"{name}: main effects", tuple(panels), caption, same_y=True)
+
+
+def _scatter_figure(name: str, keys: Sequence[Vary], shown: Sequence[int], rows: Sequence[Record], left: str) -> Figure:
+    """Draw `MAIN` of single samples over each shown key.
+
+    ``shown``: numbers of these keys; ``rows``: records of the samples; ``left``: sentence on keys that are left out.
+    """
+    some = list(rows[:: max(1, len(rows) // POINTS)])
+    x, y = input_values(keys, some), output_column(some, MAIN)
+    panels = tuple(
+        Panel(keys[k].name, keys[k].label, OUTPUTS[MAIN], (Series("samples", list(x[:, k]), list(y), "markers"),))
+        for k in shown
+    )
+    return Figure(f"{name}-scatter", f"{name}: samples", panels, f"{len(some)} of {len(rows)} samples.{left}")
+
+
+def _worst_figure(name: str, keys: Sequence[Vary], worst: Sequence[Record], called: Callable[[Vary], str]) -> Figure:
+    """Draw where in its range each key lies in the samples with the largest loads.
+
+    ``worst``: records of these samples; ``called``: function that returns the short name of a key.
+    """
+    kept = _keys_with_order(keys)
+    x, keys = input_values(keys, worst)[:, kept], [keys[k] for k in kept]
+    low = np.array([1.0 if v.choices else v.low for v in keys])
+    high = np.array([float(len(v.choices)) if v.choices else v.high for v in keys])
+    place = (x - low) / (high - low)
+    number = [float(k) for k in range(1, len(keys) + 1)]
+    series = tuple(
+        Series(f"{row[MAIN]:.4g} N at {row['at']}", number, list(at)) for row, at in zip(worst[:5], place[:5], strict=True)
+    )
+    caption = "Place of each key in its range (0 to 1), of the samples with the largest loads."
+    panel = Panel("worst samples", "", "place in its range", series, names=[called(v) for v in keys])
+    return Figure(f"{name}-worst", f"{name}: worst samples", (panel,), caption)
+
+
+def _indices_figure(
+    name: str, keys: Sequence[Vary], indices: Mapping[str, Any], called: Callable[[Vary], str]
+) -> Figure | None:
+    """Draw the Sobol indices of `MAIN` with their intervals; None without indices.
+
+    ``indices``: those of `sobol_indices_by_output`; ``called``: function that returns the short name of a key.
+    """
+    main = indices.get("outputs", {}).get(MAIN)
+    if main is None:
+        return None
+    keys = sorted(keys, key=lambda vary: -main[vary.key]["total"])
+    number = [float(k) for k in range(1, len(keys) + 1)]
+    series = []
+    for kind, shift in (("first", -0.06), ("total", 0.06)):
+        value, low, high = ([main[v.key][f"{kind}{end}"] for v in keys] for end in ("", "_low", "_high"))
+        bars = ([min(a, b) for a, b in zip(low, value, strict=True)], [max(a, b) for a, b in zip(high, value, strict=True)])
+        series.append(Series(kind, [n + shift for n in number], value, "markers", bars=bars))
+    caption = (
+        f"Sobol indices of the {OUTPUTS[MAIN].removesuffix(' / N')} from {indices['base_points']} base points, with "
+        f"{100 * indices['confidence']:g} % intervals: first, of the key only; total, with its interactions."
+    )
+    panel = Panel("Sobol indices", "", "share of the variance", tuple(series), zero=True, names=[called(v) for v in keys])
+    return Figure(f"{name}-indices", f"{name}: Sobol indices", (panel,), caption)
+
+
+def make_sweep(
+    scene: str, vary: Sequence[str], samples: int, method: Method, seed: int, model: str, outputs: Sequence[str] = ()
+) -> Sweep:
+    """Define a sweep of a scene.
+
+    Parameters
+    ----------
+    scene
+        Name of a shipped scene, or a scene file.
+    vary
+        Keys with their ranges or values.
+    samples, method, seed
+        Design of the samples.
+    model
+        Name of the model; empty: the default.
+    outputs
+        Outputs that are computed; empty: all.
+
+    Returns
+    -------
+    Sweep
+        Definition of the sweep.
+
+    Raises
+    ------
+    InputError
+        If scene or keys cannot be read.
+    """
+    found = catalogue.any_scene(scene)
+    if scene in catalogue.scene_names():
+        text, origin = catalogue.scene_text(scene), f"{scene}.toml"
+    else:
+        text, origin = scene_file.read_text(scene), scene
+    model = model or (default_model(found) if isinstance(found, Assembly) else DEFAULT)
+    return Sweep(text, origin, read_vary(vary), samples, method, seed, model, tuple(outputs))
+
+
+def solve_sweep(sweep: Sweep, out: Path, engine: Engine, step: Callable[[str], None]) -> dict[str, Any]:
+    """Solve the missing samples of a sweep, write its summary to the folder and return it.
+
+    ``out``: folder of the sweep; ``engine``: where samples are computed; ``step``: called with lines of progress.
+    InputError for the faults that `run_samples` refuses.
+    """
+    records = run_samples(sweep, out, engine, step)
+    found = summarise_sweep(sweep, records)
+    write_results(sweep, records, found, out)
+    return found
+
+
+def write_results(sweep: Sweep, records: Mapping[int, Record], found: Mapping[str, Any], out: Path) -> None:
+    """Write samples.csv, summary.json and the figures of a sweep to its folder.
+
+    ``records``: records of the samples by number; ``found``: summary of the sweep; ``out``: the folder.
+    """
+    replace_file(out / "samples.csv", samples_csv(sweep, records))
+    replace_file(out / "summary.json", json.dumps(found, indent=1, ensure_ascii=False, allow_nan=False) + "\n")
+    for figure in sweep_figures("sweep", sweep.keys, found, converged_records(records)):
+        write_figure(out / f"{figure.name}.svg", figure)
+
+
+def samples_csv(sweep: Sweep, records: Mapping[int, Record]) -> str:
+    """Return the CSV text of a sweep, a row for each sample: number, values, status or reason, outputs."""
+    text = io.StringIO()
+    writer = csv.writer(text)
+    writer.writerow(["sample", *(v.key for v in sweep.keys), "status", *sweep.wanted_outputs, "at"])
+    for n in sorted(records):
+        row = records[n]
+        kept = ["" if row.get(k) is None else row[k] for k in (*sweep.wanted_outputs, "at")]
+        writer.writerow([n, *row["values"], row["status"], *kept])
+    return text.getvalue()
+
+
+def sweep_for_library(
+    scene: str,
+    vary: Sequence[str],
+    samples: int,
+    method: Method,
+    model: str,
+    seed: int,
+    out: Path,
+    outputs: Sequence[str],
+    step: Callable[[str], None],
+) -> dict[str, Any]:
+    """Solve a sweep for `rollbench.sweep`, write its folder ``out``, and return the summary as JSON values.
+
+    ``step``: called with lines of progress; the other arguments are those of `make_sweep`.
+    """
+    return solve_sweep(make_sweep(scene, vary, samples, method, seed, model, outputs), out, Engine(), step)
