@@ -88,15 +88,15 @@ class Sweep:
 
     @property
     def wanted_outputs(self) -> tuple[str, ...]:
-        """Outputs that are stored, in the order of `OUTPUTS`: all unless some are named, `MAIN` in any case."""
+        """Names of the outputs that are stored, in the order of `OUTPUTS`: all unless some are named, and always `MAIN`."""
         return tuple(name for name in OUTPUTS if not self.outputs or name in (MAIN, *self.outputs))
 
     def coordinates(self) -> Array:
-        """Return the coordinates of all samples in the unit cube, (m, d)."""
+        """Return the coordinates of the m samples in the unit cube, one column for each of d varied keys, (m, d)."""
         return design_points(self.method, self.keys, self.samples, self.seed)
 
     def header(self) -> dict[str, Any]:
-        """Return everything on which the records of the samples depend, as JSON values."""
+        """Return the JSON values that identify the sweep: all inputs on which the records of its samples depend."""
         names = ("samples", "method", "seed", "model")
         what = {"scene": self.origin, "text": self.text, "vary": [vary.text for vary in self.keys]}
         some: dict[str, Any] = {"outputs_kept": list(self.wanted_outputs)} if self.outputs else {}
@@ -105,7 +105,7 @@ class Sweep:
         return {"rollbench": __version__, **what, **{name: getattr(self, name) for name in names}, **some}
 
     def check(self) -> None:
-        """Raise InputError for an unknown model or output, a key that the scene does not have, or values out of range."""
+        """Raise InputError if a model, output or varied key is unknown, or if the scene refuses a value of a varied key."""
         for name in self.outputs:
             if name not in OUTPUTS:
                 raise ArgumentError("outputs", name, ", ".join(OUTPUTS), "give names separated by commas")
@@ -122,28 +122,11 @@ class Sweep:
 
 
 def run_samples(sweep: Sweep, folder: Path, engine: Engine, step: Step) -> dict[int, sample.Record]:
-    """Solve all samples of a sweep that its folder does not hold yet.
+    """Solve all samples of a sweep that its folder does not hold yet, and return the records of all samples by number.
 
-    Parameters
-    ----------
-    sweep
-        Definition of the sweep.
-    folder
-        Folder with the stored samples.
-    engine
-        Where samples are computed: number of processes or cluster.
-    step
-        Called with lines of progress.
-
-    Returns
-    -------
-    dict
-        Records of all samples by their numbers.
-
-    Raises
-    ------
-    InputError
-        If the sweep is not valid, the folder holds something else, or workers are lost.
+    ``folder``: folder of the stored samples; ``engine``: number of processes, or cluster, that solve the samples; ``step``:
+    function that is called with each line of progress. Raises InputError if the sweep is not valid, the folder holds
+    something else, or workers are lost.
     """
     sweep.check()
     places = sweep.coordinates()
@@ -163,9 +146,9 @@ def run_samples(sweep: Sweep, folder: Path, engine: Engine, step: Step) -> dict[
 
 
 def _refuse_hopeless_sweep(sweep: Sweep, places: Array) -> None:
-    """Solve the first samples until one is accepted; raise InputError if all are refused for the same reason.
+    """Raise InputError if the first samples are all refused for the same reason; stop at the first sample that is accepted.
 
-    ``places``: coordinates of all samples in the unit cube (m, d).
+    ``places``: coordinates of the m samples in the unit cube, (m, d) for d varied keys.
     """
     refused: list[InputError] = []
     for place in places[:FIRST]:
@@ -191,10 +174,11 @@ def _refuse_hopeless_sweep(sweep: Sweep, places: Array) -> None:
 
 
 def _solve_missing(sweep: Sweep, folder: Path, engine: Engine, step: Step, work: tuple[str, Array, list[int]]) -> None:
-    """Solve the missing samples in batches and store them.
+    """Solve those samples of a sweep that are not stored yet, in batches, and store them.
 
-    ``folder``: folder of the sweep; ``engine``: where samples are computed; ``step``: called with lines of progress;
-    ``work``: token of the run, coordinates of all samples (m, d), numbers of the missing ones.
+    ``folder``: folder of the sweep; ``engine``: number of processes, or cluster, that solve the samples; ``step``: function
+    that is called with each line of progress; ``work``: token that identifies the present execution of the sweep,
+    coordinates of all m samples (m, d), and numbers of the missing samples.
     """
     token, places, left = work
     kernels = "compiled" if len(places) >= COMPILE_FROM else "interpreted"
@@ -227,7 +211,10 @@ CONSTANT = 1e-9
 
 
 def summarise_sweep(sweep: Sweep, records: Mapping[int, Record]) -> dict[str, Any]:
-    """Return the summary of a sweep as JSON values; refused samples are counted by reason, with one example each."""
+    """Return the summary of a sweep as JSON values: counts, failures, statistics, main effects and Sobol indices.
+
+    ``records``: records of the samples by their numbers. Failed samples are counted by reason, with one example each.
+    """
     rows = [records[n] for n in sorted(records)]
     good = converged_records(records)
     failed = [row for row in rows if row["status"] != CONVERGED]
@@ -254,12 +241,18 @@ def converged_records(records: Mapping[int, Record]) -> list[Record]:
 
 
 def output_column(rows: Sequence[Record], name: str) -> Array:
-    """Return one output of k samples, (k,); nan for a sample without it. ``name``: a key of `OUTPUTS`."""
+    """Return the values of one output in k samples as an array (k,); nan for a sample without this output.
+
+    ``rows``: records of the samples; ``name``: name of the output, a key of `OUTPUTS`.
+    """
     return np.array([np.nan if row[name] is None else row[name] for row in rows], dtype=float)
 
 
 def input_values(keys: Sequence[Vary], rows: Sequence[Record]) -> Array:
-    """Return the values of d varied keys in k samples as numbers, (k, d), see `Vary.as_number`."""
+    """Return the values of d varied keys in k samples as an array of numbers (k, d).
+
+    ``rows``: records of the samples. A value from a list counts with its position in the list, see `Vary.as_number`.
+    """
     found = [[vary.as_number(v) for vary, v in zip(keys, row["values"], strict=True)] for row in rows]
     return np.array(found, dtype=float).reshape(len(rows), len(keys))
 
@@ -280,19 +273,20 @@ def output_statistics(values: Array) -> dict[str, float] | None:
 
 
 def main_effects(keys: Sequence[Vary], rows: Sequence[Record]) -> dict[str, list[dict[str, float]]]:
-    """Return, for each varied key, the mean of `MAIN` in each part of its range, or at each value of its list.
+    """Return for each varied key the mean of the output `MAIN` in groups of samples, a list with one entry per group.
 
-    A row has "at" (mean value of the key, in its unit), "mean" and "standard_error" of the output, and "samples" (their
-    number).
+    A group has the samples in one part of the key's range, or at one value of its list. An entry has "at" (mean value of
+    the key in its unit), "mean" and "standard_error" of the output, and "samples" (their number). ``rows``: records of the
+    converged samples.
     """
     x, y = input_values(keys, rows), output_column(rows, MAIN)
     return {vary.key: [_group_mean(x[g, k], y[g]) for g in _group_masks(vary, x[:, k])] for k, vary in enumerate(keys)}
 
 
 def _group_masks(vary: Vary, x: Array) -> list[NDArray[np.bool_]]:
-    """Return a mask (k,) of k samples for each part of a key's range, or for each of its values.
+    """Return a Boolean mask (k,) over k samples for each part of a key's range, or for each value of its list.
 
-    ``x``: values of the key in the samples, (k,).
+    ``vary``: the key; ``x``: values of the key in the samples, (k,).
     """
     distinct = np.unique(x)
     if distinct.size <= BINS or vary.choices:
@@ -302,7 +296,7 @@ def _group_masks(vary: Vary, x: Array) -> list[NDArray[np.bool_]]:
 
 
 def _group_mean(x: Array, y: Array) -> dict[str, float]:
-    """Return mean key value, mean output with its standard error, and number of samples of one group.
+    """Return mean value of the key, mean output with its standard error, and number of samples of one group of k samples.
 
     ``x``: values of the key (k,); ``y``: values of the output (k,).
     """
@@ -311,10 +305,11 @@ def _group_mean(x: Array, y: Array) -> dict[str, float]:
 
 
 def sobol_indices_by_output(sweep: Sweep, records: Mapping[int, Record]) -> dict[str, Any]:
-    """Return the Sobol indices of every output with `CONFIDENCE` intervals, or the reason why there are none.
+    """Return the Sobol indices of every output with confidence intervals of level `CONFIDENCE`, or the reason for none.
 
-    For each output and key: first, first_low, first_high, total, total_low, total_high; None for a constant output. They
-    are computed from base points all of whose samples converged: the first of these, as many as make a power of two.
+    For each output and key: first-order index with the ends of its interval (first, first_low, first_high), and total index
+    (total, total_low, total_high); None for a constant output. The base points are the first ones with only converged
+    samples, as many as make a power of two. ``records``: records of the samples by their numbers.
     """
     if sweep.method != "sobol":
         return {"none": f"a design by {sweep.method} gives no Sobol indices: sobol does"}
@@ -335,8 +330,8 @@ def sobol_indices_by_output(sweep: Sweep, records: Mapping[int, Record]) -> dict
 def _indices_with_intervals(keys: Sequence[Vary], y: Array, seed: int) -> dict[str, dict[str, float]] | None:
     """Return the Sobol indices of one output for each key, with intervals by resampling; None for a constant output.
 
-    ``y``: output (d + 2, n) at the base points A, at the base points B, and for each of d keys at the mixture of both; n:
-    number of base points; ``seed``: seed of the resampling.
+    ``y``: output (d + 2, n) at n base points A (first row), at n base points B (second row), and, for each of d keys, at
+    the points A with the coordinate of this key from B; ``seed``: seed of the resampling.
     """
     if not np.all(np.isfinite(y)) or y[:2].std() <= CONSTANT * abs(y[:2].mean()):
         return None
@@ -356,9 +351,10 @@ def _indices_with_intervals(keys: Sequence[Vary], y: Array, seed: int) -> dict[s
 
 
 def _sobol_estimates(y: Array) -> tuple[Array, Array]:
-    """Return the first-order, then the total Sobol indices of an output, each (d,).
+    """Return the first-order, then the total Sobol indices of an output, each (d,) for d keys.
 
-    ``y``: output (d + 2, n) at n base points A, at n base points B, and for each of d keys at the mixture of both.
+    ``y``: output (d + 2, n) at n base points A (first row), at n base points B (second row), and, for each key, at the
+    points A with the coordinate of this key from B.
     """
     d = len(y) - 2
     mixtures = y[2:] if d > 1 else np.repeat(y[2:], 2, axis=0)  # scipy 1.17 fails for a single key: it is given twice
@@ -374,9 +370,10 @@ SEED = "errors.seed"
 
 
 def sweep_figures(name: str, keys: Sequence[Vary], found: Mapping[str, Any], rows: Sequence[Record]) -> list[Figure]:
-    """Return the figures of a sweep; none with fewer than two converged samples.
+    """Return the figures of a sweep; the list is empty with fewer than two converged samples.
 
-    ``name``: start of the figures' names; ``found``: summary of the sweep; ``rows``: records of the converged samples.
+    ``name``: start of the figures' names; ``found``: summary of the sweep from `summarise_sweep`; ``rows``: records of the
+    converged samples.
     """
     if len(rows) < 2:
         return []
@@ -387,10 +384,10 @@ def sweep_figures(name: str, keys: Sequence[Vary], found: Mapping[str, Any], row
 def summary_figures(
     name: str, keys: Sequence[Vary], found: Mapping[str, Any], called: Callable[[Vary], str] = lambda vary: vary.name
 ) -> list[Figure]:
-    """Return the figures that need only the summary of a sweep.
+    """Return those figures of a sweep that need its summary only, without the records of the samples.
 
-    ``name``: start of the figures' names; ``found``: summary of the sweep; ``called``: function that returns the short name
-    of a key.
+    ``name``: start of the figures' names; ``found``: summary of the sweep from `summarise_sweep`; ``called``: function that
+    returns the short name of a key.
     """
     shown, left = _keys_to_show(keys, found)
     figures = [
@@ -402,10 +399,10 @@ def summary_figures(
 
 
 def _keys_to_show(keys: Sequence[Vary], found: Mapping[str, Any]) -> tuple[list[int], str]:
-    """Return the numbers of the keys with the largest effect, then a sentence if some keys are left out.
+    """Return the indices of the varied keys with the largest main effects, then a sentence if some keys are left out.
 
-    There are at most as many as a figure has panels. ``found``: summary of the sweep. A seed of random errors is not shown,
-    as there is no trend along it.
+    There are at most as many keys as a figure has panels. A seed of random errors is left out, because an output has no
+    trend over it. ``found``: summary of the sweep from `summarise_sweep`.
     """
     ordered = _keys_with_order(keys)
     shown = sorted(ordered, key=lambda k: -_effect_range(found["main_effects"][keys[k].key]))[:PANELS]
@@ -413,12 +410,18 @@ def _keys_to_show(keys: Sequence[Vary], found: Mapping[str, Any]) -> tuple[list[
 
 
 def _keys_with_order(keys: Sequence[Vary]) -> list[int]:
-    """Return the indices of keys whose values have an order; that of a seed only if there is no other key."""
+    """Return the indices of the varied keys other than the seed of random errors; all if there is no other key.
+
+    Values of a seed have no meaningful order.
+    """
     return [k for k, vary in enumerate(keys) if vary.key != SEED] or list(range(len(keys)))
 
 
 def _effect_range(groups: Sequence[Mapping[str, float]]) -> float:
-    """Return the difference between the largest and the smallest mean output of a key's groups (see `main_effects`)."""
+    """Return the difference between the largest and the smallest mean output of the groups of a key.
+
+    ``groups``: entries of `main_effects` for the key.
+    """
     means = [g["mean"] for g in groups]
     return max(means) - min(means)
 
@@ -426,10 +429,10 @@ def _effect_range(groups: Sequence[Mapping[str, float]]) -> float:
 def _effects_figure(
     name: str, keys: Sequence[Vary], found: Mapping[str, Any], left: str, called: Callable[[Vary], str]
 ) -> Figure:
-    """Draw the main effects: mean of `MAIN` over each key, with its standard error.
+    """Return a figure of the main effects: mean of the output `MAIN` over each key, with its standard error.
 
-    ``found``: summary of the sweep; ``left``: sentence on keys that are left out; ``called``: function that returns the
-    short name of a key.
+    ``name``: start of the figure's name; ``keys``: varied keys to show; ``found``: summary of the sweep; ``left``: sentence
+    on keys that are left out; ``called``: function that returns the short name of a key.
     """
     panels = []
     for vary in keys:
@@ -446,9 +449,10 @@ def _effects_figure(
 
 
 def _scatter_figure(name: str, keys: Sequence[Vary], shown: Sequence[int], rows: Sequence[Record], left: str) -> Figure:
-    """Draw `MAIN` of single samples over each shown key.
+    """Return a figure of the output `MAIN` of single samples over each key that is shown.
 
-    ``shown``: numbers of these keys; ``rows``: records of the samples; ``left``: sentence on keys that are left out.
+    ``name``: start of the figure's name; ``shown``: indices of the keys that are shown; ``rows``: records of the samples;
+    ``left``: sentence on keys that are left out.
     """
     some = list(rows[:: max(1, len(rows) // POINTS)])
     x, y = input_values(keys, some), output_column(some, MAIN)
@@ -460,9 +464,10 @@ def _scatter_figure(name: str, keys: Sequence[Vary], shown: Sequence[int], rows:
 
 
 def _worst_figure(name: str, keys: Sequence[Vary], worst: Sequence[Record], called: Callable[[Vary], str]) -> Figure:
-    """Draw where in its range each key lies in the samples with the largest loads.
+    """Return a figure that shows where in its range each key lies, for the samples with the largest contact loads.
 
-    ``worst``: records of these samples; ``called``: function that returns the short name of a key.
+    ``name``: start of the figure's name; ``worst``: records of these samples; ``called``: function that returns the short
+    name of a key.
     """
     kept = _keys_with_order(keys)
     x, keys = input_values(keys, worst)[:, kept], [keys[k] for k in kept]
@@ -481,9 +486,10 @@ def _worst_figure(name: str, keys: Sequence[Vary], worst: Sequence[Record], call
 def _indices_figure(
     name: str, keys: Sequence[Vary], indices: Mapping[str, Any], called: Callable[[Vary], str]
 ) -> Figure | None:
-    """Draw the Sobol indices of `MAIN` with their intervals; None without indices.
+    """Return a figure of the Sobol indices of the output `MAIN` with their confidence intervals; None without indices.
 
-    ``indices``: those of `sobol_indices_by_output`; ``called``: function that returns the short name of a key.
+    ``name``: start of the figure's name; ``indices``: result of `sobol_indices_by_output`; ``called``: function that
+    returns the short name of a key.
     """
     main = indices.get("outputs", {}).get(MAIN)
     if main is None:
@@ -508,28 +514,10 @@ def make_sweep(
 ) -> Sweep:
     """Define a sweep of a scene.
 
-    Parameters
-    ----------
-    scene
-        Name of a shipped scene, or a scene file.
-    vary
-        Keys with their ranges or values.
-    samples, method, seed
-        Design of the samples.
-    model
-        Name of the model; empty: the default.
-    outputs
-        Outputs that are computed; empty: all.
-
-    Returns
-    -------
-    Sweep
-        Definition of the sweep.
-
-    Raises
-    ------
-    InputError
-        If scene or keys cannot be read.
+    ``scene``: name of a scene of the package, or a scene file; ``vary``: texts that name the varied keys with their ranges
+    or values; ``samples``, ``method`` and ``seed``: number of samples, design and seed of the design; ``model``: name of
+    the model, empty for the default; ``outputs``: names of the outputs that are computed, empty for all. Raises InputError
+    if the scene or the texts cannot be read.
     """
     found = catalogue.any_scene(scene)
     if scene in catalogue.scene_names():
@@ -541,10 +529,10 @@ def make_sweep(
 
 
 def solve_sweep(sweep: Sweep, out: Path, engine: Engine, step: Callable[[str], None]) -> dict[str, Any]:
-    """Solve the missing samples of a sweep, write its summary to the folder and return it.
+    """Solve the missing samples of a sweep, write its tables and figures to its folder, and return the summary.
 
-    ``out``: folder of the sweep; ``engine``: where samples are computed; ``step``: called with lines of progress.
-    InputError for the faults that `run_samples` refuses.
+    ``out``: folder of the sweep; ``engine``: number of processes, or cluster, that solve the samples; ``step``: function
+    that is called with each line of progress. Raises InputError for the same faults as `run_samples`.
     """
     records = run_samples(sweep, out, engine, step)
     found = summarise_sweep(sweep, records)
@@ -555,7 +543,7 @@ def solve_sweep(sweep: Sweep, out: Path, engine: Engine, step: Callable[[str], N
 def write_results(sweep: Sweep, records: Mapping[int, Record], found: Mapping[str, Any], out: Path) -> None:
     """Write samples.csv, summary.json and the figures of a sweep to its folder.
 
-    ``records``: records of the samples by number; ``found``: summary of the sweep; ``out``: the folder.
+    ``records``: records of the samples by their numbers; ``found``: summary of the sweep; ``out``: the folder.
     """
     replace_file(out / "samples.csv", samples_csv(sweep, records))
     replace_file(out / "summary.json", json.dumps(found, indent=1, ensure_ascii=False, allow_nan=False) + "\n")
@@ -564,7 +552,11 @@ def write_results(sweep: Sweep, records: Mapping[int, Record], found: Mapping[st
 
 
 def samples_csv(sweep: Sweep, records: Mapping[int, Record]) -> str:
-    """Return the CSV text of a sweep, a row for each sample: number, values, status or reason, outputs."""
+    """Return the samples of a sweep as CSV text, with one row for each sample.
+
+    The columns are the number of the sample, the values of the varied keys, the status, the outputs, and "at", which names
+    the contact with the largest load. ``records``: records of the samples by their numbers.
+    """
     text = io.StringIO()
     writer = csv.writer(text)
     writer.writerow(["sample", *(v.key for v in sweep.keys), "status", *sweep.wanted_outputs, "at"])
@@ -586,8 +578,9 @@ def sweep_for_library(
     outputs: Sequence[str],
     step: Callable[[str], None],
 ) -> dict[str, Any]:
-    """Solve a sweep for `rollbench.sweep`, write its folder ``out``, and return the summary as JSON values.
+    """Solve a sweep for `rollbench.sweep`, write its tables and figures to a folder, and return the summary as JSON values.
 
-    ``step``: called with lines of progress; the other arguments are those of `make_sweep`.
+    ``out``: the folder; ``step``: function that is called with each line of progress; the other arguments are those of
+    `make_sweep`.
     """
     return solve_sweep(make_sweep(scene, vary, samples, method, seed, model, outputs), out, Engine(), step)
