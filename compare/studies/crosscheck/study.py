@@ -61,7 +61,7 @@ Triple = tuple[float, ...]
 
 @dataclass(frozen=True)
 class CalculixResult:
-    """Results of CalculiX for one deck."""
+    """Contact forces, displacements and solver data that CalculiX wrote for one input deck."""
 
     #: Resultant contact force on the ball, by the name of the ball's faces [N].
     forces: dict[str, Triple]
@@ -107,9 +107,10 @@ def deck_digest(text: str) -> str:
 
 
 def run_calculix(text: str, folder: Path) -> CalculixResult:
-    """Solve a deck with CalculiX on one thread in a folder, or read the result of the same deck that is already there.
+    """Solve an input deck with CalculiX in a folder, or read the results of an equal deck that are already there.
 
-    ``text``: text of the deck. InputError if CalculiX is missing; ValueError with its last output if it does not converge.
+    ``text``: text of the deck. CalculiX uses one thread. Raises InputError if CalculiX is missing, and ValueError with its
+    last output if it does not converge.
     """
     program, key = find_ccx(), deck_digest(text)
     kept = folder / "run.json"
@@ -126,9 +127,9 @@ def run_calculix(text: str, folder: Path) -> CalculixResult:
 
 
 def _solve_deck(program: str, text: str, folder: Path) -> dict[str, Any]:
-    """Run CalculiX on a deck in a folder; return processor time [s], date and version.
+    """Run CalculiX on an input deck in a folder; return the processor time [s], the date and the version of CalculiX.
 
-    ValueError if it fails or takes longer than `LONGEST`.
+    ``program``: path of CalculiX; ``text``: text of the deck. Raises ValueError if it fails or takes longer than `LONGEST`.
     """
     folder.mkdir(parents=True, exist_ok=True)
     (folder / f"{NAME}.inp").write_text(text, encoding="ascii")
@@ -152,10 +153,10 @@ def _solve_deck(program: str, text: str, folder: Path) -> dict[str, Any]:
 
 
 def read_dat(text: str) -> tuple[dict[str, Triple], dict[str, dict[int, Triple]]]:
-    """Return results of the last time step from the text of a .dat file of CalculiX.
+    """Return contact forces and displacements of the last time step from the text of a .dat file of CalculiX.
 
-    They are first the contact forces along x, y, z by the name of the ball's faces, then the displacements along x, y, z by
-    node set and number of the node, both in the units of the deck.
+    The first dictionary has the contact force along x, y, z by the name of the ball's faces. The second has the
+    displacement along x, y, z by node set and number of the node. Both are in the units of the deck.
     """
     forces: dict[str, Triple] = {}
     moved: dict[str, dict[int, Triple]] = {}
@@ -173,7 +174,7 @@ def read_dat(text: str) -> tuple[dict[str, Triple], dict[str, dict[int, Triple]]
 def read_cvg(text: str) -> tuple[int, float]:
     """Return the number of iterations of all increments, and the last correction over the largest displacement [%].
 
-    They are read from the text of a .cvg file of CalculiX. A linear step has no entry there and counts as one iteration.
+    ``text``: text of a .cvg file of CalculiX. A linear step has no entry there and counts as one iteration.
     """
     rows = [line.split() for line in text.splitlines() if re.match(r"\s+\d+\s+\d+\s+\d+\s+\d+", line)]
     return (len(rows), float(rows[-1][6])) if rows else (1, 0.0)
@@ -184,10 +185,10 @@ UNIT = "mm"
 
 
 def _deck_options(*rows: tuple[float, float, float], half: bool = False, alike: bool = False) -> list[DeckOptions]:
-    """Return options of decks, one for each row.
+    """Return the options of several decks that differ in mesh sizes and contact stiffness.
 
-    ``rows``: elements across the minor semi-axis, growth of the element size, and contact stiffness [N/mm3]; ``half`` and
-    ``alike``: as in `DeckOptions`, for all rows.
+    ``rows``: for each deck the elements across the minor semi-axis, growth of the element size, and contact stiffness
+    [N/mm3]; ``half`` and ``alike``: fields of `DeckOptions`, equal for all decks.
     """
     return [DeckOptions(b, g, 1e9 * k, half=half, alike=alike) for b, g, k in rows]
 
@@ -209,29 +210,33 @@ STUDIES: dict[str, list[DeckOptions]] = {
 
 
 def deck_folder_name(options: DeckOptions) -> str:
-    """Return the name of the folder in which a deck is solved."""
+    """Return the name of the folder in which a deck is solved, which states its options."""
     tail = "-nlgeom" * options.nlgeom + "-half" * options.half + "-alike" * options.alike
     return f"bh{options.b_over_h:g}-g{options.growth:g}-k{1e-9 * options.stiffness:g}{tail}"
 
 
 def scene_key(name: str) -> str:
-    """Return the digest of a shipped scene's content without its remarks, with which stored results are identified."""
+    """Return the digest of a scene of the package, by which stored results are recognised as results of this scene.
+
+    Remarks in the scene file do not change the digest. ``name``: name of the scene.
+    """
     content = {k: v for k, v in tomllib.loads(catalogue.scene_text(name)).items() if k not in ("source", "assumed")}
     return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()[:16]
 
 
 def studied_scene(name: str) -> Scene:
-    """Return a shipped scene that is compared with CalculiX; InputError for other names."""
+    """Return a scene of the package that is compared with CalculiX; raises InputError for other names."""
     if name not in STUDIES:
         raise ArgumentError("scene", name, ", ".join(STUDIES), "choose one of these")
     return catalogue.scene(name)
 
 
 def run_study(scene: Scene, work: Path, step: Callable[[str], None], stored: Sequence[CrossRun] = ()) -> CrossData:
-    """Solve all decks of a scene with CalculiX one after the other, in separate folders below ``work``.
+    """Solve all decks of a scene with CalculiX one after the other, each in a folder of its own below ``work``.
 
-    ``step``: called with lines of progress; ``stored``: runs that are known. A deck with a result in its folder or among
-    the stored runs (equal digest) is not solved again. InputError if CalculiX is missing or fails.
+    ``step``: function that is called with each line of progress; ``stored``: known solutions. A deck is not solved again if
+    its folder or the stored solutions have a solution with the same digest. Raises InputError if CalculiX is missing or
+    fails.
     """
     runs, known = [], {r.deck: r for r in stored}
     for options in STUDIES[scene.name]:
@@ -256,10 +261,10 @@ def run_study(scene: Scene, work: Path, step: Callable[[str], None], stored: Seq
 
 
 def run_record(meshed: MeshedDeck, options: DeckOptions, deck: str, outcome: CalculixResult) -> CrossRun:
-    """Return the record of a CalculiX run that is stored; ValueError if a contact is missing in its results.
+    """Return the record of a CalculiX solution that is stored.
 
     ``meshed``: the deck with its meshes; ``options``: its options; ``deck``: digest of its text; ``outcome``: results of
-    CalculiX.
+    CalculiX. Raises ValueError if the results of a contact are missing.
     """
     mirror = np.array([2.0, 0.0, 2.0]) if options.half else np.ones(3)  # with its mirror image
     forces = {slave: mirror * np.array(force) for slave, force in outcome.forces.items()}
@@ -291,9 +296,10 @@ def run_record(meshed: MeshedDeck, options: DeckOptions, deck: str, outcome: Cal
 
 
 def extrapolated_results() -> tuple[str, dict[str, Array]]:
-    """Return the program's name, then its extrapolated contact loads by name of the scene, (n, 4) [N] for n balls.
+    """Return the name of the program, then its extrapolated contact loads of each scene, (n, 4) [N] for n balls.
 
-    Scenes whose content has changed since the runs are left out.
+    The loads are in a dictionary by the name of the scene, with the flanks in the order SL, SR, NL, NR. Scenes whose
+    content has changed since they were solved are left out.
     """
     stored = {name: load_results(shipped_results(), name) for name in STUDIES}
     kept = {name: d for name, d in stored.items() if d is not None and d.key == scene_key(name)}
@@ -301,7 +307,10 @@ def extrapolated_results() -> tuple[str, dict[str, Array]]:
 
 
 def find_references(fresh: bool) -> Iterator[tuple[tuple[str, ...], tuple[int, ...]]]:  # noqa: ARG001 - as every such function
-    """Yield the scenes, and their mesh levels of the 3D reference, that the report compares with CalculiX."""
+    """Yield the names of the scenes that the report compares with CalculiX, and the mesh levels of the 3D reference.
+
+    ``fresh``: not used; the report calls all functions of this kind with it.
+    """
     yield tuple(STUDIES), STUDIED
 
 
@@ -337,7 +346,7 @@ class NutCheck:
 
     @property
     def difference(self) -> float:
-        """Largest difference of a compliance between both programs, over the smallest one under its own force [%]."""
+        """Largest difference of a compliance between both programs, over the smallest one at a loaded contact [%]."""
         ours, theirs = np.array(self.ours), np.array(self.theirs)
         return float(100.0 * np.abs(ours - theirs).max() / np.diag(theirs).min())
 
@@ -352,9 +361,9 @@ class NutCheck:
 
 
 def nut_decks(scene: Scene, options: DeckOptions = NUT_MESH) -> tuple[list[Deck], Array]:
-    """Return one deck of the nut for each of k contacts, with a force on that contact only, then the normals (k, 3).
+    """Return one deck of the nut for each of k contacts, loaded at this contact only, then the contact normals (k, 3).
 
-    ``options``: mesh sizes of the decks. InputError for the faults that `build_deck` refuses.
+    ``options``: mesh sizes of the decks. Raises InputError for scenes that `build_deck` refuses.
     """
     whole = build_deck(scene, options).deck
     nut = next(b for b in whole.bodies if b.name == "NUT")
@@ -381,10 +390,10 @@ def nut_decks(scene: Scene, options: DeckOptions = NUT_MESH) -> tuple[list[Deck]
 
 
 def section_translations(decks: list[Deck]) -> Array:
-    """Return the translations of the rigid sections under each deck's force, (decks, sections, 3) [m].
+    """Return the translations of rigid sections under the forces of each deck, (decks, sections, 3) [m].
 
-    They are computed by the elements and the solver of the 3D reference. ``decks``: decks that differ only in loads; they
-    have one body, no contacts, and sections without fixed degrees of freedom.
+    They are computed by the elements and the linear solver of the 3D reference. ``decks``: decks that differ only in loads;
+    they have one body, no contacts, and sections without fixed degrees of freedom.
     """
     body, sections = decks[0].bodies[0], decks[0].sections
     mesh, number = mesh_of(body.points, body.cells, "P2")
@@ -401,10 +410,10 @@ def section_translations(decks: list[Deck]) -> Array:
 def _section_transform(
     body: DeckBody, sections: tuple[RigidSection, ...], number: NDArray[np.int64], fixed: tuple[str, ...]
 ) -> sp.csc_array:
-    """Return the matrix from the free degrees of freedom of a body with rigid sections to all nodal displacements.
+    """Return the matrix that gives all nodal displacements of a body with rigid sections from its free degrees of freedom.
 
-    The last columns are the six degrees of freedom of each section. ``number``: number in the mesh of each node of the
-    body; ``fixed``: names of fixed node sets.
+    Its last columns belong to the six degrees of freedom of each section. ``number``: number in the finite-element mesh of
+    each node of the body; ``fixed``: names of the fixed node sets.
     """
     free = np.ones(3 * len(body.points), dtype=bool)
     for name in (*fixed, *(s.nodes for s in sections)):
@@ -418,10 +427,10 @@ def _section_transform(
 
 
 def compare_nut_compliance(scene: Scene, work: Path, options: DeckOptions = NUT_MESH, key: str = "") -> NutCheck:
-    """Compute the compliance of a scene's nut by the 3D reference's elements and by CalculiX on one mesh.
+    """Compute the compliance of a nut by the elements of the 3D reference and by CalculiX, on one mesh.
 
-    ``work``: folder for the runs of CalculiX; ``key``: digest of the scene's content. InputError if CalculiX is missing or
-    fails.
+    ``work``: folder in which CalculiX solves its decks; ``options``: mesh sizes; ``key``: digest of the scene's content.
+    Raises InputError if CalculiX is missing or fails.
     """
     decks, normals = nut_decks(scene, options)
     ours = section_translations(decks)
@@ -442,7 +451,10 @@ def compare_nut_compliance(scene: Scene, work: Path, options: DeckOptions = NUT_
 
 
 def save_nut(folder: Path, found: NutCheck) -> Path:
-    """Write the compliance of a nut to ``nut.json`` in a folder; InputError if that fails."""
+    """Write the compared compliances of a nut to ``nut.json`` in a folder and return its path.
+
+    Raises InputError if the file cannot be written.
+    """
     plain = asdict(found)
     for key in ("ours", "theirs"):
         plain[key] = [[float(f"{x:.8g}") for x in row] for row in plain[key]]
@@ -452,6 +464,9 @@ def save_nut(folder: Path, found: NutCheck) -> Path:
 
 
 def load_nut(folder: Path) -> NutCheck | None:
-    """Return the stored compliance of a nut from a folder; None if there is none, InputError for a damaged file."""
+    """Return the stored comparison of a nut's compliances from a folder; None without one.
+
+    Raises InputError for a damaged file.
+    """
     found = "a result of rollbench crosscheck", "compute the result again by `run=True`"
     return read_json(folder / "nut.json", lambda plain: NutCheck(**plain), *found)
