@@ -436,7 +436,10 @@ class ContactRow:
 
 
 def comparable_runs(data: CrossData) -> list[CrossRun]:
-    """Return the CalculiX solutions with small displacements and the most frequent contact stiffness, fewest nodes first."""
+    """Return the CalculiX solutions with small displacements and the most frequent contact stiffness.
+
+    They are sorted by number of nodes, fewest first.
+    """
     linear = [r for r in data.runs if not r.nlgeom]
     alike = [sum(r.stiffness == one.stiffness for r in linear) for one in linear]
     most = linear[int(np.argmax(alike))].stiffness
