@@ -75,8 +75,8 @@ def screw_name(number: int) -> str:
 def store_loads(path: Path, runs: Path, count: int) -> int:
     """Write the 3D contact loads of the first ``count`` random screws to a file, and return the number of screws in it.
 
-    ``path``: the file; ``runs``: folder with runs of the 3D reference. Loads of screws without a run there are kept from
-    the present contents of the file. InputError if it cannot be written.
+    ``path``: the file; ``runs``: folder with stored solutions of the 3D reference. Loads of screws that have no solution
+    there are kept from the present content of the file. Raises InputError if it cannot be written.
     """
     before = _read_loads(path)
     for number in range(count):
@@ -91,12 +91,15 @@ def store_loads(path: Path, runs: Path, count: int) -> int:
 
 
 def _scene_digest(scene: Scene) -> str:
-    """Return the digest of a scene's content and of the version of the 3D reference, 16 hexadecimal digits."""
+    """Return a digest, 16 hexadecimal digits, of a scene's content and of the version of the 3D reference."""
     return digest(SCHEMA, replace(scene, **UNSAID))[:16]
 
 
 def _read_loads(path: Path) -> dict[int, Row]:
-    """Return the stored loads of screws by number; empty if the file is missing or of another seed or mesh level."""
+    """Return the contact loads in a file by number of the screw.
+
+    The result is empty if the file is missing, or belongs to another seed or mesh level.
+    """
     if not path.exists():
         return {}
     found = json.loads(path.read_text(encoding="utf-8"))
@@ -106,14 +109,15 @@ def _read_loads(path: Path) -> dict[int, Row]:
 
 @cache
 def stored_loads() -> dict[int, Row]:
-    """Return the contact loads of randomly drawn screws that are stored with the package, by number of the screw."""
+    """Return the 3D contact loads of randomly drawn screws that are part of the package, by number of the screw."""
     return _read_loads(place(f"references/{LOADS}"))
 
 
 def stored_reference(scene: Scene, number: int) -> Reference | None:
-    """Return the 3D reference of a randomly drawn screw from its stored loads; None if no loads of it are stored.
+    """Return the 3D reference of a randomly drawn screw from its stored contact loads; None if none are stored.
 
-    Its uncertainty is that of the mesh level by experience with other scenes.
+    ``scene``: the screw; ``number``: its number. The uncertainty is taken from experience with this mesh level on other
+    scenes.
     """
     row = stored_loads().get(number)
     if row is None or row["of"] != _scene_digest(scene):
@@ -177,7 +181,7 @@ def judge_model(model: str, number: int, limit: float = LIMIT, engine: str = "in
 def run_models(
     models: Sequence[str], count: int, workers: int | None, limit: float, step: Callable[[str], None]
 ) -> dict[str, Any]:
-    """Compare models with the 3D reference on the first ``count`` random screws, beside stored errors of our models.
+    """Compare models with the 3D reference on the first ``count`` random screws, and add the stored errors of our models.
 
     Parameters
     ----------
@@ -239,11 +243,11 @@ def run_models(
 def _judge_screws(
     model: str, numbers: Sequence[int], workers: int | None, limit: float, step: Callable[[str], None]
 ) -> list[Row]:
-    """Return the rows of `judge_model` for a model on several screws, in the order of ``numbers``.
+    """Compare a model with the 3D reference on several random screws, and return the rows of `judge_model` in their order.
 
     ``numbers``: numbers of the screws; ``workers``: number of parallel processes; ``limit``: largest allowed error [% of
-    the mean load]; ``step``: called with lines of progress. Raises the model's error if it fails on each of the screws that
-    are tried first.
+    the mean load]; ``step``: function that is called with each line of progress. Raises the model's error if it fails on
+    each of the screws that are tried first.
     """
     engine = "compiled" if len(numbers) >= COMPILE_FROM else "interpreted"
     first = [judge_model(model, number, limit, engine) for number in numbers[:FIRST]]
@@ -261,9 +265,9 @@ def _judge_screws(
 
 
 def summary_rows(model: str, rows: Sequence[Row]) -> list[Row]:
-    """Return a row for each kind of error of a model: median, 95th percentile and maximum over the solved screws.
+    """Return a row for each kind of error of a model: its median, 95th percentile and maximum over the solved screws.
 
-    ``rows``: rows of `judge_model` for this model.
+    ``model``: name of the model; ``rows``: rows of `judge_model` for this model.
     """
     out = []
     for error, words in ERRORS.items():
@@ -306,9 +310,10 @@ def median_errors_by_kind(models: Mapping[str, Sequence[Row]]) -> list[Row]:
 
 
 def survey_figure(data: Mapping[str, Any]) -> Figure:
-    """Draw the share of screws below an error, and every screw's error in the order of the first model's errors.
+    """Return a figure of models' errors on random screws.
 
-    ``data``: JSON values of `run_models`.
+    Its panels show the share of screws whose error is below a value, and the error on every screw in the order of the first
+    model's errors. ``data``: JSON values of `run_models`.
     """
     models = {title_of(name): [r for r in rows if r["status"] == survey.ANSWERED] for name, rows in data["models"].items()}
     lines, points = [], []
@@ -340,10 +345,11 @@ def survey_figure(data: Mapping[str, Any]) -> Figure:
 
 
 def write_screw(number: int, folder: Path) -> tuple[Path, Path]:
-    """Write a random screw as a scene file, and its stored 3D loads as a reference file for `check` and `compare`.
+    """Write a random screw as a scene file, and its 3D contact loads as a reference file for ``rollbench check``.
 
-    Returns the path of the scene file, then that of the reference file. InputError for a screw without stored loads, and if
-    a file cannot be written.
+    ``number``: number of the screw; ``folder``: folder of the files. Returns the path of the scene file, then that of the
+    reference file, which ``rollbench compare`` also reads. Raises InputError for a screw without stored loads, and if a
+    file cannot be written.
     """
     allowed = f"0 to {survey.SCENES - 1}, with a stored reference"
     if not 0 <= number < survey.SCENES or (found := stored_reference(scene := drawn_screw(number), number)) is None:
@@ -369,7 +375,7 @@ RUNS = "survey-levels.json"
 
 @dataclass(frozen=True)
 class LevelRun:
-    """Solution of a randomly drawn screw on a mesh level of the 3D reference."""
+    """Timed solution of a randomly drawn screw on a mesh level of the 3D reference."""
 
     #: Number of the screw.
     number: int
@@ -387,7 +393,7 @@ class LevelRun:
 
 @dataclass(frozen=True)
 class StoredLevelRuns:
-    """Stored runs, with the conditions and the date of their measurement."""
+    """Stored timed solutions on several mesh levels, with the conditions and the date of their measurement."""
 
     #: Conditions of the measurement.
     measured: Measured
@@ -399,7 +405,7 @@ class StoredLevelRuns:
 
 @dataclass(frozen=True)
 class Standing:
-    """Largest errors and times of a model or mesh level; arrays with one entry for each randomly drawn screw."""
+    """Largest errors and times of a model or mesh level, in arrays with one entry for each randomly drawn screw."""
 
     #: Name of the model or mesh level.
     name: str
@@ -416,13 +422,16 @@ class Standing:
 
 
 def chosen_screws() -> list[int]:
-    """Return the numbers of the screws that level 2 is solved on, in the order in which they are solved."""
+    """Return the numbers of the random screws that are also solved on mesh level 2, in the order of their solution."""
     chosen = np.random.default_rng([survey.SEED, COUNT]).choice(KNOWN_SCREWS, COUNT, replace=False)
     return [int(number) for number in chosen]
 
 
 def drawn_load_cases(number: int) -> tuple[Scene, Scene]:
-    """Return random screw ``number`` under its loads, then under raised ones, which give the tangent rigidity."""
+    """Return random screw ``number`` under its loads, then under raised loads.
+
+    The axial tangent rigidity follows from the solutions of both.
+    """
     name = f"survey-{survey.SEED}-{number}"
     return survey.load_cases(survey.scene_text(survey.SEED, number), name)
 
@@ -430,8 +439,8 @@ def drawn_load_cases(number: int) -> tuple[Scene, Scene]:
 def solve_level(number: int, level: int) -> LevelRun:
     """Solve a randomly drawn screw on a mesh level in this process, with one thread and without cache, and time it.
 
-    ``number``: number of the screw. Level 1 has the coarser cells at the cut ends of the shaft that the survey uses. Raises
-    InputError if the screw cannot be meshed.
+    ``number``: number of the screw; ``level``: mesh level. On level 1 the cells at the cut ends of the shaft are coarser,
+    as in the survey. Raises InputError if the screw cannot be meshed.
     """
     one_thread()
     cases = drawn_load_cases(number)
@@ -450,10 +459,11 @@ def solve_level(number: int, level: int) -> LevelRun:
 
 
 def measure_levels(store: Path, step: Callable[[str], None], count: int = COUNT) -> StoredLevelRuns:
-    """Solve the first ``count`` chosen screws on all levels, as many processes at a time as there are cores.
+    """Solve and time the first ``count`` chosen random screws on all mesh levels, in parallel on all cores.
 
-    Each run is written to the store when it is done; runs that the store has from the same sources on the same machine are
-    not repeated. ``step``: called with lines of progress. Raises InputError if the file cannot be written.
+    ``store``: folder in which each solution is stored when it is done. Stored solutions of the same program sources on the
+    same machine are not repeated. ``step``: function that is called with each line of progress. Raises InputError if the
+    file cannot be written.
     """
     conditions, known = measuring_conditions(), load_levels((store,))
     runs = list(known.runs) if known is not None and known.measured == conditions else []
@@ -469,14 +479,14 @@ def measure_levels(store: Path, step: Callable[[str], None], count: int = COUNT)
 
 
 def save_levels(store: Path, found: StoredLevelRuns) -> None:
-    """Write runs to a store, one per line; InputError if the file cannot be written."""
+    """Write timed solutions to a JSON file in a folder, one per line; raises InputError if the file cannot be written."""
     head = json.dumps({**asdict(found.measured), "date": found.date})
     rows = ",\n".join(json.dumps(asdict(run), separators=(",", ":")) for run in found.runs)
     replace_file(store / RUNS, f'{head[:-1]}, "runs": [\n{rows}\n]}}\n')
 
 
 def load_levels(stores: Sequence[Path]) -> StoredLevelRuns | None:
-    """Return the runs in the first store with a valid file; None without one."""
+    """Return the timed solutions from the first folder with a valid file; None without one."""
 
     def read(data: dict[str, object]) -> StoredLevelRuns:
         measured = Measured(str(data["version"]), str(data["sources"]), str(data["machine"]))
@@ -488,7 +498,10 @@ def load_levels(stores: Sequence[Path]) -> StoredLevelRuns | None:
 
 
 def levels_and_models(runs: Sequence[LevelRun], records: Sequence[survey.Record]) -> list[Standing]:
-    """Return errors and times of models and mesh levels: on all random screws by level 1, on chosen ones by level 2.
+    """Return largest errors and times of the models and of the mesh levels of the 3D reference.
+
+    Models are compared with mesh level 1 on all random screws. Models and mesh level 1 are compared with level 2 on the
+    chosen ones.
 
     Parameters
     ----------
@@ -521,9 +534,10 @@ def levels_and_models(runs: Sequence[LevelRun], records: Sequence[survey.Record]
 
 
 def _largest_errors(loads: Sequence[Array], truths: Sequence[LevelRun]) -> tuple[Array, Array]:
-    """Return the largest load error of each screw by the rule of the gate [%], then in per cent of the mean load.
+    """Return the largest load error of each screw by the rule of ``rollbench check`` [%], and in % of the mean load.
 
-    ``loads``: contact loads (n, 4) [N] of each screw; ``truths``: run of each screw by which they are judged.
+    ``loads``: contact loads (n, 4) [N] of each screw with n balls; ``truths``: for each screw the solution that counts as
+    exact.
     """
     found = [
         load_error(load, np.array(truth.load), nominal_contacts(drawn_load_cases(truth.number)[0]))

@@ -40,7 +40,7 @@ ROSS_DROPS = (
 
 
 def check_format(path: Path) -> None:
-    """Raise InputError for an unknown file format, or one whose Python package is missing."""
+    """Raise InputError if the file name has an unknown ending, or one whose Python package is missing."""
     if path.suffix not in FORMATS:
         raise ArgumentError("out", str(path), f"a name ending in {', '.join(FORMATS)}", "choose one of these endings")
     package = FORMATS[path.suffix]
@@ -49,7 +49,7 @@ def check_format(path: Path) -> None:
 
 
 def write_table(path: Path, table: Table) -> None:
-    """Write all rows of a table in the format of the file's suffix; InputError if the file cannot be written."""
+    """Write a table to a file in the format that the ending of its name states; raises InputError if that fails."""
     columns = table.columns()
     if path.suffix == ".csv":
         rows = zip(*columns.values(), strict=True)
@@ -68,7 +68,7 @@ def write_table(path: Path, table: Table) -> None:
 
 
 def _netcdf_dataset(table: Table, columns: dict[str, list[Any]]) -> Any:
-    """Return the table as an xarray Dataset: one dimension per varied key, and two more for the stiffness matrix.
+    """Return a table as an xarray Dataset with one dimension per varied key, and two more for the 6 x 6 stiffness matrix.
 
     ``columns``: values of each column by its name.
     """
@@ -89,9 +89,10 @@ def _netcdf_dataset(table: Table, columns: dict[str, list[Any]]) -> Any:
 
 
 def table_figure(table: Table) -> Figure | None:
-    """Draw each quantity over the numeric key with most values, a curve for each combination of the other keys' values.
+    """Return a figure of each quantity over one varied key, with a curve for each combination of the other keys' values.
 
-    Error bars are the errors to expect, for quantities that have one. None without a numeric key of two values or more.
+    The key is the one with most values among those with numbers. Error bars show the errors to expect, for quantities that
+    have one. None if no key has two numbers or more.
     """
     over = [k for k, x in enumerate(table.over) if x.numbers is not None and len(x.values) > 1]
     columns = table.columns()
@@ -127,7 +128,7 @@ def table_figure(table: Table) -> Figure | None:
 def _error_bars(table: Table, name: str, at: Sequence[int]) -> tuple[list[float], list[float]] | None:
     """Return the lower ends, then the upper ends of a quantity's error bars; None if an error is not known.
 
-    ``name``: column of the quantity; ``at``: numbers of the rows.
+    ``name``: column of the quantity; ``at``: indices of the table rows.
     """
     errors = [getattr(table.rows[k], ERROR_OF[name]) for k in at]
     if ERROR_OF[name] == "load_error" or None in errors:
@@ -185,7 +186,7 @@ def bearing(n, place, cxx=0.0, **others):
 
 
 def _rows_without_answer(table: Table) -> list[str]:
-    """Return a line for each reason why rows of a table have no answer, with the keys' values in these rows."""
+    """Return a line for each reason why rows of a table have no result, with the keys' values in these rows."""
     return [f"{'; '.join(places)}: {reason}" for reason, places in table.failures.items()]
 
 
@@ -197,7 +198,7 @@ def _comment_lines(lines: Iterable[str]) -> str:
 def modelica_text(table: Table) -> tuple[str, list[str]]:
     """Return the text of a table file for Modelica.Blocks.Tables, then sentences on what it leaves out.
 
-    InputError for a table over other than one or two numeric keys, or with too few answers.
+    Raises InputError unless the table has one or two varied keys with numbers, and enough rows with a result.
     """
     axes = [x.numbers for x in table.over]
     if not 1 <= len(axes) <= 2 or any(x is None or len(x) < 2 for x in axes):
@@ -241,6 +242,9 @@ def modelica_text(table: Table) -> tuple[str, list[str]]:
 
 
 def _modelica_block(name: str, values: Array) -> str:
-    """Return a matrix as text of a Modelica table file; ``name``: its name there; ``values``: the matrix (n, k)."""
+    """Return a matrix as text in the format of Modelica table files.
+
+    ``name``: name of the matrix there; ``values``: the matrix, of any two dimensions.
+    """
     rows: Sequence[str] = ["  ".join(f"{x:.9e}" for x in row) for row in values]
     return f"double {name}({values.shape[0]},{values.shape[1]})\n" + "\n".join(rows) + "\n"

@@ -60,7 +60,7 @@ MOST = 10_000_000
 
 
 class LoadDistributions:
-    """Distribution of each contact load over the specimens, from running sums and histograms.
+    """Distribution of each contact load over the specimens of an ensemble, from running sums and histograms.
 
     Parameters
     ----------
@@ -117,7 +117,7 @@ class LoadDistributions:
 
     @property
     def loaded(self) -> Array:
-        """Return the share of specimens in which each contact carries load, (N, 4)."""
+        """Return the fraction of specimens in which each contact carries load, (N, 4)."""
         return 1.0 - self.counts[..., 0] / max(self._specimen_count, 1)
 
     def quantile(self, level: float) -> Array:
@@ -129,7 +129,7 @@ class LoadDistributions:
 
 @dataclass(frozen=True)
 class Members:
-    """Results of all specimens of a scene."""
+    """Results of all M specimens of an ensemble."""
 
     #: The scene.
     scene: Scene | Assembly
@@ -155,7 +155,7 @@ def run_members(
     step: Callable[[str], None] = lambda _: None,
     row: Callable[[int, str, Array], None] = lambda *_: None,
 ) -> Members:
-    """Solve the first ``count`` specimens of a scene.
+    """Solve the first ``count`` specimens of a scene, each with its own drawn set of random errors.
 
     Parameters
     ----------
@@ -209,7 +209,10 @@ def run_members(
 
 
 def _check_request(scene: Scene | Assembly, model: str, count: int) -> None:
-    """Raise InputError for an unknown model, a number of specimens out of range, or a scene without random errors."""
+    """Check an ensemble that a user requests, before anything is solved.
+
+    Raises InputError for an unknown model, a number of specimens out of range, or a scene without random errors.
+    """
     single = isinstance(scene, Scene)
     if single:
         known_model(model, without=("condensed",))
@@ -226,11 +229,11 @@ def _check_request(scene: Scene | Assembly, model: str, count: int) -> None:
 def _solve_blocks(
     arguments: tuple[Scene | Assembly, str, str, Array], count: int, engine: Engine, step: Callable[[str], None]
 ) -> Iterator[tuple[int, Block]]:
-    """Yield for each block the number of its first specimen, then its results; blocks come in order.
+    """Solve specimens in blocks, and yield for each block the number of its first specimen, then its results.
 
-    They may be finished in any order. ``arguments``: the first four arguments of `solve_block`: scene, model, kind of
-    kernels, and loads without random errors (N, 4) [N]; ``count``: number of specimens; ``step``: called with lines of
-    progress.
+    Blocks may be finished in any order but are yielded by increasing numbers. ``arguments``: first four arguments of
+    `solve_block` (scene, model, kind of kernels, contact loads without random errors); ``count``: number of specimens;
+    ``step``: function that is called with each line of progress.
     """
     least = LEAST if isinstance(arguments[0], Scene) else 1
     size = max(least, min(BLOCK, count // 16))  # depends on the count only, as the division into blocks affects round-off
@@ -290,17 +293,19 @@ def ensemble_for_library(
 ) -> dict[str, Any]:
     """Solve an ensemble for `rollbench.ensemble` and return its JSON values.
 
-    ``count``: number of specimens; ``seed``: seed of the random errors, None for that of the scene; ``workers``: number of
-    processes; ``step``: called with lines of progress. InputError for the faults that `run_members` refuses.
+    ``described``: scene or duty cycle; ``count``: number of specimens; ``seed``: seed of the random errors, None for that
+    of the scene; ``workers``: number of processes; ``step``: function that is called with each line of progress. Raises
+    InputError for the faults that `run_members` refuses.
     """
     each, cases = solve_ensemble(described, described.name, model, count, seed, Engine(workers=workers), step)
     return ensemble_json(described, each, cases)
 
 
 def ensemble_json(described: Described, each: Sequence[Members], cases: Sequence[str]) -> dict[str, Any]:
-    """Return the JSON values of an ensemble, for each load case if the scene has several.
+    """Return the JSON values of an ensemble, which has entries for each load case if the scene has several.
 
-    ``each``: results for each load case; ``cases``: names of the load cases, empty for a scene without load cases.
+    ``described``: scene or duty cycle; ``each``: results for each load case; ``cases``: names of the load cases, empty for
+    a scene without load cases.
     """
     data = [members_json(batch) for batch in each]
     by_case = [{"case": case} | x for case, x in zip(cases, data, strict=True)] if cases else []
@@ -347,9 +352,10 @@ def _write_row(write: Callable[[list[Any]], None], head: Sequence[str], member: 
 
 @contextmanager
 def _open_csv(path: Path | None, names: Sequence[str]) -> Iterator[Callable[[list[Any]], None]]:
-    """Yield a function that writes rows to a CSV file with the columns ``names``; without a file it does nothing.
+    """Open a CSV file with the columns ``names``, and yield a function that writes a row to it.
 
-    The file gets its name only when it is complete. ArgumentError if it cannot be written.
+    ``path``: the file; None: the function does nothing. The file appears under its name only when it is complete. Raises
+    ArgumentError if it cannot be written.
     """
     if path is None:
         yield lambda *_: None
@@ -371,9 +377,10 @@ def _open_csv(path: Path | None, names: Sequence[str]) -> Iterator[Callable[[lis
 
 
 def members_json(members: Members) -> dict[str, Any]:
-    """Return the JSON values of an ensemble: statistics of the outputs, failures, distribution of every loaded contact.
+    """Return the JSON values of an ensemble: statistics of the outputs, failures, and distributions of the contact loads.
 
-    For a shaft, statistics of each nut or bearing are in "sets", and rows of "balls" begin with the number of their set.
+    For a shaft, the statistics of each nut or bearing are in "sets", and rows of "balls" begin with the number of the nut
+    or bearing.
     """
     scene, kept = members.scene, members.kept
     counts: dict[str, Any] = {"members": len(kept), "converged": len(kept) - len(members.failed)}
@@ -407,7 +414,10 @@ def _statistics_by_set(members: Members, assembly: Assembly) -> list[dict[str, A
 
 
 def _ball_bands(bands: LoadDistributions) -> list[list[dict[str, Any]]]:
-    """Return for every ball a list with a JSON row for each loaded contact, which has the distribution of its load [N]."""
+    """Return for every ball a list with one JSON row per loaded contact, which describes the distribution of its load [N].
+
+    ``bands``: distributions of the contact loads.
+    """
     found = {
         "without_random_errors_N": bands.nominal,
         "mean_N": bands.mean,
