@@ -255,7 +255,7 @@ def quantity_table(reference: Reference, base: Run | None, changed: Mapping[str,
 
 
 def _contact_of_quantity(take: Take, finest: Run) -> tuple[int, int] | None:
-    """Return ball and flank, both numbered from 0, of the contact whose load is the given quantity; None for a displacement.
+    """Return ball and flank, numbered from 0, of the contact whose load is the given quantity; None for a displacement.
 
     ``take``: function that takes the quantity from a solution; ``finest``: solution on the finest mesh level, which decides
     which contact has the largest or smallest load of a flank.
@@ -338,9 +338,9 @@ def compute_study(
     stores
         Folders with runs.
     engine
-        Where runs are computed.
+        Number of processes, or cluster, that compute the solutions.
     step
-        Called with lines of progress.
+        Function that is called with each line of progress.
     spread
         Whether the coarsest level is also solved with varied modelling choices.
     source
@@ -406,7 +406,7 @@ def mesh_study_for_library(
     levels
         Number of levels; None: `ADVISED`.
     step
-        Called with lines of progress.
+        Function that is called with each line of progress.
     spread
         Whether modelling choices are varied.
     store

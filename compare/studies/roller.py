@@ -403,8 +403,8 @@ def roller_study_for_library(
 ) -> tuple[dict[str, Any], str, tuple[str, ...]]:
     """Run the mesh study of a shaft's rollers for `rollbench.mesh_study`.
 
-    ``levels``: number of mesh levels, None for all; ``step``: called with lines of progress; ``store``: folder that takes
-    new runs. Returns the JSON values, then the key of the table to show, then closing lines.
+    ``levels``: number of mesh levels, None for all; ``step``: function that is called with each line of progress;
+    ``store``: folder that takes new runs. Returns the JSON values, then the key of the table to show, then closing lines.
     """
     found = study_rollers(assembly, levels, (store, shipped_store()), step)
     sets = [{"scene": assembly.name} | study_json(one, runs) for one, runs in found]

@@ -501,7 +501,7 @@ def run_survey(
     workers
         Number of parallel processes.
     step
-        Called with a line of progress for every screw.
+        Function that is called with a line of progress for every screw.
     kept
         File of an earlier survey, whose records are used if seed, mesh level and version are the same.
 

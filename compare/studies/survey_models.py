@@ -139,7 +139,7 @@ def judge_model(model: str, number: int, limit: float = LIMIT, engine: str = "in
     limit
         Largest allowed error of a contact load [% of the mean load].
     engine
-        Kind of kernels: interpreted or compiled.
+        How numerical kernels run: "interpreted" (plain Python) or "compiled" (machine code).
 
     Returns
     -------
@@ -194,7 +194,7 @@ def run_models(
     limit
         Largest allowed error of a contact load [% of the mean load].
     step
-        Called with lines of progress.
+        Function that is called with each line of progress.
 
     Returns
     -------

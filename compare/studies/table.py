@@ -303,7 +303,7 @@ def solve_table(asked: TableRequest, engine: Engine, step: Callable[[str], None]
     engine
         Where the rows are computed: number of processes or cluster.
     step
-        Called with lines of progress.
+        Function that is called with each line of progress.
 
     Returns
     -------

@@ -151,8 +151,8 @@ def read_table(path: str) -> Table:
 def ross_text(table: Table) -> str:
     """Return a Python module for the rotor-dynamics program ROSS, with the stiffness for each combination of values.
 
-    It holds ``PLACES`` and a function ``bearing(n, place)`` that returns a BearingElement. InputError if no row has a
-    stiffness.
+    It holds ``PLACES`` and a function ``bearing(n, place)`` that returns a BearingElement. Raises InputError if no row has
+    a stiffness.
     """
     matrices = table.stiffness
     kept = [k for k, matrix in enumerate(matrices) if all(np.isfinite(matrix[at]) for at in ROSS_TERMS.values())]

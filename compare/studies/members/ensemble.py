@@ -433,9 +433,10 @@ def _solve_specimens(
 ) -> tuple[Array, tuple[str, ...], Array, Array]:
     """Solve specimens of one nut or bearing under the scene's loads times a factor.
 
-    ``engine``: kind of kernels, "interpreted" or "compiled"; ``first``: number of the first specimen; ``count``: number k
-    of specimens. Returns contact loads (k, N, 4) [N], statuses, relative residuals (k,), and works of the loads (k,) [J],
-    in this order. With a factor other than 1 the specimens of an elastic model are first solved under the loads themselves.
+    ``engine``: whether numerical kernels run as plain Python ("interpreted") or as machine code ("compiled"); ``first``:
+    number of the first specimen; ``count``: number k of specimens. Returns contact loads (k, N, 4) [N], statuses, relative
+    residuals (k,), and works of the loads (k,) [J], in this order. With a factor other than 1 the specimens of an elastic
+    model are first solved under the loads themselves.
     """
     of, scene = scene, scaled(scene, factor) if factor != 1.0 else scene
     if model == "lin" and engine == "compiled":
@@ -475,7 +476,7 @@ def solve_block(scene: Scene | Assembly, model: str, engine: str, nominal: Array
     model
         Name of the model.
     engine
-        Kind of kernels: interpreted or compiled.
+        How numerical kernels run: "interpreted" (plain Python) or "compiled" (machine code).
     nominal
         Contact loads of all N balls without random errors, (N, 4) [N].
     first
@@ -512,7 +513,8 @@ def solve_block(scene: Scene | Assembly, model: str, engine: str, nominal: Array
 def _solve_axis_block(assembly: Assembly, model: str, kernels: str, nominal: Array, first: int, count: int) -> Block:
     """Solve a block of specimens of a shaft with several nuts and bearings.
 
-    ``kernels``: kind of kernels, "interpreted" or "compiled"; the other arguments are those of `solve_block`.
+    ``kernels``: whether numerical kernels run as plain Python ("interpreted") or as machine code ("compiled"); the other
+    arguments are those of `solve_block`.
     """
     results = [run_model(assembly, model, Options(engine=kernels, member=m)) for m in range(first, first + count)]
     where = ball_slices(assembly)

@@ -168,7 +168,7 @@ def run_members(
     engine
         Where blocks of specimens are computed: number of processes or cluster.
     step
-        Called with lines of progress.
+        Function that is called with each line of progress.
     row
         Called with number, status and outputs (k,) of each specimen, in order.
 
@@ -325,9 +325,9 @@ def solve_ensemble(
     """Solve the specimens of a scene for each of its load cases.
 
     ``name``: file or name of the scene in error messages; ``count``: number of specimens; ``seed``: seed of the random
-    errors, None for that of the scene; ``step``: called with lines of progress; ``csv_out``: file for the outputs of each
-    specimen, or None. Returns the results for each load case, then the names of the load cases (none for a scene without
-    load cases). InputError for the faults that `run_members` refuses.
+    errors, None for that of the scene; ``step``: function that is called with each line of progress; ``csv_out``: file for
+    the outputs of each specimen, or None. Returns the results for each load case, then the names of the load cases (none
+    for a scene without load cases). Raises InputError for the faults that `run_members` refuses.
     """
     if seed is not None and not 0 <= seed < 2**62:
         raise ArgumentError("seed", str(seed), f"0 to {2**62 - 1}", "leave `seed` out for the seed of the scene")

@@ -485,9 +485,10 @@ def rolling_comparison(
 ) -> list[RollingRow]:
     """Compare low-order models of rolling balls with the 3D model, for each quantity of each scene.
 
-    ``levels``: levels of the 3D model's grids, None for all; ``store``: folder for new 3D solutions; ``engine``: where they
-    are computed; ``fresh``: whether stored solutions are computed again; ``bodies``: bodies of the 3D model, a key of
-    `runs.BODIES`. Raises InputError for an unknown level, and Refusal if a solution did not converge.
+    ``levels``: levels of the 3D model's grids, None for all; ``store``: folder for new 3D solutions; ``engine``: number of
+    processes, or cluster, that compute them; ``fresh``: whether stored solutions are computed again; ``bodies``: bodies of
+    the 3D model, a key of `runs.BODIES`. Raises InputError for an unknown level, and Refusal if a solution did not
+    converge.
     """
     wanted = check_levels(levels or tuple(LEVELS))
     out: list[RollingRow] = []
@@ -505,10 +506,10 @@ def rolling_mesh_study(
 ) -> list[dict[str, Any]]:
     """Return table rows with the value of every quantity on every grid of the 3D model, and its uncertainty from all grids.
 
-    ``levels``: number of grids from the coarsest on, None for all; ``store``: folder for new solutions; ``engine``: where
-    they are computed; ``source``: whether a grid with the element size of Lin's thesis is added; ``fresh``: whether stored
-    solutions are computed again; ``bodies``: bodies of the 3D model, a key of `runs.BODIES`. Raises InputError for a number
-    of grids out of range, and Refusal if a solution did not converge.
+    ``levels``: number of grids from the coarsest on, None for all; ``store``: folder for new solutions; ``engine``: number
+    of processes, or cluster, that compute them; ``source``: whether a grid with the element size of Lin's thesis is added;
+    ``fresh``: whether stored solutions are computed again; ``bodies``: bodies of the 3D model, a key of `runs.BODIES`.
+    Raises InputError for a number of grids out of range, and Refusal if a solution did not converge.
     """
     levels = len(LEVELS) if levels is None else levels
     if not 1 <= levels <= len(LEVELS):

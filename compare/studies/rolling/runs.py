@@ -440,8 +440,8 @@ def find_or_compute_runs(
     """Return the 3D solutions of a scene of rolling balls on several grids; solutions that are not stored are computed.
 
     ``levels``: levels of the grids; ``store``: folder for new solutions, each of which is stored when it is done;
-    ``engine``: where they are computed; ``fresh``: whether stored solutions are computed again; ``bodies``: kind of the
-    bodies, a key of `BODIES`. Raises Refusal if a solution did not converge.
+    ``engine``: number of processes, or cluster, that compute them; ``fresh``: whether stored solutions are computed again;
+    ``bodies``: kind of the bodies, a key of `BODIES`. Raises Refusal if a solution did not converge.
     """
     stores = (store, shipped_store())
     found = {} if fresh else {k: run for k in levels if (run := load_run(scene, k, stores, bodies)) is not None}
