@@ -231,7 +231,7 @@ def _mechanism_cases(base: Scene) -> Iterator[StabilityCase]:
 POLYMER, CERAMIC = Material(3e9, 0.4), Material(310e9, 0.26)
 WARMING, EXPANSION = (40.0, -300.0), 11.5e-6
 LONG = 6.0
-#: Axial offset of each bearing row of the shipped axis, which preloads it [m].
+#: Axial offset of each bearing row of the package's ball-screw axis, which preloads it [m].
 OFFSET = 5e-6
 #: Status of a single row of tapered rollers whose shaft is pulled out of it.
 PULLED = (
@@ -268,7 +268,10 @@ def _part_cases(base: Scene) -> Iterator[StabilityCase]:
 
 
 def shipped_axis(name: str) -> Assembly:
-    """Return a shipped scene of a shaft with several nuts and bearings by name; TypeError for a scene with a single one."""
+    """Return a scene of the package for a shaft with several nuts and bearings; raises TypeError for another scene.
+
+    ``name``: name of the scene.
+    """
     found = catalogue.shipped(name)
     if not isinstance(found, Assembly):
         raise TypeError(f"{name} has a single nut or bearing, not several on a shaft")

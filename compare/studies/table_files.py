@@ -121,7 +121,9 @@ def table_figure(table: Table) -> Figure | None:
         low, high = (of(v for v in y if v is not None) for of in (min, max))
         panels.append(Panel("", xlabel, ylabel, series, log="y" if 0.0 < 20.0 * low < high else ""))
     left = len(table.rows) - table.converged
-    caption = f"Model {table.model}." + (f" {left} of {len(table.rows)} places have no answer." if left else "")
+    caption = f"Model {table.model}." + (
+        f" {left} of {len(table.rows)} combinations of values have no result." if left else ""
+    )
     return Figure(f"{table.scene}-table", f"{table.scene}: over its keys", tuple(panels), caption)
 
 
@@ -157,7 +159,7 @@ def ross_text(table: Table) -> str:
     matrices = table.stiffness
     kept = [k for k, matrix in enumerate(matrices) if all(np.isfinite(matrix[at]) for at in ROSS_TERMS.values())]
     if not kept:
-        advice = "make the table with the quantity stiffness, at a place whose ux, uy and uz are not held"
+        advice = "make the table with the quantity stiffness, at an axial position where no support fixes ux, uy or uz"
         raise InputError(table.scene, "stiffness", "no stiffness", "a table with a stiffness in one row or more", advice)
     places, lines = table.places, []
     for k in kept:
@@ -209,8 +211,8 @@ def modelica_text(table: Table) -> tuple[str, list[str]]:
     kept = [k for k, row in enumerate(table.rows) if row.converged]
     if len(axes) == 2 and len(kept) < len(table.rows):
         reason, places = next(iter(table.failures.items()))
-        advice = "make the table without such values, as a CombiTable2D has no gaps"
-        raise InputError(table.scene, places[0], reason, "an answer in each row", advice)
+        advice = "make the table without these values, as a CombiTable2D must have a number in each cell"
+        raise InputError(table.scene, places[0], reason, "a result in each row", advice)
     grid = [np.array(x, dtype=float) for x in axes]
     rows = {name: [column[k] for k in kept] for name, column in table.columns().items()}
     left = _rows_without_answer(table)
@@ -223,7 +225,7 @@ def modelica_text(table: Table) -> tuple[str, list[str]]:
         else:
             columns[name] = np.array(column, dtype=float)
     if len(kept) < 2 or not columns:
-        raise InputError(table.scene, "rows", count_of(len(kept), "answer"), "two answers or more", "; ".join(left))
+        raise InputError(table.scene, "rows", count_of(len(kept), "result"), "two results or more", "; ".join(left))
     head = [
         f"{table.scene} by rollbench, model {table.model}; over {', '.join(x.column for x in table.over)}",
         f"stiffness K_force_freedom in N, m, rad, of: {table.stiffness_of}",

@@ -499,7 +499,7 @@ def _rigid_sections(scene: Scene, dims: Dimensions) -> tuple[RigidSection, ...]:
     else:
         low, high = dims.ends(scene)
         ends = {"SCREW_LOW": low, "SCREW_HIGH": high}
-        allowed = f"the ends of the 3D stretch, {1e3 * low:.6g} mm and {1e3 * high:.6g} mm"
+        allowed = f"the ends of the piece of the screw in 3D, {1e3 * low:.6g} mm and {1e3 * high:.6g} mm"
     advice = "cut the screw (`balls=3:5`), or set solid.shaft to these positions: a deck has no beams"
     for z in stations:
         away = min(abs(z - end) for end in ends.values()) > 1e-9

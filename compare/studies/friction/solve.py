@@ -37,7 +37,7 @@ Say = Callable[[str], None]
 
 
 def solve_friction(name: str, choices: Choices, say: Say = lambda _: None) -> FrictionAnswer:
-    """Compute the friction of a shipped scene, or of a scene file.
+    """Compute the friction of a scene of the package, or of a scene file.
 
     Parameters
     ----------
@@ -192,7 +192,9 @@ def _friction_coefficients(assembly: Assembly, mu: Sequence[float]) -> list[Fric
         return []
     if not balls:
         given = f"{', '.join(f'{x:g}' for x in mu)} for a shaft without balls"
-        raise ArgumentError("mu", given, "a shaft with a set of balls", "leave `mu` out: all bearings have rollers")
+        raise ArgumentError(
+            "mu", given, "a shaft with a ball nut or ball bearing", "leave `mu` out: all bearings have rollers"
+        )
     return friction_coefficients(replace(balls[0], name=assembly.name, friction=assembly.friction), mu)
 
 

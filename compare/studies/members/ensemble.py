@@ -310,7 +310,7 @@ def ensemble_of_study(study: Study, name: str) -> EnsembleResult:
 
 
 def _run_study_ensemble(study: Study, name: str) -> EnsembleResult:
-    """Solve specimens of the shipped scene ``name``, as many as the study states."""
+    """Solve specimens of the scene ``name`` of the package, as many as the comparison ``study`` states."""
     return run_ensemble(study.scene(name), study.members)
 
 
@@ -355,7 +355,7 @@ ELASTIC = tuple(name for name in LADDER if name != "lin")
 
 @dataclass(frozen=True)
 class Block:
-    """Results of a block of k specimens that were solved together."""
+    """Results of a block of k specimens with N balls each, which were solved together."""
 
     #: Contact loads, (k, N, 4) [N].
     loads: Array
@@ -434,9 +434,9 @@ def _solve_specimens(
     """Solve specimens of one nut or bearing under the scene's loads times a factor.
 
     ``engine``: whether numerical kernels run as plain Python ("interpreted") or as machine code ("compiled"); ``first``:
-    number of the first specimen; ``count``: number k of specimens. Returns contact loads (k, N, 4) [N], statuses, relative
-    residuals (k,), and works of the loads (k,) [J], in this order. With a factor other than 1 the specimens of an elastic
-    model are first solved under the loads themselves.
+    number of the first specimen; ``count``: number k of specimens; ``factor``: factor on the loads. Returns contact loads
+    (k, N, 4) [N] for N balls, statuses, relative residuals (k,), and works of the loads (k,) [J], in this order. With a
+    factor other than 1 the specimens of an elastic model are first solved under the loads themselves.
     """
     of, scene = scene, scaled(scene, factor) if factor != 1.0 else scene
     if model == "lin" and engine == "compiled":
@@ -535,8 +535,8 @@ def contact_loads(result: Solved) -> Array:
 def specimen_outputs(result: AxisResult, nominal: Array, where: Sequence[slice | None]) -> Array:
     """Return the outputs of one specimen of a shaft in the order of `output_names`, nan for an output that does not exist.
 
-    ``result``: its static result; ``nominal``: contact loads without random errors, (N, 4) [N]; ``where``: range of the
-    balls of each nut or bearing, from `ball_slices`.
+    ``result``: its static result; ``nominal``: contact loads of all N balls without random errors, (N, 4) [N]; ``where``:
+    range of the balls of each nut or bearing, from `ball_slices`.
     """
     loads = contact_loads(result)
     lost = (loads == 0.0) & (nominal > 0.0)

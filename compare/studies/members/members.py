@@ -62,6 +62,9 @@ MOST = 10_000_000
 class LoadDistributions:
     """Distribution of each contact load over the specimens of an ensemble, from running sums and histograms.
 
+    N is the number of balls; the four contacts of a ball are those on the flanks SL, SR, NL, NR (screw left and right, nut
+    left and right).
+
     Parameters
     ----------
     nominal
@@ -78,10 +81,10 @@ class LoadDistributions:
         self.counts = np.zeros((*nominal.shape, BINS + 2), dtype=np.int64)
 
     def add_loads(self, loads: Array) -> None:
-        """Add the contact loads of k specimens; those without equilibrium are left out.
+        """Add the contact loads of k specimens; specimens without equilibrium are left out.
 
-        ``loads``: contact loads (k, N, 4) [N], nan without equilibrium. They are added one after the other in order, so
-        that the sums do not depend on the division into blocks.
+        ``loads``: contact loads (k, N, 4) [N] of N balls, nan without equilibrium. They are added one after the other in
+        order, so that the sums do not depend on the division into blocks.
         """
         counts, place = self.counts.reshape(-1, BINS + 2), np.arange(self.nominal.size)
         for load in loads[~np.isnan(loads[:, 0, 0])]:
@@ -100,28 +103,31 @@ class LoadDistributions:
 
     @property
     def mean(self) -> Array:
-        """Return the mean load of each contact, (N, 4) [N]."""
+        """Return the mean load of each contact, (N, 4) [N], for N balls and the flanks SL, SR, NL, NR."""
         return self.nominal + self._first / max(self._specimen_count, 1)
 
     @property
     def deviation(self) -> Array:
-        """Return the standard deviation of each contact load, (N, 4) [N]."""
+        """Return the standard deviation of each contact load, (N, 4) [N], for N balls and the flanks SL, SR, NL, NR."""
         n = self._specimen_count
         mean = self._first / max(n, 1)
         return np.asarray(np.sqrt(np.maximum(self._second - n * mean**2, 0.0) / max(n - 1, 1)))
 
     @property
     def smallest(self) -> Array:
-        """Return the smallest load of each contact, (N, 4) [N]."""
+        """Return the smallest load of each contact, (N, 4) [N], for N balls and the flanks SL, SR, NL, NR."""
         return np.where(np.isfinite(self._low), self._low, 0.0)
 
     @property
     def loaded(self) -> Array:
-        """Return the fraction of specimens in which each contact carries load, (N, 4)."""
+        """Return the fraction of specimens in which each contact carries load, (N, 4), for N balls and four flanks."""
         return 1.0 - self.counts[..., 0] / max(self._specimen_count, 1)
 
     def quantile(self, level: float) -> Array:
-        """Return a quantile of each contact load, (N, 4) [N], to within the bin width; ``level``: from 0 to 1."""
+        """Return a quantile of each contact load, (N, 4) [N], to within the bin width, for N balls and four flanks.
+
+        ``level``: level of the quantile, from 0 to 1.
+        """
         below = np.cumsum(self.counts, axis=-1)
         place = (below < level * below[..., -1:]).sum(axis=-1)
         return np.asarray(np.where(place == 0, 0.0, (place - 0.5) * self.width))
@@ -342,10 +348,10 @@ def solve_ensemble(
 
 
 def _write_row(write: Callable[[list[Any]], None], head: Sequence[str], member: int, status: str, kept: Array) -> None:
-    """Write one specimen's row of a CSV file: load case if any, number, status, outputs.
+    """Write the row of one specimen to a CSV file: load case if there are several, number, status, outputs.
 
     ``write``: function that writes a row; ``head``: name of the load case, or empty; ``member``: number of the specimen;
-    ``kept``: outputs, of which nan becomes an empty cell.
+    ``kept``: outputs of the specimen, of which nan becomes an empty cell.
     """
     write([*head, member, status, *("" if np.isnan(v) else repr(float(v)) for v in kept)])
 

@@ -201,7 +201,7 @@ def _outputs_of_sets(
     contacts: Callable[[], int],
     rollers: Sequence[tuple[str, Array]] = (),
 ) -> dict[str, Any]:
-    """Return the wanted `OUTPUTS` over all nuts and bearings of a scene by name, and "at": place of the largest load.
+    """Return the wanted outputs over all nuts and bearings of a scene by name, and "at": the contact with the largest load.
 
     Parameters
     ----------
