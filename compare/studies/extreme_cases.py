@@ -40,7 +40,7 @@ class StabilityCase:
     name: str
     #: Group in the table.
     group: str
-    #: The scene.
+    #: Scene of a screw or bearing, or of a shaft with several.
     scene: Scene | Assembly
     #: ``"converged"``, or the status that names the rigid motion that nothing resists.
     expected: str = CONVERGED

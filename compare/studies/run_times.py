@@ -401,7 +401,7 @@ class SetUpVariant:
 
     #: Name of the scene.
     scene: str
-    #: Description of the variant.
+    #: Description of the variant of the set-up.
     way: str
     #: Processor time saved [s].
     saved: float

@@ -54,7 +54,7 @@ QUANTITIES = {
 class TransientRun:
     """Transient simulation of a screw, with the estimated error of its time steps."""
 
-    #: Time series.
+    #: Time series of contact loads, torques and motions of the balls.
     history: History
     #: Estimated errors of the time steps; None if not estimated.
     error: StepError | None

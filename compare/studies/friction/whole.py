@@ -70,7 +70,7 @@ def cached_friction_state(
 class StaticallySolved:
     """Screw or bearing with its static result without loads, and the model, coefficients of friction and motion."""
 
-    #: The scene.
+    #: Scene of the screw or bearing.
     scene: Scene
     #: Name of the model.
     model: str
@@ -325,7 +325,7 @@ class Choices:
     model: str = ""
     #: Coefficients of friction instead of the scene's; empty: the scene's.
     mu: tuple[float, ...] = ()
-    #: Number of the specimen.
+    #: Number of the specimen: which drawn set of the scene's random errors is taken.
     member: int = 0
     #: File with condensed bodies, for the model condensed; None: none.
     condensed: Path | None = None

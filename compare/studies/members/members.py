@@ -137,7 +137,7 @@ class LoadDistributions:
 class Members:
     """Results of all M specimens of an ensemble."""
 
-    #: The scene.
+    #: Scene with the random errors.
     scene: Scene | Assembly
     #: Name of the model.
     model: str

@@ -355,7 +355,7 @@ class RunFromRest:
     steady: float
     #: Processor time [s].
     seconds: float
-    #: Status.
+    #: Status of the solver.
     status: str
 
 

@@ -317,7 +317,7 @@ class BodyVariant:
 
     #: Description of the choice.
     choice: str
-    #: Values by name.
+    #: Forces [N], losses [mW] and the increase of the loss [%], by names such as "force 1-2 N".
     values: dict[str, float]
 
 
