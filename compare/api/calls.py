@@ -724,7 +724,7 @@ def sweep(
     >>> found.converged, round(found.outputs["largest_load_N"].largest)
     (2, 245)
     """
-    from rollbench.compare.studies.sweep.summary import sweep_for_library
+    from rollbench.compare.studies.sweep.run import sweep_for_library
 
     data = sweep_for_library(str(scene), vary, samples, method, model, seed, Path(out), outputs, LOG.info)
     return sweep_from_json(data, Path(out))

@@ -105,7 +105,7 @@ def run_drawn(store: Path) -> Answer:
     """
     from rollbench.compare.studies import survey
     from rollbench.compare.studies.run_times import Job
-    from rollbench.compare.studies.survey_levels import levels_and_models, measure_levels
+    from rollbench.compare.studies.survey_models import levels_and_models, measure_levels
 
     runs = measure_levels(store, on_terminal).runs
     jobs = [

@@ -252,7 +252,7 @@ def run_rolling_compare(
     ``levels``: mesh levels of the 3D model; None for all.
     """
     from rollbench.compare.commands.compare_output import rolling_table
-    from rollbench.compare.studies.rolling.study import rolling_comparison, without_infinity
+    from rollbench.compare.studies.rolling.rows import rolling_comparison, without_infinity
 
     rows = rolling_comparison(scenes, levels, store, engine, fresh=fresh, bodies=bodies)
     shown = dict.fromkeys(row.scene for row in rows)

@@ -120,8 +120,7 @@ ROLLING_COLUMNS = (
 
 def rolling_table(name: str, rows: Sequence[RollingRow]) -> Any:
     """Return the table that compares the low-order model of rolling contact with the 3D model and with printed values."""
-    from rollbench.compare.studies.rolling.rows import UNSTATED
-    from rollbench.compare.studies.rolling.study import without_infinity
+    from rollbench.compare.studies.rolling.rows import UNSTATED, without_infinity
 
     state = f" ({rows[0].load_state} load state{UNSTATED})" if rows[0].load_state else ""
     title = f"{name}{state}: low-order model against the 3D model of rolling"

@@ -27,7 +27,6 @@ def run_crosscheck(
     results. ``work``: folder of decks. ``store``: folder of runs of the 3D reference. Raises InputError for a scene without
     results, for results of another scene of that name, and if CalculiX fails.
     """
-    from rollbench.compare.studies.crosscheck import nut
     from rollbench.compare.studies.crosscheck.results import (
         agreement_sentence,
         contact_rows,
@@ -35,7 +34,15 @@ def run_crosscheck(
         save_results,
         shipped_results,
     )
-    from rollbench.compare.studies.crosscheck.study import run_study, scene_key, studied_scene
+    from rollbench.compare.studies.crosscheck.study import (
+        NUT_SCENE,
+        compare_nut_compliance,
+        load_nut,
+        run_study,
+        save_nut,
+        scene_key,
+        studied_scene,
+    )
 
     scene, folder = studied_scene(name), data or shipped_results()
     written = []
@@ -44,15 +51,13 @@ def run_crosscheck(
         kept = None if fresh else load_results(folder, scene.name)
         stored_runs = kept.runs if kept is not None and kept.key == scene_key(scene.name) else ()
         written.append(f"wrote {save_results(folder, run_study(scene, work, on_terminal, stored_runs))}")
-        if scene.name == nut.SCENE and (fresh or nut.load_nut(folder) is None):
-            written.append(
-                f"wrote {nut.save_nut(folder, nut.compare_nut_compliance(scene, work, key=scene_key(scene.name)))}"
-            )
+        if scene.name == NUT_SCENE and (fresh or load_nut(folder) is None):
+            written.append(f"wrote {save_nut(folder, compare_nut_compliance(scene, work, key=scene_key(scene.name)))}")
     found = stored_crosscheck_results(folder, scene)
     ours = _reference_of_scene(scene, store, engine)
     rows = contact_rows(found, ours)
     agreed = agreement_sentence(scene.name, rows)
-    alone = nut.load_nut(folder)
+    alone = load_nut(folder)
     sentence = [alone.sentence()] if alone is not None and alone.key == scene_key(scene.name) else []
     answer = {"scene": scene.name, "agreement": agreed, "contacts": [r.cells() for r in rows]}
     return Answer(answer, [*written, _loads_table(scene, rows), agreed, *sentence])

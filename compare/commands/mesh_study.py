@@ -76,7 +76,7 @@ def run_rolling_study(
     ``levels``: number of the finest level. ``source``: also use the element size of Lin's thesis. ``fresh``: compute
     stored runs again. ``bodies``: "half-space", or "finite" for bodies of finite size.
     """
-    from rollbench.compare.studies.rolling.study import rolling_mesh_study
+    from rollbench.compare.studies.rolling.rows import rolling_mesh_study
 
     rows = rolling_mesh_study(scenes, levels, store, engine, source=source, fresh=fresh, bodies=bodies)
     parts: list[Any] = []

@@ -61,7 +61,7 @@ def sweep(
     out
         Folder of samples and summary; samples that are stored there are not solved again.
     """
-    from rollbench.compare.studies.sweep.summary import make_sweep
+    from rollbench.compare.studies.sweep.run import make_sweep
 
     names = [name.strip() for name in outputs.split(",") if name.strip()]
     model = model_name_of(program, model)
@@ -75,7 +75,7 @@ def run_sweep(sweep: Sweep, out: Path, engine: Engine) -> Answer:
     Raises InputError as `run_samples`.
     """
     from rollbench.compare.files import why_no_figure
-    from rollbench.compare.studies.sweep.summary import solve_sweep
+    from rollbench.compare.studies.sweep.run import solve_sweep
 
     found = solve_sweep(sweep, out, engine, on_terminal)
     written = f"wrote to {out}: samples.csv, summary.json and {why_no_figure() or 'figures (SVG)'}"

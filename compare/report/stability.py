@@ -28,7 +28,7 @@ from rollbench.compare.studies.extremes import (
     solve_cases,
 )
 from rollbench.compare.studies.survey import MODELS
-from rollbench.compare.studies.survey_levels import Standing, levels_and_models, load_levels
+from rollbench.compare.studies.survey_models import Standing, levels_and_models, load_levels
 from rollbench.meshes.arrays import Array
 from rollbench.reports.content import Figure, Panel, Quantity, Row, Section, Series, Table, Text
 

@@ -10,8 +10,8 @@ from typing import Any
 from rollbench.compare import files
 from rollbench.compare.models.study import Study
 from rollbench.compare.studies.sweep.keys import Vary, read_vary
+from rollbench.compare.studies.sweep.run import summary_figures
 from rollbench.compare.studies.sweep.sample import MAIN
-from rollbench.compare.studies.sweep.summary import summary_figures
 from rollbench.reports.content import Cell, Quantity, Section, Table, Text
 
 #: Shipped summary of the tolerance sweep (``summary.json``); it states the command that computed it.

@@ -13,7 +13,6 @@ from pathlib import Path
 from rollbench.compare.measure import error_percent, load_error, mean_load
 from rollbench.compare.models.study import Study
 from rollbench.compare.reference.estimate import Reference
-from rollbench.compare.studies.crosscheck.nut import load_nut
 from rollbench.compare.studies.crosscheck.results import (
     COLUMNS,
     CrossData,
@@ -26,7 +25,7 @@ from rollbench.compare.studies.crosscheck.results import (
     mesh_identity,
     shipped_results,
 )
-from rollbench.compare.studies.crosscheck.study import STUDIES, scene_key
+from rollbench.compare.studies.crosscheck.study import STUDIES, load_nut, scene_key
 from rollbench.hifi.contact.block import (
     ALONG,
     BALL,

@@ -64,7 +64,7 @@ def exported_parts(scene: Scene) -> tuple[str, ...]:
 def placed_sets(described: Solvable) -> list[PlacedSet]:
     """Return each nut or ball bearing of a scene at its axial position, with both ends of its 3D piece of shaft [m].
 
-    Raises ValueError for a row of rollers, for which no geometry is written.
+    Outside these ends the shaft is a beam. Raises ValueError for a row of rollers, whose geometry cannot be written.
     """
     from rollbench.hifi.several_sets import meshed_bodies
     from rollbench.meshes.exchange.step_files import PlacedSet
@@ -204,9 +204,9 @@ def result_fields(scene: Scene, part: str, level: int, ball: int, cache: Path | 
 
 
 def _whole_body_mesh(scene: Scene, part: str, level: int) -> Mesh:
-    """Mesh the screw's 3D piece, the nut or one ball without sockets, with the finest elements at the expected contacts.
+    """Mesh a body without sockets for contact patches; its finest elements lie at the expected contacts.
 
-    ``part``: "screw", "nut" or "ball"; ``level``: mesh level of the 3D reference.
+    ``part``: "screw" (its piece that is modelled in 3D), "nut" or "ball"; ``level``: mesh level of the 3D reference.
     """
     from rollbench.hifi.bodies.coarse import mesh_of_order
     from rollbench.hifi.meshing.part_meshes import body_kind, choose_socket_size, contacts_on_body
@@ -248,7 +248,7 @@ NUT, SHAFT = 3.0, 3.0
 def write_deck(
     program: str, unit: str, balls: str, b_over_h: float, growth: float, stiffness: float, scene: Scene, out: Path | None
 ) -> str:
-    """Write the input deck of a scene for CalculiX.
+    """Write the input deck of a scene for CalculiX, and return a line on its size and how to run it.
 
     Parameters
     ----------
@@ -306,7 +306,10 @@ def write_deck(
 
 
 def parse_balls(text: str, scene: Scene) -> tuple[int, int]:
-    """Return the numbers of the first and last ball (from 1) of a range such as ``3:5``; InputError for another text."""
+    """Return the numbers of the first and last ball (from 1) in a range such as ``3:5``.
+
+    Raises InputError for another text, and for balls that the scene does not have.
+    """
     allowed = f"FIRST:LAST with balls from 1 to {scene.ball_count}"
     words = re.fullmatch(r"([0-9]{1,9}):([0-9]{1,9})", text)
     first, last = (int(words[1]), int(words[2])) if words else (0, 0)

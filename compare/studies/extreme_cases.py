@@ -34,13 +34,13 @@ TWO_BALLS = UNHELD.format("rigid motion in uy, uz, rx, ry at the nut's centre")
 
 @dataclass(frozen=True)
 class StabilityCase:
-    """Scene that is hard to solve, with its group in the table of stability and the status that a solver should report."""
+    """Scene that is hard to solve, with its group in the stability table and the status that a solver should report."""
 
     #: Name of the case.
     name: str
     #: Group in the table.
     group: str
-    #: The scene.
+    #: Scene of a screw or bearing, or of a shaft with several.
     scene: Scene | Assembly
     #: ``"converged"``, or the status that names the rigid motion that nothing resists.
     expected: str = CONVERGED
@@ -124,7 +124,7 @@ def _with_axial_support_only(base: Scene) -> Scene:
 
 
 def _with_offset_end(base: Scene, offset: float, oversize: float) -> Scene:
-    """Return a scene with an oversize of all balls, and a support that displaces the screw's right end along x.
+    """Return a scene with an oversize of all balls, and with a support that displaces the right end of the screw along x.
 
     ``offset``: displacement of the end [m]; ``oversize``: excess of the ball radii [m].
     """
@@ -205,7 +205,7 @@ def _geometry_cases(base: Scene) -> Iterator[StabilityCase]:
 
 
 def _mechanism_cases(base: Scene) -> Iterator[StabilityCase]:
-    """Yield scenes with one or two balls or with missing supports, and the free rigid motion that is expected, if any."""
+    """Yield scenes with one or two balls or with missing supports, each with the free rigid motion to expect, if any."""
     one = replace(base, balls=replace(base.balls, azimuths=(0.0,)))
     for force in (0.01, 5000.0):
         yield StabilityCase(f"one ball, {force:g} N", "one ball", _with_load(one, (0.0, 0.0, force)))
@@ -231,7 +231,7 @@ def _mechanism_cases(base: Scene) -> Iterator[StabilityCase]:
 POLYMER, CERAMIC = Material(3e9, 0.4), Material(310e9, 0.26)
 WARMING, EXPANSION = (40.0, -300.0), 11.5e-6
 LONG = 6.0
-#: Axial offset of each bearing row of the shipped axis, which preloads it [m].
+#: Axial offset of each bearing row of the package's ball-screw axis, which preloads it [m].
 OFFSET = 5e-6
 #: Status of a single row of tapered rollers whose shaft is pulled out of it.
 PULLED = (
@@ -268,7 +268,10 @@ def _part_cases(base: Scene) -> Iterator[StabilityCase]:
 
 
 def shipped_axis(name: str) -> Assembly:
-    """Return a shipped scene of a shaft with several nuts and bearings by name; TypeError for a scene with a single one."""
+    """Return a scene of the package for a shaft with several nuts and bearings; raises TypeError for another scene.
+
+    ``name``: name of the scene.
+    """
     found = catalogue.shipped(name)
     if not isinstance(found, Assembly):
         raise TypeError(f"{name} has a single nut or bearing, not several on a shaft")
@@ -276,14 +279,20 @@ def shipped_axis(name: str) -> Assembly:
 
 
 def axis_of_balls_and_rollers() -> Assembly:
-    """Return the shipped ball-screw axis with Smith's tapered roller rows as right bearing, preloaded by offsets."""
+    """Return the ball-screw axis of the package, whose right bearing is replaced by tapered roller rows of Smith's example.
+
+    The bearings are preloaded by axial offsets.
+    """
     axis, row = _axis_preloaded_by_offsets(), shipped_axis("smith-axis-taper").sets[0].parts
     right = tuple(replace(s, kind="tapered roller bearing", parts=row) for s in axis.sets[3:])
     return replace(axis, sets=(*axis.sets[:3], *right))
 
 
 def _axis_preloaded_by_offsets() -> Assembly:
-    """Return the shipped axis with bearings preloaded by axial offsets, so that all formulations solve equal equations."""
+    """Return the ball-screw axis of the package with bearings that are preloaded by axial offsets.
+
+    With this kind of preload all formulations solve the same equations.
+    """
     towards = {"+z": -OFFSET, "-z": OFFSET, "both": 0.0}
     return _change_each_row(
         shipped_axis("axis-fixed-fixed"), lambda s: replace(s, preload=0.0, offset=towards.get(s.thrust, 0.0))
@@ -291,10 +300,10 @@ def _axis_preloaded_by_offsets() -> Assembly:
 
 
 def _with_axis_loads(axis: Assembly, along: float, across: float = 0.0, moment: float = 0.0) -> Assembly:
-    """Return an axis with other loads: an axial force on the carriage (on the shaft without one), the rest on the shaft.
+    """Return a shaft scene with other loads.
 
-    ``along``: axial force [N]; ``across``: lateral force along x [N], half of which also acts along y; ``moment``: moment
-    about x [N m].
+    ``along``: axial force [N], which acts on the carriage, or on the shaft without a carriage; ``across``: lateral force on
+    the shaft along x [N], half of which also acts along y; ``moment``: moment on the shaft about x [N m].
     """
     at = axis.screw.length / 3.0
     carriage = tuple(h for h in axis.housings if h.name == "carriage")
@@ -304,27 +313,30 @@ def _with_axis_loads(axis: Assembly, along: float, across: float = 0.0, moment: 
 
 
 def _change_each_row(axis: Assembly, change: Callable[[RollingSet], RollingSet]) -> Assembly:
-    """Return an axis with each nut and bearing row changed; ``change``: function that returns a row's replacement."""
+    """Return a shaft scene with each nut and each row of a bearing replaced.
+
+    ``change``: function that takes a nut or row and returns its replacement.
+    """
     return replace(axis, sets=tuple(change(s) for s in axis.sets))
 
 
 def _change_ball_rows(axis: Assembly, change: Callable[[Scene], Scene]) -> Assembly:
-    """Return an axis with the parts of each ball nut and row of balls changed.
+    """Return a shaft scene with the geometry of each ball nut and row of balls replaced.
 
-    ``change``: function that returns the replacement of the parts.
+    ``change``: function that takes the geometry and returns its replacement.
     """
     return _change_each_row(axis, lambda s: replace(s, parts=change(s.parts)) if isinstance(s.parts, Scene) else s)
 
 
 def _change_roller_rows(axis: Assembly, **changes: Any) -> Assembly:
-    """Return an axis with some fields of each row of rollers replaced; ``changes``: new values by name of the field."""
+    """Return a shaft scene with new values for some fields of each row of rollers; ``changes``: values by field name."""
     return _change_each_row(
         axis, lambda s: replace(s, parts=replace(s.parts, **changes)) if isinstance(s.parts, RollerRow) else s
     )
 
 
 def _without_preload(axis: Assembly) -> Assembly:
-    """Return an axis without preload, axial offsets and geometric errors."""
+    """Return a shaft scene without preload, axial offsets and geometric errors."""
     bare = _change_each_row(axis, lambda s: replace(s, preload=0.0, offset=0.0))
     return _change_ball_rows(bare, lambda p: replace(p, errors=Errors()))
 
@@ -337,9 +349,10 @@ def _with_ball_count(scene: Scene, count: int) -> Scene:
 
 
 def _lengthen_axis(axis: Assembly, length: float) -> Assembly:
-    """Return an axis with a longer shaft: its right end moves out, and its carriage to the middle.
+    """Return a shaft scene with a longer shaft.
 
-    ``length``: new length of the shaft [m]. Parts near the right end move with the end, parts near the middle half as far.
+    ``length``: new length of the shaft [m]. Parts near the right end move with the end, the carriage and other parts near
+    the middle half as far.
     """
     more = length - axis.screw.length
 

@@ -81,7 +81,7 @@ SAME = 1e-4
 
 @dataclass(frozen=True)
 class Attempt:
-    """Outcome of solving one hard scene by one formulation."""
+    """Outcome of solving one hard scene by one formulation of the equations."""
 
     #: Name of the scene.
     case: str
@@ -113,7 +113,7 @@ class Attempt:
 
     @property
     def was_tried(self) -> bool:
-        """Whether the formulation was applied to the scene at all."""
+        """Whether the formulation can be applied to the scene and was tried."""
         return not self.status.startswith("not attempted")
 
 
@@ -121,7 +121,7 @@ class Attempt:
 
 
 def attempt_case(case: StabilityCase, formulation: str) -> Attempt:
-    """Solve one hard scene by one formulation; a failure of the solver is recorded in the result, never raised.
+    """Solve one hard scene by one formulation; a failure of the solver becomes part of the result and raises no exception.
 
     The energy solver has a beam node at every contact. Newton's method as in Lin's thesis has its nodes every 15 mm, with
     the energy solver's rigid arcs for the flanks (``kinematics="arc"``), so that both solve the same equations.
@@ -149,7 +149,7 @@ def attempt_case(case: StabilityCase, formulation: str) -> Attempt:
 
 @cache
 def _load_kernels() -> None:
-    """Load or compile the numerical kernels in this process, before anything is timed."""
+    """Load or compile the numerical kernels in this process, so that their compilation is not timed."""
     solve_static(shipped("lin-case1"), engine="compiled")
 
 
@@ -162,7 +162,10 @@ def _solve_by_energy(scene: Scene | Assembly) -> StaticResult | AxisResult:
 
 
 def _attempt_by_energy_solver(case: StabilityCase, result: StaticResult | AxisResult | None = None) -> Attempt:
-    """Return the outcome of the energy solver for a hard scene; ``result``: its result, None to compute it."""
+    """Return the outcome of the energy solver for a hard scene.
+
+    ``result``: its static result; None: the scene is solved.
+    """
     begin = perf_counter()
     row = _attempt_of_result(case, ENERGY, result or _solve_by_energy(case.scene), begin)
     return replace(row, difference_percent=0.0 if row.converged else None)
@@ -173,9 +176,9 @@ def _attempt_by_force_formulation(
 ) -> Attempt:
     """Solve a hard scene by a formulation whose unknowns are the contact loads, and return the outcome.
 
-    ``formulation``: a key of `BACKENDS`; ``ours``: the energy solver's result, None to compute it. Not attempted are scenes
-    whose dimensions leave no solid body (no land, no wall), scenes with more than `ELASTIC_LIMIT` balls, which would take
-    minutes, and scenes with rollers only.
+    ``formulation``: a key of `BACKENDS`; ``ours``: static result of the energy solver, None to compute it. The formulation
+    is not applied to scenes whose dimensions leave no solid body (no land between grooves, no wall), to scenes with more
+    than `ELASTIC_LIMIT` balls, which would take minutes, and to scenes with rollers only.
     """
     begin, backend = perf_counter(), BACKENDS[formulation]
     try:
@@ -205,9 +208,9 @@ def _all_loads(result: StaticResult | AxisResult) -> Array:
 
 
 def _attempt_of_result(case: StabilityCase, formulation: str, result: StaticResult | AxisResult, begin: float) -> Attempt:
-    """Return the outcome of a formulation from the solver's result, without the difference from the energy solver.
+    """Return the outcome of a formulation from its static result, without the difference from the energy solver.
 
-    ``begin``: time [s] of ``perf_counter`` at which the run time of the outcome begins.
+    ``begin``: value of ``perf_counter`` [s] at which the solution began.
     """
     status, s = _false_convergence_reason(result) or result.status, result.solver
     return _make_attempt(
@@ -224,7 +227,7 @@ def _attempt_of_result(case: StabilityCase, formulation: str, result: StaticResu
 
 
 def _make_attempt(case: StabilityCase, formulation: str, status: str, **found: Any) -> Attempt:
-    """Return the outcome of a formulation for a hard scene; ``found``: further fields of `Attempt` by name."""
+    """Return the outcome of a formulation for a hard scene with a given status; ``found``: further fields by name."""
     return Attempt(case.name, case.group, formulation, status, case.expected, status == CONVERGED, **found)
 
 
@@ -252,11 +255,10 @@ def _false_convergence_reason(result: StaticResult | AxisResult) -> str:
 
 
 def slice_load_error(row: SetResult, result: AxisResult) -> float:
-    """Return by how much the line loads of roller slices differ from their load-displacement law, over the largest one.
+    """Return the largest deviation of a roller slice's line load from its load-displacement law, over the largest load.
 
-    ``row``: solved row of tapered rollers; ``result``: solution of the shaft. It is the largest difference of a slice,
-    whose approach follows from the displacements of cone and cup. Their round-off is allowed for. Zero for a row of balls,
-    and for rollers without load.
+    ``row``: solved row of tapered rollers; ``result``: solution of the shaft. The approach of a slice follows from the
+    displacements of cone and cup; their round-off is allowed for. Zero for a row of balls, and for rollers without load.
     """
     parts, lines = row.of.parts, row.line_loads
     if not isinstance(parts, RollerRow) or lines is None or not lines.any():
@@ -282,12 +284,12 @@ def slice_load_error(row: SetResult, result: AxisResult) -> float:
 
 
 def _with_source_partition(scene: Scene) -> Scene:
-    """Return a scene whose beam has its nodes where the beam of Lin's thesis has them."""
+    """Return a scene whose beam has its nodes at the axial positions that Lin's thesis takes."""
     return replace(scene, ingredients=replace(scene.ingredients, partition="source"))
 
 
 def source_unknowns(scene: Scene) -> int:
-    """Return the number of unknowns of the equations of Lin's thesis."""
+    """Return the number of unknowns in the equations of Lin's thesis for a scene."""
     layout = ball_layout(scene)
     problem = build(scene, specimen(scene, layout), layout, np.ones(4, dtype=bool))
     return 6 * layout.z.size + problem.unknowns
@@ -296,7 +298,8 @@ def source_unknowns(scene: Scene) -> int:
 def _attempt_by_source_newton(case: StabilityCase, formulation: str, ours: StaticResult | None = None) -> Attempt:
     """Solve a hard scene by Newton's method as in Lin's thesis, and return the outcome.
 
-    ``formulation``: a key of `SOURCE`; ``ours``: the energy solver's result with the same beam nodes, None to compute it.
+    ``formulation``: a key of `SOURCE`; ``ours``: static result of the energy solver with the same beam nodes, None to
+    compute it.
     """
     if isinstance(case.scene, Assembly):
         status = "not attempted: Lin's thesis has a single nut on its shaft"
@@ -328,7 +331,7 @@ def _attempt_by_source_newton(case: StabilityCase, formulation: str, ours: Stati
 
 
 def _difference_clause(difference: float | None) -> str:
-    """Return a clause on contact loads that differ from the energy solver's; empty if they are the same.
+    """Return a clause that says by how much contact loads differ from the energy solver's; empty if they are equal.
 
     ``difference``: largest difference of a load [% of the largest load]; None if it is not known.
     """
@@ -354,7 +357,7 @@ def _largest_load_difference(load: Array, ours: Array) -> float:
 
 
 def _short_status(status: str) -> str:
-    """Return the first clause of a solver's status; the first two if it begins with "not held"."""
+    """Return the first clause of a solver's status, or the first two if the first is "not held" (a free rigid motion)."""
     parts = status.split(": ")
     return ": ".join(parts[:2]) if parts[0] == "not held" else status.split(" (")[0]
 
@@ -396,10 +399,10 @@ def solve_cases(progress: Callable[[int, int, str], None] = lambda *_: None, *, 
 
 
 def unexpected_attempts(rows: Sequence[Attempt]) -> list[Attempt]:
-    """Return the outcomes of this program's formulations that are not as expected.
+    """Return the outcomes of this program's own formulations that differ from what is expected.
 
-    Expected is convergence, or the status that names the free rigid motion. Outcomes whose loads differ from the energy
-    solver's are returned, too.
+    Expected is convergence, or the status that names a free rigid motion. Also returned are outcomes whose contact loads
+    differ from those of the energy solver.
     """
     ours = [r for r in rows if r.formulation == ENERGY or r.formulation in BACKENDS]
     return [r for r in ours if (r.status != r.expected and r.was_tried) or (r.difference_percent or 0.0) > SAME]
@@ -409,7 +412,7 @@ def unexpected_attempts(rows: Sequence[Attempt]) -> list[Attempt]:
 
 
 def rows_by_case(rows: Sequence[Attempt]) -> list[dict[str, Cell]]:
-    """Return the rows of the stability table: one for each hard scene, with the status by each formulation."""
+    """Return the rows of the stability table: one for each hard scene, with the status of each formulation."""
     by_case: dict[str, dict[str, Cell]] = {}
     for row in rows:
         line = by_case.setdefault(row.case, {"case": row.case, "group": row.group})
@@ -432,9 +435,9 @@ def status_cell(row: Attempt) -> str:
 
 
 def count_outcomes(rows: Sequence[Attempt]) -> dict[str, tuple[int, int, int]]:
-    """Return three numbers of scenes for each formulation: with the expected outcome, tried, and all.
+    """Return, for each formulation, the number of scenes with the expected outcome, of scenes that were tried, and of all.
 
-    An outcome is expected if the scene converged, or if its free rigid motion was named.
+    The outcome is as expected if the solver converged, or if it named the scene's free rigid motion.
     """
     out = {}
     for formulation in FORMULATIONS:
@@ -460,7 +463,10 @@ GOOD, BAD = (RIGHT, REFUSED, PROVEN, NOT_UNIQUE), (WRONG, UNPROVEN, SILENT, CRAS
 
 
 def read_campaigns(path: Path) -> list[Record]:
-    """Return the records of campaigns of random scenes from a JSON file; empty if it is missing or has other content."""
+    """Return the records of campaigns of random scenes from a JSON file.
+
+    The list is empty if the file is missing or has other content.
+    """
     try:
         records = json.loads(path.read_text(encoding="utf-8"))
     except (OSError, ValueError, RecursionError):
@@ -477,10 +483,10 @@ def shipped_campaigns() -> list[Record]:
 
 
 def campaign_rows(records: Sequence[Record]) -> list[Row]:
-    """Return the rows of the report's table of campaigns: one for each campaign of random scenes.
+    """Return the rows of the report's table of campaigns, one for each campaign of random scenes.
 
-    ``records``: records of the campaigns. A row has the command and version, and how many scenes, damaged files and killed
-    processes ended in which way.
+    ``records``: records of the campaigns. A row has the command, the version, and the numbers of scenes, damaged files and
+    killed processes with each outcome.
     """
     out = []
     for r in records:

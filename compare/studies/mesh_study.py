@@ -37,28 +37,36 @@ SCATTERS = "no order: contact loads scatter from mesh to mesh"
 
 
 def _extreme_load(side: int, sign: float, run: Run) -> float:
-    """Return the largest or smallest contact load on one flank [N].
+    """Return the largest or smallest contact load on one flank in a solution of the 3D reference [N].
 
-    ``side``: number of the flank in SL, SR, NL, NR; ``sign``: 1 for the largest load, -1 for the smallest.
+    ``side``: number of the flank, 0 to 3 for SL, SR, NL, NR (screw left and right, nut left and right); ``sign``: 1 for the
+    largest load, -1 for the smallest; ``run``: the solution.
     """
     return float(sign * (sign * run.load[:, side]).max())
 
 
 def _ball_load(ball: int, side: int, run: Run) -> float:
-    """Return the contact load [N] of one ball (number from 0) on one flank (number in SL, SR, NL, NR)."""
+    """Return the load [N] of one ball on one flank in a solution of the 3D reference.
+
+    ``ball``: number of the ball from 0; ``side``: number of the flank, 0 to 3 for SL, SR, NL, NR; ``run``: the solution.
+    """
     return float(run.load[ball, side])
 
 
 def _centreline_displacement(station: int, axis: int, run: Run) -> float:
-    """Return the displacement [um] of the screw's centreline along one axis.
+    """Return the displacement [um] of the screw's centreline along one axis in a solution of the 3D reference.
 
-    ``station``: number of an axial position that the runs on all levels share; ``axis``: 0, 1, 2 for x, y, z.
+    ``station``: number of an axial position that the solutions on all mesh levels share; ``axis``: 0, 1, 2 for x, y, z;
+    ``run``: the solution.
     """
     return float(1e6 * run.centreline[station, 1 + axis])
 
 
 def study_quantities(run: Run) -> list[tuple[str, str, Take]]:
-    """Return the quantities that a mesh study tabulates: name, unit, and the function that takes the value from a run."""
+    """Return the quantities that a mesh study tabulates: name, unit, and a function that takes the value from a solution.
+
+    ``run``: a solution of the 3D reference, which determines the balls, flanks and axial positions.
+    """
     out: list[tuple[str, str, Take]] = []
     for s, side in enumerate(SIDES):
         if (run.load[:, s] > 0.0).any():
@@ -77,7 +85,7 @@ def study_quantities(run: Run) -> list[tuple[str, str, Take]]:
 def reference_from_stored_runs(
     scene: Scene, stores: Sequence[Path] | None, levels: Sequence[int] = tuple(LEVELS)
 ) -> Reference | None:
-    """Return the 3D reference with its uncertainty from all stored runs on some mesh levels; None without any run.
+    """Return the 3D reference with its uncertainty from all stored solutions on some mesh levels; None without any.
 
     Parameters
     ----------
@@ -122,19 +130,19 @@ def level_rows(reference: Reference) -> list[dict[str, Any]]:
 
 
 def load_uncertainty_percent(reference: Reference, k: int) -> float:
-    """Return the uncertainty of the contact loads from run ``k`` and the coarser runs [% of the mean load].
+    """Return the uncertainty of the contact loads by solution ``k`` and the coarser ones [% of the mean load].
 
-    ``k``: number of the run from 0, coarsest first. It is the root mean square over the contacts. For the first run alone
-    it is estimated from other scenes' runs.
+    ``reference``: 3D reference with its solutions; ``k``: number of the solution from 0, coarsest mesh first. It is the
+    root mean square over the contacts. For the first solution alone it is estimated from other scenes.
     """
     loads = {run.level: run.load for run in reference.runs[max(0, k + 1 - FITTED) : k + 1]}
     return parts(loads, read_experience(shipped_store())).bar
 
 
 def accuracy_sentence(reference: Reference) -> str:
-    """Return a sentence on the accuracy that each mesh level reaches, and on levels that are not worth their time.
+    """Return a sentence on the accuracy that each mesh level reaches, and on levels whose time brings no clear gain.
 
-    Percentages are rounded up. Times are given if all were measured in one measuring run.
+    Percentages are rounded up. Times are given if all were measured together on one machine.
     """
     stamps = {run.measured for run in reference.runs}
     steps, idle = list[tuple[str, float]](), list[int]()
@@ -200,7 +208,7 @@ def study_table(scene: Scene, stores: Sequence[Path] | None, levels: Sequence[in
 
 
 def quantity_table(reference: Reference, base: Run | None, changed: Mapping[str, Run]) -> list[dict[str, Any]]:
-    """Return the table that `study_table` describes, from a 3D reference and runs with other modelling choices.
+    """Return the table that `study_table` describes, from given solutions of the 3D reference.
 
     Parameters
     ----------
@@ -247,9 +255,10 @@ def quantity_table(reference: Reference, base: Run | None, changed: Mapping[str,
 
 
 def _contact_of_quantity(take: Take, finest: Run) -> tuple[int, int] | None:
-    """Return ball and flank, both numbered from 0, of the contact whose load a quantity gives on the finest level.
+    """Return ball and flank, numbered from 0, of the contact whose load is the given quantity; None for a displacement.
 
-    ``take``: function that takes the quantity from a run; ``finest``: run on the finest level. None for a displacement.
+    ``take``: function that takes the quantity from a solution; ``finest``: solution on the finest mesh level, which decides
+    which contact has the largest or smallest load of a flank.
     """
     if take.func is _ball_load:
         return take.args[0], take.args[1]
@@ -260,16 +269,19 @@ def _contact_of_quantity(take: Take, finest: Run) -> tuple[int, int] | None:
 
 
 def _percent_of(value: float | None, of: float) -> float | None:
-    """Return ``value`` in per cent of ``of``; None without a value, or if ``of`` is zero and ``value`` is not."""
+    """Return a value in per cent of another one; None without a value, or if only the other one is zero.
+
+    ``of``: the value that is 100 %.
+    """
     if value is None or (of == 0.0 and value != 0.0):
         return None
     return float(error_percent(value, 0.0, of))
 
 
 def _root_of_squares(moves: Mapping[str, float]) -> float | None:
-    """Return the root of the summed squares of the effects of modelling choices; None without any.
+    """Return the root of the summed squares of the effects of modelling choices on a quantity; None without any.
 
-    A choice with several variants counts with the largest effect. ``moves``: change of the quantity by each variant.
+    A choice with several variants counts with its largest effect. ``moves``: change of the quantity by each variant.
     """
     by_choice: dict[str, float] = {}
     for name, move in moves.items():
@@ -280,7 +292,10 @@ def _root_of_squares(moves: Mapping[str, float]) -> float | None:
 
 
 def chosen_levels(count: int | None) -> tuple[int, ...]:
-    """Return the mesh levels of a study: `ADVISED`, or 1 to ``count``; InputError if ``count`` is out of range."""
+    """Return the mesh levels of a study: 1 to ``count``, or `ADVISED` if ``count`` is None.
+
+    Raises InputError if ``count`` is out of range.
+    """
     if count is None:
         return ADVISED
     if not 1 <= count <= len(LEVELS):
@@ -291,9 +306,10 @@ def chosen_levels(count: int | None) -> tuple[int, ...]:
 
 
 def table_of_reference(one: Referenced, stores: Sequence[Path], levels: Sequence[int]) -> list[dict[str, Any]]:
-    """Return the mesh-study table of a nut or bearing; if it is one of several on a shaft, without modelling choices.
+    """Return the mesh-study table of a nut or bearing from its 3D reference.
 
-    ``one``: 3D reference of the nut or bearing; ``stores``: folders with runs; ``levels``: mesh levels.
+    ``one``: the reference; ``stores``: folders with solutions; ``levels``: mesh levels. The effects of modelling choices
+    are left out if the nut or bearing is one of several on a shaft.
     """
     return study_table(one.scene, stores, levels) if one.of is None else quantity_table(one.found, None, {})
 
@@ -309,7 +325,9 @@ def compute_study(
     source: bool = False,
     fresh: bool = False,
 ) -> list[Referenced]:
-    """Compute the 3D references of scenes from runs on several mesh levels; new runs are stored in the first store.
+    """Compute the 3D references of scenes by solutions on several mesh levels.
+
+    New solutions are stored in the first folder.
 
     Parameters
     ----------
@@ -320,9 +338,9 @@ def compute_study(
     stores
         Folders with runs.
     engine
-        Where runs are computed.
+        Number of processes, or cluster, that compute the solutions.
     step
-        Called with lines of progress.
+        Function that is called with each line of progress.
     spread
         Whether the coarsest level is also solved with varied modelling choices.
     source
@@ -368,7 +386,7 @@ def compute_study(
 
 
 def terminal_rows(table: Sequence[dict[str, Any]]) -> list[dict[str, Any]]:
-    """Return the table of a mesh study for the terminal: without rows of single balls, percentages and remarks."""
+    """Return the table of a mesh study for the terminal, without rows of single balls, percentages and remarks."""
     return [
         {k: v for k, v in row.items() if k not in ("uncertainty_percent", "kind")}
         for row in table
@@ -388,7 +406,7 @@ def mesh_study_for_library(
     levels
         Number of levels; None: `ADVISED`.
     step
-        Called with lines of progress.
+        Function that is called with each line of progress.
     spread
         Whether modelling choices are varied.
     store

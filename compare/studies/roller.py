@@ -50,7 +50,7 @@ HIDDEN = ("order", "extrapolated", "low_order", "norm", "line_contact")
 
 @dataclass(frozen=True)
 class RollerRun:
-    """Stored 3D result of one roller on one mesh level, in SI units; lists over the races are in the order outer, inner."""
+    """Stored 3D solution of one roller on one mesh level, in SI units; lists over the races have the outer race first."""
 
     #: Mesh level.
     level: int
@@ -88,7 +88,7 @@ class RollerRun:
 
 @dataclass(frozen=True)
 class LoadedRoller:
-    """Kind of roller of a scene, with the largest load on a roller of this kind."""
+    """Kind of roller in a shaft scene, with the largest load on a roller of this kind."""
 
     #: Its bearing row, without fields that do not affect one roller between its races.
     row: RollerRow
@@ -99,15 +99,15 @@ class LoadedRoller:
 
 
 def has_rollers(scene: Described) -> bool:
-    """Return whether a scene, or the first load case of a duty cycle, has rows of rollers."""
+    """Return whether a shaft scene, or the first load case of a duty cycle, has rows of rollers."""
     one = scene.cases[0].scene if isinstance(scene, DutyCycle) else scene
     return isinstance(one, Assembly) and any(isinstance(s.parts, RollerRow) for s in one.sets)
 
 
 def loaded_rollers(assembly: Assembly) -> list[LoadedRoller]:
-    """Return the kinds of rollers of a shaft with the largest load on each; empty without rollers.
+    """Return the kinds of rollers in a shaft scene with the largest load on each; empty without rollers.
 
-    Raises Refusal if the shaft has no equilibrium, or no roller of a kind carries load.
+    Raises Refusal if the shaft has no equilibrium, or if no roller of a kind carries load.
     """
     rows = {s.name: _without_irrelevant_fields(s.parts) for s in assembly.sets if isinstance(s.parts, RollerRow)}
     if not rows:
@@ -129,18 +129,21 @@ def loaded_rollers(assembly: Assembly) -> list[LoadedRoller]:
 
 
 def _without_irrelevant_fields(row: RollerRow) -> RollerRow:
-    """Return a row of rollers without the fields that do not affect the 3D model of one roller, such as phase and rib."""
+    """Return a row of rollers in which fields that do not affect the 3D model of one roller have their default values.
+
+    Such fields are the phase and the rib.
+    """
     return replace(row, phase=0.0, end_radius=None, rib_height=None, rib_friction=None, torque_factor=None)
 
 
 def run_file_name(roller: LoadedRoller, level: int) -> str:
-    """Return the file name of a roller's stored run on a mesh level."""
+    """Return the name of the JSON file with the 3D solution of a roller on a mesh level."""
     key = digest("roller", SCHEMA, replace(roller.row, slices=1), roller.load, SHARES)[:16]
     return f"roller-level{level}-{key}.json"
 
 
 def stored_run(roller: LoadedRoller, level: int, stores: Sequence[Path]) -> RollerRun | None:
-    """Return the stored run of a roller on a mesh level, from the first store that has it; None without one."""
+    """Return the stored 3D solution of a roller on a mesh level, from the first folder that has it; None without one."""
     for store in stores:
         try:
             return RollerRun(**unsealed(store / run_file_name(roller, level)))
@@ -150,7 +153,9 @@ def stored_run(roller: LoadedRoller, level: int, stores: Sequence[Path]) -> Roll
 
 
 def load_or_compute_run(roller: LoadedRoller, level: int, stores: Sequence[Path], *, fresh: bool = False) -> RollerRun:
-    """Return the run of a roller on a mesh level: a stored one, else a new one, which is saved in the first store.
+    """Return the 3D solution of a roller on a mesh level: a stored one, else a new one, which is saved in the first folder.
+
+    ``level``: mesh level; ``stores``: folders of solutions; ``fresh``: whether a stored solution is computed again.
 
     Raises
     ------
@@ -208,7 +213,10 @@ class LowOrderStiffness:
 
 
 def low_order_stiffness(row: RollerRow, load: float) -> LowOrderStiffness:
-    """Return approach and stiffness of a roller pressed between its races by a load [N], by two low-order laws."""
+    """Return approach and stiffness of a roller pressed between its races, by two low-order laws.
+
+    ``row``: row of the roller; ``load``: force between the races [N].
+    """
     roller = slice_roller(tapered_bearing(row), row.slices, circular_crown(row.crown))
     approach = approach_under_force(roller, load)
     norm = 1e-3 * (load / (NORM * (1e3 * row.length) ** (8.0 / 9.0))) ** 0.9
@@ -216,7 +224,10 @@ def low_order_stiffness(row: RollerRow, load: float) -> LowOrderStiffness:
 
 
 def line_contact_pressures(row: RollerRow, line_loads: Sequence[float]) -> list[float]:
-    """Return Hertz's largest line-contact pressure [Pa] in mid-roller on outer and inner race, by load per length [N/m]."""
+    """Return Hertz's largest line-contact pressure [Pa] in the middle of a roller on the outer and on the inner race.
+
+    ``row``: row of the roller; ``line_loads``: load per length on each of the races [N/m].
+    """
     bearing = tapered_bearing(row)
     roller, cone, cup = (float(r) for r in bearing.radii())
     modulus = contact_modulus(bearing.young, bearing.poisson, bearing.young, bearing.poisson)
@@ -225,14 +236,14 @@ def line_contact_pressures(row: RollerRow, line_loads: Sequence[float]) -> list[
 
 
 def _value_at_load(name: str, k: int, run: RollerRun) -> float:
-    """Return entry ``k`` of a run's field that is a list over the loads or the races; ``name``: name of the field."""
+    """Return one entry of a list in a 3D solution; ``name``: field with the list over loads or races; ``k``: index."""
     return float(getattr(run, name)[k])
 
 
 def _value_at_race(name: str, race: int, run: RollerRun) -> float:
-    """Return the value of a run's field on one race under the first load.
+    """Return a value on one race under the largest load, from a 3D solution.
 
-    ``name``: name of the field; ``race``: number of the race in `RACES`.
+    ``name``: field with a list over the races; ``race``: index of the race in `RACES`.
     """
     return float(getattr(run, name)[0][race])
 
@@ -285,23 +296,32 @@ def quantity_rows(roller: LoadedRoller, runs: Sequence[RollerRun]) -> list[dict[
 
 
 def terminal_rows(rows: Sequence[dict[str, Any]]) -> list[dict[str, Any]]:
-    """Return the rows of `quantity_rows` for the terminal, without the columns ``HIDDEN``."""
+    """Return the rows of `quantity_rows` for the terminal, without the columns `HIDDEN`."""
     return [{k: v for k, v in row.items() if k not in HIDDEN} for row in rows]
 
 
 def run_convergence(values: Sequence[float], runs: Sequence[RollerRun]) -> Convergence:
-    """Return order of convergence and uncertainty of a quantity; ``values``: its values in ``runs``, coarsest first."""
+    """Return order of convergence and uncertainty of a quantity of a roller.
+
+    ``values``: its values in the 3D solutions ``runs``, coarsest mesh first.
+    """
     return grid_convergence(values, [1.0 / run.across for run in runs])
 
 
 def approach_uncertainty_percent(runs: Sequence[RollerRun]) -> float | None:
-    """Return the grid uncertainty of the approach in the finest run [%]; None with a single run."""
+    """Return the discretisation uncertainty of the approach on the finest mesh [%]; None with a single solution.
+
+    ``runs``: 3D solutions of a roller, coarsest mesh first.
+    """
     bar = run_convergence([run.approach[0] for run in runs], runs).uncertainty
     return None if bar is None else float(error_percent(bar, 0.0, runs[-1].approach[0]))
 
 
 def level_rows(runs: Sequence[RollerRun]) -> list[dict[str, Any]]:
-    """Return a table row for each mesh level: cells, time, balance, uncertainty, and approach against the finest level."""
+    """Return a table row for each mesh level: cells, time, force balance, uncertainty, and deviation of the approach.
+
+    The deviation is that from the finest level. ``runs``: 3D solutions of a roller, coarsest mesh first.
+    """
     return [
         {
             "level": run.level,
@@ -321,10 +341,11 @@ def level_rows(runs: Sequence[RollerRun]) -> list[dict[str, Any]]:
 def study_rollers(
     assembly: Assembly, count: int | None, stores: Sequence[Path], step: Callable[[str], None], *, fresh: bool = False
 ) -> list[tuple[LoadedRoller, list[RollerRun]]]:
-    """Return the runs of every kind of roller of a shaft on several mesh levels.
+    """Return the 3D solutions of every kind of roller of a shaft on several mesh levels, coarsest first.
 
-    ``count``: number of levels from the coarsest on, None for all; ``stores``: folders with runs, the first of which takes
-    new ones; ``step``: called with lines of progress; ``fresh``: whether stored runs are computed again.
+    ``count``: number of levels from the coarsest on, None for all; ``stores``: folders with solutions, the first of which
+    takes new ones; ``step``: function that is called with each line of progress; ``fresh``: whether stored solutions are
+    computed again.
 
     Raises
     ------
@@ -347,7 +368,7 @@ def study_rollers(
 
 
 def low_order_sentence(roller: LoadedRoller, runs: Sequence[RollerRun]) -> str:
-    """Return sentences on the errors of the low-order laws for one roller against its finest 3D run."""
+    """Return sentences on the errors of the low-order laws for one roller against the 3D solution on the finest mesh."""
     low, best = low_order_stiffness(roller.row, roller.load), runs[-1]
     off = float(error_percent(low.stiffness, best.stiffness[0]))
     norm = float(error_percent(low.norm_stiffness, best.stiffness[0]))
@@ -382,8 +403,8 @@ def roller_study_for_library(
 ) -> tuple[dict[str, Any], str, tuple[str, ...]]:
     """Run the mesh study of a shaft's rollers for `rollbench.mesh_study`.
 
-    ``levels``: number of mesh levels, None for all; ``step``: called with lines of progress; ``store``: folder that takes
-    new runs. Returns the JSON values, then the key of the table to show, then closing lines.
+    ``levels``: number of mesh levels, None for all; ``step``: function that is called with each line of progress;
+    ``store``: folder that takes new runs. Returns the JSON values, then the key of the table to show, then closing lines.
     """
     found = study_rollers(assembly, levels, (store, shipped_store()), step)
     sets = [{"scene": assembly.name} | study_json(one, runs) for one, runs in found]

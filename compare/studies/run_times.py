@@ -36,7 +36,7 @@ from rollbench.meshes.processes import VARIABLES
 
 @dataclass(frozen=True)
 class Job:
-    """Row of a table of run times (``rollbench bench``)."""
+    """One row of the table of run times that ``rollbench bench`` prints."""
 
     #: Description of what was timed.
     job: str
@@ -77,7 +77,7 @@ def median_seconds(work: Callable[[], object], repeats: int, reset: Callable[[],
 
 
 def user_environment(extra: dict[str, str] | None = None) -> dict[str, str]:
-    """Return the environment variables of a timed process: those of this process without the ones that set thread counts.
+    """Return environment variables for a timed process: those of this process without the ones that set thread counts.
 
     ``extra``: further environment variables by name, which are added.
     """
@@ -101,11 +101,11 @@ class FinishedProcess:
 
 
 def launch_process(arguments: list[str], extra: dict[str, str] | None = None, folder: str | None = None) -> FinishedProcess:
-    """Run a Python process as a user would on a terminal; it is killed after `PATIENCE` seconds.
+    """Run a Python process as if a user had typed it on a terminal, and return its times, exit code and output.
 
     ``arguments``: arguments of the Python interpreter; ``extra``: environment variables by name, which are added to those
     of `user_environment`; ``folder``: working folder of the process, None for the present one. The process imports no
-    module from its working folder.
+    module from its working folder, and is killed after `PATIENCE` seconds.
     """
     environment = user_environment({"PYTHONUNBUFFERED": "1"} | (extra or {}))
     before, begin = os.times(), perf_counter()
@@ -132,7 +132,7 @@ def launch_process(arguments: list[str], extra: dict[str, str] | None = None, fo
 def _child_cpu_seconds(before: os.times_result, after: os.times_result) -> float:
     """Return the CPU time [s] of the child processes that ended between two calls of ``os.times``.
 
-    ``before`` and ``after``: what the two calls returned.
+    ``before`` and ``after``: values that ``os.times`` returned at the start and at the end of the interval.
     """
     return sum(y - x for x, y in zip(before[2:4], after[2:4], strict=True))
 
@@ -261,10 +261,12 @@ class ColdModelTime:
 def measure_model(
     scene: str, model: str, *, engine: str = "interpreted", condensed: Path | None = None, repeats: int = REPEATS
 ) -> ColdModelTime:
-    """Measure a model on a shipped scene in a new process with empty caches; RuntimeError if the process fails.
+    """Time a low-order model on a scene of the package, in a new process with empty caches.
 
-    ``scene`` and ``model``: their names; ``engine``: kind of kernels, "interpreted" or "compiled"; ``condensed``: file of
-    condensed matrices that the model reads, None for a model without; ``repeats``: number of further solutions.
+    ``scene`` and ``model``: their names; ``engine``: whether the numerical kernels run as plain Python ("interpreted") or
+    as machine code ("compiled"); ``condensed``: file of condensed stiffness matrices that the model reads, None for a model
+    without; ``repeats``: number of further solutions, the fastest of which gives the warm time. Raises RuntimeError if the
+    process fails.
     """
     ask = {
         "scene": scene,
@@ -280,19 +282,20 @@ def measure_model(
 
 
 def measure_call(imports: str, call: str, what: str, repeats: int = REPEATS) -> RunTime:
-    """Measure a Python call and its repetitions in a new process with empty caches; RuntimeError if the process fails.
+    """Time a Python call and its repetitions in a new process with empty caches.
 
     ``imports``: Python statements that are executed before the call and count as part of the cold time; ``call``: Python
-    expression that is timed; ``what``: name of the call in the error; ``repeats``: number of further calls.
+    expression that is timed; ``what``: name of the call in the error message; ``repeats``: number of further calls. Raises
+    RuntimeError if the process fails.
     """
     begin, printed = _run_with_empty_caches(CALL_CHILD, {"imports": imports, "call": call, "repeats": repeats}, what)
     return RunTime(printed["done"] - begin, printed["warm"], printed["memory"])
 
 
 def measure_level(scene: str, level: int) -> ColdLevelTime:
-    """Measure a mesh level of the 3D reference in a new process with empty caches, on all cores.
+    """Time a solution of the 3D reference on one mesh level, in a new process with empty caches, on all processor cores.
 
-    ``scene``: name of a shipped scene. RuntimeError if the process fails.
+    ``scene``: name of a scene of the package; ``level``: mesh level. Raises RuntimeError if the process fails.
     """
     before = os.times()
     begin, printed = _run_with_empty_caches(LEVEL_CHILD, {"scene": scene, "level": level}, f"level {level} of {scene}")
@@ -303,10 +306,10 @@ def measure_level(scene: str, level: int) -> ColdLevelTime:
 
 
 def _run_with_empty_caches(child: str, ask: dict[str, Any], what: str) -> tuple[float, dict[str, Any]]:
-    """Run a program in a new process with empty caches; return its start time [s] and the JSON values that it prints.
+    """Run a Python program in a new process with empty caches; return its start-up time [s] and the JSON values it prints.
 
-    ``child``: text of the Python program, such as `CHILD`; ``ask``: arguments of the program by name; ``what``: name of
-    the measurement in the RuntimeError of a process that fails.
+    ``child``: text of the Python program, such as `CHILD`; ``ask``: arguments of the program by name; ``what``: name of the
+    measurement in the RuntimeError of a process that fails.
     """
     with tempfile.TemporaryDirectory() as folder:
         caches = {name: str(Path(folder) / name.lower()) for name in ("ROLLBENCH_CACHE", "NUMBA_CACHE_DIR")}
@@ -348,7 +351,7 @@ class RunTime:
 
 @dataclass(frozen=True)
 class Kept:
-    """Stored run times of one measuring run."""
+    """Run times that were measured together and stored, with the conditions of the measurement."""
 
     #: Conditions of the measurement.
     measured: Measured
@@ -394,11 +397,11 @@ class SetUpCost:
 
 @dataclass(frozen=True)
 class SetUpVariant:
-    """Cheaper variant of a set-up on level 1: time saved and change of the contact loads."""
+    """Cheaper variant of the set-up of the 3D reference on mesh level 1: time saved, and change of the contact loads."""
 
     #: Name of the scene.
     scene: str
-    #: Description of the variant.
+    #: Description of the variant of the set-up.
     way: str
     #: Processor time saved [s].
     saved: float
@@ -408,7 +411,7 @@ class SetUpVariant:
 
 @dataclass(frozen=True)
 class SetUpCosts:
-    """Processor times of set-ups and of cheaper variants, with machine, date and version of the measurement."""
+    """Processor times of set-ups of the 3D reference and of cheaper variants, with machine, date and version."""
 
     #: Machine on which the times were measured.
     machine: str
@@ -428,10 +431,10 @@ def today() -> str:
 
 
 def load_first_valid(stores: Sequence[Path], file: str, made: Callable[[Any], T]) -> T | None:
-    """Return the object read from a JSON file in the first store where the file is valid; None if it is valid nowhere.
+    """Return the object read from a JSON file in the first folder where the file is valid; None if it is valid nowhere.
 
-    ``stores``: folders in the order in which they are tried; ``file``: name of the file; ``made``: function that makes the
-    object of the file's JSON values, and raises ValueError, KeyError or TypeError for invalid ones.
+    ``stores``: folders in the order in which they are tried; ``file``: name of the file; ``made``: function that builds the
+    object from the file's JSON values, and raises ValueError, KeyError or TypeError if they are not valid.
     """
     for store in stores:
         with suppress(OSError, ValueError, KeyError, TypeError):
@@ -440,15 +443,16 @@ def load_first_valid(stores: Sequence[Path], file: str, made: Callable[[Any], T]
 
 
 def save_records(store: Path, file: str, records: Sequence[Any]) -> None:
-    """Write records to a JSON file in a store, one record per line; InputError if the file cannot be written.
+    """Write records to a JSON file in a folder, one record per line.
 
-    ``store``: folder; ``file``: name of the file; ``records``: instances of dataclasses.
+    ``store``: the folder; ``file``: name of the file; ``records``: instances of dataclasses. Raises InputError if the file
+    cannot be written.
     """
     replace_file(store / file, f"[{_json_lines([asdict(one) for one in records])}]\n")
 
 
 def _json_lines(rows: Sequence[Any]) -> str:
-    """Return rows, which are JSON values, as JSON text with one row per line, without the brackets around the list."""
+    """Return JSON values as text with one value per line, separated by commas, without brackets around the list."""
     return ",\n ".join(json.dumps(row) for row in rows)
 
 
@@ -459,16 +463,17 @@ TYPED = "typed"
 def times_file_name(source: str) -> str:
     """Return the file name of stored run times.
 
-    ``source`` names the page of a publication, or is `TYPED` for commands; empty: the times of all compared scenes.
+    ``source``: name of the publication on whose page the times are shown; `TYPED` for the times of typed commands; empty
+    for the times of all compared scenes.
     """
     return f"run_times_{source}.json" if source else RUN_TIMES
 
 
 def save_times(store: Path, kept: Kept, source: str = "") -> None:
-    """Write run times to a file in a store; InputError if the file cannot be written.
+    """Write run times to a JSON file in a folder.
 
-    ``store``: folder; ``source``: page of a publication whose times they are, `TYPED` for commands, or empty, as in
-    `times_file_name`.
+    ``store``: the folder; ``kept``: the run times; ``source``: name of a publication, `TYPED` or empty, see
+    `times_file_name`. Raises InputError if the file cannot be written.
     """
     lists = {
         "times": [{"scene": scene, "model": model, **asdict(t)} for (scene, model), t in sorted(kept.times.items())],
@@ -482,18 +487,18 @@ def save_times(store: Path, kept: Kept, source: str = "") -> None:
 
 
 def times_of_page(study: Study, source: str) -> Kept | None:
-    """Return the run times for the page of a publication, else those of all compared scenes; None if neither is stored.
+    """Return the stored run times for the page of a publication, else those of all compared scenes; None without either.
 
-    ``study``: comparison with its folders of stored results; ``source``: name of the publication's page.
+    ``study``: comparison with its folders of stored results; ``source``: name of the publication.
     """
     stores = (*(study.stores or ()), shipped_store())
     return load_times(stores, source) or load_times(stores)
 
 
 def load_times(stores: Sequence[Path], source: str = "") -> Kept | None:
-    """Return the run times from the first store with a valid file; None without one.
+    """Return the run times from the first folder with a valid file; None without one.
 
-    ``stores``: folders; ``source``: page of a publication, `TYPED` for commands, or empty, as in `times_file_name`.
+    ``stores``: the folders; ``source``: name of a publication, `TYPED` or empty, see `times_file_name`.
     """
 
     def times_from_json(data: dict[str, Any]) -> Kept:
@@ -508,7 +513,7 @@ def load_times(stores: Sequence[Path], source: str = "") -> Kept | None:
 
 
 def load_costs(stores: Sequence[Path]) -> SetUpCosts | None:
-    """Return the processor times of set-ups from the first store (folder) with a valid file; None without one."""
+    """Return the stored processor times of set-ups of the 3D reference from the first folder with a valid file, or None."""
 
     def costs_from_json(data: dict[str, Any]) -> SetUpCosts:
         jobs, ways = [SetUpCost(**row) for row in data["jobs"]], [SetUpVariant(**row) for row in data["ways"]]
@@ -544,7 +549,7 @@ MEMBERS, THREADS = 1000, (1, 2)
 
 @dataclass(frozen=True)
 class CommandTime:
-    """Times of a command typed in an empty home directory; None: not measured."""
+    """Times of a ``rollbench`` command typed in an empty home directory; None stands for a time that was not measured."""
 
     #: The command.
     command: str
@@ -578,10 +583,10 @@ class CommandTime:
 
 
 def time_command(command: str) -> CommandTime:
-    """Measure a command in an empty home directory, then a second time there, then while another process keeps a core busy.
+    """Time a command in an empty home directory, then again there, then in an empty home directory while a core is busy.
 
-    ``command``: arguments of ``rollbench``, such as "solve lin-case1". The third measurement has an empty home directory of
-    its own. If the command fails, only the note of the returned times is set.
+    ``command``: arguments of ``rollbench``, such as "solve lin-case1". During the third measurement another process keeps a
+    processor core busy. If the command fails, only the note of the returned times is set.
     """
     found = _run_in_empty_home(command, 2)
     busy = subprocess.Popen([sys.executable, "-c", BUSY])
@@ -613,9 +618,10 @@ def _run_in_empty_home(command: str, times: int) -> list[FinishedProcess]:
 
 
 def time_threads(count: int = MEMBERS, repeats: int = 3) -> Iterator[Job]:
-    """Measure an ensemble of specimens of the scene ``lin-random`` by the model lin, in one thread and in two threads.
+    """Time an ensemble of specimens of the scene ``lin-random`` by the model lin in one thread, then in two threads.
 
-    ``count``: number of specimens; ``repeats``: number of runs, of which the median time is taken.
+    A specimen is the scene with one drawn set of random geometric errors. ``count``: number of specimens; ``repeats``:
+    number of timed solutions, of which the median time is taken.
     """
     parts = scene("lin-random")
     alone = 0.0

@@ -83,7 +83,7 @@ HELD = ("left face", "left face", "right face", "both faces", "outer surface")
 
 
 def scene_text(seed: int, number: int) -> str:
-    """Return the text of the scene file (TOML) of one screw of a survey; it depends on seed and number only.
+    """Return the text of the scene file (TOML) of one randomly drawn screw; it depends on seed and number only.
 
     ``seed``: seed of the survey; ``number``: number of the screw, from 0. From number `TUBES` on the nut has a flange.
     """
@@ -139,9 +139,9 @@ def scene_text(seed: int, number: int) -> str:
 
 
 def _draw_flange(rng: np.random.Generator, length: float, wall: float) -> dict[str, dict[str, str]]:
-    """Draw a flange for a nut, and the annulus of its face that is fixed; return the scene's keys of both.
+    """Draw a flange for a nut, and the annulus of the flange's face that is fixed; return the scene's keys of both.
 
-    ``rng``: generator of the random numbers; ``length`` and ``wall``: the nut's length and outer diameter [mm].
+    ``rng``: generator of the random numbers; ``length``: length of the nut [mm]; ``wall``: its outer diameter [mm].
     """
     wide, thick = wall * rng.uniform(1.3, 1.8), min(wall * rng.uniform(0.15, 0.3), 0.4 * length)
     room, fit = wide - wall, rng.uniform(0.05, 0.5) * (length - thick)
@@ -171,11 +171,11 @@ def _draw_conformity(rng: np.random.Generator) -> float:
 def _draw_balls(
     rng: np.random.Generator, starts: int, ball: float, touching: float, *, halved: bool
 ) -> tuple[dict[str, Any], int]:
-    """Draw the filling and the circuits of a nut; return the keys of the scene's balls, then the number of balls.
+    """Draw the circuits of a nut and how many balls fill them; return the scene's keys for the balls, then their number.
 
     ``rng``: generator of the random numbers; ``starts``: number of starts of the thread; ``ball``: ball diameter [mm];
-    ``touching``: azimuth between neighbours that touch [rad]; ``halved``: whether the nut is preloaded by a lead offset, so
-    that circuits come in pairs.
+    ``touching``: difference in azimuth between neighbouring balls that touch [rad]; ``halved``: whether the nut is
+    preloaded by a lead offset between two halves, so that circuits come in pairs.
     """
     filling = round(float(rng.uniform(0.8, 0.95)), 2)
 
@@ -202,7 +202,7 @@ def _draw_preload(rng: np.random.Generator, kind: str, ball: float, force: float
 
 
 def _draw_errors(rng: np.random.Generator) -> dict[str, Any]:
-    """Draw random geometric errors of a tolerance class, or none; return the keys of the scene's errors."""
+    """Draw a tolerance class or none; return the scene's keys for the standard deviations of its geometric errors."""
     chosen = int(rng.integers(len(CLASSES) + 1))
     if chosen == len(CLASSES):
         return {}
@@ -255,9 +255,9 @@ def _draw_loads(rng: np.random.Generator, force: float, radius: float, at: str) 
 
 
 def _draw_nut_length(scene: Mapping[str, Any], rng: np.random.Generator) -> float:
-    """Draw the length [mm] of a nut that ends 1 to 6 ball radii beyond its outermost balls; it is in whole micrometres.
+    """Draw the length [mm] of a nut whose faces lie 1 to 6 ball radii beyond its outermost balls, in whole micrometres.
 
-    ``scene``: keys of the scene so far, with a nut that is long enough for all balls.
+    ``scene``: keys of the scene drawn so far, with a nut that is long enough for all balls.
     """
     read = scene_file.scene_of_text(_toml_text({k: v for k, v in scene.items() if k != "preload"}), "survey.toml")
     reach = float(np.abs(ball_layout(read).z - read.nut.position).max())
@@ -296,7 +296,9 @@ Record = dict[str, Any]
 
 
 def survey_screw(seed: int, number: int, runs: Path | None = None) -> Record:
-    """Draw a screw, solve it and compare the models; any failure becomes part of the record, never an exception.
+    """Draw a screw, solve it by the 3D reference and the low-order models, and return the record of their comparison.
+
+    A failure becomes a part of the record; no exception is raised.
 
     Parameters
     ----------
@@ -333,19 +335,19 @@ def survey_screw(seed: int, number: int, runs: Path | None = None) -> Record:
 
 
 def load_cases(text: str, name: str) -> tuple[Scene, Scene]:
-    """Return a screw under the loads of its scene file, then the same screw under loads times `RAISED`.
+    """Return a screw under the loads of its scene file, then the same screw under these loads times `RAISED`.
 
-    The tangent rigidity follows from the two solutions. ``text``: TOML text of the scene file; ``name``: name of the first
-    scene, to which the second adds "-raised".
+    The axial tangent rigidity follows from the solutions of both. ``text``: TOML text of the scene file; ``name``: name of
+    the first scene, to which the second adds "-raised".
     """
     scene = scene_file.scene_of_text(text, f"{name}.toml")
     return scene, replace(scene, name=f"{name}-raised", loads=tuple(_raised_load(x) for x in scene.loads))
 
 
 def stored_run(runs: Path | None, scene: Scene) -> Run | None:
-    """Return the stored run of the 3D reference for a scene on mesh level `LEVEL`; None if none is stored.
+    """Return the stored solution of a scene by the 3D reference on mesh level `LEVEL`; None if none is stored.
 
-    ``runs``: folder of stored runs; None: nothing is stored.
+    ``runs``: folder of stored solutions; None: nothing is stored.
     """
     paths = [] if runs is None else sorted(runs.glob(f"{scene.name}-level{LEVEL}-*.json"))
     return next((run for path in paths if (run := read_run(path, scene, LEVEL, "")) is not None), None)
@@ -358,10 +360,10 @@ def _raised_load(load: Any) -> Any:
 
 
 def scene_features(scene: Scene) -> Record:
-    """Return the features of a scene on which the error of a model depends, as far as they need no solution.
+    """Return the properties of a screw on which the error of a low-order model depends, as far as they need no solution.
 
-    The name of a number with a unit ends in that unit. "low_face_radii" and "high_face_radii" are the distances from the
-    nut's faces to the nearest ball centre in ball radii; "offset_um" and "tilt_mrad" are the largest displacement and
+    The names of the properties end in the unit. "low_face_radii" and "high_face_radii" are the distances from the nut's two
+    faces to the nearest ball centre, in ball radii; "offset_um" and "tilt_mrad" are the largest lateral displacement and
     rotation that a support imposes.
     """
     z, half, r = ball_layout(scene).z - scene.nut.position, scene.nut.length / 2.0, scene.balls.radius
@@ -393,9 +395,10 @@ def scene_features(scene: Scene) -> Record:
 
 
 def compare_models(scene: Scene, raised: Scene, runs: Sequence[Run]) -> Record:
-    """Return status and loads of the 3D reference on a randomly drawn screw, and the errors of the models.
+    """Return a record of a randomly drawn screw: status and contact loads of the 3D reference, and errors of the models.
 
-    ``raised``: the same screw with raised loads; ``runs``: the 3D reference of both.
+    ``raised``: the same screw with raised loads; ``runs``: solutions of both by the 3D reference. Without two converged
+    solutions or without loaded contacts the record has the status only.
     """
     run, raised_run = runs
     state = {
@@ -437,14 +440,14 @@ def compare_models(scene: Scene, raised: Scene, runs: Sequence[Run]) -> Record:
 
 
 def _rounded_or_none(value: float | None, factor: float = 1.0) -> float | None:
-    """Return a value times a factor with five decimal places; None for None."""
+    """Return a value times a factor, rounded to five decimal places; None if the value is None."""
     return None if value is None else round(factor * value, 5)
 
 
 def _model_record(scene: Scene, result: StaticResult, run: Run, point: Point) -> Record:
-    """Return a model's errors on a randomly drawn screw [%], and those expected from its errors on other scenes.
+    """Return a model's errors on a randomly drawn screw [%], and the errors estimated from those on other scenes.
 
-    ``result``: the model's solution; ``run``: run of the 3D reference; ``point``: the model's errors against this run.
+    ``result``: the model's solution; ``run``: solution of the 3D reference; ``point``: errors of the model against it.
     """
     error = load_error(result.load, run.load, nominal_contacts(scene))
     expected = estimate(scene, result, [p for p in shipped_points() if p.scene != point.scene])
@@ -471,8 +474,8 @@ ERRORS = ("largest_percent", "gate_percent", "rms_percent", "displacement_percen
 def _solve_and_append(folder: Path, token: str, seed: int, number: int) -> Record | None:
     """Solve a randomly drawn screw, append its record to a folder and return it.
 
-    None, without solving, if a later run of the program has taken the folder. ``token``: text that identifies this run;
-    ``seed``: seed of the survey; ``number``: number of the screw.
+    ``token``: text in the folder that identifies the present execution of the survey; ``seed``: seed of the survey;
+    ``number``: number of the screw. Returns None without solving if a later execution has taken over the folder.
     """
     if not sample.is_current_run(folder, token):
         return None
@@ -498,7 +501,7 @@ def run_survey(
     workers
         Number of parallel processes.
     step
-        Called with a line of progress for every screw.
+        Function that is called with a line of progress for every screw.
     kept
         File of an earlier survey, whose records are used if seed, mesh level and version are the same.
 
@@ -528,9 +531,9 @@ def run_survey(
 
 
 def _stored_answers(path: Path | None, seed: int) -> list[Record]:
-    """Return the records of a survey's file that were made with this seed, mesh level and version; empty without any.
+    """Return the records of a survey's file that have this seed, and the present mesh level and version; empty without any.
 
-    ``path``: the file, or None.
+    ``path``: the file; None: no file.
     """
     if path is None or not path.exists():
         return []
@@ -540,12 +543,12 @@ def _stored_answers(path: Path | None, seed: int) -> list[Record]:
 
 
 def unsolved_records(records: Sequence[Record]) -> list[Record]:
-    """Return those records whose screw has no converged 3D loads, under its loads or under raised ones."""
+    """Return those records whose screw the 3D reference did not solve, under its own loads or under the raised ones."""
     return [r for r in records if r["status"] != ANSWERED or r.get("raised_status", ANSWERED) != ANSWERED]
 
 
 def survey_json(seed: int, records: Sequence[Record]) -> str:
-    """Return the JSON text of a survey, one screw per line, with the numbers of screws requested and solved."""
+    """Return the records of a survey as JSON text, one screw per line, with the numbers of screws requested and solved."""
     asked = 1 + max((r["number"] for r in records), default=-1)
     head = {"command": f"rollbench stability --survey {asked}", "seed": seed, "level": LEVEL, "solved": len(records)}
     rows = ",\n".join(json.dumps(r, ensure_ascii=False) for r in records)
@@ -553,16 +556,16 @@ def survey_json(seed: int, records: Sequence[Record]) -> str:
 
 
 def shipped_survey() -> dict[str, Any]:
-    """Return the survey that is stored with the package; one without screws if the file is missing."""
+    """Return the survey that is part of the package, as JSON values; it has no screws if the file is missing."""
     path = shipped_store() / SURVEY
     found: dict[str, Any] = json.loads(path.read_text(encoding="utf-8")) if path.exists() else {"scenes": []}
     return found
 
 
 def known_screws() -> list[Record]:
-    """Return the records of the first `KNOWN_SCREWS` screws, over which errors are summed up.
+    """Return the records of the first `KNOWN_SCREWS` screws of the stored survey, from which expected errors are estimated.
 
-    Later screws test the errors that are expected from the errors on these.
+    The later screws test whether the estimated errors hold.
     """
     return [record for record in shipped_survey()["scenes"] if record["number"] < KNOWN_SCREWS]
 
@@ -573,7 +576,7 @@ WORST_AIM, RMS_AIM = 1.5, 0.5
 
 
 class ModelAccuracy(NamedTuple):
-    """Accuracy of a model on the randomly drawn screws of a survey."""
+    """Accuracy of a low-order model on randomly drawn screws, against the 3D reference."""
 
     #: Number of screws.
     screws: int
@@ -586,7 +589,7 @@ class ModelAccuracy(NamedTuple):
 
 
 def model_accuracy(records: Sequence[Record], model: str = "refined") -> ModelAccuracy:
-    """Return a model's accuracy over those randomly drawn screws that have errors of the model in their records."""
+    """Return the accuracy of a low-order model over those randomly drawn screws whose records have errors of this model."""
     errors = [r["models"][model] for r in records if model in r.get("models", {})]
     worst = [abs(e["largest_percent"]) for e in errors]
     within = sum(w <= WORST_AIM and e["rms_percent"] <= RMS_AIM for w, e in zip(worst, errors, strict=True))
@@ -597,7 +600,8 @@ def model_accuracy(records: Sequence[Record], model: str = "refined") -> ModelAc
 def summary_rows(records: Sequence[Record]) -> list[dict[str, Any]]:
     """Return table rows with median, 95th percentile and maximum of each model's errors over the randomly drawn screws.
 
-    The keys of a row are `SUMS`; "scenes" is the number of screws with this error.
+    There is a row for each model and kind of error. Its keys are `SUMS`, where "scenes" is the number of screws that have
+    this error.
     """
     rows = []
     for model in MODELS:

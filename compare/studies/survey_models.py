@@ -2,6 +2,10 @@
 
 The contact loads of the survey's runs are stored next to its record (`store_loads`), each with a digest of its screw. If
 the digest differs from that of the screw that is drawn now, the model is not judged on this screw.
+
+The stored loads are those of mesh level 1, which has errors of its own. On `COUNT` of the screws, chosen by a seed, level 2
+is solved too, so that the error of level 1 and the time of either level are known. Times are processor times of one process
+with one thread: all of a new screw from the set-up on, and of a further load case.
 """
 
 from __future__ import annotations
@@ -9,10 +13,10 @@ from __future__ import annotations
 import json
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import asdict, dataclass, replace
 from functools import cache
 from pathlib import Path
-from time import perf_counter
+from time import perf_counter, process_time
 from typing import Any
 
 import numpy as np
@@ -22,19 +26,26 @@ from rollbench.compare.files import place, replace_file
 from rollbench.compare.gate.user import run_of_loads
 from rollbench.compare.gate.verdict import LIMIT, Limits, judge
 from rollbench.compare.measure import error_percent, load_error
+from rollbench.compare.models.applicability import KNOWN_SCREWS
 from rollbench.compare.models.loads_file import loads_csv
 from rollbench.compare.models.programs import title_of
 from rollbench.compare.models.registry import Options, known_model, run_model
 from rollbench.compare.reference import parallel
+from rollbench.compare.reference.computing import compute_runs
 from rollbench.compare.reference.estimate import Reference, reference_from_runs, uncertainty_percent
-from rollbench.compare.reference.store import SCHEMA, UNSAID
+from rollbench.compare.reference.store import SCHEMA, UNSAID, Measured, measuring_conditions
+from rollbench.compare.reference.tasks import Task
 from rollbench.compare.results.base import with_schema
+from rollbench.compare.running import cores
 from rollbench.compare.scenes import scene_file
 from rollbench.compare.studies import survey
+from rollbench.compare.studies.run_times import load_first_valid, today
 from rollbench.compare.studies.sweep.run import COMPILE_FROM
 from rollbench.lowfi.statics.nominal import nominal_contacts
+from rollbench.meshes.arrays import Array
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import Scene
+from rollbench.meshes.processes import one_thread
 from rollbench.meshes.record_keys import digest
 from rollbench.reports.content import Figure, Panel, Series
 
@@ -64,8 +75,8 @@ def screw_name(number: int) -> str:
 def store_loads(path: Path, runs: Path, count: int) -> int:
     """Write the 3D contact loads of the first ``count`` random screws to a file, and return the number of screws in it.
 
-    ``path``: the file; ``runs``: folder with runs of the 3D reference. Loads of screws without a run there are kept from
-    the present contents of the file. InputError if it cannot be written.
+    ``path``: the file; ``runs``: folder with stored solutions of the 3D reference. Loads of screws that have no solution
+    there are kept from the present content of the file. Raises InputError if it cannot be written.
     """
     before = _read_loads(path)
     for number in range(count):
@@ -80,12 +91,15 @@ def store_loads(path: Path, runs: Path, count: int) -> int:
 
 
 def _scene_digest(scene: Scene) -> str:
-    """Return the digest of a scene's content and of the version of the 3D reference, 16 hexadecimal digits."""
+    """Return a digest, 16 hexadecimal digits, of a scene's content and of the version of the 3D reference."""
     return digest(SCHEMA, replace(scene, **UNSAID))[:16]
 
 
 def _read_loads(path: Path) -> dict[int, Row]:
-    """Return the stored loads of screws by number; empty if the file is missing or of another seed or mesh level."""
+    """Return the contact loads in a file by number of the screw.
+
+    The result is empty if the file is missing, or belongs to another seed or mesh level.
+    """
     if not path.exists():
         return {}
     found = json.loads(path.read_text(encoding="utf-8"))
@@ -95,14 +109,15 @@ def _read_loads(path: Path) -> dict[int, Row]:
 
 @cache
 def stored_loads() -> dict[int, Row]:
-    """Return the contact loads of randomly drawn screws that are stored with the package, by number of the screw."""
+    """Return the 3D contact loads of randomly drawn screws that are part of the package, by number of the screw."""
     return _read_loads(place(f"references/{LOADS}"))
 
 
 def stored_reference(scene: Scene, number: int) -> Reference | None:
-    """Return the 3D reference of a randomly drawn screw from its stored loads; None if no loads of it are stored.
+    """Return the 3D reference of a randomly drawn screw from its stored contact loads; None if none are stored.
 
-    Its uncertainty is that of the mesh level by experience with other scenes.
+    ``scene``: the screw; ``number``: its number. The uncertainty is taken from experience with this mesh level on other
+    scenes.
     """
     row = stored_loads().get(number)
     if row is None or row["of"] != _scene_digest(scene):
@@ -124,7 +139,7 @@ def judge_model(model: str, number: int, limit: float = LIMIT, engine: str = "in
     limit
         Largest allowed error of a contact load [% of the mean load].
     engine
-        Kind of kernels: interpreted or compiled.
+        How numerical kernels run: "interpreted" (plain Python) or "compiled" (machine code).
 
     Returns
     -------
@@ -166,7 +181,7 @@ def judge_model(model: str, number: int, limit: float = LIMIT, engine: str = "in
 def run_models(
     models: Sequence[str], count: int, workers: int | None, limit: float, step: Callable[[str], None]
 ) -> dict[str, Any]:
-    """Compare models with the 3D reference on the first ``count`` random screws, beside stored errors of our models.
+    """Compare models with the 3D reference on the first ``count`` random screws, and add the stored errors of our models.
 
     Parameters
     ----------
@@ -179,7 +194,7 @@ def run_models(
     limit
         Largest allowed error of a contact load [% of the mean load].
     step
-        Called with lines of progress.
+        Function that is called with each line of progress.
 
     Returns
     -------
@@ -228,11 +243,11 @@ def run_models(
 def _judge_screws(
     model: str, numbers: Sequence[int], workers: int | None, limit: float, step: Callable[[str], None]
 ) -> list[Row]:
-    """Return the rows of `judge_model` for a model on several screws, in the order of ``numbers``.
+    """Compare a model with the 3D reference on several random screws, and return the rows of `judge_model` in their order.
 
     ``numbers``: numbers of the screws; ``workers``: number of parallel processes; ``limit``: largest allowed error [% of
-    the mean load]; ``step``: called with lines of progress. Raises the model's error if it fails on each of the screws that
-    are tried first.
+    the mean load]; ``step``: function that is called with each line of progress. Raises the model's error if it fails on
+    each of the screws that are tried first.
     """
     engine = "compiled" if len(numbers) >= COMPILE_FROM else "interpreted"
     first = [judge_model(model, number, limit, engine) for number in numbers[:FIRST]]
@@ -250,9 +265,9 @@ def _judge_screws(
 
 
 def summary_rows(model: str, rows: Sequence[Row]) -> list[Row]:
-    """Return a row for each kind of error of a model: median, 95th percentile and maximum over the solved screws.
+    """Return a row for each kind of error of a model: its median, 95th percentile and maximum over the solved screws.
 
-    ``rows``: rows of `judge_model` for this model.
+    ``model``: name of the model; ``rows``: rows of `judge_model` for this model.
     """
     out = []
     for error, words in ERRORS.items():
@@ -295,9 +310,10 @@ def median_errors_by_kind(models: Mapping[str, Sequence[Row]]) -> list[Row]:
 
 
 def survey_figure(data: Mapping[str, Any]) -> Figure:
-    """Draw the share of screws below an error, and every screw's error in the order of the first model's errors.
+    """Return a figure of models' errors on random screws.
 
-    ``data``: JSON values of `run_models`.
+    Its panels show the share of screws whose error is below a value, and the error on every screw in the order of the first
+    model's errors. ``data``: JSON values of `run_models`.
     """
     models = {title_of(name): [r for r in rows if r["status"] == survey.ANSWERED] for name, rows in data["models"].items()}
     lines, points = [], []
@@ -329,10 +345,11 @@ def survey_figure(data: Mapping[str, Any]) -> Figure:
 
 
 def write_screw(number: int, folder: Path) -> tuple[Path, Path]:
-    """Write a random screw as a scene file, and its stored 3D loads as a reference file for `check` and `compare`.
+    """Write a random screw as a scene file, and its 3D contact loads as a reference file for ``rollbench check``.
 
-    Returns the path of the scene file, then that of the reference file. InputError for a screw without stored loads, and if
-    a file cannot be written.
+    ``number``: number of the screw; ``folder``: folder of the files. Returns the path of the scene file, then that of the
+    reference file, which ``rollbench compare`` also reads. Raises InputError for a screw without stored loads, and if a
+    file cannot be written.
     """
     allowed = f"0 to {survey.SCENES - 1}, with a stored reference"
     if not 0 <= number < survey.SCENES or (found := stored_reference(scene := drawn_screw(number), number)) is None:
@@ -346,3 +363,188 @@ def write_screw(number: int, folder: Path) -> tuple[Path, Path]:
     replace_file(text, survey.scene_text(survey.SEED, number))
     replace_file(loads, "\n".join([head, ",".join((*rows[0], "uncertainty_N")), *lines]) + "\n")
     return text, loads
+
+
+#: Number of chosen screws, and the mesh levels solved on each.
+COUNT, LEVELS = 24, (1, 2)
+#: How the line of progress of a solved load case begins.
+SOLVED = "contact loads"
+#: File of the runs in a store.
+RUNS = "survey-levels.json"
+
+
+@dataclass(frozen=True)
+class LevelRun:
+    """Timed solution of a randomly drawn screw on a mesh level of the 3D reference."""
+
+    #: Number of the screw.
+    number: int
+    #: Mesh level.
+    level: int
+    #: Status of the run, "converged" for a solution.
+    status: str
+    #: Processor time of a new screw: meshes, condensation and one load case [s].
+    seconds: float
+    #: Processor time of a further load case [s].
+    further_seconds: float
+    #: Contact loads of the n balls on the flanks SL, SR, NL, NR, (n, 4) [N].
+    load: list[list[float]]
+
+
+@dataclass(frozen=True)
+class StoredLevelRuns:
+    """Stored timed solutions on several mesh levels, with the conditions and the date of their measurement."""
+
+    #: Conditions of the measurement.
+    measured: Measured
+    #: Date of the last run.
+    date: str
+    #: The runs.
+    runs: Sequence[LevelRun]
+
+
+@dataclass(frozen=True)
+class Standing:
+    """Largest errors and times of a model or mesh level, in arrays with one entry for each randomly drawn screw."""
+
+    #: Name of the model or mesh level.
+    name: str
+    #: Mesh level of the 3D reference with which its loads are compared; empty without a comparison.
+    judged_by: str
+    #: Largest error of a contact load by the rule of the gate [%]; empty if it is not known.
+    errors: Array
+    #: Largest error of a contact load [% of the mean load]; empty if it is not known.
+    of_mean: Array
+    #: Processor time of a new screw [s], for each screw.
+    seconds: Array
+    #: Processor time of a further load case [s], for each screw.
+    further: Array
+
+
+def chosen_screws() -> list[int]:
+    """Return the numbers of the random screws that are also solved on mesh level 2, in the order of their solution."""
+    chosen = np.random.default_rng([survey.SEED, COUNT]).choice(KNOWN_SCREWS, COUNT, replace=False)
+    return [int(number) for number in chosen]
+
+
+def drawn_load_cases(number: int) -> tuple[Scene, Scene]:
+    """Return random screw ``number`` under its loads, then under raised loads.
+
+    The axial tangent rigidity follows from the solutions of both.
+    """
+    name = f"survey-{survey.SEED}-{number}"
+    return survey.load_cases(survey.scene_text(survey.SEED, number), name)
+
+
+def solve_level(number: int, level: int) -> LevelRun:
+    """Solve a randomly drawn screw on a mesh level in this process, with one thread and without cache, and time it.
+
+    ``number``: number of the screw; ``level``: mesh level. On level 1 the cells at the cut ends of the shaft are coarser,
+    as in the survey. Raises InputError if the screw cannot be meshed.
+    """
+    one_thread()
+    cases = drawn_load_cases(number)
+    solved: list[float] = []
+
+    def note_time(text: str) -> None:
+        if text.startswith(SOLVED):
+            solved.append(process_time())
+
+    begin = process_time()
+    cells = survey.CUT_CELLS if level == survey.LEVEL else 1.0
+    run, _ = compute_runs(Task(cases, level, cut_cells=cells), note_time)
+    new, further = solved[-2] - begin, solved[-1] - solved[-2]
+    load = [[float(f"{x:.6g}") for x in row] for row in run.load]
+    return LevelRun(number, level, str(run.status), round(new, 2), round(further, 3), load)
+
+
+def measure_levels(store: Path, step: Callable[[str], None], count: int = COUNT) -> StoredLevelRuns:
+    """Solve and time the first ``count`` chosen random screws on all mesh levels, in parallel on all cores.
+
+    ``store``: folder in which each solution is stored when it is done. Stored solutions of the same program sources on the
+    same machine are not repeated. ``step``: function that is called with each line of progress. Raises InputError if the
+    file cannot be written.
+    """
+    conditions, known = measuring_conditions(), load_levels((store,))
+    runs = list(known.runs) if known is not None and known.measured == conditions else []
+    done = {(run.number, run.level) for run in runs}
+    jobs = [(n, level) for n in chosen_screws()[:count] for level in LEVELS if (n, level) not in done]
+    found = StoredLevelRuns(conditions, today(), runs)
+    for _, run in parallel.as_done([(solve_level, job) for job in jobs], "joblib", None, cores()):
+        runs.append(run)
+        found = StoredLevelRuns(conditions, today(), sorted(runs, key=lambda one: (one.number, one.level)))
+        save_levels(store, found)
+        step(f"[{len(runs)}/{count * len(LEVELS)}] drawn screw {run.number}, level {run.level}: {run.seconds:.0f} s")
+    return found
+
+
+def save_levels(store: Path, found: StoredLevelRuns) -> None:
+    """Write timed solutions to a JSON file in a folder, one per line; raises InputError if the file cannot be written."""
+    head = json.dumps({**asdict(found.measured), "date": found.date})
+    rows = ",\n".join(json.dumps(asdict(run), separators=(",", ":")) for run in found.runs)
+    replace_file(store / RUNS, f'{head[:-1]}, "runs": [\n{rows}\n]}}\n')
+
+
+def load_levels(stores: Sequence[Path]) -> StoredLevelRuns | None:
+    """Return the timed solutions from the first folder with a valid file; None without one."""
+
+    def read(data: dict[str, object]) -> StoredLevelRuns:
+        measured = Measured(str(data["version"]), str(data["sources"]), str(data["machine"]))
+        rows = data["runs"]
+        assert isinstance(rows, list)
+        return StoredLevelRuns(measured, str(data["date"]), [LevelRun(**row) for row in rows])
+
+    return load_first_valid(stores, RUNS, read)
+
+
+def levels_and_models(runs: Sequence[LevelRun], records: Sequence[survey.Record]) -> list[Standing]:
+    """Return largest errors and times of the models and of the mesh levels of the 3D reference.
+
+    Models are compared with mesh level 1 on all random screws. Models and mesh level 1 are compared with level 2 on the
+    chosen ones.
+
+    Parameters
+    ----------
+    runs
+        Runs of the chosen screws.
+    records
+        Records of the survey, with errors against level 1 and times of the models.
+    """
+    answers = {model: [r["models"][model] for r in records if model in r.get("models", {})] for model in survey.MODELS}
+    keys = ("gate_percent", "largest_percent", *SECONDS)
+    found = [
+        Standing(model, "level 1", *(np.array([abs(row[key]) for row in rows if row[key] is not None]) for key in keys))
+        for model, rows in answers.items()
+    ]
+    by_level = {level: {r.number: r for r in runs if r.level == level and r.status == survey.ANSWERED} for level in LEVELS}
+    coarse, fine = (by_level[level] for level in LEVELS)
+    both = sorted(coarse.keys() & fine.keys())
+    times = {r["number"]: r["models"] for r in records if "models" in r}
+    for model in survey.MODELS if both else ():
+        loads = [run_model(drawn_load_cases(n)[0], model, Options(discretisation=False)).load for n in both]
+        new, further = (np.array([times[number][model][key] for number in both]) for key in SECONDS)
+        found.append(Standing(model, "level 2", *_largest_errors(loads, [fine[n] for n in both]), new, further))
+    for level in LEVELS if both else ():
+        of_level = [by_level[level][number] for number in both]
+        new, further = (np.array([getattr(run, key) for run in of_level]) for key in SECONDS)
+        loads = [np.array(run.load) for run in of_level]
+        errors = _largest_errors(loads, [fine[n] for n in both]) if level < max(LEVELS) else (np.zeros(0), np.zeros(0))
+        found.append(Standing(f"3D level {level}", "level 2" if level < max(LEVELS) else "", *errors, new, further))
+    return found
+
+
+def _largest_errors(loads: Sequence[Array], truths: Sequence[LevelRun]) -> tuple[Array, Array]:
+    """Return the largest load error of each screw by the rule of ``rollbench check`` [%], and in % of the mean load.
+
+    ``loads``: contact loads (n, 4) [N] of each screw with n balls; ``truths``: for each screw the solution that counts as
+    exact.
+    """
+    found = [
+        load_error(load, np.array(truth.load), nominal_contacts(drawn_load_cases(truth.number)[0]))
+        for load, truth in zip(loads, truths, strict=True)
+    ]
+    return np.array([e.gate_percent for e in found]), np.array([e.max_percent for e in found])
+
+
+#: Keys of a model's times in the survey's record: of a new screw, and of a further load case.
+SECONDS = ("seconds", "further_seconds")

@@ -54,7 +54,7 @@ LOAD = "load"
 
 @dataclass(frozen=True)
 class TableRequest:
-    """Checked request for a table: scene, varied keys, model and quantities."""
+    """Checked request for a table of a scene over values of its keys: scene, varied keys, model and quantities."""
 
     #: Text of the scene file.
     text: str
@@ -148,10 +148,10 @@ def _check_model(scene: Scene | Assembly, model: str, quantities: Sequence[str])
 
 
 def _stiffness_place(given: str | float | None, scene: Scene | Assembly) -> tuple[float | str | None, str]:
-    """Return the place whose stiffness is requested, then a description of the body to which the stiffness belongs.
+    """Return the axial position of the requested stiffness, then a description of the body to which the stiffness belongs.
 
-    ``given``: the place as the user wrote it. The returned place is an axial position [m], the name of a nut or bearing, or
-    None for the default. InputError for a place that the shaft does not have.
+    ``given``: the position as the user wrote it. The returned position is a number [m], the name of a nut or bearing, or
+    None for the default. Raises InputError for a position that the shaft does not have.
     """
     names = [x.name for x in scene.sets] if isinstance(scene, Assembly) else []
     if given in names:
@@ -174,8 +174,8 @@ def _stiffness_place(given: str | float | None, scene: Scene | Assembly) -> tupl
 def axial_load_key(raw: dict[str, Any], origin: str) -> str:
     """Return the key of the axial component of a scene's only axial load, such as ``loads[0].force[2]``.
 
-    ``raw``: TOML tables of the scene; ``origin``: name of its file for messages. ArgumentError if the scene has several
-    axial loads or none.
+    ``raw``: TOML tables of the scene; ``origin``: name of its file for error messages. Raises ArgumentError if the scene
+    has several axial loads or none.
     """
     named = ((f"{table}[{k}]", row) for table in ("loads", "housings") for k, row in enumerate(raw.get(table, ())))
     forces = {f"{name}.force[2]": row["force"] for name, row in named if isinstance(row.get("force"), list)}
@@ -187,7 +187,7 @@ def axial_load_key(raw: dict[str, Any], origin: str) -> str:
 
 
 def _number_without_unit(text: Any) -> float:
-    """Return the number in a text such as "5 kN" as it stands, 5; zero for a text without number."""
+    """Return the number in a text such as "5 kN" without regard to its unit, here 5; zero for a text without number."""
     found = number_and_unit(str(text))
     return 0.0 if found is None else float(found[0])
 
@@ -203,9 +203,10 @@ def _table_column(vary: Vary) -> Over:
 
 
 def solve_row(asked: TableRequest, values: Sequence[Any], engine: str) -> TableRow:
-    """Solve one combination of the keys' values and return its table row; if it is refused, the status gives the reason.
+    """Solve one combination of the keys' values and return its table row; if it is refused, the status says why.
 
-    ``asked``: checked request; ``values``: a value for each key; ``engine``: kind of kernels, such as "compiled".
+    ``asked``: checked request; ``values``: a value for each key; ``engine``: whether numerical kernels run as plain Python
+    ("interpreted") or as machine code ("compiled").
     """
     try:
         raw = with_varied_keys(scene_file.read_toml(asked.text, asked.origin), asked.keys, values)
@@ -220,7 +221,8 @@ def solve_row(asked: TableRequest, values: Sequence[Any], engine: str) -> TableR
 def _row_of_scene(scene: Scene | Assembly, asked: TableRequest, engine: str) -> TableRow:
     """Solve a scene and return the table row with the requested quantities.
 
-    ``asked``: checked request; ``engine``: kind of kernels, such as "compiled".
+    ``asked``: checked request; ``engine``: whether numerical kernels run as plain Python ("interpreted") or as machine code
+    ("compiled").
     """
     names = {name for quantity in asked.quantities for name in QUANTITIES[quantity][1]}
     result, found = sample.solve_case(scene, asked.model, engine, names)
@@ -276,7 +278,10 @@ def _contact_pressures(scene: Scene | Assembly, result: StaticResult | AxisResul
 
 
 def _expected_errors(scene: Scene, result: StaticResult) -> dict[str, Any]:
-    """Return the errors [%] to expect of a static result, estimated from compared scenes, by the fields of a table row."""
+    """Return the errors [%] to expect of a static result, by the names of the fields of a table row.
+
+    They are estimated from scenes for which the 3D reference is known.
+    """
     form = estimate(scene, result)
     return {
         "load_error": form.percent,
@@ -289,7 +294,7 @@ def _expected_errors(scene: Scene, result: StaticResult) -> dict[str, Any]:
 
 
 def solve_table(asked: TableRequest, engine: Engine, step: Callable[[str], None]) -> Table:
-    """Solve all rows of a table, in parallel if ``engine`` does so.
+    """Solve all rows of a table.
 
     Parameters
     ----------
@@ -298,7 +303,7 @@ def solve_table(asked: TableRequest, engine: Engine, step: Callable[[str], None]
     engine
         Where the rows are computed: number of processes or cluster.
     step
-        Called with lines of progress.
+        Function that is called with each line of progress.
 
     Returns
     -------

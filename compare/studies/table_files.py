@@ -40,7 +40,7 @@ ROSS_DROPS = (
 
 
 def check_format(path: Path) -> None:
-    """Raise InputError for an unknown file format, or one whose Python package is missing."""
+    """Raise InputError if the file name has an unknown ending, or one whose Python package is missing."""
     if path.suffix not in FORMATS:
         raise ArgumentError("out", str(path), f"a name ending in {', '.join(FORMATS)}", "choose one of these endings")
     package = FORMATS[path.suffix]
@@ -49,7 +49,7 @@ def check_format(path: Path) -> None:
 
 
 def write_table(path: Path, table: Table) -> None:
-    """Write all rows of a table in the format of the file's suffix; InputError if the file cannot be written."""
+    """Write a table to a file in the format that the ending of its name states; raises InputError if that fails."""
     columns = table.columns()
     if path.suffix == ".csv":
         rows = zip(*columns.values(), strict=True)
@@ -68,7 +68,7 @@ def write_table(path: Path, table: Table) -> None:
 
 
 def _netcdf_dataset(table: Table, columns: dict[str, list[Any]]) -> Any:
-    """Return the table as an xarray Dataset: one dimension per varied key, and two more for the stiffness matrix.
+    """Return a table as an xarray Dataset with one dimension per varied key, and two more for the 6 x 6 stiffness matrix.
 
     ``columns``: values of each column by its name.
     """
@@ -89,9 +89,10 @@ def _netcdf_dataset(table: Table, columns: dict[str, list[Any]]) -> Any:
 
 
 def table_figure(table: Table) -> Figure | None:
-    """Draw each quantity over the numeric key with most values, a curve for each combination of the other keys' values.
+    """Return a figure of each quantity over one varied key, with a curve for each combination of the other keys' values.
 
-    Error bars are the errors to expect, for quantities that have one. None without a numeric key of two values or more.
+    The key is the one with most values among those with numbers. Error bars show the errors to expect, for quantities that
+    have one. None if no key has two numbers or more.
     """
     over = [k for k, x in enumerate(table.over) if x.numbers is not None and len(x.values) > 1]
     columns = table.columns()
@@ -120,14 +121,16 @@ def table_figure(table: Table) -> Figure | None:
         low, high = (of(v for v in y if v is not None) for of in (min, max))
         panels.append(Panel("", xlabel, ylabel, series, log="y" if 0.0 < 20.0 * low < high else ""))
     left = len(table.rows) - table.converged
-    caption = f"Model {table.model}." + (f" {left} of {len(table.rows)} places have no answer." if left else "")
+    caption = f"Model {table.model}." + (
+        f" {left} of {len(table.rows)} combinations of values have no result." if left else ""
+    )
     return Figure(f"{table.scene}-table", f"{table.scene}: over its keys", tuple(panels), caption)
 
 
 def _error_bars(table: Table, name: str, at: Sequence[int]) -> tuple[list[float], list[float]] | None:
     """Return the lower ends, then the upper ends of a quantity's error bars; None if an error is not known.
 
-    ``name``: column of the quantity; ``at``: numbers of the rows.
+    ``name``: column of the quantity; ``at``: indices of the table rows.
     """
     errors = [getattr(table.rows[k], ERROR_OF[name]) for k in at]
     if ERROR_OF[name] == "load_error" or None in errors:
@@ -150,13 +153,13 @@ def read_table(path: str) -> Table:
 def ross_text(table: Table) -> str:
     """Return a Python module for the rotor-dynamics program ROSS, with the stiffness for each combination of values.
 
-    It holds ``PLACES`` and a function ``bearing(n, place)`` that returns a BearingElement. InputError if no row has a
-    stiffness.
+    It holds ``PLACES`` and a function ``bearing(n, place)`` that returns a BearingElement. Raises InputError if no row has
+    a stiffness.
     """
     matrices = table.stiffness
     kept = [k for k, matrix in enumerate(matrices) if all(np.isfinite(matrix[at]) for at in ROSS_TERMS.values())]
     if not kept:
-        advice = "make the table with the quantity stiffness, at a place whose ux, uy and uz are not held"
+        advice = "make the table with the quantity stiffness, at an axial position where no support fixes ux, uy or uz"
         raise InputError(table.scene, "stiffness", "no stiffness", "a table with a stiffness in one row or more", advice)
     places, lines = table.places, []
     for k in kept:
@@ -185,7 +188,7 @@ def bearing(n, place, cxx=0.0, **others):
 
 
 def _rows_without_answer(table: Table) -> list[str]:
-    """Return a line for each reason why rows of a table have no answer, with the keys' values in these rows."""
+    """Return a line for each reason why rows of a table have no result, with the keys' values in these rows."""
     return [f"{'; '.join(places)}: {reason}" for reason, places in table.failures.items()]
 
 
@@ -197,7 +200,7 @@ def _comment_lines(lines: Iterable[str]) -> str:
 def modelica_text(table: Table) -> tuple[str, list[str]]:
     """Return the text of a table file for Modelica.Blocks.Tables, then sentences on what it leaves out.
 
-    InputError for a table over other than one or two numeric keys, or with too few answers.
+    Raises InputError unless the table has one or two varied keys with numbers, and enough rows with a result.
     """
     axes = [x.numbers for x in table.over]
     if not 1 <= len(axes) <= 2 or any(x is None or len(x) < 2 for x in axes):
@@ -208,8 +211,8 @@ def modelica_text(table: Table) -> tuple[str, list[str]]:
     kept = [k for k, row in enumerate(table.rows) if row.converged]
     if len(axes) == 2 and len(kept) < len(table.rows):
         reason, places = next(iter(table.failures.items()))
-        advice = "make the table without such values, as a CombiTable2D has no gaps"
-        raise InputError(table.scene, places[0], reason, "an answer in each row", advice)
+        advice = "make the table without these values, as a CombiTable2D must have a number in each cell"
+        raise InputError(table.scene, places[0], reason, "a result in each row", advice)
     grid = [np.array(x, dtype=float) for x in axes]
     rows = {name: [column[k] for k in kept] for name, column in table.columns().items()}
     left = _rows_without_answer(table)
@@ -222,7 +225,7 @@ def modelica_text(table: Table) -> tuple[str, list[str]]:
         else:
             columns[name] = np.array(column, dtype=float)
     if len(kept) < 2 or not columns:
-        raise InputError(table.scene, "rows", count_of(len(kept), "answer"), "two answers or more", "; ".join(left))
+        raise InputError(table.scene, "rows", count_of(len(kept), "result"), "two results or more", "; ".join(left))
     head = [
         f"{table.scene} by rollbench, model {table.model}; over {', '.join(x.column for x in table.over)}",
         f"stiffness K_force_freedom in N, m, rad, of: {table.stiffness_of}",
@@ -241,6 +244,9 @@ def modelica_text(table: Table) -> tuple[str, list[str]]:
 
 
 def _modelica_block(name: str, values: Array) -> str:
-    """Return a matrix as text of a Modelica table file; ``name``: its name there; ``values``: the matrix (n, k)."""
+    """Return a matrix as text in the format of Modelica table files.
+
+    ``name``: name of the matrix there; ``values``: the matrix, of any two dimensions.
+    """
     rows: Sequence[str] = ["  ".join(f"{x:.9e}" for x in row) for row in values]
     return f"double {name}({values.shape[0]},{values.shape[1]})\n" + "\n".join(rows) + "\n"

@@ -39,10 +39,10 @@ CaseAttributes = dict[int, dict[str, Value]]
 
 
 class RexsWriter:
-    """REXS model of a shaft while it is written, with the ids of components that others refer to.
+    """REXS model of a shaft that is being written, with the ids of components to which other components refer.
 
-    ``model``: the REXS model; ``notes``: sentences on what it does not hold; ``unit``, ``casing`` and ``shaft``: ids of the
-    gear unit, its casing and the shaft; ``steels``: ids of the materials.
+    ``model``: the REXS model; ``notes``: sentences on what the model does not describe; ``unit``, ``casing`` and ``shaft``:
+    ids of the gear unit, its casing and the shaft; ``steels``: ids of the materials.
     """
 
     def __init__(self, shaft: Assembly) -> None:
@@ -63,17 +63,18 @@ class RexsWriter:
         self.rows: list[tuple[int, list[list[int]]]] = []
 
     def assign_material(self, part: int, material: Material) -> None:
-        """Assign a material to the component with the id ``part``; the material is added to the model at its first use."""
+        """Assign a material to the component with the id ``part``; a new material is first added to the model."""
         if material not in self.steels:
             constants = {"elastic_modulus": 1e-6 * material.youngs_modulus, "poisson_ratio": material.poissons_ratio}
             self.steels[material] = self.model.add("material", f"material {len(self.steels) + 1}", **constants)
         self.model.relate("reference", origin=part, referenced=self.steels[material])
 
     def add_part(self, whole: int, type: str, name: str = "", order: int | None = None, **attributes: Value | None) -> int:
-        """Add a component as a part of another component, and return its id.
+        """Add a component to the model as a part of another component, and return its id.
 
         ``whole``: id of the other component; ``type`` and ``name``: REXS type and name of the new one; ``order``: its
-        number among its neighbours, None without numbers; ``attributes``: its REXS attributes in their REXS units.
+        number among the parts of the other component, None without numbers; ``attributes``: its REXS attributes in their
+        REXS units.
         """
         k = self.model.add(type, name, **attributes)
         self.model.relate("assembly" if order is None else "ordered_assembly", order, assembly=whole, part=k)
@@ -150,7 +151,10 @@ def rexs_text(described: Assembly | DutyCycle, solved: Sequence[SolvedAxis]) -> 
 
 
 def _write_sections(writer: RexsWriter, shaft: Assembly) -> None:
-    """Add the plain cylinders of the shaft; its thread and gaps between cylinders get the outer diameter of the screw."""
+    """Add the cylinders of the shaft to the model.
+
+    The thread, and gaps between plain cylinders, become cylinders with the outer diameter of the screw.
+    """
     screw = shaft.screw
     plain = sorted((p.start, p.end, p.diameter, p.bore) for p in shaft.segments)
     ends = [0.0, *(p[1] for p in plain)]
@@ -173,9 +177,10 @@ def _write_sections(writer: RexsWriter, shaft: Assembly) -> None:
 
 
 def _write_bearing(writer: RexsWriter, row: RollingSet, kind: str, **attributes: Value | None) -> int:
-    """Add a bearing with one row between the shaft and the casing, and return its id.
+    """Add a bearing with one row between the shaft and the casing to the model, and return its id.
 
-    ``kind``: REXS type of the bearing; ``attributes``: further REXS attributes in their REXS units.
+    ``row``: row of the shaft scene; ``kind``: REXS type of the bearing; ``attributes``: further REXS attributes in their
+    REXS units.
     """
     at, shift = 1e3 * row.position, 1e6 * row.offset * (-1.0 if row.thrust == "+z" else 1.0)
     common: dict[str, Value | None] = {
@@ -197,10 +202,10 @@ def _write_bearing(writer: RexsWriter, row: RollingSet, kind: str, **attributes:
 def _write_elements(
     writer: RexsWriter, row: int, azimuths: Iterable[float], kinds: Sequence[str], material: Material, **size: Value | None
 ) -> list[list[int]]:
-    """Add the rolling elements of a row with their contacts; return for each element the ids of its contacts.
+    """Add the rolling elements of a bearing row with their contacts; return for each element the ids of its contacts.
 
     ``row``: id of the bearing row; ``azimuths``: azimuths of the elements [rad]; ``kinds``: REXS types of the contacts of
-    an element; ``size``: REXS attributes of an element's size in mm and degrees.
+    an element; ``material``: material of the elements; ``size``: REXS attributes of an element's size in mm and degrees.
     """
     found = []
     for k, azimuth in enumerate(azimuths, 1):
@@ -336,7 +341,7 @@ def _wrench_attributes(wrench: np.ndarray) -> dict[str, Value]:
 
 
 def _result_attributes(writer: RexsWriter, one: SolvedAxis, speed: float | None) -> CaseAttributes:
-    """Return the results of one load case as REXS attributes of shaft, bearings and contacts.
+    """Return the results of one load case as REXS attributes of shaft, bearings and contacts, by id of the component.
 
     ``one``: solution of the load case; ``speed``: speed of the shaft in the load case [rad/s], None for that of the scene.
     """
@@ -366,8 +371,8 @@ def _result_attributes(writer: RexsWriter, one: SolvedAxis, speed: float | None)
 def _bearing_results(result: AxisResult, s: SetResult, answers: SetAnswers, speed: float | None) -> dict[str, Value]:
     """Return forces, deflections, stiffness, ratings and life of one bearing as REXS attributes.
 
-    ``result``: solution of the shaft; ``s``: that of the bearing; ``answers``: ratings, pressures and life of the bearing;
-    ``speed``: speed of the shaft [rad/s] for the life in hours, None if it is not known.
+    ``result``: solution of the shaft; ``s``: its part for the bearing; ``answers``: ratings, pressures and life of the
+    bearing; ``speed``: speed of the shaft [rad/s] for the life in hours, None if it is not known.
     """
     at = [float(np.interp(s.of.position, result.centreline_z, x)) for x in result.centreline.T]
     relative = np.array(at) - s.outer
@@ -456,7 +461,7 @@ def _roller_contact_results(contacts: list[list[int]], s: SetResult, row: Roller
 
 
 def _note_left_out(writer: RexsWriter, shaft: Assembly) -> None:
-    """Add sentences on what the file does not hold to the writer's notes."""
+    """Add sentences to the writer's notes on what the REXS file does not describe."""
     moving = [h.name for h in shaft.housings if not h.stands and h.name not in writer.sliding_housings]
     if moving:
         writer.notes.append(f"{', '.join(moving)}: a housing that moves is written as a casing at rest")

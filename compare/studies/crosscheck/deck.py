@@ -52,7 +52,7 @@ LEAST = 0.1
 
 @dataclass(frozen=True)
 class ExpectedContact:
-    """Expected contact of a ball with a flank of a groove: place and size."""
+    """Position and size of the contact that is expected between a ball and a flank of a groove."""
 
     #: Number of the ball, from 0.
     ball: int
@@ -65,10 +65,10 @@ class ExpectedContact:
 
 
 def unit_load_semi_axes(scene: Scene, side: int) -> tuple[float, float]:
-    """Return the semi-axes of the contact ellipse at 1 N, across and along the groove [m/N^(1/3)].
+    """Return the semi-axes of the contact ellipse under a load of 1 N, across and along the groove [m/N^(1/3)].
 
-    They follow from Hertz's theory on the nominal geometry. The longer one lies across the groove, where ball and groove
-    conform. ``side``: number of the flank in SL, SR, NL, NR.
+    They follow from Hertz's theory for the nominal geometry. The longer one lies across the groove, where ball and groove
+    conform. ``side``: number of the flank, 0 to 3 for SL, SR, NL, NR (screw left and right, nut left and right).
     """
     track, balls = scene.track, scene.balls
     part = scene.screw if side < 2 else scene.nut
@@ -83,10 +83,10 @@ def unit_load_semi_axes(scene: Scene, side: int) -> tuple[float, float]:
 
 
 def contact_places(scene: Scene, load: Array, sides: tuple[int, ...]) -> tuple[list[ExpectedContact], float]:
-    """Return the expected contacts, then the minor semi-axis [m] of a contact with mean load on the first flank.
+    """Return the expected contacts, then the minor semi-axis [m] of a contact with mean load on the first of the flanks.
 
-    ``load``: contact loads (N, 4) [N] of a low-order solution, N being the number of balls; ``sides``: numbers of the
-    flanks that may carry load.
+    ``load``: contact loads (N, 4) [N] of a low-order solution for N balls and the flanks SL, SR, NL, NR (screw left and
+    right, nut left and right); ``sides``: numbers of the flanks that may carry load.
     """
     layout, mean = ball_layout(scene), float(load[load > 0.0].mean())
     unit = {s: unit_load_semi_axes(scene, s) for s in sides}
@@ -100,38 +100,38 @@ def contact_places(scene: Scene, load: Array, sides: tuple[int, ...]) -> tuple[l
 
 
 def ball_face_name(place: ExpectedContact) -> str:
-    """Return the name in the deck for the faces of a ball at a contact."""
+    """Return the name that a deck gives to the mesh faces of a ball at a contact; ``place``: the contact."""
     return f"BALL{place.ball + 1}_{SIDES[place.side]}"
 
 
 def groove_face_name(place: ExpectedContact) -> str:
-    """Return the name in the deck for the faces of a groove at a contact."""
+    """Return the name that a deck gives to the mesh faces of a groove at a contact; ``place``: the contact."""
     return f"{'SCREW' if place.side < 2 else 'NUT'}_{SIDES[place.side]}_{place.ball + 1}"
 
 
 def _widened_semi_axes(place: ExpectedContact, fine: float, wide: tuple[float, float]) -> tuple[float, float]:
-    """Return the semi-axes [m] of the zone that holds the contact faces, across and along the groove.
+    """Return the semi-axes [m] of the elliptic zone that holds the contact faces, across and along the groove.
 
-    ``fine``: element size at the contact [m]; ``wide``: factor on the semi-axes of the contact, and number of elements that
-    are added to each.
+    ``place``: expected contact; ``fine``: element size there [m]; ``wide``: factor on the semi-axes of the contact, and
+    number of elements that are then added to each.
     """
     across, along = (wide[0] * x + wide[1] * fine for x in place.half)
     return across, along
 
 
 def refined_zone_points(place: ExpectedContact, fine: float) -> Array:
-    """Return points (k, 2) [m] that fill the refined zone of a contact, in coordinates across and along the groove.
+    """Return points (k, 2) [m] that fill the zone of small elements at a contact, across and along the groove.
 
-    ``fine``: element size in the zone [m]; k: number of points.
+    ``place``: expected contact; ``fine``: element size in the zone [m]; k: number of points.
     """
     return grid_in_ellipse((FINE * place.half[0], FINE * place.half[1]), 0.7 * fine)
 
 
 def flank_contact_faces(m: GrooveMap, mesh: WholeBody, place: ExpectedContact, fine: float) -> Index:
-    """Return the mesh faces of a groove's flank that may touch the ball at a contact (master faces), by their node numbers.
+    """Return the mesh faces of a groove's flank that may touch the ball (master faces), each by the numbers of its nodes.
 
-    ``m``: geometry of the groove; ``mesh``: mesh of screw or nut; ``place``: expected contact; ``fine``: element size
-    there [m].
+    ``m``: geometry of the groove; ``mesh``: mesh of screw or nut; ``place``: expected contact; ``fine``: element size there
+    [m].
     """
     flank = mesh.named[f"flank {SIDES[place.side]}"]
     x, radius = mesh.points[flank], float(m.radius[place.side])
@@ -144,10 +144,10 @@ def flank_contact_faces(m: GrooveMap, mesh: WholeBody, place: ExpectedContact, f
 
 
 def ball_contact_faces(m: GrooveMap, mesh: WholeBody, place: ExpectedContact, radius: float, fine: float) -> Index:
-    """Return the mesh faces of a ball that may touch the groove at a contact (slave faces), by their node numbers.
+    """Return the mesh faces of a ball that may touch the groove (slave faces), each by the numbers of its nodes.
 
-    ``m``: geometry of the groove; ``mesh``: mesh of the ball in the frame of azimuth zero; ``place``: expected contact;
-    ``radius``: radius of the ball [m]; ``fine``: element size at the contact [m].
+    ``m``: geometry of the groove; ``mesh``: mesh of the ball with its centre in the origin, turned to azimuth zero;
+    ``place``: expected contact; ``radius``: radius of the ball [m]; ``fine``: element size at the contact [m].
     """
     (n, t1, t2), sphere, half = directions(m, place.side), mesh.named["sphere"], _widened_semi_axes(place, fine, SLAVE)
     x = mesh.points[sphere]
@@ -158,9 +158,10 @@ def ball_contact_faces(m: GrooveMap, mesh: WholeBody, place: ExpectedContact, ra
 
 
 def _faces_within(mesh: WholeBody, nodes: Index) -> Index:
-    """Return the outer faces whose corner nodes are all among ``nodes``, without the faces in the cut plane of a half body.
+    """Return the outer mesh faces whose corner nodes are all among the given nodes, each by the numbers of its nodes.
 
-    ``nodes``: numbers of nodes. ValueError if there is no such face.
+    Faces in the cut plane of a half body are left out. ``nodes``: numbers of the given nodes. Raises ValueError if no face
+    remains.
     """
     faces = outer_faces(mesh.cells)
     within = faces[np.isin(faces, nodes).all(axis=1) & ~np.isin(faces, mesh.named.get("cut", [])).all(axis=1)]
@@ -193,7 +194,7 @@ FAR_SIZES = (2.0, 0.6)
 
 @dataclass(frozen=True)
 class DeckOptions:
-    """Mesh sizes and contact options of a deck."""
+    """Mesh sizes and contact options of an input deck for CalculiX."""
 
     #: Elements across the minor semi-axis of a contact of mean load; all contacts have this element size.
     b_over_h: float = 1.5
@@ -214,7 +215,7 @@ class DeckOptions:
 
 @dataclass(frozen=True)
 class MeshedDeck:
-    """Deck with data on its mesh."""
+    """Input deck for CalculiX, with the expected contact loads and the quality of its meshes."""
 
     #: The deck.
     deck: Deck
@@ -227,10 +228,10 @@ class MeshedDeck:
 
 
 def raise_first_fault(where: str, faults: Iterable[tuple[bool, str, str, str, str]]) -> None:
-    """Raise InputError for the first fault that applies.
+    """Raise InputError for the first fault in a list that applies; without one do nothing.
 
-    ``where``: name of the scene or file. Each fault has: whether it applies, the key, the refused value, the allowed
-    values, and advice.
+    ``where``: name of the scene or file in the error message. Each fault has: whether it applies, the key, the refused
+    value, the allowed values, and advice.
     """
     for there, key, value, allowed, advice in faults:
         if there:
@@ -240,8 +241,8 @@ def raise_first_fault(where: str, faults: Iterable[tuple[bool, str, str, str, st
 def _refuse_unsupported_scene(scene: Scene, half: bool) -> None:
     """Raise InputError if a deck cannot describe a scene, or if the scene has too many balls for meshes of whole bodies.
 
-    ``half``: whether only the half y >= 0 is meshed. Then also refused are scenes for which y = 0 is no plane of symmetry:
-    with a helix, balls beside the plane, loads, or a screw that is not fixed along y and about x and z.
+    ``half``: whether only the half y >= 0 is meshed. Then a scene is also refused if y = 0 is no plane of symmetry: if it
+    has a helix, balls outside the plane, loads, or a screw that is not fixed along y and about x and z.
     """
     balls, solid = scene.ball_count, scene.solid
     large = f"1 to {MOST_BALLS} balls in a deck of whole bodies"
@@ -266,9 +267,9 @@ def _refuse_unsupported_scene(scene: Scene, half: bool) -> None:
 
 
 def representable_errors(scene: Scene) -> Specimen:
-    """Return the geometric errors of a scene, if a deck can describe them; else raise InputError.
+    """Return the geometric errors of a scene if a deck can describe all of them; raise InputError otherwise.
 
-    Errors of ball radii and of groove radii can be described, which are meshed as real geometry.
+    A deck can describe errors of ball radii and of groove radii, which are meshed as real geometry.
     """
     drawn = specimen(scene, ball_layout(scene))
     moved = bool(np.abs(drawn.centre - nominal_groove_centres(scene)).max() > 0.0 or drawn.centre_slopes.any())
@@ -284,19 +285,20 @@ def representable_errors(scene: Scene) -> Specimen:
 
 
 def real_groove_map(m: GrooveMap, drawn: Specimen, scene: Scene, screw: bool) -> GrooveMap:
-    """Return the geometry of a groove with its real radius.
+    """Return the geometry of a groove whose radius includes its error.
 
-    ``m``: nominal geometry; ``drawn``: geometric errors; ``screw``: whether it is the groove of the screw, else of the nut.
-    The centres of the arcs stay; the groove radius, and the radius of a ball that would fit, change by the same amount.
+    ``m``: nominal geometry; ``drawn``: geometric errors of the scene; ``screw``: whether it is the groove of the screw,
+    else of the nut. The centres of the groove's arcs stay; the groove radius, and the radius of a ball that would fit,
+    change by the same amount.
     """
     change = drawn.radius - groove_radii(scene)
     return replace(m, radius=drawn.radius, ball=m.ball + float(change[0 if screw else 2]))
 
 
 def solve_expected_loads(scene: Scene) -> StaticResult:
-    """Solve a scene by the refined low-order model, whose loads show where contacts are expected.
+    """Solve a scene by the refined low-order model, whose contact loads show where contacts are expected.
 
-    InputError if the scene has no equilibrium or no contact carries load.
+    Raises InputError if the scene has no equilibrium or no contact carries load.
     """
     found = run_model(scene, "refined", Options(discretisation=False))
     allowed = "a scene with loaded contacts that the model refined solves"
@@ -365,8 +367,8 @@ def build_deck(scene: Scene, options: DeckOptions | None = None) -> MeshedDeck:
 def _deck_refinement(points: list[Array], fine: float, coarse: float, options: DeckOptions) -> Refinement:
     """Return the element sizes of a body, which grow with the distance from its contacts.
 
-    ``points``: points in the refined zone of each contact [m]; ``fine``: element size there [m]; ``coarse``: largest
-    element size [m]; ``options``: options of the deck with the growth of the element size.
+    ``points``: points in the zone of small elements at each contact [m]; ``fine``: element size there [m]; ``coarse``:
+    largest element size [m]; ``options``: options of the deck with the growth of the element size.
     """
     return Refinement(np.concatenate(points), fine, options.growth, max(coarse, fine))
 
@@ -380,10 +382,10 @@ def _mesh_screw_and_nut(
     fine: float,
     options: DeckOptions,
 ) -> list[tuple[DeckBody, float]]:
-    """Mesh the 3D piece of the screw and the nut; return each body with the smallest scaled Jacobian of its elements.
+    """Mesh a piece of the screw and the nut; return each body with the smallest scaled Jacobian of its elements.
 
-    ``dims``: dimensions of the bodies; ``drawn``: geometric errors; ``m``: nominal geometry of the grooves; ``places``:
-    expected contacts; ``fine``: element size at the contacts [m].
+    ``dims``: dimensions of the bodies, with the ends of the piece of the screw; ``drawn``: geometric errors; ``m``: nominal
+    geometry of the grooves; ``places``: expected contacts; ``fine``: element size at the contacts [m].
     """
     low, high = dims.ends(scene)
     half, z = scene.nut.length / 2.0, scene.nut.position
@@ -462,22 +464,22 @@ def _mesh_balls(
 def half_ball_turning_constraint(points: Array, pair: Index) -> Index:
     """Return the constraint (1, 3) that keeps a half ball from turning about y: two nodes that move alike along an axis.
 
-    Its entries are the numbers of the two nodes, and that of the axis. The cut of the half ball stays in the plane y = 0,
-    so that no other rotation is possible. ``points``: nodes of the ball (n, 3) [m]; ``pair``: numbers of two nodes.
+    Its entries are the numbers of the two nodes, and the number of the axis. The cut of the half ball stays in the plane y
+    = 0, so that no other rotation is possible. ``points``: nodes of the ball (n, 3) [m]; ``pair``: numbers of two nodes.
     """
     arms = [abs(float(np.cross(points[pair[0]] - points[pair[1]], np.eye(3)[k])[1])) for k in range(3)]
     return np.array([(*pair, int(np.argmax(arms)))], dtype=np.int64)
 
 
 def turning_constraints(points: Array, pairs: Index) -> Index:
-    """Return constraints (3, 3) that keep a ball from turning: each has two nodes that move alike along an axis.
+    """Return three constraints (3, 3) that keep a ball from turning, each of two nodes that move alike along an axis.
 
-    The entries of a row are the numbers of the two nodes, and that of the axis.
+    The entries of a row are the numbers of the two nodes, and the number of the axis.
 
-    A rotation theta [rad] moves two nodes at a distance vector d by theta x d relative to each other: along axis k by
+    A rotation theta [rad] displaces two nodes at a distance vector d by theta x d relative to each other: along axis k by
     theta . (d x e_k). Three constraints that are as independent as possible allow no rotation. Their forces are couples, so
     that the balance of forces is not affected. ``points``: nodes of the ball (n, 3) [m]; ``pairs``: numbers of the nodes of
-    each pair (p, 2).
+    each candidate pair (p, 2).
     """
     found = [(int(a), int(b), k) for a, b in pairs for k in range(3)]
     arms = np.array([np.cross(points[a] - points[b], np.eye(3)[k]) for a, b, k in found])
@@ -486,7 +488,10 @@ def turning_constraints(points: Array, pairs: Index) -> Index:
 
 
 def _rigid_sections(scene: Scene, dims: Dimensions) -> tuple[RigidSection, ...]:
-    """Return the rigid sections of the screw at which supports and loads act; InputError if these act elsewhere."""
+    """Return the rigid sections of the screw (its ends or its bore) at which supports and loads act.
+
+    ``dims``: dimensions of the bodies. Raises InputError if supports or loads act elsewhere.
+    """
     stations = sorted({s.at for s in scene.supports} | {x.at for x in scene.loads})
     if dims.screw_held == "bore":
         ends = {"SCREW_BORE": stations[0] if stations else scene.nut.position}
@@ -494,7 +499,7 @@ def _rigid_sections(scene: Scene, dims: Dimensions) -> tuple[RigidSection, ...]:
     else:
         low, high = dims.ends(scene)
         ends = {"SCREW_LOW": low, "SCREW_HIGH": high}
-        allowed = f"the ends of the 3D stretch, {1e3 * low:.6g} mm and {1e3 * high:.6g} mm"
+        allowed = f"the ends of the piece of the screw in 3D, {1e3 * low:.6g} mm and {1e3 * high:.6g} mm"
     advice = "cut the screw (`balls=3:5`), or set solid.shaft to these positions: a deck has no beams"
     for z in stations:
         away = min(abs(z - end) for end in ends.values()) > 1e-9
@@ -517,9 +522,9 @@ def _rigid_sections(scene: Scene, dims: Dimensions) -> tuple[RigidSection, ...]:
 def _deck_heading(
     scene: Scene, dims: Dimensions, found: StaticResult, fine: float, count: int, options: DeckOptions
 ) -> tuple[str, ...]:
-    """Return the comment lines at the top of a deck: scene, mesh sizes, contact options, expected loads.
+    """Return the comment lines at the top of a deck: scene, mesh sizes, contact options, expected contact loads.
 
-    ``found``: result of the low-order model; ``fine``: element size at the contacts [m]; ``count``: number of nodes.
+    ``found``: static result of the low-order model; ``fine``: element size at the contacts [m]; ``count``: number of nodes.
     """
     load = found.load
     mean = float(load[load > 0.0].mean())
@@ -542,7 +547,7 @@ def _deck_heading(
 
 
 def _expected_error_clause(scene: Scene, found: StaticResult) -> str:
-    """Return a clause on the error to expect of the low-order contact loads; ``found``: result of the low-order model."""
+    """Return a clause on the error to expect of the contact loads by the low-order model; ``found``: its static result."""
     form = estimate(scene, found)
     if not found.converged or form.percent is None:
         return "no similar scene was compared with the 3D reference"

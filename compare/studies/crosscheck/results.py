@@ -60,7 +60,7 @@ class BodyMesh:
 
 @dataclass(frozen=True)
 class CrossRun:
-    """One run of CalculiX: mesh, contact options and contact loads."""
+    """Solution of one input deck by CalculiX: mesh, contact options and contact loads."""
 
     #: Elements across the minor semi-axis at mean load.
     b_over_h: float
@@ -107,7 +107,7 @@ class CrossRun:
 
 @dataclass(frozen=True)
 class CrossData:
-    """All runs of CalculiX for one scene."""
+    """All solutions of one scene by CalculiX."""
 
     #: Name of the scene.
     scene: str
@@ -122,17 +122,20 @@ class CrossData:
 
 
 def shipped_results() -> Path:
-    """Return the folder of the results that are part of the package."""
+    """Return the folder of the stored CalculiX results that are part of the package."""
     return Path(__file__).parent
 
 
 def result_path(folder: Path, scene: str) -> Path:
-    """Return the path of a scene's stored results."""
+    """Return the path of the JSON file with the CalculiX results of a scene; ``folder``: folder of stored results."""
     return folder / f"{scene}.json"
 
 
 def save_results(folder: Path, data: CrossData) -> Path:
-    """Write the results of a scene, completely or not at all; InputError if that fails."""
+    """Write the CalculiX results of a scene to a folder and return the path of the file.
+
+    The file is written completely or not at all. Raises InputError if that fails.
+    """
     plain = asdict(data)
     for run in plain["runs"]:
         run["load"] = [[float(f"{x:.7g}") for x in row] for row in run["load"].tolist()]
@@ -142,7 +145,10 @@ def save_results(folder: Path, data: CrossData) -> Path:
 
 
 def load_results(folder: Path, scene: str) -> CrossData | None:
-    """Return the stored results of a scene; None if there are none, InputError for a damaged file."""
+    """Return the stored CalculiX results of a scene from a folder; None without a file.
+
+    Raises InputError for a damaged file.
+    """
     found = "results that rollbench crosscheck wrote", "compute the results again by `run=True`"
     return read_json(
         result_path(folder, scene),
@@ -152,10 +158,10 @@ def load_results(folder: Path, scene: str) -> CrossData | None:
 
 
 def read_json(path: Path, made: Callable[[dict[str, Any]], T], allowed: str, advice: str) -> T | None:
-    """Return the object that is read from a JSON file; None without a file, InputError for a damaged one.
+    """Return the object that a function builds from the JSON values of a file; None if there is no such file.
 
-    ``made``: function that makes the object of the file's JSON values; ``allowed`` and ``advice``: what the error says
-    about the file that is needed, and what to do.
+    ``made``: the function; ``allowed`` and ``advice``: content of a valid file, and how to get one, for the message of the
+    InputError that a damaged file raises.
     """
     try:
         return made(json.loads(path.read_text(encoding="utf-8")))
@@ -166,7 +172,7 @@ def read_json(path: Path, made: Callable[[dict[str, Any]], T], allowed: str, adv
 
 
 def _run_from_json(plain: dict[str, Any]) -> CrossRun:
-    """Return a run from its stored JSON values; ValueError for contact loads of a wrong shape."""
+    """Return a CalculiX solution from its stored JSON values; raises ValueError for contact loads of a wrong shape."""
     load = np.array(plain["load"], dtype=float)
     if load.ndim != 2 or load.shape[1] != len(SIDES):
         raise ValueError(f"loads of shape {load.shape}")
@@ -215,7 +221,7 @@ class Extrapolation:
 
 
 def element_error(size: Array, growth: Array, order: float) -> Array:
-    """Return the relative error e of the elements (see the top of the module), integrated by Gauss' rule.
+    """Return the relative error e of the elements (formula in the docstring of the module), integrated by Gauss' rule.
 
     Parameters
     ----------
@@ -237,10 +243,10 @@ def element_error(size: Array, growth: Array, order: float) -> Array:
 
 
 def contact_law_effect(runs: Sequence[CrossRun]) -> Array | None:
-    """Return the factor B of the contact compliance in the law F = F0 + A e + B / k (top of this module) [N Pa/m].
+    """Return the factor B of the contact compliance 1/k in F = F0 + A e + B / k, for each contact [N Pa/m].
 
-    It has an entry for each contact and is the mean over pairs of runs that have the same mesh and differ in the contact
-    stiffness k; None without such a pair.
+    F is a contact load, F0 its limit, e the relative error of the elements, and k the contact stiffness (pressure per
+    overclosure). B is the mean over pairs of solutions with the same mesh and different k; None without such a pair.
     """
     pairs = [
         (a, b) for a, b in combinations(runs, 2) if mesh_identity(a) == mesh_identity(b) and a.stiffness != b.stiffness
@@ -253,7 +259,7 @@ def contact_law_effect(runs: Sequence[CrossRun]) -> Array | None:
 
 
 def mesh_identity(run: CrossRun) -> tuple[float, float, bool, bool]:
-    """Return the options that determine a run's mesh.
+    """Return the options that determine the mesh of a CalculiX solution.
 
     In this order: elements across the minor semi-axis, growth of the element size, whether only a half was meshed, and
     whether all balls have the same mesh.
@@ -330,11 +336,11 @@ def extrapolate_loads(runs: Sequence[CrossRun]) -> Extrapolation:
 
 
 def _element_errors(h: Array, g: Array, half: Array, order: float, length: float) -> Array:
-    """Return the relative error e of the elements (top of this module) on every mesh for every contact, (m, c).
+    """Return the relative error e of the elements on each of m meshes for each of c contacts, (m, c).
 
-    ``h``: element size over the minor semi-axis at mean load (m,); ``g``: growth of the element size (m,); ``half``: minor
-    semi-axis of each contact over that at mean load (c,); ``order``: order p; ``length``: length over which the field
-    changes, over the minor semi-axis. m: number of meshes; c: number of contacts.
+    The formula is in the docstring of the module. ``h``: element size over the minor semi-axis of a contact with mean load
+    (m,); ``g``: growth of the element size (m,); ``half``: minor semi-axis of each contact over that at mean load (c,);
+    ``order``: order p; ``length``: length over which the field changes, over the minor semi-axis.
     """
     size = h[:, None] / (length * half)
     return element_error(size, np.broadcast_to(g[:, None], size.shape), order)
@@ -364,11 +370,11 @@ class _LoadFit:
 
 
 def _fit_loads(loads: Array, e: Array, weight: Array, order: float, length: float) -> _LoadFit:
-    """Fit each contact's load by a straight line over the relative element error, with weights.
+    """Fit the load of each contact by a straight line over the relative error of the elements, by weighted least squares.
 
-    ``loads``: contact loads (m, c) [N]; ``e``: relative element error (m, c); ``weight``: weights of the residuals over
-    those of the finest mesh (m, c); ``order`` and ``length``: parameters with which e was computed. m: number of meshes;
-    c: number of contacts.
+    ``loads``: loads of c contacts on m meshes (m, c) [N]; ``e``: relative error of the elements (m, c); ``weight``: weights
+    of the residuals over those of the finest mesh (m, c); ``order`` and ``length``: parameters with which ``e`` was
+    computed.
     """
     w = weight**2 / (weight**2).sum(axis=0)
     middle, mean = (w * e).sum(axis=0), (w * loads).sum(axis=0)
@@ -424,13 +430,16 @@ class ContactRow:
     difference: float
 
     def cells(self) -> dict[str, Cell]:
-        """Return the cells of the contact's table row, by column."""
+        """Return the values of the table row of this contact, by column."""
         compared: dict[str, Cell] = {q.key: getattr(self, q.key) for q in COMPARED}
         return {"ball": str(self.ball), "side": self.side, **self.meshes, **compared}
 
 
 def comparable_runs(data: CrossData) -> list[CrossRun]:
-    """Return the runs with small displacements and the most frequent contact stiffness, fewest nodes first."""
+    """Return the CalculiX solutions with small displacements and the most frequent contact stiffness.
+
+    They are sorted by number of nodes, fewest first.
+    """
     linear = [r for r in data.runs if not r.nlgeom]
     alike = [sum(r.stiffness == one.stiffness for r in linear) for one in linear]
     most = linear[int(np.argmax(alike))].stiffness
@@ -438,14 +447,19 @@ def comparable_runs(data: CrossData) -> list[CrossRun]:
 
 
 def deck_label(run: CrossRun) -> str:
-    """Return a short name of a run's mesh: elements across the minor semi-axis, growth, whether half, equal balls."""
+    """Return a short name of the mesh of a CalculiX solution.
+
+    It names the elements across the minor semi-axis, the growth of the element size, whether only a half was meshed, and
+    whether all balls have the same mesh.
+    """
     return f"b/h {run.b_over_h:g}, g {run.growth:g}" + ", half" * run.half + ", equal balls" * run.alike
 
 
 def contact_rows(data: CrossData, ours: Reference, limit: Extrapolation | None = None) -> list[ContactRow]:
-    """Return a row for each contact that carries load in the 3D reference or in CalculiX.
+    """Return the comparison of each contact that carries load in the 3D reference or in CalculiX.
 
-    ``data``: runs of CalculiX; ``ours``: the 3D reference; ``limit``: extrapolated loads of CalculiX, None to compute them.
+    ``data``: solutions by CalculiX; ``ours``: the 3D reference; ``limit``: extrapolated loads of CalculiX, None to compute
+    them.
     """
     limit = limit or extrapolate_loads(data.runs)
     best, mean, rows = ours.load, ours.mean, []
@@ -468,7 +482,10 @@ def contact_rows(data: CrossData, ours: Reference, limit: Extrapolation | None =
 
 
 def mesh_columns(data: CrossData, ours: Reference) -> list[Quantity]:
-    """Return the columns of the table of loads: contact, then its load on every mesh of the 3D reference and CalculiX."""
+    """Return the columns of the table of contact loads: the contact, then its load on every mesh of both programs.
+
+    ``data``: solutions by CalculiX; ``ours``: the 3D reference with its solutions on several mesh levels.
+    """
     return [
         *PLACE,
         *(Quantity(f"level {r.level}", f"reference, level {r.level}", "N", ".2f") for r in ours.runs),
@@ -477,9 +494,10 @@ def mesh_columns(data: CrossData, ours: Reference) -> list[Quantity]:
 
 
 def agreement_sentence(name: str, rows: Sequence[ContactRow]) -> str:
-    """Return a sentence on the worst and RMS difference of contact loads between the 3D reference and CalculiX.
+    """Return a sentence on the largest and RMS difference of contact loads between the 3D reference and CalculiX.
 
-    It also says how many contacts differ by more than both uncertainties. ``name``: name of the scene.
+    It also says how many contacts differ by more than both uncertainties. ``name``: name of the scene; ``rows``: comparison
+    of each contact.
     """
     worst = max(rows, key=lambda r: abs(r.difference))
     rms = float(np.sqrt(np.mean([r.difference**2 for r in rows])))

@@ -1,4 +1,9 @@
-"""Solution of small scenes with CalculiX: writing the decks, running them, and reading the results."""
+"""Small scenes by CalculiX (decks written, solved, read), and the compliance of a nut by CalculiX and by the 3D reference.
+
+For the compliance of the nut both programs take the same mesh, forces and fixed face. Around every expected contact the
+corner nodes of the groove's faces move as a rigid section that can turn freely. A unit force pushes one section after the
+other along the contact normal. There is no contact: each force takes one linear solution.
+"""
 
 from __future__ import annotations
 
@@ -11,14 +16,17 @@ import shutil
 import subprocess
 import tomllib
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+import scipy.sparse as sp
+from numpy.typing import NDArray
 
 from rollbench.compare import __version__
 from rollbench.compare.errors import ArgumentError, InputError
+from rollbench.compare.files import replace_file
 from rollbench.compare.reference.levels import STUDIED
 from rollbench.compare.scenes import catalogue
 from rollbench.compare.studies.crosscheck.deck import DeckOptions, MeshedDeck, build_deck
@@ -28,10 +36,16 @@ from rollbench.compare.studies.crosscheck.results import (
     CrossRun,
     extrapolate_loads,
     load_results,
+    read_json,
     shipped_results,
 )
+from rollbench.hifi.elements.forms import assemble, elasticity
+from rollbench.hifi.elements.rigid import rigid_modes
+from rollbench.hifi.linear_algebra import factor
 from rollbench.meshes.arrays import Array
-from rollbench.meshes.exchange.deck import UNITS, deck_text
+from rollbench.meshes.exchange.deck import UNITS, Deck, DeckBody, RigidSection, deck_text
+from rollbench.meshes.fem import mesh_of
+from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.libraries import installed_version
 from rollbench.meshes.parts import SIDES, Scene
 
@@ -47,7 +61,7 @@ Triple = tuple[float, ...]
 
 @dataclass(frozen=True)
 class CalculixResult:
-    """Results of CalculiX for one deck."""
+    """Contact forces, displacements and solver data that CalculiX wrote for one input deck."""
 
     #: Resultant contact force on the ball, by the name of the ball's faces [N].
     forces: dict[str, Triple]
@@ -93,9 +107,10 @@ def deck_digest(text: str) -> str:
 
 
 def run_calculix(text: str, folder: Path) -> CalculixResult:
-    """Solve a deck with CalculiX on one thread in a folder, or read the result of the same deck that is already there.
+    """Solve an input deck with CalculiX in a folder, or read the results of an equal deck that are already there.
 
-    ``text``: text of the deck. InputError if CalculiX is missing; ValueError with its last output if it does not converge.
+    ``text``: text of the deck. CalculiX uses one thread. Raises InputError if CalculiX is missing, and ValueError with its
+    last output if it does not converge.
     """
     program, key = find_ccx(), deck_digest(text)
     kept = folder / "run.json"
@@ -112,9 +127,9 @@ def run_calculix(text: str, folder: Path) -> CalculixResult:
 
 
 def _solve_deck(program: str, text: str, folder: Path) -> dict[str, Any]:
-    """Run CalculiX on a deck in a folder; return processor time [s], date and version.
+    """Run CalculiX on an input deck in a folder; return the processor time [s], the date and the version of CalculiX.
 
-    ValueError if it fails or takes longer than `LONGEST`.
+    ``program``: path of CalculiX; ``text``: text of the deck. Raises ValueError if it fails or takes longer than `LONGEST`.
     """
     folder.mkdir(parents=True, exist_ok=True)
     (folder / f"{NAME}.inp").write_text(text, encoding="ascii")
@@ -138,10 +153,10 @@ def _solve_deck(program: str, text: str, folder: Path) -> dict[str, Any]:
 
 
 def read_dat(text: str) -> tuple[dict[str, Triple], dict[str, dict[int, Triple]]]:
-    """Return results of the last time step from the text of a .dat file of CalculiX.
+    """Return contact forces and displacements of the last time step from the text of a .dat file of CalculiX.
 
-    They are first the contact forces along x, y, z by the name of the ball's faces, then the displacements along x, y, z by
-    node set and number of the node, both in the units of the deck.
+    The first dictionary has the contact force along x, y, z by the name of the ball's faces. The second has the
+    displacement along x, y, z by node set and number of the node. Both are in the units of the deck.
     """
     forces: dict[str, Triple] = {}
     moved: dict[str, dict[int, Triple]] = {}
@@ -159,7 +174,7 @@ def read_dat(text: str) -> tuple[dict[str, Triple], dict[str, dict[int, Triple]]
 def read_cvg(text: str) -> tuple[int, float]:
     """Return the number of iterations of all increments, and the last correction over the largest displacement [%].
 
-    They are read from the text of a .cvg file of CalculiX. A linear step has no entry there and counts as one iteration.
+    ``text``: text of a .cvg file of CalculiX. A linear step has no entry there and counts as one iteration.
     """
     rows = [line.split() for line in text.splitlines() if re.match(r"\s+\d+\s+\d+\s+\d+\s+\d+", line)]
     return (len(rows), float(rows[-1][6])) if rows else (1, 0.0)
@@ -170,10 +185,10 @@ UNIT = "mm"
 
 
 def _deck_options(*rows: tuple[float, float, float], half: bool = False, alike: bool = False) -> list[DeckOptions]:
-    """Return options of decks, one for each row.
+    """Return the options of several decks that differ in mesh sizes and contact stiffness.
 
-    ``rows``: elements across the minor semi-axis, growth of the element size, and contact stiffness [N/mm3]; ``half`` and
-    ``alike``: as in `DeckOptions`, for all rows.
+    ``rows``: for each deck the elements across the minor semi-axis, growth of the element size, and contact stiffness
+    [N/mm3]; ``half`` and ``alike``: fields of `DeckOptions`, equal for all decks.
     """
     return [DeckOptions(b, g, 1e9 * k, half=half, alike=alike) for b, g, k in rows]
 
@@ -195,29 +210,33 @@ STUDIES: dict[str, list[DeckOptions]] = {
 
 
 def deck_folder_name(options: DeckOptions) -> str:
-    """Return the name of the folder in which a deck is solved."""
+    """Return the name of the folder in which a deck is solved, which states its options."""
     tail = "-nlgeom" * options.nlgeom + "-half" * options.half + "-alike" * options.alike
     return f"bh{options.b_over_h:g}-g{options.growth:g}-k{1e-9 * options.stiffness:g}{tail}"
 
 
 def scene_key(name: str) -> str:
-    """Return the digest of a shipped scene's content without its remarks, with which stored results are identified."""
+    """Return the digest of a scene of the package, by which stored results are recognised as results of this scene.
+
+    Remarks in the scene file do not change the digest. ``name``: name of the scene.
+    """
     content = {k: v for k, v in tomllib.loads(catalogue.scene_text(name)).items() if k not in ("source", "assumed")}
     return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()[:16]
 
 
 def studied_scene(name: str) -> Scene:
-    """Return a shipped scene that is compared with CalculiX; InputError for other names."""
+    """Return a scene of the package that is compared with CalculiX; raises InputError for other names."""
     if name not in STUDIES:
         raise ArgumentError("scene", name, ", ".join(STUDIES), "choose one of these")
     return catalogue.scene(name)
 
 
 def run_study(scene: Scene, work: Path, step: Callable[[str], None], stored: Sequence[CrossRun] = ()) -> CrossData:
-    """Solve all decks of a scene with CalculiX one after the other, in separate folders below ``work``.
+    """Solve all decks of a scene with CalculiX one after the other, each in a folder of its own below ``work``.
 
-    ``step``: called with lines of progress; ``stored``: runs that are known. A deck with a result in its folder or among
-    the stored runs (equal digest) is not solved again. InputError if CalculiX is missing or fails.
+    ``step``: function that is called with each line of progress; ``stored``: known solutions. A deck is not solved again if
+    its folder or the stored solutions have a solution with the same digest. Raises InputError if CalculiX is missing or
+    fails.
     """
     runs, known = [], {r.deck: r for r in stored}
     for options in STUDIES[scene.name]:
@@ -242,10 +261,10 @@ def run_study(scene: Scene, work: Path, step: Callable[[str], None], stored: Seq
 
 
 def run_record(meshed: MeshedDeck, options: DeckOptions, deck: str, outcome: CalculixResult) -> CrossRun:
-    """Return the record of a CalculiX run that is stored; ValueError if a contact is missing in its results.
+    """Return the record of a CalculiX solution that is stored.
 
     ``meshed``: the deck with its meshes; ``options``: its options; ``deck``: digest of its text; ``outcome``: results of
-    CalculiX.
+    CalculiX. Raises ValueError if the results of a contact are missing.
     """
     mirror = np.array([2.0, 0.0, 2.0]) if options.half else np.ones(3)  # with its mirror image
     forces = {slave: mirror * np.array(force) for slave, force in outcome.forces.items()}
@@ -277,9 +296,10 @@ def run_record(meshed: MeshedDeck, options: DeckOptions, deck: str, outcome: Cal
 
 
 def extrapolated_results() -> tuple[str, dict[str, Array]]:
-    """Return the program's name, then its extrapolated contact loads by name of the scene, (n, 4) [N] for n balls.
+    """Return the name of the program, then its extrapolated contact loads of each scene, (n, 4) [N] for n balls.
 
-    Scenes whose content has changed since the runs are left out.
+    The loads are in a dictionary by the name of the scene, with the flanks in the order SL, SR, NL, NR. Scenes whose
+    content has changed since they were solved are left out.
     """
     stored = {name: load_results(shipped_results(), name) for name in STUDIES}
     kept = {name: d for name, d in stored.items() if d is not None and d.key == scene_key(name)}
@@ -287,5 +307,166 @@ def extrapolated_results() -> tuple[str, dict[str, Array]]:
 
 
 def find_references(fresh: bool) -> Iterator[tuple[tuple[str, ...], tuple[int, ...]]]:  # noqa: ARG001 - as every such function
-    """Yield the scenes, and their mesh levels of the 3D reference, that the report compares with CalculiX."""
+    """Yield the names of the scenes that the report compares with CalculiX, and the mesh levels of the 3D reference.
+
+    ``fresh``: not used; the report calls all functions of this kind with it.
+    """
     yield tuple(STUDIES), STUDIED
+
+
+#: Scene whose nut is compared, and mesh sizes.
+NUT_SCENE, NUT_MESH = "lin-case1-cut", DeckOptions(b_over_h=0.7, growth=0.8)
+#: Target of the agreement [%].
+NUT_TARGET = 0.1
+#: Force on one section in CalculiX [N].
+SECTION_FORCE = 1000.0
+
+
+@dataclass(frozen=True)
+class NutCheck:
+    """Compliance of a nut between its contacts by two finite-element programs.
+
+    Entry [i][j] is the displacement along the normal of contact i by a unit force on contact j.
+    """
+
+    #: Name of the scene.
+    scene: str
+    #: Digest of its content.
+    key: str
+    #: Number of nodes.
+    nodes: int
+    #: Compliances by the elements of the 3D reference [m/N].
+    ours: list[list[float]]
+    #: Compliances by CalculiX [m/N].
+    theirs: list[list[float]]
+    #: Date of the run.
+    date: str
+    #: Version of CalculiX.
+    program: str
+
+    @property
+    def difference(self) -> float:
+        """Largest difference of a compliance between both programs, over the smallest one at a loaded contact [%]."""
+        ours, theirs = np.array(self.ours), np.array(self.theirs)
+        return float(100.0 * np.abs(ours - theirs).max() / np.diag(theirs).min())
+
+    def sentence(self) -> str:
+        """Return a sentence on the agreement of both programs."""
+        met = "within" if self.difference <= NUT_TARGET else "NOT within"
+        return (
+            f"{self.scene}: the nut's compliance between {len(self.ours)} contacts on one mesh of {self.nodes} nodes "
+            f"differs by at most {self.difference:.3f} % between the reference's elements and {self.program}, "
+            f"{met} {NUT_TARGET} %."
+        )
+
+
+def nut_decks(scene: Scene, options: DeckOptions = NUT_MESH) -> tuple[list[Deck], Array]:
+    """Return one deck of the nut for each of k contacts, loaded at this contact only, then the contact normals (k, 3).
+
+    ``options``: mesh sizes of the decks. Raises InputError for scenes that `build_deck` refuses.
+    """
+    whole = build_deck(scene, options).deck
+    nut = next(b for b in whole.bodies if b.name == "NUT")
+    layout = ball_layout(scene)
+    names, centres, normals = [], [], []
+    for name, corners in nut.faces.items():
+        ball, middle = int(name.rsplit("_", 1)[1]) - 1, nut.points[np.unique(corners)].mean(axis=0)
+        phi = float(layout.azimuth[ball])
+        away = middle - [*(scene.track.pitch_radius * np.array([np.cos(phi), np.sin(phi)])), float(layout.z[ball])]
+        names.append(name)
+        centres.append(middle)
+        normals.append(away / np.linalg.norm(away))
+    patches = {name: np.unique(corners) for name, corners in nut.faces.items()}
+    body = replace(nut, nodes={**nut.nodes, **patches}, faces={})
+    decks = []
+    for pushed in names:
+        sections = tuple(
+            RigidSection(name, "NUT", name, centre, (), np.append(SECTION_FORCE * n, np.zeros(3)) * (name == pushed))
+            for name, centre, n in zip(names, centres, normals, strict=True)
+        )
+        head = (f"The nut alone, {SECTION_FORCE:g} N on {pushed}.",)
+        decks.append(replace(whole, bodies=(body,), sections=sections, contacts=(), heading=head, mirrored=()))
+    return decks, np.array(normals)
+
+
+def section_translations(decks: list[Deck]) -> Array:
+    """Return the translations of rigid sections under the forces of each deck, (decks, sections, 3) [m].
+
+    They are computed by the elements and the linear solver of the 3D reference. ``decks``: decks that differ only in loads;
+    they have one body, no contacts, and sections without fixed degrees of freedom.
+    """
+    body, sections = decks[0].bodies[0], decks[0].sections
+    mesh, number = mesh_of(body.points, body.cells, "P2")
+    K = assemble(elasticity(body.material.youngs_modulus, body.material.poissons_ratio), mesh)
+    C = _section_transform(body, sections, number, decks[0].fixed)
+    loads = np.zeros((C.shape[1], len(decks)))
+    count = 6 * len(sections)
+    for k, deck in enumerate(decks):
+        loads[-count:, k] = np.concatenate([s.load for s in deck.sections])
+    moved = factor((C.T @ K @ C).tocsc())(loads)[-count:]
+    return np.asarray(moved.reshape(len(sections), 6, len(decks)).transpose(2, 0, 1)[:, :, :3])
+
+
+def _section_transform(
+    body: DeckBody, sections: tuple[RigidSection, ...], number: NDArray[np.int64], fixed: tuple[str, ...]
+) -> sp.csc_array:
+    """Return the matrix that gives all nodal displacements of a body with rigid sections from its free degrees of freedom.
+
+    Its last columns belong to the six degrees of freedom of each section. ``number``: number in the finite-element mesh of
+    each node of the body; ``fixed``: names of the fixed node sets.
+    """
+    free = np.ones(3 * len(body.points), dtype=bool)
+    for name in (*fixed, *(s.nodes for s in sections)):
+        free[(3 * number[body.nodes[name]][:, None] + np.arange(3)).ravel()] = False
+    parts = [sp.eye_array(free.size, format="csc")[:, np.flatnonzero(free)]]
+    for s in sections:
+        freedoms = (3 * number[body.nodes[s.nodes]][:, None] + np.arange(3)).ravel()
+        modes = sp.coo_array(rigid_modes(body.points[body.nodes[s.nodes]], s.point))
+        parts.append(sp.csc_array((modes.data, (freedoms[modes.row], modes.col)), (free.size, 6)))
+    return sp.hstack(parts, format="csc")
+
+
+def compare_nut_compliance(scene: Scene, work: Path, options: DeckOptions = NUT_MESH, key: str = "") -> NutCheck:
+    """Compute the compliance of a nut by the elements of the 3D reference and by CalculiX, on one mesh.
+
+    ``work``: folder in which CalculiX solves its decks; ``options``: mesh sizes; ``key``: digest of the scene's content.
+    Raises InputError if CalculiX is missing or fails.
+    """
+    decks, normals = nut_decks(scene, options)
+    ours = section_translations(decks)
+    theirs, date, version = np.zeros_like(ours), "", ""
+    for k, deck in enumerate(decks):
+        try:
+            found = run_calculix(deck_text(deck, "mm"), work / f"{scene.name}-nut-{k + 1}")
+        except ValueError as error:
+            raise InputError(
+                scene.name, "nut", str(error), "a deck that CalculiX solves", f"see the files in {work}"
+            ) from None
+        date, version = found.date, found.version
+        for i, s in enumerate(deck.sections):
+            (moved,) = found.moved[f"{s.name}_MOVE"].values()
+            theirs[k, i] = UNITS["mm"].length * np.array(moved)
+    along = [(np.einsum("jid,id->ij", x, normals) / SECTION_FORCE).tolist() for x in (ours, theirs)]
+    return NutCheck(scene.name, key, decks[0].node_count, along[0], along[1], date, f"CalculiX {version}")
+
+
+def save_nut(folder: Path, found: NutCheck) -> Path:
+    """Write the compared compliances of a nut to ``nut.json`` in a folder and return its path.
+
+    Raises InputError if the file cannot be written.
+    """
+    plain = asdict(found)
+    for key in ("ours", "theirs"):
+        plain[key] = [[float(f"{x:.8g}") for x in row] for row in plain[key]]
+    path = folder / "nut.json"
+    replace_file(path, json.dumps(plain, indent=1) + "\n")
+    return path
+
+
+def load_nut(folder: Path) -> NutCheck | None:
+    """Return the stored comparison of a nut's compliances from a folder; None without one.
+
+    Raises InputError for a damaged file.
+    """
+    found = "a result of rollbench crosscheck", "compute the result again by `run=True`"
+    return read_json(folder / "nut.json", lambda plain: NutCheck(**plain), *found)

@@ -138,7 +138,7 @@ ROUND_OFF = 1e-9
 
 @dataclass(frozen=True)
 class FrictionAnswer:
-    """Friction of one scene as JSON values, and as tables and lines for the terminal."""
+    """Friction of one scene: JSON values, and tables and text lines for the terminal."""
 
     #: JSON values.
     data: dict[str, Any]
@@ -153,7 +153,7 @@ class FrictionAnswer:
 
     @property
     def text(self) -> str:
-        """Lines as running text."""
+        """All text lines, joined to one text."""
         return "\n".join(f"{label}: {text}" for label, text in self.lines)
 
     @property
@@ -163,10 +163,10 @@ class FrictionAnswer:
 
 
 def common_entries(scene: KindScene, status: str, converged: bool, coupling: str | None = None) -> dict[str, Any]:
-    """Return the JSON entries that the answers for all kinds of scenes have: names, status, assumptions, neglected effects.
+    """Return the JSON entries that the friction of every kind of scene has: names, status, assumptions, neglected effects.
 
-    ``status``: status in words; ``converged``: whether loads and friction converged; ``coupling``: as in
-    `neglected_effects_of_kind`.
+    ``scene``: scene of single parts; ``status``: status in words; ``converged``: whether loads and friction converged;
+    ``coupling``: for a screw, in which balance of loads friction is counted, see `neglected_effects_of_kind`.
     """
     named = {"scene": scene.name, "title": scene.title, "kind": scene.kind}
     return named | {
@@ -183,7 +183,10 @@ def three_digits(value: float) -> str:
 
 
 def values_by_contact(sides: Sequence[str], values: Array) -> dict[str, Any]:
-    """Return values (n,) or vectors (n, k) at a ball's n contacts as JSON, by the names ``sides`` of the contacts."""
+    """Return values at the n contacts of a ball as JSON, by the names of the contacts.
+
+    ``sides``: names of the contacts; ``values``: a number or a vector for each contact, (n,) or (n, k).
+    """
     return {side: [number(v) for v in x] if np.ndim(x) else number(x) for side, x in zip(sides, values, strict=True)}
 
 
@@ -197,7 +200,10 @@ def load_json(sides: Sequence[str], force: Array, angle: Array) -> dict[str, Any
 
 
 def motion_json(q: Array) -> dict[str, Any]:
-    """Return a ball's motion as JSON; ``q``: orbital speed, then angular velocity about x, y, z (4,) [rad/s]."""
+    """Return the motion of a ball as JSON.
+
+    ``q``: orbital speed of the ball, then its angular velocity about the axes x, y, z, (4,) [rad/s].
+    """
     return {"orbit_rad_s": number(q[0]), "rotation_rad_s": [number(w) for w in q[1:]]}
 
 
@@ -221,7 +227,7 @@ def rubbing_json(
 
 
 def terminal_ball_row(sides: Sequence[str], row: dict[str, Any]) -> dict[str, Any]:
-    """Return the table row of a ball for the terminal, with a column for each contact load and component of rotation.
+    """Return the row of a ball in a terminal table, with a column for each contact load and component of rotation.
 
     ``sides``: names of the contacts; ``row``: JSON row of the ball.
     """
@@ -230,7 +236,11 @@ def terminal_ball_row(sides: Sequence[str], row: dict[str, Any]) -> dict[str, An
 
 
 def without_round_off(difference: float, size: float) -> float:
-    """Return the difference of two computed values, or zero if it is round-off; ``size``: magnitude of the values."""
+    """Return the difference of two computed values, or zero if it is within their round-off.
+
+    ``difference``: the difference; ``size``: magnitude of the two values, in the same unit. The limit is `ROUND_OFF` times
+    ``size``.
+    """
     return 0.0 if abs(difference) <= ROUND_OFF * abs(size) else difference
 
 
@@ -244,18 +254,19 @@ def power_balance(power: float, loss: float) -> dict[str, Any]:
 
 
 def power_balance_with_percent(power: float, loss: float, bound: float) -> dict[str, Any]:
-    """Return input power, dissipation and their difference as `power_balance` does, and the difference in % of the loss.
+    """Return input power, dissipation and their difference as JSON, with the difference also in % of the dissipation.
 
     ``power``: input power [W]; ``loss``: dissipation [W]; ``bound``: dissipation if all contacts slid fully [W]. The
-    percentage is null if the loss is at most ``NOTHING`` times ``bound``.
+    percentage is null if ``loss`` is at most `NOTHING` times ``bound``.
     """
     return power_balance(power, loss) | {"balance_percent": loss_increase_percent(power, loss, bound)}
 
 
 def loss_increase_percent(loss: float, before: float, bound: float) -> float | None:
-    """Return the increase of a loss from ``before`` to ``loss`` in per cent of ``before``; zero if it is round-off.
+    """Return the increase of a friction loss in per cent of the loss before; zero if the increase is round-off.
 
-    None if ``before`` is at most ``NOTHING`` times ``bound``, the loss if all contacts slid fully [W].
+    ``loss`` and ``before``: the two losses [W]; ``bound``: loss if all contacts slid fully [W]. None if ``before`` is at
+    most `NOTHING` times ``bound``.
     """
     if not before > NOTHING * bound:
         return None
@@ -263,10 +274,10 @@ def loss_increase_percent(loss: float, before: float, bound: float) -> float | N
 
 
 def ball_contact_effect(power: float, loss: float, apart: float, balls: float, bound: float) -> dict[str, Any]:
-    """Return the effect that contact between balls has on losses as JSON.
+    """Return as JSON how contact between neighbouring balls changes the friction losses.
 
-    All arguments are in W. ``power`` and ``loss``: input power and loss with touching balls; ``apart``: loss with the balls
-    far apart; ``balls``: loss between balls only; ``bound``: loss if all contacts slid fully.
+    ``power`` and ``loss``: input power and loss with balls that touch [W]; ``apart``: loss with the balls far apart [W];
+    ``balls``: loss in the contacts between balls only [W]; ``bound``: loss if all contacts slid fully [W].
     """
     return {
         "loss_apart_W": number(apart),
@@ -278,23 +289,23 @@ def ball_contact_effect(power: float, loss: float, apart: float, balls: float, b
 
 
 def solver_line(solver: dict[str, Any], suffix: str = "") -> Line:
-    """Return a line that says by how much contact loads and friction are out of balance.
+    """Return a text line (label, text) that says by how much contact loads and friction are out of balance.
 
-    ``solver``: JSON values with both imbalances [N]; ``suffix``: text that is added to the line.
+    ``solver``: JSON values with the unbalanced forces of both [N]; ``suffix``: text that is appended to the line.
     """
     loads, friction = solver["load_imbalance_N"], solver["friction_imbalance_N"]
     return "solver", f"loads out of balance by {loads:.1e} N, friction by {friction:.1e} N{suffix}"
 
 
 def hertz_word(hertz: str) -> str:
-    """Return the scene file's word for a kind of Hertz constants: "nominal" for "right", else the same word."""
+    """Return the word of scene files for a kind of Hertz constants: "nominal" for "right", else the same word."""
     return "nominal" if hertz == "right" else hertz
 
 
 def energy_line(values: dict[str, Any], digits: int = 6) -> Line:
-    """Return a line on input power, loss and their imbalance.
+    """Return a text line (label, text) on input power, friction loss and their difference.
 
-    ``values``: JSON values of `power_balance`; ``digits``: number of significant digits of powers.
+    ``values``: JSON values of `power_balance`; ``digits``: number of significant digits of the powers.
     """
     power, loss, left = (float(values[f"{name}_W"]) for name in ("input_power", "loss", "balance"))
     if left == 0.0 or loss == 0.0:
@@ -303,12 +314,18 @@ def energy_line(values: dict[str, Any], digits: int = 6) -> Line:
 
 
 def neglected_effects(friction: Friction) -> list[str]:
-    """Return sentences on the effects that the friction of a whole screw or bearing at one instant neglects."""
+    """Return sentences on the effects that are neglected in the friction of a whole screw or bearing at one instant.
+
+    ``friction``: coefficients of friction, and whether friction moves the balls and neighbouring balls push each other.
+    """
     return [*WHOLE, *BESIDES[friction.feedback, friction.neighbours]]
 
 
 def jam_sentence(state: FrictionState) -> str:
-    """Return a sentence on second, jammed states of balls, which may exist at a high coefficient of friction."""
+    """Return a sentence on whether balls have a second equilibrium with friction, in which they jam.
+
+    Such equilibria may exist at high coefficients of friction. ``state``: friction of the screw or bearing.
+    """
     start = "at this coefficient of friction a ball may have a second, jammed state"
     if state.second is None:
         along = "without lead friction runs along the grooves and moves no ball across them"
@@ -322,15 +339,15 @@ def jam_sentence(state: FrictionState) -> str:
 
 
 def slip_warnings(share: float) -> list[Warned]:
-    """Return a warning if the neglected Heathcote slip (over curved contacts) would add much to the losses; else none.
+    """Return a warning if Heathcote slip (over curved contacts), which is neglected, would add much to the losses.
 
-    ``share``: losses by Heathcote slip over all losses.
+    The list is empty otherwise. ``share``: losses by Heathcote slip over all losses.
     """
     return [Warned("slip", f"the contacts are so wide that {slip_clause(share)}")] if share > WIDE else []
 
 
 def slip_clause(share: float) -> str:
-    """Return a clause that says how much the neglected Heathcote slip would add to friction.
+    """Return a clause that says by how many per cent the neglected Heathcote slip would raise friction.
 
     ``share``: losses by Heathcote slip over all losses.
     """
@@ -340,7 +357,7 @@ def slip_clause(share: float) -> str:
 def neighbour_json(state: FrictionState) -> dict[str, Any] | None:
     """Return the forces between touching balls and their effect on the friction torque as JSON.
 
-    None if forces between neighbouring balls are not computed.
+    ``state``: friction of the screw or bearing. None if forces between neighbouring balls are not computed.
     """
     n, t = state.neighbours, state.torque
     if n is None:
@@ -355,7 +372,7 @@ def neighbour_json(state: FrictionState) -> dict[str, Any] | None:
 
 
 def ball_rows(result: StaticResult, state: FrictionState) -> list[dict[str, Any]]:
-    """Return one JSON row per ball: place, loads, motion, sliding and friction, and status of the friction.
+    """Return one JSON row per ball: position, contact loads, motion, sliding and friction, and status of the friction.
 
     ``result``: static result; ``state``: friction of the balls. The axes x and z of a contact lie across and along its
     groove.
@@ -373,7 +390,7 @@ def ball_rows(result: StaticResult, state: FrictionState) -> list[dict[str, Any]
 
 
 def terminal_ball_rows(rows: Sequence[dict[str, Any]]) -> list[dict[str, Any]]:
-    """Return the table rows of the balls for the terminal, with loads and losses of the loaded contacts only.
+    """Return the rows of the balls in a terminal table, with the contact loads and losses of loaded contacts only.
 
     ``rows``: JSON rows of `ball_rows`.
     """
@@ -407,7 +424,10 @@ LOSS_COLUMNS: tuple[Column, ...] = (
 
 
 def loss_rows(state: FrictionState) -> list[dict[str, Any]]:
-    """Return the losses of all balls by contact and cause [W]; the last row is the sum over the contacts."""
+    """Return the friction losses of all balls [W], one row for each contact and one for the sum, by cause of the loss.
+
+    ``state``: friction of the screw or bearing.
+    """
     table = state.balls.loss.sum(axis=0)
     named = [*zip(SIDES, table, strict=True), ("sum", table.sum(axis=0))]
     return [
@@ -417,9 +437,10 @@ def loss_rows(state: FrictionState) -> list[dict[str, Any]]:
 
 
 def coefficient_row(friction: Friction, state: FrictionState, drag: float | None) -> dict[str, Any]:
-    """Return a table row with torques and efficiencies for the coefficients of friction of the screw's and nut's contacts.
+    """Return a table row with torques and efficiencies for one pair of coefficients of friction (of screw, of nut).
 
-    ``state``: friction with these coefficients; ``drag``: friction torque without loads [N m], None if it is not known.
+    ``friction``: the coefficients; ``state``: friction computed with them; ``drag``: friction torque without loads [N m],
+    None if it is not known.
     """
     found = friction_sums_json(state.torque, drag)
     names = (
@@ -435,7 +456,10 @@ def coefficient_row(friction: Friction, state: FrictionState, drag: float | None
 
 
 def coefficient_columns(kind: str) -> tuple[Column, ...]:
-    """Return the columns of the table over the coefficient of friction; ``kind``: kind of the scene, such as "bearing"."""
+    """Return the columns of the table of torques for several coefficients of friction.
+
+    ``kind``: kind of the scene, such as "bearing".
+    """
     first: tuple[Column, ...] = (
         ("screw", "coefficient", ".4g"),
         ("friction_torque_Nmm", "friction torque N mm", ".5g"),
@@ -454,17 +478,18 @@ def coefficient_columns(kind: str) -> tuple[Column, ...]:
 
 
 def without_pressure_and_size(warnings: Sequence[Warned]) -> list[Warned]:
-    """Return warnings without those on contact pressure and contact size.
+    """Return the warnings without those on contact pressure and contact size.
 
-    These are judged again, because friction changes the contact loads.
+    Pressure and size are checked again after the friction is computed, because friction changes the contact loads.
     """
     return [w for w in warnings if w.kind not in ("pressure", "size")]
 
 
 def friction_warnings(scene: Scene, friction: Friction, state: FrictionState, static: Sequence[Warned]) -> list[Warned]:
-    """Return the warnings on a friction result that is outside its range of validity.
+    """Return the warnings for a friction result that is outside the range of validity of the model.
 
-    ``friction``: coefficients of friction; ``state``: the friction result; ``static``: warnings on the contact loads.
+    ``friction``: coefficients of friction; ``state``: the friction result; ``static``: warnings on the static contact
+    loads.
     """
     at = state.at
     loaded = at.force > 0.0
@@ -489,7 +514,10 @@ def friction_warnings(scene: Scene, friction: Friction, state: FrictionState, st
 
 
 def _driving_line(t: ScrewTorque, motion: Motion, part: str) -> Line:
-    """Return a line on the torque that a motor or a brake must provide; ``part``: name of the part that turns."""
+    """Return a text line (label, text) on the torque that a motor or a brake must provide.
+
+    ``t``: torque on the screw; ``motion``: motion of screw or nut; ``part``: name of the part that turns.
+    """
     needed = 1e3 * t.on_screw * np.sign(t.speed)
     role = "which a motor must give" if needed >= 0.0 else "with which a brake must hold"
     moving = f", which moves {motion_against_load(t)}" if t.translating else ""
@@ -497,18 +525,18 @@ def _driving_line(t: ScrewTorque, motion: Motion, part: str) -> Line:
 
 
 def residual_line(residual: float, left: float) -> Line:
-    """Return a line on the remaining imbalance of contact loads and of friction.
+    """Return a text line (label, text) on the remaining imbalance of contact loads and of friction.
 
-    ``residual``: residual of the static solution; ``left``: imbalance of friction over its bound.
+    ``residual``: relative residual of the static solution; ``left``: unbalanced friction over its bound.
     """
     return "solver", f"contact loads with a residual of {residual:.1e}, friction out of balance by {left:.1e} of its bound"
 
 
 def result_lines(motion: Motion, state: FrictionState, drag: tuple[float | None, str]) -> list[Line]:
-    """Return the lines on the friction of a whole screw or bearing, the driving torque first.
+    """Return text lines (label, text) on the friction of a whole screw or bearing, the driving torque first.
 
-    Values that depend on the coefficient of friction, which is hardly known to one digit, have three digits. ``drag``:
-    friction torque without loads [N m], None if it is not known, and a remark on it.
+    ``state``: the friction; ``drag``: friction torque without loads [N m], None if it is not known, and a remark on it.
+    Values that depend on the coefficient of friction, which is hardly known to one digit, have three digits.
     """
     t, ring = state.torque, state.torque.ratio == 0.0
     inner, outer = ("inner ring", "outer ring") if ring else ("screw", "nut")

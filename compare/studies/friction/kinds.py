@@ -47,10 +47,10 @@ TOUCHING = 1e-9
 
 
 def full_sliding_loss(groove: ScrewGroove, force: Array) -> float:
-    """Return the loss [W] of a screw's contacts if all of them slid at the speed of the groove; infinite at rest.
+    """Return the friction loss [W] of a screw if all contacts slid at the speed of the groove; infinite at rest.
 
-    A loss is compared with it to tell friction from round-off, which is all that a screw at rest has. ``groove``: groove
-    with its coefficient of friction, speed and radius; ``force``: contact loads, of any shape [N].
+    ``groove``: groove with its coefficient of friction, speed and radius; ``force``: contact loads [N], of any shape. A
+    loss that is tiny compared with it is round-off, such as that of a screw at rest.
     """
     if groove.speed == 0.0:
         return np.inf
@@ -60,7 +60,7 @@ def full_sliding_loss(groove: ScrewGroove, force: Array) -> float:
 def screw_warnings(groove: ScrewGroove, force: Array) -> list[Warned]:
     """Return warnings on contact ellipses that are large compared with the ball.
 
-    ``force``: contact loads (..., 4) [N] on the four flanks of each ball.
+    ``groove``: groove and ball; ``force``: contact loads (..., 4) [N] of each ball on the four flanks.
     """
     return size_warnings((groove.constants.C_a * np.cbrt(force)).ravel(), groove.ball_radius)
 
@@ -69,7 +69,10 @@ def screw_warnings(groove: ScrewGroove, force: Array) -> list[Warned]:
 
 
 def pair_rows(r: PairResult) -> list[dict[str, Any]]:
-    """Return the JSON row of each of two balls of a screw, first for balls far apart, then for balls that touch."""
+    """Return JSON rows for two balls of a screw, each with its state if the balls are far apart, and if they touch.
+
+    ``r``: solution of the two balls.
+    """
     return [
         {"index": k + 1, "state": state}
         | answer.load_json(SIDES, chain.load.force[k], chain.load.angle[k])
@@ -81,7 +84,7 @@ def pair_rows(r: PairResult) -> list[dict[str, Any]]:
 
 
 def pair_status(r: PairResult) -> str:
-    """Return the status of two balls of a screw: "converged", or what failed of loads and friction."""
+    """Return the status of the solution of two balls of a screw: "converged", or whether loads or friction failed."""
     if r.converged:
         return "converged"
     if all(c.load.converged and c.motion.converged for c in (r.free, r.touching)):
@@ -90,7 +93,7 @@ def pair_status(r: PairResult) -> str:
 
 
 def solve_screw_pair(scene: ScrewPairScene) -> answer.FrictionAnswer:
-    """Solve two balls of a ball screw: forces, losses, and the effect of the contact between the balls on friction."""
+    """Solve two balls of a ball screw, and return forces, losses, and how the contact between both changes the friction."""
     pair = scene.pair
     r = solve_pair(pair)
     m, apart, rows, chains = r.touching.motion, r.free.motion.loss, pair_rows(r), (r.free, r.touching)
@@ -125,7 +128,7 @@ def solve_screw_pair(scene: ScrewPairScene) -> answer.FrictionAnswer:
 
 
 def pair_lines(data: dict[str, Any]) -> list[answer.Line]:
-    """Return the lines on two balls of a ball screw for the terminal; ``data``: JSON values of `solve_screw_pair`."""
+    """Return text lines (label, text) on two balls of a ball screw; ``data``: JSON values of `solve_screw_pair`."""
     (pair,), rise, solver = data["pairs"], data["friction_increase_percent"], data["solver"]
     return [
         (
@@ -141,9 +144,9 @@ def pair_lines(data: dict[str, Any]) -> list[answer.Line]:
 
 
 def law_line(data: dict[str, Any]) -> answer.Line:
-    """Return a line on friction law, Hertz constants, and whether friction affects the contact loads.
+    """Return a text line (label, text) on friction law, Hertz constants, and whether friction affects the contact loads.
 
-    ``data``: JSON values of an answer with the entries "hertz" and "coupling".
+    ``data``: JSON values of a solved scene, with the entries "hertz" and "coupling".
     """
     return "law", f"coulomb, Hertz constants {data['hertz']}, coupling of friction to loads: {data['coupling']}"
 
@@ -162,16 +165,16 @@ PAIR_COLUMNS: tuple[Column, ...] = (
 
 
 def keeps_ball_order(h: History) -> bool:
-    """Return whether no ball of a simulated screw ever passes or overlaps the next one on its closed track."""
+    """Return whether no ball of a simulated screw passes or overlaps the next one on its closed track, at any time step."""
     ahead = np.diff(np.column_stack([h.ends, h.ends[:, 0] + h.setting.ring]), axis=1)
     return bool(ahead.min() >= h.setting.groove.pair.spacing - TOUCHING)
 
 
 def run_summary(h: History) -> dict[str, Any]:
-    """Return a summary of the transient simulation of a screw as JSON values; names of numbers end in their units.
+    """Return a summary of the transient simulation of a screw as JSON values, whose names end in the units.
 
-    "largest_ball_to_groove_percent" is the largest torque by contact between balls over the torque by contact with the
-    grooves.
+    ``h``: history of the simulation. "largest_ball_to_groove_percent" is the largest ratio of the torque by contact between
+    balls to the torque by contact with the grooves.
     """
     s, touch, nut = summarise(h), np.any(h.contact, axis=1), np.degrees(h.nut_angle)
     met = bool(touch.any())
@@ -198,7 +201,10 @@ def run_summary(h: History) -> dict[str, Any]:
 
 
 def run_series(h: History) -> dict[str, list[Any]]:
-    """Return the time series of a screw's run, one entry per time step; time and nut angle are of the middle of a step."""
+    """Return the time series of a transient simulation of a screw as JSON, with one value per time step.
+
+    ``h``: history of the simulation. Time and nut angle are those of the middle of a step.
+    """
     values = {
         "time_s": h.time,
         "nut_angle_deg": np.degrees(h.nut_angle),
@@ -215,7 +221,7 @@ def run_series(h: History) -> dict[str, list[Any]]:
 
 
 def solve_screw_run(scene: ScrewRunScene) -> answer.FrictionAnswer:
-    """Simulate a whole screw over time: contacts between balls, torques and energy."""
+    """Simulate a whole screw over time, and return contacts between balls, torques and energy."""
     run, time = scene.run, scene.time
     in_time = judge_history(*step_through_time(run, Motion(run.groove.speed), time, scene.name), time)
     h, speed = in_time.history, abs(run.groove.speed)
@@ -279,10 +285,10 @@ RUN_LINES = (
 
 
 def ball_motion(scene: BearingBallScene, problem: Problem) -> BallMotion:
-    """Return the motion of one ball of a bearing under the scene's friction law; ``problem``: its balance of friction.
+    """Return the motion of one ball of a bearing under the scene's friction law.
 
-    For Coulomb friction it is the motion of least dissipation; for other laws the root of the balance of friction that is
-    found from there.
+    ``problem``: balance of friction of the ball. For Coulomb friction it is the motion of least dissipation; for other laws
+    it is the root of the balance of friction that is found from that motion.
     """
     first = least_dissipation(problem)
     if scene.law == "coulomb":
@@ -297,8 +303,8 @@ def ball_motion(scene: BearingBallScene, problem: Problem) -> BallMotion:
 def ball_status(loaded: bool, balanced: bool, motion: str) -> str:
     """Return the status of one ball: "converged", or what failed.
 
-    ``loaded``: whether a contact carries load; ``balanced``: whether the contact loads balance; ``motion``: status of the
-    friction solver, which is "failed" if it found no balance.
+    ``loaded``: whether a contact of the ball carries load; ``balanced``: whether the contact loads balance; ``motion``:
+    status of the friction solver, which is "failed" if it found no balance.
     """
     if not loaded:
         return "no contact: nothing presses the ball"
@@ -327,7 +333,7 @@ def ball_row(load: SettledCell, at: Contacts, motion: BallMotion) -> dict[str, A
 
 
 def contact_rows(ball: dict[str, Any]) -> list[dict[str, Any]]:
-    """Return one table row per loaded contact of a ball for the terminal; ``ball``: JSON row of `ball_row`."""
+    """Return a terminal table row for each loaded contact of a ball; ``ball``: JSON row of `ball_row`."""
     size = ("load_N", "contact_angle_deg", "semi_axis_across_um", "semi_axis_along_um")
     rows = []
     for side in (s for s in bearing.SIDES if ball["load_N"][s] > 0.0):
@@ -352,7 +358,7 @@ CONTACT_COLUMNS = (
 
 
 def solve_bearing_ball(scene: BearingBallScene) -> answer.FrictionAnswer:
-    """Solve one ball of a bearing: contact loads, motion, losses and torque on the inner ring."""
+    """Solve one ball of a bearing, and return contact loads, motion, losses and the torque on the inner ring."""
     b = scene.bearing
     load = bearing.bearing_load(b, scene.force, scene.displacement)
     rough = replace(b, mu=b.mu or 1.0)
@@ -388,7 +394,7 @@ def solve_bearing_ball(scene: BearingBallScene) -> answer.FrictionAnswer:
 
 
 def ball_lines(data: dict[str, Any]) -> list[answer.Line]:
-    """Return the lines on one ball of a bearing for the terminal; ``data``: JSON values of `solve_bearing_ball`."""
+    """Return text lines (label, text) on one ball of a bearing; ``data``: JSON values of `solve_bearing_ball`."""
     (ball,), torque = data["balls"], data["torque"]
     by_loss = torque["friction_torque_Nmm"]
     return [
@@ -414,12 +420,15 @@ def ball_lines(data: dict[str, Any]) -> list[answer.Line]:
 
 
 def has_friction_loss(case: BearingCase, state: BearingState) -> bool:
-    """Return whether the friction loss of a bearing is more than round-off."""
+    """Return whether the friction loss of a bearing is more than round-off.
+
+    ``case``: bearing with its coefficient of friction; ``state``: its solution at one load angle.
+    """
     return float(state.loss.sum()) > answer.NOTHING * full_sliding_loss(case.groove, state.load.force)
 
 
 def bearing_json(case: BearingCase, states: list[BearingState]) -> dict[str, Any]:
-    """Return the friction torques [N mm] of a bearing over the angle of its load, and the largest over the smallest one.
+    """Return the friction torques [N mm] of a bearing over the angle of its load, and the largest over the smallest.
 
     ``states``: solution for each load angle. The JSON values also have, for each load angle, the number of balls with more
     than two contacts, and whether the solution converged. The ratio is null if a solution has no friction loss.
@@ -437,7 +446,7 @@ def bearing_json(case: BearingCase, states: list[BearingState]) -> dict[str, Any
 def unresisted_motions(scene: BearingPairScene) -> list[str]:
     """Return sentences on motions of the inner ring that the load drives and no contact resists.
 
-    One sentence for each design of the bearing and load angle.
+    There is one sentence for each design of the bearing and load angle where this occurs.
     """
     out = []
     for name, case in (("four-point", scene.four_point), ("double row", scene.double_row)):
@@ -450,7 +459,7 @@ def unresisted_motions(scene: BearingPairScene) -> list[str]:
 
 
 def solve_bearings(scene: BearingPairScene) -> answer.FrictionAnswer:
-    """Solve a four-point and a double-row bearing over the angle of the load: friction torques and energy.
+    """Solve a four-point and a double-row bearing for several angles of the load, and return friction torques and energy.
 
     The energy is the mean over all load angles and both bearings.
     """
@@ -472,7 +481,7 @@ def solve_bearings(scene: BearingPairScene) -> answer.FrictionAnswer:
 
 
 def _bearing_answer(scene: BearingPairScene, common: dict[str, Any]) -> answer.FrictionAnswer:
-    """Return the answer for a four-point and a double-row bearing.
+    """Return the friction of a four-point and a double-row bearing.
 
     ``common``: JSON entries that need no solution, such as the load angles.
     """
@@ -516,7 +525,7 @@ def _bearing_answer(scene: BearingPairScene, common: dict[str, Any]) -> answer.F
 
 
 def bearing_lines(data: dict[str, Any]) -> list[answer.Line]:
-    """Return the lines on a four-point and a double-row bearing for the terminal; ``data``: JSON values of the answer."""
+    """Return text lines (label, text) on a four-point and a double-row bearing; ``data``: JSON values of their friction."""
     four, double = (cell(data[name]["largest_over_smallest"], ".5g") for name in ("four_point", "double_row"))
     label, text = answer.energy_line(data["energy"])
     ring = "free to tilt" if data["tilt"] else "kept from tilting"
@@ -549,7 +558,7 @@ SOLVERS: dict[str, Callable[[Any], FrictionAnswer]] = {
 
 
 def solve_kind(scene: KindScene) -> FrictionAnswer:
-    """Solve the friction of a scene of single parts (two balls, one ball, bearing, linear bearing, screw over time).
+    """Compute the friction of a scene of single parts: two balls, one ball, bearing, linear bearing, or screw over time.
 
     Parameters
     ----------

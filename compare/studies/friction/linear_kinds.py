@@ -78,10 +78,11 @@ def linear_loads(scene: LinearScene) -> tuple[Array, Array, float]:
 def ball_rows(
     scene: LinearScene, angles: Array, force: Array, apart: ChainResult, near: ChainResult
 ) -> list[dict[str, Any]]:
-    """Return one JSON row per ball: contact loads, speed, rotation and loss.
+    """Return one JSON row per ball of a linear bearing: contact loads, speed, rotation and friction loss.
 
-    ``angles``: contact angles (N, 4) [rad]; ``force``: contact loads (N, 4) [N]; ``apart`` and ``near``: solutions with N
-    balls far apart and touching. Speeds are given by both; rotation and loss are those of touching balls.
+    ``angles``: contact angles (N, 4) [rad] at the four contacts of N balls; ``force``: contact loads (N, 4) [N]; ``apart``
+    and ``near``: solutions with the balls far apart, and with balls that touch. Speeds are those of both solutions;
+    rotation and loss are those of touching balls.
     """
     rows = []
     for k in range(force.shape[0]):
@@ -98,9 +99,9 @@ def ball_rows(
 
 
 def pair_rows(scene: LinearScene, near: ChainResult) -> list[dict[str, Any]]:
-    """Return one JSON row per pair of neighbouring balls: gap, force and loss between them.
+    """Return one JSON row per pair of neighbouring balls: gap between the balls, force and friction loss in their contact.
 
-    ``near``: solution with touching balls.
+    ``near``: solution with balls that touch.
     """
     return [
         {
@@ -114,7 +115,7 @@ def pair_rows(scene: LinearScene, near: ChainResult) -> list[dict[str, Any]]:
 
 
 def solve_linear(scene: LinearScene) -> answer.FrictionAnswer:
-    """Solve motion and friction of two or more balls of a linear bearing, far apart and touching."""
+    """Solve motion and friction of two or more balls of a linear bearing, both far apart and with balls that touch."""
     angles, force, left = linear_loads(scene)
     chains = [prepare_chain(scene.bearing, angles, force, touching) for touching in (False, scene.gap <= 0.0)]
     fast = force.shape[0] > LONG
@@ -155,8 +156,8 @@ def solve_linear(scene: LinearScene) -> answer.FrictionAnswer:
 def second_state_json(near: ChainResult, second: ChainResult) -> dict[str, Any]:
     """Return the second equilibrium of a chain of touching balls, in which friction jams them, as JSON.
 
-    The JSON values are the force that drives the carriage, and those forces between neighbouring balls that differ from
-    the first equilibrium. ``near``: the first equilibrium; ``second``: the second one.
+    The JSON values are the force that drives the carriage, and those forces between neighbouring balls that differ from the
+    first equilibrium. ``near``: first equilibrium, in which the balls roll; ``second``: the second one.
     """
     apart = np.abs(second.ball_force - near.ball_force)
     other = np.flatnonzero(apart > ANOTHER * apart.max())
@@ -181,9 +182,9 @@ def second_state_sentence(chain: Chain, second: ChainResult | None) -> str:
 
 
 def jam_warnings(near: ChainResult, second: ChainResult | None) -> list[Warned]:
-    """Return a warning if the balls have a second equilibrium, in which friction jams them; else none.
+    """Return a warning if the balls have a second equilibrium, in which friction jams them; the list is empty otherwise.
 
-    ``near``: the first equilibrium of the touching balls; ``second``: the second one, None if none was found.
+    ``near``: first equilibrium of the touching balls; ``second``: the second one, None if none was found.
     """
     if second is None:
         return []
@@ -197,7 +198,7 @@ def jam_warnings(near: ChainResult, second: ChainResult | None) -> list[Warned]:
 
 
 def linear_lines(data: dict[str, Any]) -> list[answer.Line]:
-    """Return the lines on the balls of a linear bearing for the terminal; ``data``: JSON values of `solve_linear`."""
+    """Return text lines (label, text) on the balls of a linear bearing; ``data``: JSON values of `solve_linear`."""
     rise, solver = data["friction_increase_percent"], data["solver"]
     return [
         (

@@ -54,7 +54,7 @@ QUANTITIES = {
 class TransientRun:
     """Transient simulation of a screw, with the estimated error of its time steps."""
 
-    #: Time series.
+    #: Time series of contact loads, torques and motions of the balls.
     history: History
     #: Estimated errors of the time steps; None if not estimated.
     error: StepError | None
@@ -74,11 +74,11 @@ class TransientRun:
 
 
 def solve_run(scene: Scene, friction: Friction, motion: Motion, model: str, member: int) -> TransientRun:
-    """Simulate the friction of a screw over time, with an estimate of the error of the time steps.
+    """Simulate the friction of a screw over time, and estimate the error of the time steps.
 
     ``scene``: scene with a [time] table; ``friction``: coefficients of friction; ``motion``: motion of screw or nut;
-    ``model``: name of the static model; ``member``: number of the specimen. InputError if the model cannot solve moving
-    balls; Refusal if the circuits have no room for the balls.
+    ``model``: name of the static model; ``member``: number of the specimen (set of drawn random errors). Raises InputError
+    if the model cannot solve moving balls, and Refusal if the circuits have no room for the balls.
     """
     time = scene.time
     if time is None:
@@ -101,11 +101,11 @@ def solve_run(scene: Scene, friction: Friction, motion: Motion, model: str, memb
 
 
 def step_through_time(setting: Any, motion: Motion, time: Time, name: str) -> tuple[History, StepError | None]:
-    """Simulate a screw over time with several step sizes; return the history, then the error of the time steps.
+    """Simulate a screw over time with several step sizes; return the time series, then the error of the time steps.
 
-    ``setting``: the screw with its balls, as the transient solver reads it; ``motion``: motion of screw or nut;
-    ``time``: duration, steps and goal of the simulation; ``name``: name of the scene for the progress bar. The error is
-    None if it cannot be estimated.
+    ``setting``: the screw with its balls, as the transient solver reads it; ``motion``: motion of screw or nut; ``time``:
+    duration, number of steps and allowed error of the simulation; ``name``: name of the scene for the progress bar. The
+    error is None if it cannot be estimated.
     """
     with progress_bar(f"{name}, simulation over time") as progress:
         return run_with_step_errors(setting, time.span(motion), time.steps, time.goal, progress)
@@ -114,8 +114,9 @@ def step_through_time(setting: Any, motion: Motion, time: Time, name: str) -> tu
 def judge_history(history: History, error: StepError | None, time: Time) -> TransientRun:
     """Return a transient simulation with its status.
 
-    ``history``: time series; ``error``: estimated error of the time steps, None if not known; ``time``: goal for this
-    error. The simulation is not converged if a step failed, or if the error is not known or above the goal.
+    ``history``: time series; ``error``: estimated error of the time steps, None if it is not known; ``time``: settings of
+    the simulation with the largest allowed error. The simulation is not converged if a step failed, if the error is not
+    known, or if it is larger than allowed.
     """
     status = history.status
     if history.good and error is None:
@@ -134,8 +135,8 @@ def judge_history(history: History, error: StepError | None, time: Time) -> Tran
 def run_json(run: TransientRun) -> dict[str, Any]:
     """Return the JSON values of a transient simulation.
 
-    Histories are at the middle of each piece of a time step, gaps at its end. Events (a ball enters or leaves the loaded
-    arc, neighbouring balls meet) cut time steps into pieces.
+    Time steps are cut into pieces by events: a ball enters or leaves the loaded arc, or neighbouring balls meet. Time
+    series have their values at the middle of each piece, gaps between balls at its end.
     """
     h, e = run.history, run.error
     reached, asked = (number(math.degrees(angle)) for angle in h.angles)
@@ -183,7 +184,7 @@ def run_json(run: TransientRun) -> dict[str, Any]:
 def step_error_json(e: StepError, goal: float) -> dict[str, Any]:
     """Return the estimated errors of the time steps as JSON, with order of convergence and numbers of steps.
 
-    ``goal``: largest allowed error, as a part of the mean torque.
+    ``e``: the errors; ``goal``: largest allowed error, as a fraction of the mean torque.
     """
     found = e.quantities
     percent = {name: number(100.0 * found[name].error) if name in found else None for name in QUANTITIES}
@@ -205,7 +206,7 @@ def step_error_json(e: StepError, goal: float) -> dict[str, Any]:
 
 
 def why_no_step_error(run: TransientRun) -> str | None:
-    """Return why the error of a run's time steps is not known; None if it is."""
+    """Return why the error of the time steps of a simulation is not known; None if it is known."""
     if run.error is not None:
         return None
     if run.history.good:
@@ -216,8 +217,9 @@ def why_no_step_error(run: TransientRun) -> str | None:
 def run_energy_json(h: History) -> dict[str, Any]:
     """Return the energies of a transient simulation [J] and their imbalances as JSON.
 
-    Energies are the work of torque and axial load on the screw, and the losses. Imbalances are the largest of any time
-    step, over its losses: of the power that the contacts take in, and of the power of torque and axial load.
+    Energies are the work of torque and axial load on the screw, and the friction losses. Two imbalances are given, each the
+    largest of any time step over the losses of that step: that of the power which the contacts take in, and that of the
+    power of torque and axial load.
     """
     turning, along = h.advance
     loss = h.torque * abs(turning)
@@ -233,7 +235,10 @@ def run_energy_json(h: History) -> dict[str, Any]:
 
 
 def run_torque_json(h: History) -> dict[str, Any]:
-    """Return the friction torque of a simulation [N mm] as JSON: mean, extremes, parts of grooves and ball contacts."""
+    """Return the friction torque of a transient simulation [N mm] as JSON: mean, extremes, and contributions.
+
+    The contributions are those of the contacts with the grooves and of the contacts between balls.
+    """
     t = h.torques
     return {
         "mean_Nmm": number(1e3 * t["mean"]),
@@ -247,9 +252,10 @@ def run_torque_json(h: History) -> dict[str, Any]:
 
 
 def ball_history_json(h: History, track: ClosedTrack, k: int) -> dict[str, Any]:
-    """Return the history of one ball as JSON: azimuth in the nut's frame, loads, and spacing and force to the next ball.
+    """Return the time series of one ball as JSON: azimuth in the nut's frame, loads, and gap and force to the next ball.
 
-    ``k``: number of the ball from 0; ``track``: its circuit, on which the next ball is.
+    ``h``: history of all balls; ``track``: circuit of the ball, on which the next ball follows; ``k``: number of the ball
+    from 0.
     """
     ahead = k + 1 if k + 1 < track.balls.stop else track.balls.start
     number_of = int(h.setting.number[k])
@@ -266,12 +272,12 @@ def ball_history_json(h: History, track: ClosedTrack, k: int) -> dict[str, Any]:
 
 
 def _json_list(values: Array) -> list[float | None]:
-    """Return values (n,) as a list for JSON, with None for values that are not finite."""
+    """Return numbers (n,) as a list for JSON, with None for numbers that are not finite."""
     return [number(float(v)) for v in values]
 
 
 def run_rows(h: History) -> list[dict[str, object]]:
-    """Return up to ``ROWS`` table rows of the torque over the angle, evenly spread over the run."""
+    """Return table rows of the friction torque over the angle of rotation, at most `ROWS`, evenly spaced."""
     which = np.unique(np.linspace(0, h.time.size - 1, min(ROWS, h.time.size)).round().astype(int))
     return [
         {
@@ -287,7 +293,7 @@ def run_rows(h: History) -> list[dict[str, object]]:
 
 
 def run_lines(run: TransientRun) -> list[Line]:
-    """Return a simulation's lines for the terminal: torque, error of the time steps, and status if not converged."""
+    """Return text lines (label, text) on a transient simulation: torque, error of the time steps, reason of a failure."""
     h, e = run.history, run.error
     if not h.begun:
         return [("run", run.status)]
@@ -329,5 +335,8 @@ def significant_digits(error: float | None) -> int:
 
 
 def run_table(run: TransientRun) -> list[tuple[str, Sequence[tuple[str, str, str]], Sequence[dict[str, object]]]]:
-    """Return the table of the torque over the angle: title, columns and rows; empty if no time step was begun."""
+    """Return the table of the friction torque over the angle of rotation: title, columns and rows.
+
+    The list is empty if no time step was begun.
+    """
     return [("torque over the angle", COLUMNS, run_rows(run.history))] if run.history.begun else []

@@ -37,7 +37,7 @@ Say = Callable[[str], None]
 
 
 def solve_friction(name: str, choices: Choices, say: Say = lambda _: None) -> FrictionAnswer:
-    """Compute the friction of a shipped scene, or of a scene file.
+    """Compute the friction of a scene of the package, or of a scene file.
 
     Parameters
     ----------
@@ -111,7 +111,7 @@ def friction_for_library(scene: Described, mu: tuple[float, ...], model: str) ->
 
 
 def answer_json(found: FrictionAnswer) -> dict[str, Any]:
-    """Return the JSON values of an answer, with the warning that is shown above it."""
+    """Return the JSON values of the friction of a scene, with the warning that is shown above them on the terminal."""
     return found.data | {"warning": found.warning or None}
 
 
@@ -148,7 +148,11 @@ SolvedSets = list[tuple[int, SetResult, FrictionState]]
 
 
 def solve_axis(assembly: Assembly, choices: Choices) -> FrictionAnswer:
-    """Compute the friction of every nut and ball bearing on a shaft; InputError for choices that do not fit the scene."""
+    """Compute the friction of every nut and ball bearing on a shaft.
+
+    ``choices``: model, coefficients of friction and number of the specimen. Raises InputError for choices that do not fit
+    the scene.
+    """
     if choices.condensed is not None:
         allowed = "this file only for a scene with a single nut or bearing"
         raise ArgumentError("condensed", str(choices.condensed), allowed, "leave `condensed` out")
@@ -178,24 +182,26 @@ def solve_axis(assembly: Assembly, choices: Choices) -> FrictionAnswer:
 
 
 def _friction_coefficients(assembly: Assembly, mu: Sequence[float]) -> list[Friction]:
-    """Return the coefficients of friction of screw and nut: those given, else the scene's.
+    """Return the coefficients of friction for which a shaft is solved: those that are given, else the scene's.
 
-    ``mu``: coefficients that replace the scene's, empty for those of the scene. No coefficients are needed for a shaft with
-    bearings only. InputError for a nut without coefficient, and for a coefficient without balls.
+    ``mu``: coefficients that replace the scene's, empty for those of the scene. A shaft with bearings only needs none.
+    Raises InputError for a nut without coefficient, and if a coefficient is given for a shaft without balls.
     """
     balls = [s.parts for s in assembly.sets if isinstance(s.parts, Scene)]
     if not mu and (not balls or (assembly.friction is None and not any(parts.track.lead for parts in balls))):
         return []
     if not balls:
         given = f"{', '.join(f'{x:g}' for x in mu)} for a shaft without balls"
-        raise ArgumentError("mu", given, "a shaft with a set of balls", "leave `mu` out: all bearings have rollers")
+        raise ArgumentError(
+            "mu", given, "a shaft with a ball nut or ball bearing", "leave `mu` out: all bearings have rollers"
+        )
     return friction_coefficients(replace(balls[0], name=assembly.name, friction=assembly.friction), mu)
 
 
 def _friction_states(result: AxisResult, friction: Friction, motion: Motion) -> SolvedSets:
-    """Return the friction of every nut and ball bearing on a shaft: number from 0, static result, friction.
+    """Return the friction of every nut and ball bearing on a shaft, as tuples: number from 0, static result, friction.
 
-    ``result``: solution of the shaft; ``friction``: coefficients of friction; ``motion``: motion of the shaft.
+    ``result``: static solution of the shaft; ``friction``: coefficients of friction; ``motion``: motion of the shaft.
     """
     out: SolvedSets = []
     for i, s in enumerate(result.sets):
@@ -206,9 +212,10 @@ def _friction_states(result: AxisResult, friction: Friction, motion: Motion) -> 
 
 
 def _drag_torques(assembly: Assembly, loaded: AxisResult, friction: Friction, motion: Motion) -> dict[int, float]:
-    """Return the friction torques [N m] with all loads on shaft and housings removed, by the number of the nut or bearing.
+    """Return the friction torques [N m] of nuts and ball bearings without loads, by number of the nut or bearing.
 
-    ``loaded``: solution under the loads; its model is used. Nuts and bearings without a solution are left out.
+    All loads on shaft and housings are removed. ``loaded``: static solution under the loads, whose model is used. Nuts and
+    bearings for which no solution is found are left out.
     """
     idle = tuple(replace(h, force=(0.0, 0.0, 0.0), moment=(0.0, 0.0, 0.0)) for h in assembly.housings)
     bare = replace(assembly, loads=(), housings=idle)
@@ -219,9 +226,10 @@ def _drag_torques(assembly: Assembly, loaded: AxisResult, friction: Friction, mo
 
 
 def _row_of_nut_or_bearing(i: int, s: SetResult, state: FrictionState, drag: float | None) -> dict[str, Any]:
-    """Return the JSON row of a nut or ball bearing: its number and name, torques, and loss.
+    """Return the JSON row of a nut or ball bearing: its number and name, torques, and friction loss.
 
-    ``i``: number from 0; ``s``: static result; ``drag``: friction torque without loads [N m], None if it is not known.
+    ``i``: number of the nut or bearing, from 0; ``s``: its static result; ``state``: its friction; ``drag``: its friction
+    torque without loads [N m], None if it is not known.
     """
     return (
         {"set": i + 1, "name": s.of.name} | friction_sums_json(state.torque, drag) | {"loss_W": number(state.torque.power)}
@@ -235,11 +243,11 @@ def _axis_answer(
     answers: AxisAnswers,
     found: tuple[Friction, Motion, SolvedSets, dict[int, float]],
 ) -> FrictionAnswer:
-    """Return the answer for a shaft from static results and friction.
+    """Return the friction of a shaft with several nuts and bearings as JSON values, tables and text lines.
 
-    ``head``: JSON entries on scene and model; ``result``: solution of the shaft; ``answers``: ratings and lives of its nuts
-    and bearings; ``found``: coefficients of friction, motion, friction of the nuts and ball bearings, drag torques [N m] by
-    number.
+    ``head``: JSON entries on scene and model; ``result``: static solution of the shaft; ``answers``: ratings and lives of
+    its nuts and bearings; ``found``: coefficients of friction, motion, friction of the nuts and ball bearings, and their
+    drag torques [N m] by number.
     """
     friction, motion, solved, drag = found
     nuts = {i: (friction_sums_json(x.torque, None) if x.settled else None, "") for i, s, x in solved if _lead_of_nut(s)}
@@ -301,10 +309,10 @@ def _lead_of_nut(s: SetResult) -> float:
 
 
 def _summed_powers(solved: SolvedSets) -> dict[str, Any]:
-    """Return powers [W] summed over all nuts and ball bearings of a shaft, and the efficiency, as JSON.
+    """Return the powers [W] summed over all nuts and ball bearings of a shaft, and the efficiency, as JSON.
 
-    Powers are input and loss of the contacts, power of the driving torque, and power of the axial loads. The efficiency is
-    None unless torque drives the load, or the load drives the torque.
+    Powers are input power and friction loss of the contacts, power of the driving torque, and power of the axial loads. The
+    efficiency is None unless the torque moves the load, or the load drives the torque.
     """
     torques = [x.torque for _, _, x in solved]
     turning = float(np.sum([t.on_screw * t.speed for t in torques]))
@@ -319,9 +327,10 @@ def _summed_powers(solved: SolvedSets) -> dict[str, Any]:
 
 
 def _summed_torques(solved: SolvedSets, drag: dict[int, float]) -> dict[str, Any]:
-    """Return friction, drag and driving torque summed over all nuts and ball bearings of a shaft [N mm].
+    """Return friction, drag and driving torque [N mm] summed over all nuts and ball bearings of a shaft.
 
-    ``drag``: friction torques without loads [N m] by number. The drag torque is None unless it is known for each of them.
+    ``solved``: nuts and ball bearings with their friction; ``drag``: friction torques without loads [N m] by number of the
+    nut or bearing. The sum of the drag torques is None unless all are known.
     """
     known = len(drag) == len(solved)
     return {
@@ -343,10 +352,10 @@ COLUMNS = (
 
 
 def solve_cycle(cycle: DutyCycle, choices: Choices) -> FrictionAnswer:
-    """Compute the friction of every load case of a duty cycle, and the mean torque: work of friction over all revolutions.
+    """Compute the friction of every load case of a duty cycle, and the mean torque over all revolutions.
 
-    A load case that does not converge leaves the others as they are, and the cycle without a mean. InputError for the
-    faults that `solve_scene` and `solve_axis` refuse.
+    The mean torque is the work of friction over the angle of all revolutions. If a load case does not converge, the others
+    are still given, but no mean. Raises InputError for the faults that `solve_scene` and `solve_axis` refuse.
     """
     each = [
         (case, solve_axis(scene, choices) if isinstance(scene := case.scene, Assembly) else solve_scene(scene, choices))

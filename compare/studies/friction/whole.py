@@ -56,10 +56,11 @@ _friction_state_on_disk = kept(FrictionState)(friction_state)
 def cached_friction_state(
     scene: Scene, result: StaticResult, friction: Friction, motion: Motion, member: int
 ) -> FrictionState:
-    """Return the friction of a screw or bearing as `friction_state` computes it, cached on disk for equal scenes and loads.
+    """Return the friction of a screw or bearing as `friction_state` computes it; results are cached on disk.
 
-    ``result``: static result with the contact loads; ``friction``: coefficients of friction; ``motion``: motion of screw or
-    nut; ``member``: number of the specimen.
+    A cached result is taken if scene, contact loads and motion are equal. ``result``: static result with the contact loads;
+    ``friction``: coefficients of friction; ``motion``: motion of screw or nut; ``member``: number of the specimen, which is
+    the scene with one drawn set of random geometric errors.
     """
     loads = replace(result, solver=replace(result.solver, seconds=0.0, setup_seconds=0.0), warnings=())
     return _friction_state_on_disk(scene, loads, friction, motion, member)
@@ -67,9 +68,9 @@ def cached_friction_state(
 
 @dataclass(frozen=True)
 class StaticallySolved:
-    """Statically solved screw or bearing, with the model, coefficients and motion that friction needs."""
+    """Screw or bearing with its static result without loads, and the model, coefficients of friction and motion."""
 
-    #: The scene.
+    #: Scene of the screw or bearing.
     scene: Scene
     #: Name of the model.
     model: str
@@ -83,10 +84,11 @@ class StaticallySolved:
     bare: StaticResult
 
     def torque(self, result: StaticResult, friction: Friction, scene: Scene | None = None) -> float:
-        """Return the friction torque [N m] at the contact loads of a static result; nan if loads or friction fail.
+        """Return the friction torque [N m] at the contact loads of a static result.
 
         ``result``: static result with the contact loads; ``friction``: coefficients of friction; ``scene``: scene of the
-        static result, None for the scene of this object.
+        static result, None for the scene of this object. Nan if the static result did not converge, or if no balance of
+        friction was found.
         """
         if not result.converged:
             return float("nan")
@@ -113,10 +115,11 @@ def makers_drag_torque(scene: Scene, force: float) -> float:
 
 
 def torque_range(solved: StaticallySolved, result: StaticResult) -> dict[str, Any]:
-    """Return friction torques [N mm] at both coefficients of ``MEASURED``, with and without the scene's loads.
+    """Return the friction torques [N mm] at the smallest and largest measured coefficient of friction (`MEASURED`).
 
-    ``result``: static result under the loads. The JSON values also have the preload and the drag torque by the makers'
-    formula. Preload and drag torques are null without preload.
+    The JSON values have the torques under the scene's loads, the drag torques without them, the axial preload [N], and the
+    drag torque by the makers' formula. Preload and drag torques are null for a scene without preload. ``solved``: the scene
+    with its static result without loads; ``result``: static result under the loads.
     """
     scene, held = solved.scene, preload(solved.scene, solved.bare) if solved.bare.converged else None
     ends = [replace(solved.friction, screw=mu, nut=mu, balls=None) for mu in MEASURED]
@@ -132,9 +135,9 @@ def torque_range(solved: StaticallySolved, result: StaticResult) -> dict[str, An
 
 
 def drag_lines(data: dict[str, Any]) -> list[Line]:
-    """Return a line on the drag torque at both coefficients of friction and by the makers' formula.
+    """Return a text line (label, text) on the drag torque at both coefficients of friction and by the makers' formula.
 
-    The list is empty without preload. ``data``: JSON values of `torque_range`.
+    The list is empty for a scene without preload. ``data``: JSON values of `torque_range`.
     """
     if data["makers_formula_Nmm"] is None:
         return []
@@ -147,20 +150,21 @@ def drag_lines(data: dict[str, Any]) -> list[Line]:
 
 
 def _range_text(values: list[float | None]) -> str:
-    """Return torques [N mm] as text, joined by "to"; None stands for a torque that was not found."""
+    """Return torques [N mm] as text joined by "to", such as "3 to 90"; None stands for a torque that was not found."""
     return " to ".join("(none found)" if x is None else f"{x:.3g}" for x in values)
 
 
 def gives_neither_play_nor_preload(scene: Scene) -> bool:
-    """Return whether a screw's scene gives neither errors of the ball radii (oversize or play) nor a preload."""
+    """Return whether a screw's scene states no errors of the ball radii (oversize or play) and no preload."""
     return scene.track.lead > 0.0 and scene.errors.balls == BallErrors() and not scene.errors.lead_offset
 
 
 def torque_with_play(solved: StaticallySolved, state: FrictionState) -> dict[str, Any] | None:
-    """Return a screw's friction torque with balls whose radius is reduced by ``SMALLER``, and that with the given balls.
+    """Return a screw's friction torque with balls smaller by `SMALLER`, and the one with the balls of the scene.
 
-    The JSON values have the reduction [um] and both torques [N mm]. None for a scene that states play or preload, or whose
-    balls carry no load, or carry load without the scene's loads. ``state``: friction with the given balls.
+    The JSON values have the reduction of the ball radius [um] and both torques [N mm]. None if the scene states play or
+    preload, if its balls carry no load, or if they carry load even without the scene's loads. ``solved``: the scene with
+    its static result without loads; ``state``: friction with the balls of the scene.
     """
     scene = solved.scene
     if not gives_neither_play_nor_preload(scene) or not state.loaded or (solved.bare.load > 0.0).any():
@@ -196,7 +200,10 @@ FACTORS, HALVINGS = tuple(2.0**k for k in range(-4, 5)), 4
 
 
 def with_scaled_errors(scene: Scene, factor: float) -> Scene:
-    """Return a scene with the errors of grooves and of single balls times a factor; preload and play stay."""
+    """Return a scene with the geometric errors of its grooves and of single balls times a factor.
+
+    Preload and play do not change.
+    """
 
     def scaled_errors(side: SideErrors) -> SideErrors:
         pitch, roundness = (
@@ -214,9 +221,10 @@ def with_scaled_errors(scene: Scene, factor: float) -> Scene:
 
 
 def onset_of_touching(solved: StaticallySolved, result: StaticResult) -> FrictionOnset | None:
-    """Return when neighbouring balls come to touch, and from which multiple of the scene's geometric errors on they do.
+    """Return when neighbouring balls come to touch, and which multiple of the geometric errors is the smallest to cause it.
 
-    ``result``: static result with the contact loads. None if balls overlap, or if their circuits are not possible.
+    ``solved``: the scene with its model and motion; ``result``: static result with the contact loads. None if the balls
+    overlap, or if their circuits are not possible.
     """
 
     def touch_with_errors(factor: float) -> bool:
@@ -256,10 +264,10 @@ def onset_of_touching(solved: StaticallySolved, result: StaticResult) -> Frictio
 
 
 def onset_line(of: FrictionOnset, turns: str, errors: bool) -> Line:
-    """Return a line that says whether and where neighbouring balls come to touch.
+    """Return a text line (label, text) on whether neighbouring balls come to touch, and after which angle of rotation.
 
-    ``of``: angles of contact, from `onset_of_touching`; ``turns``: name of the turning part, such as "screw"; ``errors``:
-    whether the scene has geometric errors.
+    ``of``: angles at which balls touch, from `onset_of_touching`; ``turns``: name of the turning part, such as "screw";
+    ``errors``: whether the scene has geometric errors.
     """
 
     def angle_text(value: float | None) -> str:
@@ -285,7 +293,10 @@ def onset_line(of: FrictionOnset, turns: str, errors: bool) -> Line:
 
 
 def feedback_warnings(state: FrictionState) -> list[Warned]:
-    """Return a warning if friction that moves the balls raises the torque more than ``FED_BACK`` times; else none."""
+    """Return a warning if the displacement of the balls by friction raises the torque more than `FED_BACK` times.
+
+    The list is empty otherwise. ``state``: friction of a screw or bearing.
+    """
     alone, found = state.bare.friction, state.torque.friction
     if not state.coupled or not alone > 0.0 or found <= FED_BACK * alone:
         return []
@@ -308,13 +319,13 @@ NO_SPEED = (
 
 @dataclass(frozen=True)
 class Choices:
-    """Choices of a user for a computation of friction."""
+    """Options of a computation of friction that a user chooses."""
 
     #: Name of the model; empty: the default.
     model: str = ""
     #: Coefficients of friction instead of the scene's; empty: the scene's.
     mu: tuple[float, ...] = ()
-    #: Number of the specimen.
+    #: Number of the specimen: which drawn set of the scene's random errors is taken.
     member: int = 0
     #: File with condensed bodies, for the model condensed; None: none.
     condensed: Path | None = None
@@ -333,10 +344,10 @@ class DragTorque:
 
 
 def friction_coefficients(scene: Scene, mu: Sequence[float]) -> list[Friction]:
-    """Return the coefficients of friction of screw and nut to solve for: those given, else those of the scene.
+    """Return the coefficients of friction for which a screw or bearing is solved: those that are given, else the scene's.
 
-    ``mu``: coefficients that replace the scene's, each for both screw and nut; empty: the scene's. InputError for a scene
-    without friction, and for a coefficient out of range.
+    ``mu``: coefficients that replace the scene's, each for the contacts of both screw and nut; empty: the scene's. Raises
+    InputError for a scene without a coefficient of friction, and for a coefficient out of range.
     """
     for value in mu:
         if not 0.0 <= value <= MOST:
@@ -408,7 +419,7 @@ def solve_scene(scene: Scene, choices: Choices, say: Callable[[str], None] = lam
 
 
 def _add_transient_run(answer: FrictionAnswer, run: TransientRun) -> FrictionAnswer:
-    """Return the answer for the scene's instant with status, tables and lines of the simulation over time added."""
+    """Return the friction at the scene's instant with status, tables and text lines of a simulation over time added."""
     data = answer.data | {"run": run_json(run)}
     good = answer.converged and run.converged
     if answer.converged and not good:
@@ -473,7 +484,10 @@ def drag_torques(
 
 
 def without_axial_supports(supports: Sequence[Support]) -> tuple[Support, ...]:
-    """Return the supports without their axial constraints."""
+    """Return the supports of a screw without their constraints along the axis.
+
+    A support that constrains nothing else is left out.
+    """
     freed = (replace(s, fixed=tuple(held for held in s.fixed if held[0] != "uz")) for s in supports)
     return tuple(s for s in freed if s.fixed)
 
@@ -481,7 +495,7 @@ def without_axial_supports(supports: Sequence[Support]) -> tuple[Support, ...]:
 def drag_of_state(state: FrictionState) -> DragTorque:
     """Return the drag torque from the friction of a screw without axial load.
 
-    It has a reason instead of a torque if no balance of friction was found.
+    If no balance of friction was found, the result has the reason instead of a torque.
     """
     return DragTorque(state.torque.friction) if state.settled else DragTorque(None, "no balance of friction found")
 
@@ -500,10 +514,10 @@ def friction_status(state: FrictionState) -> str:
 
 
 def _friction_assumptions(scene: Scene, result: StaticResult) -> list[str]:
-    """Return the assumptions of the scene and of the contact loads, a sentence each.
+    """Return the assumptions stated in the scene and those of the model that computed the contact loads, a sentence each.
 
-    ``result``: static result. An assumption of the contact loads alone begins with "contact loads:", because they are
-    computed by a model without friction.
+    ``result``: static result with the contact loads. An assumption of this model alone begins with "contact loads:",
+    because the model neglects friction.
     """
     return [line if line in scene.assumed else f"contact loads: {line}" for line in result.assumed]
 

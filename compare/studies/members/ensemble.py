@@ -61,7 +61,7 @@ CHUNK = 96
 
 @dataclass(frozen=True)
 class EnsembleResult:
-    """Contact loads of M specimens of a scene with random errors."""
+    """Contact loads of M specimens of a scene: each is the scene with its own drawn set of random errors."""
 
     #: Contact loads, (M, N, 4) [N]; nan without equilibrium.
     loads: Array
@@ -83,16 +83,16 @@ class EnsembleResult:
 
 
 def is_solved_in_one_pass(scene: Scene) -> bool:
-    """Return whether one pass of the solver on exact arcs solves each specimen, which batches of specimens require.
+    """Return whether a single solution with exact circular arcs solves a specimen, so that many can be solved together.
 
-    This is so if the specimens differ in ball sizes, pitch and roundness only, and Hertz constants do not follow the actual
+    This is so if specimens differ in ball sizes, pitch and roundness only, and if Hertz constants do not follow the actual
     contact angle.
     """
     return alike_in_shape(scene) and scene.ingredients.hertz != "actual"
 
 
 def run_ensemble(scene: Scene, members: int | None = None, first: int = 0, *, threads: int = 1) -> EnsembleResult:
-    """Solve specimens of a scene with random errors; contact loads agree with those of ``solve_static``.
+    """Solve specimens of a scene with random errors; each has the same contact loads as by ``solve_static``.
 
     Parameters
     ----------
@@ -122,7 +122,7 @@ def run_ensemble(scene: Scene, members: int | None = None, first: int = 0, *, th
 
 
 def work_of_loads(scene: Scene, result: StaticResult) -> float:
-    """Return the sum of a scene's loads times the displacements of their points of action [J].
+    """Return the sum of a scene's loads times the displacements of the points at which they act [J].
 
     Nan if the result has no displacements of the screw.
     """
@@ -136,10 +136,11 @@ def work_of_loads(scene: Scene, result: StaticResult) -> float:
 
 
 class _SpecimenBatch:
-    """Specimens of one ensemble: drawn errors, common system of equations, and results.
+    """Specimens of one ensemble that share a system of equations: drawn errors, the system, and results.
 
-    After `solve`, ``loads`` has the contact loads (M, N, 4) [N], ``residuals`` the relative residuals (M,), ``works`` the
-    loads times the displacements of their points of action (M,) [J], and ``solved`` tells which specimens have these.
+    After `solve`, ``loads`` has the contact loads (M, N, 4) [N] of M specimens with N balls, ``residuals`` the relative
+    residuals (M,), ``works`` the loads times the displacements of the points at which they act (M,) [J], and ``solved``
+    whether each specimen has a solution (M,).
     """
 
     def __init__(self, scene: Scene, count: int, first: int, threads: int) -> None:
@@ -153,12 +154,12 @@ class _SpecimenBatch:
         self.residuals, self.works = np.full(count, np.nan), np.full(count, np.nan)
 
     def _drawn_errors(self, members: NDArray[np.int64]) -> Specimens:
-        """Return the drawn errors of the specimens ``members``, numbered from the first one of the batch."""
+        """Return the drawn errors of some specimens; ``members``: their numbers in the batch."""
         centre = self.drawn.centre[members] if len(self.drawn.centre) > 1 else self.drawn.centre
         return Specimens(self.drawn.ball_radius[members], centre, self.drawn.radius)
 
     def solve(self) -> int:
-        """Solve all specimens, store their loads, and return how many were tried with all four flanks.
+        """Solve all specimens and store their loads in this object; return how many were tried with all four flanks.
 
         No specimen is solved if the scene cannot carry its loads.
         """
@@ -195,10 +196,10 @@ class _SpecimenBatch:
         return prepared
 
     def _solve_with_flanks(self, problem: Problem | None, members: NDArray[np.int64]) -> None:
-        """Solve specimens with the flanks of a problem, and store the accepted solutions.
+        """Solve some specimens with the flanks of a static problem, and store the accepted solutions in this object.
 
-        ``members``: numbers of the specimens in the batch. A solution is accepted only if no ball comes near a flank that
-        was left out.
+        ``problem``: static problem, None if it has a free rigid motion; ``members``: numbers of the specimens in the batch.
+        A solution is accepted only if no ball comes near a flank that the problem leaves out.
         """
         if problem is None:
             return
@@ -213,10 +214,10 @@ class _SpecimenBatch:
             list((map if self.threads == 1 else pool.map)(some, rest))
 
     def _solve_in_kernel(self, prepared: Beam, near: _LeftOutFlankCheck | None, members: NDArray[np.int64]) -> None:
-        """Solve some specimens in the compiled kernel, and store the accepted solutions.
+        """Solve some specimens in the compiled kernel, and store the solutions that are accepted in this object.
 
-        ``prepared``: common system of equations; ``near``: check of the flanks that were left out, None if none was;
-        ``members``: numbers of the specimens in the batch.
+        ``prepared``: common system of equations; ``near``: check of the flanks that the system leaves out, None if it has
+        all; ``members``: numbers of the specimens in the batch.
         """
         state, k = prepared.state, members.size
         arrays = self._kernel_arrays(prepared.problem, members)
@@ -245,7 +246,7 @@ class _SpecimenBatch:
 
 
 class _LeftOutFlankCheck:
-    """Check of many specimens for flanks that were left out although they could carry load.
+    """Check of solved specimens for flanks that were left out of the equations although they may carry load.
 
     A specimen with such a flank nearer than ``MARGIN`` to its ball is solved again with all four flanks.
     """
@@ -258,7 +259,7 @@ class _LeftOutFlankCheck:
         self.rows = np.stack(rows, axis=1).reshape(-1, problem.nodes.size * 6)
 
     def keeps_clear(self, motions: Array, centres: Array, geometry: Array, loads: Array) -> NDArray[np.bool_]:
-        """Return for each of k specimens whether no flank that was left out lies near a ball, (k,).
+        """Return for each of k specimens whether all flanks that the equations leave out stay clear of the balls, (k,).
 
         Parameters
         ----------
@@ -278,10 +279,10 @@ class _LeftOutFlankCheck:
 
 
 def _flank_motion_matrix(problem: Problem, layout: BallLayout, side: int) -> Array:
-    """Return the matrix from all nodal displacements to those of a screw flank in each ball's section, (N, 2, 6 n).
+    """Return the matrix that gives a screw flank's displacements at each ball from all nodal displacements, (N, 2, 6 n).
 
-    N: number of balls; n: number of nodes; the two rows of a ball are its radial direction and its binormal. ``side``:
-    flank, 0 for SL and 1 for SR.
+    N: number of balls; n: number of beam nodes; the two rows of a ball are the radial and the binormal component in the
+    section of the groove at the ball. ``side``: flank, 0 for SL (left) and 1 for SR (right).
     """
     n, size = layout.z.size, problem.nodes.size * 6
     out = np.zeros((n, 2, size))
@@ -301,15 +302,15 @@ def _flank_motion_matrix(problem: Problem, layout: BallLayout, side: int) -> Arr
 
 
 def ensemble_of_study(study: Study, name: str) -> EnsembleResult:
-    """Return the contact loads of specimens of a shipped scene with random errors, computed once for each study.
+    """Return the contact loads of specimens of a scene of the package, solved once for each comparison.
 
-    ``study``: comparison that states the number of specimens; ``name``: name of the scene.
+    ``study``: comparison that states the number of specimens; ``name``: name of the scene, which has random errors.
     """
     return study.once(_run_study_ensemble, name)
 
 
 def _run_study_ensemble(study: Study, name: str) -> EnsembleResult:
-    """Solve specimens of the shipped scene ``name``, as many as the study states."""
+    """Solve specimens of the scene ``name`` of the package, as many as the comparison ``study`` states."""
     return run_ensemble(study.scene(name), study.members)
 
 
@@ -354,7 +355,7 @@ ELASTIC = tuple(name for name in LADDER if name != "lin")
 
 @dataclass(frozen=True)
 class Block:
-    """Results of a block of k specimens."""
+    """Results of a block of k specimens with N balls each, which were solved together."""
 
     #: Contact loads, (k, N, 4) [N].
     loads: Array
@@ -377,23 +378,23 @@ def raceway_life_sum(load: Array) -> Array:
 
 
 def relative_life(load: Array, nominal: Array) -> Array:
-    """Return the life with random errors over the life without them, one ratio for each specimen.
+    """Return the life of each specimen with its random errors over the life without random errors.
 
-    ``load``: contact loads with random errors (..., N, 4) [N]; ``nominal``: contact loads without (N, 4) [N].
+    ``load``: contact loads with random errors (..., N, 4) [N] of N balls; ``nominal``: contact loads without (N, 4) [N].
     """
     with np.errstate(divide="ignore", invalid="ignore"):
         return np.asarray((raceway_life_sum(load) / raceway_life_sum(nominal)) ** (-1.0 / SYSTEM))
 
 
 def output_names(scene: Scene | Assembly) -> list[str]:
-    """Return the names of the outputs of a specimen in the order in which `Block` has their values."""
+    """Return the names of the outputs of a specimen, in the order in which `Block` holds their values."""
     if isinstance(scene, Scene):
         return [*KEPT]
     return [*WHOLE, *(f"set {i + 1} {key}" for i in range(len(scene.sets)) for key in OF_SET)]
 
 
 def ball_slices(scene: Scene | Assembly) -> tuple[slice | None, ...]:
-    """Return, for each nut or bearing, the slice of its balls in an array over all balls of the scene; None for rollers."""
+    """Return for each nut or bearing the range of its balls in an array over all balls of the scene; None for rollers."""
     if isinstance(scene, Scene):
         return (slice(0, scene.ball_count),)
     slices: list[slice | None] = []
@@ -406,9 +407,10 @@ def ball_slices(scene: Scene | Assembly) -> tuple[slice | None, ...]:
 
 
 def _change_ball_rows(scene: Scene | Assembly, change: Callable[[Scene, int], Scene]) -> Scene | Assembly:
-    """Return a scene with the parts of each nut or ball bearing changed by a function.
+    """Return a scene with the geometry of each nut or ball bearing changed by a function.
 
-    ``change``: function of the parts, and of the number of the nut or bearing from 0, that returns the changed parts.
+    ``change``: function that takes the geometry and the number of the nut or bearing from 0, and returns the changed
+    geometry.
     """
     if isinstance(scene, Scene):
         return change(scene, 0)
@@ -431,9 +433,10 @@ def _solve_specimens(
 ) -> tuple[Array, tuple[str, ...], Array, Array]:
     """Solve specimens of one nut or bearing under the scene's loads times a factor.
 
-    ``engine``: kind of kernels, "interpreted" or "compiled"; ``first``: number of the first specimen; ``count``: number k
-    of specimens. Returns contact loads (k, N, 4) [N], statuses, relative residuals (k,), and works of the loads (k,) [J],
-    in this order. With a factor other than 1 the specimens of an elastic model are first solved under the loads themselves.
+    ``engine``: whether numerical kernels run as plain Python ("interpreted") or as machine code ("compiled"); ``first``:
+    number of the first specimen; ``count``: number k of specimens; ``factor``: factor on the loads. Returns contact loads
+    (k, N, 4) [N] for N balls, statuses, relative residuals (k,), and works of the loads (k,) [J], in this order. With a
+    factor other than 1 the specimens of an elastic model are first solved under the loads themselves.
     """
     of, scene = scene, scaled(scene, factor) if factor != 1.0 else scene
     if model == "lin" and engine == "compiled":
@@ -453,9 +456,10 @@ def _solve_specimens(
 
 @lru_cache(maxsize=4)
 def _common_system(scene: Scene, model: str, engine: str, factor: float) -> ElasticMembers:
-    """Return the system of equations that all specimens of a scene share, from a cache.
+    """Return the system of equations that all specimens of a scene share; it is computed once in a process.
 
-    ``engine``: kind of kernels, "interpreted" or "compiled"; ``factor``: factor on the loads of the scene.
+    ``engine``: whether numerical kernels run as plain Python ("interpreted") or as machine code ("compiled"); ``factor``:
+    factor on the loads of the scene.
     """
     like = None if factor == 1.0 else _common_system(scene, model, engine, 1.0)
     loaded = scene if like is None else scaled(scene, factor)
@@ -472,7 +476,7 @@ def solve_block(scene: Scene | Assembly, model: str, engine: str, nominal: Array
     model
         Name of the model.
     engine
-        Kind of kernels: interpreted or compiled.
+        How numerical kernels run: "interpreted" (plain Python) or "compiled" (machine code).
     nominal
         Contact loads of all N balls without random errors, (N, 4) [N].
     first
@@ -509,7 +513,8 @@ def solve_block(scene: Scene | Assembly, model: str, engine: str, nominal: Array
 def _solve_axis_block(assembly: Assembly, model: str, kernels: str, nominal: Array, first: int, count: int) -> Block:
     """Solve a block of specimens of a shaft with several nuts and bearings.
 
-    ``kernels``: kind of kernels, "interpreted" or "compiled"; the other arguments are those of `solve_block`.
+    ``kernels``: whether numerical kernels run as plain Python ("interpreted") or as machine code ("compiled"); the other
+    arguments are those of `solve_block`.
     """
     results = [run_model(assembly, model, Options(engine=kernels, member=m)) for m in range(first, first + count)]
     where = ball_slices(assembly)
@@ -520,14 +525,18 @@ def _solve_axis_block(assembly: Assembly, model: str, kernels: str, nominal: Arr
 
 
 def contact_loads(result: Solved) -> Array:
-    """Return the contact loads of all balls of a scene, (N, 4) [N]."""
+    """Return the contact loads of all N balls of a static result, (N, 4) [N], on the flanks SL, SR, NL, NR.
+
+    Balls of several nuts and bearings come one nut or bearing after the other.
+    """
     return np.concatenate([b.load for b in result.of_balls()])
 
 
 def specimen_outputs(result: AxisResult, nominal: Array, where: Sequence[slice | None]) -> Array:
-    """Return the outputs of one specimen of a shaft in the order of `output_names`, nan where one does not exist.
+    """Return the outputs of one specimen of a shaft in the order of `output_names`, nan for an output that does not exist.
 
-    ``nominal``: contact loads without random errors, (N, 4) [N]; ``where``: balls of each nut or bearing, by `ball_slices`.
+    ``result``: its static result; ``nominal``: contact loads of all N balls without random errors, (N, 4) [N]; ``where``:
+    range of the balls of each nut or bearing, from `ball_slices`.
     """
     loads = contact_loads(result)
     lost = (loads == 0.0) & (nominal > 0.0)

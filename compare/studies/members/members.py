@@ -60,7 +60,10 @@ MOST = 10_000_000
 
 
 class LoadDistributions:
-    """Distribution of each contact load over the specimens, from running sums and histograms.
+    """Distribution of each contact load over the specimens of an ensemble, from running sums and histograms.
+
+    N is the number of balls; the four contacts of a ball are those on the flanks SL, SR, NL, NR (screw left and right, nut
+    left and right).
 
     Parameters
     ----------
@@ -78,10 +81,10 @@ class LoadDistributions:
         self.counts = np.zeros((*nominal.shape, BINS + 2), dtype=np.int64)
 
     def add_loads(self, loads: Array) -> None:
-        """Add the contact loads of k specimens; those without equilibrium are left out.
+        """Add the contact loads of k specimens; specimens without equilibrium are left out.
 
-        ``loads``: contact loads (k, N, 4) [N], nan without equilibrium. They are added one after the other in order, so
-        that the sums do not depend on the division into blocks.
+        ``loads``: contact loads (k, N, 4) [N] of N balls, nan without equilibrium. They are added one after the other in
+        order, so that the sums do not depend on the division into blocks.
         """
         counts, place = self.counts.reshape(-1, BINS + 2), np.arange(self.nominal.size)
         for load in loads[~np.isnan(loads[:, 0, 0])]:
@@ -100,28 +103,31 @@ class LoadDistributions:
 
     @property
     def mean(self) -> Array:
-        """Return the mean load of each contact, (N, 4) [N]."""
+        """Return the mean load of each contact, (N, 4) [N], for N balls and the flanks SL, SR, NL, NR."""
         return self.nominal + self._first / max(self._specimen_count, 1)
 
     @property
     def deviation(self) -> Array:
-        """Return the standard deviation of each contact load, (N, 4) [N]."""
+        """Return the standard deviation of each contact load, (N, 4) [N], for N balls and the flanks SL, SR, NL, NR."""
         n = self._specimen_count
         mean = self._first / max(n, 1)
         return np.asarray(np.sqrt(np.maximum(self._second - n * mean**2, 0.0) / max(n - 1, 1)))
 
     @property
     def smallest(self) -> Array:
-        """Return the smallest load of each contact, (N, 4) [N]."""
+        """Return the smallest load of each contact, (N, 4) [N], for N balls and the flanks SL, SR, NL, NR."""
         return np.where(np.isfinite(self._low), self._low, 0.0)
 
     @property
     def loaded(self) -> Array:
-        """Return the share of specimens in which each contact carries load, (N, 4)."""
+        """Return the fraction of specimens in which each contact carries load, (N, 4), for N balls and four flanks."""
         return 1.0 - self.counts[..., 0] / max(self._specimen_count, 1)
 
     def quantile(self, level: float) -> Array:
-        """Return a quantile of each contact load, (N, 4) [N], to within the bin width; ``level``: from 0 to 1."""
+        """Return a quantile of each contact load, (N, 4) [N], to within the bin width, for N balls and four flanks.
+
+        ``level``: level of the quantile, from 0 to 1.
+        """
         below = np.cumsum(self.counts, axis=-1)
         place = (below < level * below[..., -1:]).sum(axis=-1)
         return np.asarray(np.where(place == 0, 0.0, (place - 0.5) * self.width))
@@ -129,9 +135,9 @@ class LoadDistributions:
 
 @dataclass(frozen=True)
 class Members:
-    """Results of all specimens of a scene."""
+    """Results of all M specimens of an ensemble."""
 
-    #: The scene.
+    #: Scene with the random errors.
     scene: Scene | Assembly
     #: Name of the model.
     model: str
@@ -155,7 +161,7 @@ def run_members(
     step: Callable[[str], None] = lambda _: None,
     row: Callable[[int, str, Array], None] = lambda *_: None,
 ) -> Members:
-    """Solve the first ``count`` specimens of a scene.
+    """Solve the first ``count`` specimens of a scene, each with its own drawn set of random errors.
 
     Parameters
     ----------
@@ -168,7 +174,7 @@ def run_members(
     engine
         Where blocks of specimens are computed: number of processes or cluster.
     step
-        Called with lines of progress.
+        Function that is called with each line of progress.
     row
         Called with number, status and outputs (k,) of each specimen, in order.
 
@@ -209,7 +215,10 @@ def run_members(
 
 
 def _check_request(scene: Scene | Assembly, model: str, count: int) -> None:
-    """Raise InputError for an unknown model, a number of specimens out of range, or a scene without random errors."""
+    """Check an ensemble that a user requests, before anything is solved.
+
+    Raises InputError for an unknown model, a number of specimens out of range, or a scene without random errors.
+    """
     single = isinstance(scene, Scene)
     if single:
         known_model(model, without=("condensed",))
@@ -226,11 +235,11 @@ def _check_request(scene: Scene | Assembly, model: str, count: int) -> None:
 def _solve_blocks(
     arguments: tuple[Scene | Assembly, str, str, Array], count: int, engine: Engine, step: Callable[[str], None]
 ) -> Iterator[tuple[int, Block]]:
-    """Yield for each block the number of its first specimen, then its results; blocks come in order.
+    """Solve specimens in blocks, and yield for each block the number of its first specimen, then its results.
 
-    They may be finished in any order. ``arguments``: the first four arguments of `solve_block`: scene, model, kind of
-    kernels, and loads without random errors (N, 4) [N]; ``count``: number of specimens; ``step``: called with lines of
-    progress.
+    Blocks may be finished in any order but are yielded by increasing numbers. ``arguments``: first four arguments of
+    `solve_block` (scene, model, kind of kernels, contact loads without random errors); ``count``: number of specimens;
+    ``step``: function that is called with each line of progress.
     """
     least = LEAST if isinstance(arguments[0], Scene) else 1
     size = max(least, min(BLOCK, count // 16))  # depends on the count only, as the division into blocks affects round-off
@@ -290,17 +299,19 @@ def ensemble_for_library(
 ) -> dict[str, Any]:
     """Solve an ensemble for `rollbench.ensemble` and return its JSON values.
 
-    ``count``: number of specimens; ``seed``: seed of the random errors, None for that of the scene; ``workers``: number of
-    processes; ``step``: called with lines of progress. InputError for the faults that `run_members` refuses.
+    ``described``: scene or duty cycle; ``count``: number of specimens; ``seed``: seed of the random errors, None for that
+    of the scene; ``workers``: number of processes; ``step``: function that is called with each line of progress. Raises
+    InputError for the faults that `run_members` refuses.
     """
     each, cases = solve_ensemble(described, described.name, model, count, seed, Engine(workers=workers), step)
     return ensemble_json(described, each, cases)
 
 
 def ensemble_json(described: Described, each: Sequence[Members], cases: Sequence[str]) -> dict[str, Any]:
-    """Return the JSON values of an ensemble, for each load case if the scene has several.
+    """Return the JSON values of an ensemble, which has entries for each load case if the scene has several.
 
-    ``each``: results for each load case; ``cases``: names of the load cases, empty for a scene without load cases.
+    ``described``: scene or duty cycle; ``each``: results for each load case; ``cases``: names of the load cases, empty for
+    a scene without load cases.
     """
     data = [members_json(batch) for batch in each]
     by_case = [{"case": case} | x for case, x in zip(cases, data, strict=True)] if cases else []
@@ -320,9 +331,9 @@ def solve_ensemble(
     """Solve the specimens of a scene for each of its load cases.
 
     ``name``: file or name of the scene in error messages; ``count``: number of specimens; ``seed``: seed of the random
-    errors, None for that of the scene; ``step``: called with lines of progress; ``csv_out``: file for the outputs of each
-    specimen, or None. Returns the results for each load case, then the names of the load cases (none for a scene without
-    load cases). InputError for the faults that `run_members` refuses.
+    errors, None for that of the scene; ``step``: function that is called with each line of progress; ``csv_out``: file for
+    the outputs of each specimen, or None. Returns the results for each load case, then the names of the load cases (none
+    for a scene without load cases). Raises InputError for the faults that `run_members` refuses.
     """
     if seed is not None and not 0 <= seed < 2**62:
         raise ArgumentError("seed", str(seed), f"0 to {2**62 - 1}", "leave `seed` out for the seed of the scene")
@@ -337,19 +348,20 @@ def solve_ensemble(
 
 
 def _write_row(write: Callable[[list[Any]], None], head: Sequence[str], member: int, status: str, kept: Array) -> None:
-    """Write one specimen's row of a CSV file: load case if any, number, status, outputs.
+    """Write the row of one specimen to a CSV file: load case if there are several, number, status, outputs.
 
     ``write``: function that writes a row; ``head``: name of the load case, or empty; ``member``: number of the specimen;
-    ``kept``: outputs, of which nan becomes an empty cell.
+    ``kept``: outputs of the specimen, of which nan becomes an empty cell.
     """
     write([*head, member, status, *("" if np.isnan(v) else repr(float(v)) for v in kept)])
 
 
 @contextmanager
 def _open_csv(path: Path | None, names: Sequence[str]) -> Iterator[Callable[[list[Any]], None]]:
-    """Yield a function that writes rows to a CSV file with the columns ``names``; without a file it does nothing.
+    """Open a CSV file with the columns ``names``, and yield a function that writes a row to it.
 
-    The file gets its name only when it is complete. ArgumentError if it cannot be written.
+    ``path``: the file; None: the function does nothing. The file appears under its name only when it is complete. Raises
+    ArgumentError if it cannot be written.
     """
     if path is None:
         yield lambda *_: None
@@ -371,9 +383,10 @@ def _open_csv(path: Path | None, names: Sequence[str]) -> Iterator[Callable[[lis
 
 
 def members_json(members: Members) -> dict[str, Any]:
-    """Return the JSON values of an ensemble: statistics of the outputs, failures, distribution of every loaded contact.
+    """Return the JSON values of an ensemble: statistics of the outputs, failures, and distributions of the contact loads.
 
-    For a shaft, statistics of each nut or bearing are in "sets", and rows of "balls" begin with the number of their set.
+    For a shaft, the statistics of each nut or bearing are in "sets", and rows of "balls" begin with the number of the nut
+    or bearing.
     """
     scene, kept = members.scene, members.kept
     counts: dict[str, Any] = {"members": len(kept), "converged": len(kept) - len(members.failed)}
@@ -407,7 +420,10 @@ def _statistics_by_set(members: Members, assembly: Assembly) -> list[dict[str, A
 
 
 def _ball_bands(bands: LoadDistributions) -> list[list[dict[str, Any]]]:
-    """Return for every ball a list with a JSON row for each loaded contact, which has the distribution of its load [N]."""
+    """Return for every ball a list with one JSON row per loaded contact, which describes the distribution of its load [N].
+
+    ``bands``: distributions of the contact loads.
+    """
     found = {
         "without_random_errors_N": bands.nominal,
         "mean_N": bands.mean,

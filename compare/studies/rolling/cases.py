@@ -38,7 +38,7 @@ MOVING = np.array([False, False, True, True])
 
 @dataclass(frozen=True)
 class RollingCase:
-    """Friction scene as the 3D model of rolling takes it, with balls far apart and touching."""
+    """Friction scene in the form that the 3D model of rolling needs, with balls far apart and with balls that touch."""
 
     #: Name of the scene.
     name: str
@@ -57,7 +57,7 @@ class RollingCase:
 
 
 def rolling_case(scene: KindScene, choices: Choices) -> RollingCase:
-    """Return a friction scene as the 3D model of rolling takes it, with its contact loads solved.
+    """Return a friction scene in the form that the 3D model of rolling needs, with its contact loads solved.
 
     Parameters
     ----------
@@ -87,20 +87,23 @@ def rolling_case(scene: KindScene, choices: Choices) -> RollingCase:
 
 
 def _refuse_scene(scene: KindScene, key: str, reason: str, advice: str) -> None:
-    """Raise Refusal for a key of a scene that the 3D model of rolling does not cover."""
+    """Raise Refusal for a feature of a scene that the 3D model of rolling does not cover.
+
+    ``key``: key of the scene file with this feature; ``reason`` and ``advice``: parts of the message.
+    """
     raise Refusal(scene.name, key, reason, advice)
 
 
 def _contact_directions(angles: Array, senses: Array) -> Array:
-    """Return the unit vectors (..., 2) of contact normals.
+    """Return the unit vectors (..., 2) of contact normals in the section of the groove.
 
-    ``angles``: contact angles (...,) [rad]; ``senses``: signs of the components (..., 2).
+    ``angles``: contact angles (...,) [rad]; ``senses``: signs of the two components (..., 2).
     """
     return np.asarray(senses * np.stack([np.sin(angles), np.cos(angles)], axis=-1))
 
 
 def _linear_case(scene: LinearScene) -> RollingCase:
-    """Return the balls of a linear bearing for the 3D model; Refusal for too many balls or no motion."""
+    """Return the balls of a linear bearing for the 3D model; raises Refusal for too many balls or no motion."""
     b, count = scene.bearing, len(scene.side)
     if count > MOST:
         _refuse_scene(
@@ -130,8 +133,8 @@ def _linear_case(scene: LinearScene) -> RollingCase:
 def _loads_at_given_angles(scene: LinearScene, normals: Array, rho: float) -> Array:
     """Return the contact loads (4,) [N] that balance a ball of a linear bearing at given contact angles.
 
-    ``normals``: contact normals (4, 2); with the distribution "diagonal" the nominal contact angle is taken instead;
-    ``rho``: side force over vertical force.
+    ``normals``: contact normals (4, 2) of the contacts BL, BR, TR, TL (bottom left to top left); they are replaced by those
+    of the nominal contact angle if the scene's distribution is "diagonal"; ``rho``: side force over vertical force.
     """
     if scene.distribution == "diagonal":
         normals = _contact_directions(np.full(4, scene.bearing.contact_angle), LINEAR)
@@ -143,7 +146,7 @@ def _loads_at_given_angles(scene: LinearScene, normals: Array, rho: float) -> Ar
 def _loads_with_elastic_angles(
     scene: LinearScene, layout: Layout, material: Material, normals: Array, rho: float
 ) -> tuple[Array, Array]:
-    """Return contact normals (4, 2), then loads (4,) [N], of a linear bearing's ball whose contact angles follow the loads.
+    """Return contact normals (4, 2) and loads (4,) [N] of a linear bearing's ball whose contact angles follow the loads.
 
     ``layout``: geometry of the balls; ``normals``: contact normals without load (4, 2); ``rho``: side force over vertical
     force.
@@ -165,9 +168,10 @@ def _loads_with_elastic_angles(
 
 
 def _screw_case(scene: ScrewPairScene, choices: Choices) -> RollingCase:
-    """Return two balls of a ball screw for the 3D model; Refusal for features that the model does not have.
+    """Return two balls of a ball screw for the 3D model.
 
-    These are printed Hertz constants, friction that moves the screw, and a groove at rest. ``choices``: grid of contacts.
+    ``choices``: grid of the contacts. Raises Refusal for features that the model does not have: printed Hertz constants,
+    friction that moves the screw, and a groove at rest.
     """
     pair, g = scene.pair, scene.pair.groove
     if g.hertz != "right":
@@ -227,9 +231,10 @@ def _screw_case(scene: ScrewPairScene, choices: Choices) -> RollingCase:
 
 
 def _bearing_case(scene: BearingBallScene) -> RollingCase:
-    """Return one ball of a rotary bearing for the 3D model; Refusal for features that the model does not have.
+    """Return one ball of a rotary bearing for the 3D model.
 
-    These are friction laws other than Coulomb's, Hertz constants other than the exact ones, and a ring at rest.
+    Raises Refusal for features that the model does not have: friction laws other than Coulomb's, Hertz constants other than
+    the exact ones, and a ring at rest.
     """
     b = scene.bearing
     if scene.law != "coulomb" or b.hertz != "right":

@@ -1,6 +1,8 @@
 """Rolling balls: low-order models against the 3D model with its uncertainty and printed values, and the gate on them.
 
-Also the change of ball-to-ball forces with numerical choices, and their development from rest.
+Also the change of ball-to-ball forces with numerical choices, their development from rest, and the rows of
+``rollbench compare`` and ``rollbench mesh-study`` for scenes of rolling balls. The 3D results are stored ones, or new ones
+that are then stored.
 """
 
 from __future__ import annotations
@@ -14,10 +16,12 @@ from typing import Any
 
 import numpy as np
 
+from rollbench.compare.errors import ArgumentError
 from rollbench.compare.gate.gate import GateRow
 from rollbench.compare.measure import error_percent
 from rollbench.compare.models.study import Study
 from rollbench.compare.printed import entry
+from rollbench.compare.reference.jobs import Engine
 from rollbench.compare.reference.levels import FINITE, HALF_SPACE
 from rollbench.compare.reference.store import shipped_store
 from rollbench.compare.scenes.catalogue import case as shipped_case
@@ -31,9 +35,13 @@ from rollbench.compare.studies.rolling.runs import (
     LINEAR,
     SCENES,
     SHAPE,
+    SOURCE_LEVEL,
+    SOURCE_SIZE,
     BodyVariant,
     RollingRun,
     body_variants,
+    check_levels,
+    find_or_compute_runs,
     largest_choice_effect,
     load_run,
 )
@@ -48,7 +56,8 @@ from rollbench.lowfi.friction.screw.run import solve_pair
 def solve_low_order(scene: KindScene) -> tuple[dict[str, float], float, str]:
     """Solve a friction scene of rolling balls by the low-order model.
 
-    Returns the values by names that end in the unit, the time of a second solution [s], and the status.
+    Returns forces, speeds and losses by names that end in the unit, then the time of a second solution [s], then the
+    status.
     """
     kinds: dict[type[KindScene], Callable[[Any], tuple[dict[str, float], str]]]
     kinds = {
@@ -141,7 +150,7 @@ KNOWN = {
 
 @dataclass(frozen=True)
 class RollingRow:
-    """One quantity of one scene: low-order value, 3D reference with uncertainty, printed values."""
+    """One quantity of one scene by the low-order model and by the 3D model of rolling, and its printed values."""
 
     #: Name of the scene.
     scene: str
@@ -179,7 +188,7 @@ class RollingRow:
     measured_with: str = ""
 
     def as_json(self) -> dict[str, Any]:
-        """Return JSON values."""
+        """Return all fields as JSON values."""
         return asdict(self)
 
 
@@ -196,9 +205,10 @@ UNSTATED = ": +- is the scatter of the grids, without the uncertainty of the loa
 
 
 def load_state(name: str) -> str | None:
-    """Return the interpretation of a scene's contact loads: "plain" or "inferred"; None if Lin's thesis prints them.
+    """Return how contact loads that Lin's thesis does not print were found, "plain" or "inferred"; None if it prints them.
 
-    ``name``: name of the scene. Loads are not printed for the scenes of Table 3.7 of Lin's thesis.
+    ``name``: name of the scene. The loads are not printed for the scenes of Table 3.7 of Lin's thesis, so that two scenes
+    exist for each of its cases.
     """
     table = PRINTED.get(name.removesuffix(".toml"))
     if table is None or table[0] != "lin-3.7":
@@ -207,10 +217,11 @@ def load_state(name: str) -> str | None:
 
 
 def quantity_uncertainty(runs: Sequence[RollingRun], name: str) -> float:
-    """Return the uncertainty of a quantity of the 3D model of rolling, in its unit; infinite with one grid.
+    """Return the uncertainty of a quantity by the 3D model of rolling, in its unit; infinite with a single grid.
 
-    It is the largest difference of a grid from the finest one times `SAFETY`, plus the difference of the two quadratures of
-    the rigid limit. ``runs``: runs from coarse to fine; ``name``: name of the quantity with its unit.
+    It is the largest difference of a grid from the finest one times `SAFETY`, plus the difference between two quadratures
+    of the limit of rigid bodies. ``runs``: solutions on several grids, from coarse to fine; ``name``: name of the quantity
+    with its unit.
     """
     values = [r.values[name] for r in runs]
     if len(values) < 2:
@@ -219,7 +230,7 @@ def quantity_uncertainty(runs: Sequence[RollingRun], name: str) -> float:
 
 
 def scene_rows(scene: KindScene, runs: Sequence[RollingRun], half_space: RollingRun | None = None) -> list[RollingRow]:
-    """Return the rows of a scene: each quantity by the low-order model and by the 3D model of rolling.
+    """Return the comparison of a scene by the low-order model and by the 3D model of rolling, one entry for each quantity.
 
     Parameters
     ----------
@@ -272,9 +283,9 @@ def scene_rows(scene: KindScene, runs: Sequence[RollingRun], half_space: Rolling
 
 
 def is_within_limit(row: RollingRow) -> bool:
-    """Return whether the low-order model is within `LIMIT` of the 3D model, with the uncertainty of the latter deducted.
+    """Return whether the error of the low-order model against the 3D model is at most `LIMIT`.
 
-    At most the limit itself is deducted.
+    The uncertainty of the 3D model is first deducted from the error, but at most `LIMIT` itself.
     """
     if row.error_percent is None:
         return row.low == row.reference or (row.low is not None and abs(row.low - row.reference) <= row.uncertainty + 1e-9)
@@ -282,9 +293,10 @@ def is_within_limit(row: RollingRow) -> bool:
 
 
 def stored_rows(name: str, stores: Sequence[Path], bodies: str = HALF_SPACE) -> list[RollingRow]:
-    """Return the rows of a shipped scene from stored runs of the 3D model on all grids; empty if a run is missing.
+    """Return the comparison of a scene of the package with stored solutions of the 3D model of rolling on all grids.
 
-    ``name``: name of the scene; ``stores``: folders with runs; ``bodies``: kind of the bodies, "half-space" or finite.
+    ``name``: name of the scene; ``stores``: folders with solutions; ``bodies``: bodies of the 3D model, half spaces
+    ("half-space") or finite. The list is empty if a solution is missing.
     """
     scene = shipped_case(name, KindScene)
     found = [load_run(scene, level, stores, bodies) for level in LEVELS]
@@ -297,11 +309,11 @@ def stored_rows(name: str, stores: Sequence[Path], bodies: str = HALF_SPACE) -> 
 
 
 def rolling_rows(study: Study, max_error: float) -> list[GateRow]:
-    """Check low-order models of rolling balls against stored runs of the 3D model: ball-to-ball forces and torques.
+    """Check ball-to-ball forces and torques of low-order models of rolling balls against stored solutions of the 3D model.
 
-    ``max_error``: largest error [%] that the gate allows; the limit is this or `LIMIT`, whichever is smaller. A quantity
-    beyond the limit passes if `KNOWN` lists it with the cause. A quantity that is listed there and is within the limit
-    fails.
+    These rows are a part of ``rollbench check``. ``max_error``: largest allowed error [%]; the limit is this or `LIMIT`,
+    whichever is smaller. A quantity beyond the limit passes if `KNOWN` lists it with the cause. A quantity that is listed
+    there and is within the limit fails.
     """
     out: list[GateRow] = []
     stores = study.stores or (shipped_store(),)
@@ -329,7 +341,7 @@ DURATION, GAP, STEPS = 0.1, 1e-6, (10, 50, 100)
 
 @dataclass(frozen=True)
 class RunFromRest:
-    """Two balls of a linear bearing that start from rest: force and speeds over time, by the 3D model of rolling."""
+    """Simulation of two balls of a linear bearing that start from rest, by the 3D model of rolling."""
 
     #: Number of time steps.
     steps: int
@@ -343,13 +355,16 @@ class RunFromRest:
     steady: float
     #: Processor time [s].
     seconds: float
-    #: Status.
+    #: Status of the solver.
     status: str
 
 
 @lru_cache(maxsize=1)
 def runs_from_rest() -> tuple[RunFromRest, ...]:
-    """Compute two balls of a linear bearing from rest, with each number of time steps of ``STEPS``; cached."""
+    """Simulate two balls of a linear bearing that start from rest, with each number of time steps in `STEPS`.
+
+    The results are computed once in a process.
+    """
     choices = Choices(SHAPE)
     scene = rolling_case(shipped_case("lin-pair-a", LinearPairScene), choices).touching
     steady = float(solve_rolling(scene, choices).force[0])
@@ -397,7 +412,7 @@ class ChoiceEffect:
 def effects_of_choices(
     stores: Sequence[Path], series: Sequence[RunFromRest], sizes: Sequence[BodyVariant]
 ) -> tuple[ChoiceEffect, ...]:
-    """Return the effects of numerical choices on the ball-to-ball force, for each scene of `SCENES` with stored runs.
+    """Return how numerical choices of the 3D model change the ball-to-ball force, for the scenes with stored solutions.
 
     Parameters
     ----------
@@ -414,7 +429,7 @@ def effects_of_choices(
 def _effects_in_scene(
     name: str, stores: Sequence[Path], series: Sequence[RunFromRest], sizes: Sequence[BodyVariant]
 ) -> Iterator[ChoiceEffect]:
-    """Yield the effects of grid, finite bodies, time step and regularisation on the ball-to-ball force in one scene.
+    """Yield how grid, finite bodies, time step and regularisation of friction change the ball-to-ball force in one scene.
 
     ``name``: name of the scene; the other arguments are those of `effects_of_choices`.
     """
@@ -442,23 +457,95 @@ def _effects_in_scene(
 
 
 def _ball_to_ball_force(scene: Rolling, choices: Choices, path: tuple[float, ...] = PATH) -> float:
-    """Return the force between the first two balls [N]; nan if the solver does not converge.
+    """Solve a system of rolling balls in 3D and return the force between the first two balls [N].
 
-    ``choices``: grid and bodies; ``path``: creeping speeds of the regularised friction law over the largest slip, in the
-    order in which the solver steps through them.
+    ``scene``: the system; ``choices``: grid and bodies; ``path``: creep speeds of the regularised friction law over the
+    largest sliding speed, in the order in which the solver takes them. Nan if the solver does not converge.
     """
     found = solve_rolling(scene, choices, path=path)
     return float(found.force[0]) if found.converged else np.nan
 
 
 def _largest_error_percent(values: Sequence[float], reference: float) -> float:
-    """Return the largest magnitude of the errors of ``values`` against a reference value [%]."""
+    """Return the largest absolute error of several values against a reference value [% of the reference value]."""
     return float(np.max([abs(float(error_percent(value, reference))) for value in values]))
 
 
 def _force_uncertainty_percent(name: str, stores: Sequence[Path], *bodies: str) -> float | None:
-    """Return the stated uncertainty of the ball-to-ball force of a scene [%]; None without stored runs.
+    """Return the uncertainty of the ball-to-ball force of a scene by the 3D model [%]; None without stored solutions.
 
-    ``bodies``: kind of the bodies; half spaces if left out.
+    ``name``: name of the scene; ``stores``: folders with solutions; ``bodies``: bodies of the 3D model, as in
+    `stored_rows`.
     """
     return next((row.uncertainty_percent for row in stored_rows(name, stores, *bodies) if row.quantity == FORCE), None)
+
+
+def rolling_comparison(
+    scenes: Sequence[KindScene], levels: tuple[int, ...] | None, store: Path, engine: Engine, *, fresh: bool, bodies: str
+) -> list[RollingRow]:
+    """Compare low-order models of rolling balls with the 3D model, for each quantity of each scene.
+
+    ``levels``: levels of the 3D model's grids, None for all; ``store``: folder for new 3D solutions; ``engine``: number of
+    processes, or cluster, that compute them; ``fresh``: whether stored solutions are computed again; ``bodies``: bodies of
+    the 3D model, a key of `runs.BODIES`. Raises InputError for an unknown level, and Refusal if a solution did not
+    converge.
+    """
+    wanted = check_levels(levels or tuple(LEVELS))
+    out: list[RollingRow] = []
+    for scene in scenes:
+        found = find_or_compute_runs(scene, wanted, store, engine, fresh=fresh, bodies=bodies)
+        half_space = (
+            None if bodies == HALF_SPACE else find_or_compute_runs(scene, wanted[-1:], store, Engine(), fresh=False)[0]
+        )
+        out += scene_rows(scene, found, half_space)
+    return out
+
+
+def rolling_mesh_study(
+    scenes: Sequence[KindScene], levels: int | None, store: Path, engine: Engine, *, source: bool, fresh: bool, bodies: str
+) -> list[dict[str, Any]]:
+    """Return table rows with the value of every quantity on every grid of the 3D model, and its uncertainty from all grids.
+
+    ``levels``: number of grids from the coarsest on, None for all; ``store``: folder for new solutions; ``engine``: number
+    of processes, or cluster, that compute them; ``source``: whether a grid with the element size of Lin's thesis is added;
+    ``fresh``: whether stored solutions are computed again; ``bodies``: bodies of the 3D model, a key of `runs.BODIES`.
+    Raises InputError for a number of grids out of range, and Refusal if a solution did not converge.
+    """
+    levels = len(LEVELS) if levels is None else levels
+    if not 1 <= levels <= len(LEVELS):
+        raise ArgumentError("levels", str(levels), f"1 to {len(LEVELS)}", "take three levels, which show the scatter")
+    out: list[dict[str, Any]] = []
+    for scene in scenes:
+        wanted = [*([SOURCE_LEVEL] if source and scene.kind in SOURCE_SIZE else []), *range(1, levels + 1)]
+        found = find_or_compute_runs(scene, wanted, store, engine, fresh=fresh, bodies=bodies)
+        grids = [run for run in found if run.level != SOURCE_LEVEL]
+        for key in found[-1].values:
+            share = without_infinity({"uncertainty": quantity_uncertainty(grids, key)})
+            out += [study_row(scene.name, run, key) | share for run in found]
+    return out
+
+
+def without_infinity(row: dict[str, Any]) -> dict[str, Any]:
+    """Return a table row with None in place of infinite values."""
+    return {k: None if isinstance(v, float) and abs(v) == float("inf") else v for k, v in row.items()}
+
+
+def study_row(name: str, run: RollingRun, key: str) -> dict[str, Any]:
+    """Return a table row with one quantity by the 3D model on one grid.
+
+    The row has the value, the limit for rigid bodies, and the effect of elasticity on this grid. ``name``: name of the
+    scene; ``run``: solution on the grid; ``key``: name of the quantity with its unit.
+    """
+    return {
+        "scene": name,
+        "load_state": load_state(name),
+        "quantity": key,
+        "level": "source" if run.level == SOURCE_LEVEL else str(run.level),
+        "cells": f"{run.shape[0]} x {run.shape[1]}",
+        "value": run.values[key],
+        "grid_alone": run.elastic[key],
+        "elasticity": run.elastic[key] - run.near_rigid[key],
+        "rigid_limit": run.limit[key],
+        "energy_lost_percent": 100.0 * run.upwind,
+        "seconds": run.seconds,
+    }

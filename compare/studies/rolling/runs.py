@@ -21,12 +21,14 @@ from time import process_time
 
 import numpy as np
 
-from rollbench.compare.errors import Refusal
+from rollbench.compare.errors import ArgumentError, Refusal
 from rollbench.compare.files import replace_file
 from rollbench.compare.measure import error_percent
+from rollbench.compare.reference.jobs import Engine
 from rollbench.compare.reference.levels import FINITE, HALF_SPACE
+from rollbench.compare.reference.parallel import as_done
 from rollbench.compare.reference.store import Measured, measuring_conditions, shipped_store
-from rollbench.compare.running import out_of_memory
+from rollbench.compare.running import on_terminal, out_of_memory
 from rollbench.compare.scenes.catalogue import case as shipped_case
 from rollbench.compare.scenes.friction_kinds.common import KindScene
 from rollbench.compare.studies.rolling.cases import RollingCase, rolling_case
@@ -60,7 +62,7 @@ SOURCE_SIZE = {"linear pair": 0.13e-3, "linear chain": 0.13e-3, "screw pair": 0.
 
 @dataclass(frozen=True)
 class RollingRun:
-    """Run of the 3D model of rolling for one scene on one grid."""
+    """Solution of one scene on one grid by the 3D model of rolling."""
 
     #: Name of the scene.
     scene: str
@@ -111,14 +113,15 @@ class RollingRun:
 
     @property
     def values(self) -> dict[str, float]:
-        """Values on the grid by name: effect of elasticity on this grid, plus the rigid limit."""
+        """Values by name: effect of elasticity on this grid, plus the limit for rigid bodies."""
         return {k: self.limit[k] + self.elastic[k] - self.near_rigid[k] for k in self.elastic}
 
 
 def run_key(scene: KindScene, level: int, bodies: str = HALF_SPACE) -> str:
-    """Return the digest of everything that affects the numbers of a run, 16 hexadecimal digits; texts do not.
+    """Return the digest, 16 hexadecimal digits, of all inputs that affect the numbers of a 3D solution of rolling.
 
-    ``level``: level of the grid; ``bodies``: kind of the bodies, a key of `BODIES`.
+    Names and remarks of the scene do not change it. ``level``: level of the grid; ``bodies``: kind of the bodies, a key of
+    `BODIES`.
     """
     scene = replace(scene, name="", title="", source="", assumed=())
     content = (SCHEMA, scene, level, LEVELS.get(level), SOURCE_SIZE.get(scene.kind), QUADRATURES, balls.NEARLY_RIGID)
@@ -127,15 +130,20 @@ def run_key(scene: KindScene, level: int, bodies: str = HALF_SPACE) -> str:
 
 
 def run_path(store: Path, scene: KindScene, level: int, bodies: str = HALF_SPACE) -> Path:
-    """Return the file of a run in a store."""
+    """Return the path of the JSON file of a 3D solution of rolling.
+
+    ``store``: folder; ``level``: level of the grid; ``bodies``: kind of the bodies, a key of `BODIES`.
+    """
     what = "" if bodies == HALF_SPACE else f"-{bodies}"
     return store / f"rolling-{Path(scene.name).stem}{what}-level{level}-{run_key(scene, level, bodies)}.json"
 
 
 def load_run(scene: KindScene, level: int, stores: Sequence[Path], bodies: str = HALF_SPACE) -> RollingRun | None:
-    """Return the stored run of a scene on a grid, from the first store that has it; None without one.
+    """Return the stored 3D solution of a scene of rolling balls on one grid; None without one.
 
-    A run is also found if the scene had another name when it was made. Damaged files are ignored.
+    ``level``: level of the grid; ``stores``: folders, of which the first that has the solution counts; ``bodies``: kind of
+    the bodies, a key of `BODIES`. A solution is also found if the scene had another name when it was stored. Damaged files
+    are ignored.
     """
     key = run_key(scene, level, bodies)
     for store in stores:
@@ -149,16 +157,16 @@ def load_run(scene: KindScene, level: int, stores: Sequence[Path], bodies: str =
 
 
 def save_run(store: Path, scene: KindScene, run: RollingRun) -> Path:
-    """Write a run to a store and return its file."""
+    """Write a 3D solution of rolling to a JSON file in the folder ``store``, and return the path of the file."""
     path = run_path(store, scene, run.level, run.bodies)
     replace_file(path, json.dumps(asdict(run), indent=1) + "\n")
     return path
 
 
 def grid_shape(case: RollingCase, level: int) -> tuple[int, int]:
-    """Return the numbers of cells of a contact on a level of the grid: along the groove, then across it.
+    """Return the numbers of cells of a contact along and across the groove, on a level of the grid.
 
-    On `SOURCE_LEVEL` these are as many cells of the element size of Lin's thesis as fit into the largest contact.
+    On `SOURCE_LEVEL` as many cells with the element size of Lin's thesis are taken as fit into the largest contact.
     """
     if level != SOURCE_LEVEL:
         return LEVELS[level]
@@ -169,7 +177,7 @@ def grid_shape(case: RollingCase, level: int) -> tuple[int, int]:
 
 
 def compute_run(scene: KindScene, level: int, bodies: str = HALF_SPACE, processes: int = 1) -> RollingRun:
-    """Compute a scene by the 3D model of rolling on one grid.
+    """Solve a scene of rolling balls by the 3D model on one grid.
 
     Parameters
     ----------
@@ -205,7 +213,7 @@ def compute_run(scene: KindScene, level: int, bodies: str = HALF_SPACE, processe
 
 
 def _solve_on_grid(scene: KindScene, level: int, bodies: str, processes: int) -> RollingRun:
-    """Solve a scene on one grid with elastic, nearly rigid and flat bodies and in the rigid limit, and return the run.
+    """Solve a scene on one grid with elastic, nearly rigid and flat bodies, and in the limit of rigid bodies.
 
     The arguments are those of `compute_run`.
     """
@@ -243,9 +251,9 @@ def _solve_on_grid(scene: KindScene, level: int, bodies: str, processes: int) ->
 
 
 def _solve_apart_and_touching(case: RollingCase, choices: balls.Choices) -> tuple[balls.RollingResult, balls.RollingResult]:
-    """Return the solution of a case with balls far apart, then that with touching balls.
+    """Return the solution with balls far apart, then the solution with balls that touch.
 
-    Where both are the same system, one solution serves both. ``choices``: grid and bodies.
+    ``case``: both systems of balls; if they are the same, they are solved once. ``choices``: grid and bodies.
     """
     apart = balls.solve_rolling(case.apart, choices)
     return apart, (apart if case.touching is case.apart else balls.solve_rolling(case.touching, choices))
@@ -254,9 +262,10 @@ def _solve_apart_and_touching(case: RollingCase, choices: balls.Choices) -> tupl
 def named_values(
     case: RollingCase, apart: balls.RollingResult | balls.RigidResult, touching: balls.RollingResult | balls.RigidResult
 ) -> dict[str, float]:
-    """Return forces, speeds, losses and torque of a solved case, by names that end with the unit.
+    """Return forces, speeds, losses and torque of a solved case, by names that end with the unit, such as "force 1-2 N".
 
-    ``apart``, ``touching``: solution with balls far apart, and that with touching balls.
+    ``case``: scene as the 3D model takes it; ``apart`` and ``touching``: its solution with balls far apart, and with balls
+    that touch.
     """
     out: dict[str, float] = {}
     linear = case.kind.startswith("linear")
@@ -280,7 +289,7 @@ def named_values(
 
 
 def _loaded_contacts(scene: Rolling) -> list[int]:
-    """Return the indices of the loaded contacts of the first ball."""
+    """Return the indices of the loaded contacts of the first ball of a system."""
     return [k for k, t in enumerate(scene.balls[0].touches) if t.load > 0.0]
 
 
@@ -304,16 +313,19 @@ NAMES = ("force 1-2 N", "loss apart mW", "loss touching mW", "increase %")
 
 @dataclass(frozen=True)
 class BodyVariant:
-    """Forces and losses of rolling balls with one modelling choice of the finite bodies changed."""
+    """Forces and losses of rolling balls if one modelling choice of the finite bodies is changed."""
 
     #: Description of the choice.
     choice: str
-    #: Values by name.
+    #: Forces [N], losses [mW] and the increase of the loss [%], by names such as "force 1-2 N".
     values: dict[str, float]
 
 
 def body_variants() -> dict[str, tuple[str, Sizes | None]]:
-    """Return the scene and the body sizes of each variant by its description; sizes None for half spaces."""
+    """Return the variants of the finite bodies: by description, the name of a scene and the sizes of its bodies.
+
+    Sizes are None for half spaces.
+    """
     sizes = BODIES[FINITE]
     assert sizes is not None
     return {
@@ -333,7 +345,7 @@ def body_variants() -> dict[str, tuple[str, Sizes | None]]:
 
 
 def compute_variant(choice: str) -> BodyVariant:
-    """Compute the forces and losses of a variant of the finite bodies; ``choice``: its description in `body_variants`."""
+    """Solve a scene with one variant of the finite bodies; ``choice``: a description of `body_variants`."""
     name, sizes = body_variants()[choice]
     scene = shipped_case(name, KindScene)
     case = rolling_case(scene, Choices(SHAPE))
@@ -348,7 +360,7 @@ def compute_variant(choice: str) -> BodyVariant:
 
 @lru_cache(maxsize=1)
 def compute_body_variants() -> tuple[BodyVariant, ...]:
-    """Compute all variants of the finite bodies; cached."""
+    """Solve all variants of the finite bodies; the results are computed once in a process."""
     return tuple(compute_variant(choice) for choice in body_variants())
 
 
@@ -364,7 +376,7 @@ LIVE = "3 x 3 cells in the contact zone instead of 4 x 4"
 
 @dataclass(frozen=True)
 class StoredVariants:
-    """Variants of the finite bodies, with a sentence on whether they were stored or computed."""
+    """Results of the variants of the finite bodies, with a sentence on whether they were stored or computed."""
 
     #: The variants.
     variants: tuple[BodyVariant, ...]
@@ -373,14 +385,14 @@ class StoredVariants:
 
 
 def variants_key() -> str:
-    """Return the digest of everything on which the stored variants of the finite bodies depend, texts excepted."""
+    """Return the digest of all inputs that affect the stored variants of the finite bodies, without texts such as names."""
     return digest(*(run_key(shipped_case(name, KindScene), 1, FINITE) for name in SCENES), body_variants())
 
 
 def find_body_variants(stores: Sequence[Path], *, fresh: bool) -> StoredVariants:
-    """Return the stored variants of the finite bodies if their digest is valid, else compute them.
+    """Return the stored variants of the finite bodies; compute and store them if there are none for the present inputs.
 
-    ``stores``: folders, the first of which takes new variants; ``fresh``: whether to compute and store them in any case.
+    ``stores``: folders, the first of which takes new results; ``fresh``: whether they are computed in any case.
     """
     kept = None if fresh else _load_variants(stores)
     if kept is None:
@@ -395,10 +407,10 @@ def find_body_variants(stores: Sequence[Path], *, fresh: bool) -> StoredVariants
 
 
 def largest_choice_effect(straight: bool) -> float:
-    """Return the largest relative change of a force or loss by one modelling choice of finite bodies, as stored.
+    """Return the largest relative change of a force or loss if one modelling choice of the finite bodies is changed.
 
-    ``straight``: whether the choices are those for straight rails (linear bearing), else those for rings and helices
-    (screw).
+    It is taken from the results that are part of the package. ``straight``: True for the choices on straight rails (linear
+    bearing), False for those on rings and helices (screw).
     """
     found = json.loads((shipped_store() / FILE).read_text(encoding="utf-8"))["variants"]
     values = {row["choice"]: row["values"] for row in found}
@@ -410,7 +422,7 @@ def largest_choice_effect(straight: bool) -> float:
 
 
 def _load_variants(stores: Sequence[Path]) -> tuple[BodyVariant, ...] | None:
-    """Return the variants of the finite bodies from the first store whose digest is valid; None without one."""
+    """Return the variants of the finite bodies from the first folder that has them for the present inputs, or None."""
     for store in stores:
         try:
             found = json.loads((store / FILE).read_text(encoding="utf-8"))
@@ -420,3 +432,36 @@ def _load_variants(stores: Sequence[Path]) -> tuple[BodyVariant, ...] | None:
         if found["key"] == variants_key() and any(one.choice == LIVE for one in rows):
             return rows
     return None
+
+
+def find_or_compute_runs(
+    scene: KindScene, levels: Sequence[int], store: Path, engine: Engine, *, fresh: bool, bodies: str = "half-space"
+) -> list[RollingRun]:
+    """Return the 3D solutions of a scene of rolling balls on several grids; solutions that are not stored are computed.
+
+    ``levels``: levels of the grids; ``store``: folder for new solutions, each of which is stored when it is done;
+    ``engine``: number of processes, or cluster, that compute them; ``fresh``: whether stored solutions are computed again;
+    ``bodies``: kind of the bodies, a key of `BODIES`. Raises Refusal if a solution did not converge.
+    """
+    stores = (store, shipped_store())
+    found = {} if fresh else {k: run for k in levels if (run := load_run(scene, k, stores, bodies)) is not None}
+    missing = [k for k in levels if k not in found]
+    jobs = [(compute_run, (scene, k, bodies, engine.processes)) for k in missing]
+    for number, run in as_done(jobs, engine.backend, engine.scheduler, engine.workers, engine.wait):
+        save_run(store, scene, run)
+        found[missing[number]] = run
+        on_terminal(f"{scene.name}: level {run.level}, {run.shape[0]} x {run.shape[1]} cells, {run.all_seconds:.1f} s")
+    bad = next((found[k] for k in levels if not found[k].converged), None)
+    if bad is not None:
+        raise Refusal(scene.name, f"level {bad.level}", bad.status, "try another level")
+    return [found[k] for k in levels]
+
+
+def check_levels(levels: Sequence[int]) -> list[int]:
+    """Return the grid levels as a list; raises InputError for a level that the 3D model of rolling does not have."""
+    other = [k for k in levels if k not in LEVELS]
+    if other:
+        got = ", ".join("source" if k == SOURCE_LEVEL else str(k) for k in other)
+        advice = "choose other levels; mesh-study with `source_mesh=True` shows the element size of Lin's thesis"
+        raise ArgumentError("levels", got, f"1 to {len(LEVELS)} for scenes of friction", advice)
+    return list(levels)

@@ -51,7 +51,7 @@ MOST_KEYS, MOST_VALUES = 20, 1000
 
 @dataclass(frozen=True)
 class Vary:
-    """One varied key with its range or list of values, or several keys that take the same value."""
+    """One varied key of a scene file with its range or list of values, or several keys that take the same value."""
 
     #: Dotted path with indices from 0, such as ``loads[0].force[2]``; several joined by ``+``.
     key: str
@@ -69,7 +69,7 @@ class Vary:
     choices: tuple[Any, ...] = ()
 
     def value_at(self, u: float) -> Any:
-        """Return the value at a coordinate ``u`` of the range or list as a scene file has it; ``u``: from 0 to 1."""
+        """Return the value of the key at a coordinate ``u`` from 0 to 1 of its range or list, as a scene file writes it."""
         if self.choices:
             return self.choices[min(int(u * len(self.choices)), len(self.choices) - 1)]
         if self.whole:
@@ -105,7 +105,7 @@ class Vary:
 
     @property
     def name(self) -> str:
-        """Path of the first key, and how many others take the same value."""
+        """Short name: path of the first key, and how many other keys take the same value."""
         first, *others = self.paths
         return f"{first} (+{len(others)})" if others else first
 
@@ -113,9 +113,9 @@ class Vary:
 def read_over(texts: Sequence[str], argument: str = "over") -> tuple[Vary, ...]:
     """Read the varied keys of a table from texts, each with all its values.
 
-    ``texts``: a text for each key, such as ``track.contact_angle=40:50:3 deg``; ``argument``: name of the argument in
-    errors. The texts have the form that `read_vary` reads, but a range needs a number of values, and no key need be varied.
-    InputError for anything else.
+    ``texts``: a text for each key, such as ``track.contact_angle=40:50:3 deg``; ``argument``: name of the argument in error
+    messages. The texts have the form that `read_vary` reads, but a range needs a number of values, and the list of texts
+    may be empty. Raises InputError for anything else.
     """
     try:
         keys = read_vary(texts) if texts else ()
@@ -130,7 +130,10 @@ def read_over(texts: Sequence[str], argument: str = "over") -> tuple[Vary, ...]:
 
 
 def read_vary(texts: Sequence[str]) -> tuple[Vary, ...]:
-    """Read the varied keys of a sweep from texts; InputError for a text of another form, or a key that is named twice."""
+    """Read the varied keys of a sweep from texts such as ``balls.count=20,24``.
+
+    Raises InputError for a text of another form, and for a key that is named twice.
+    """
     found = tuple(_read_varied_key(text) for text in texts)
     if not 1 <= len(found) <= MOST_KEYS:
         raise ArgumentError("vary", f"{len(found)} keys", f"1 to {MOST_KEYS} keys", f"give {_FORM}")
@@ -166,7 +169,10 @@ def _read_varied_key(text: str) -> Vary:
 
 
 def _read_range(key: str, text: str, values: str) -> Vary:
-    """Read a range ``A:B`` or ``A:B:N`` of a key; ``text``: whole text as the user wrote it; ``values``: its range."""
+    """Read one varied key with a range ``A:B`` or ``A:B:N``.
+
+    ``key``: path of the key; ``text``: whole text as the user wrote it, for error messages; ``values``: the range in it.
+    """
     if any(map(has_comma, values.split(":"))):
         raise _refused_variation(text, "numbers with a point", COMMA)
     try:
@@ -186,10 +192,10 @@ def _read_range(key: str, text: str, values: str) -> Vary:
 
 
 def _equal_steps(text: str, low: float, high: float, unit: str, count: Sequence[str]) -> tuple[Any, ...]:
-    """Return equally spaced values from ``low`` to ``high``, both included, as a scene file has them.
+    """Return equally spaced values from ``low`` to ``high``, both included, in the form of a scene file.
 
-    ``text``: whole text as the user wrote it, for errors; ``unit``: unit of the values; ``count``: the number of values as
-    text, a list of one.
+    ``text``: whole text as the user wrote it, for error messages; ``unit``: unit of the values; ``count``: list with the
+    number of values as text.
     """
     if len(count) != 1 or not re.fullmatch(r"\d{1,4}", count[0]) or not 2 <= int(count[0]) <= MOST_VALUES:
         raise _refused_variation(
@@ -202,7 +208,7 @@ def _equal_steps(text: str, low: float, high: float, unit: str, count: Sequence[
 
 
 def _split_quantity(text: str) -> tuple[str, str]:
-    """Return first the number, then the unit of a quantity such as "5 um", both as written; ValueError for another text."""
+    """Return the number, then the unit of a quantity such as "5 um", both as text; raises ValueError for another text."""
     found = number_and_unit(text)
     if found is None:
         raise ValueError(text)
@@ -218,10 +224,10 @@ def _read_scalar(text: str) -> Any:
 
 
 def with_varied_keys(raw: dict[str, Any], keys: Sequence[Vary], values: Sequence[Any]) -> dict[str, Any]:
-    """Return a copy of a scene's tables with the values of varied keys, without other keys for the same quantities.
+    """Return a copy of a scene's TOML tables in which the varied keys have new values.
 
-    ``raw``: TOML tables of the scene; ``keys``: varied keys; ``values``: a value for each key. InputError for an entry that
-    a list does not have.
+    Other keys for the same quantities are removed. ``raw``: the tables; ``keys``: varied keys; ``values``: a value for each
+    key. Raises InputError for an entry that a list does not have.
     """
     out = copy.deepcopy(raw)
     for path in (p for vary in keys for p in vary.paths):
@@ -234,13 +240,16 @@ def with_varied_keys(raw: dict[str, Any], keys: Sequence[Vary], values: Sequence
 
 
 def replaced_keys(raw: dict[str, Any], keys: Sequence[Vary]) -> list[tuple[str, str]]:
-    """Return pairs of the path of a varied key and the scene's key for the same quantity that it replaces."""
+    """Return the keys of a scene that varied keys replace, as pairs: path of the varied key, path of the replaced key.
+
+    Both keys of a pair state the same quantity. ``raw``: TOML tables of the scene.
+    """
     pairs = dict.fromkeys((path, other) for vary in keys for path in vary.paths for other in _equivalent_keys(path))
     return [(path, other) for path, other in pairs if _remove_key(copy.deepcopy(raw), other)]
 
 
 def _equivalent_keys(path: str) -> Iterator[str]:
-    """Yield the other keys that a scene may have for the same quantity of the same nut or bearing; ``path``: the key."""
+    """Yield the paths of the other keys that state the same quantity of the same nut or bearing as the key ``path``."""
     prefix, key = re.fullmatch(r"(sets\[\d+\]\.)?(.*)", path).groups(default="")  # type: ignore[union-attr]
     for group in _SAME:
         if key in group:
@@ -248,7 +257,7 @@ def _equivalent_keys(path: str) -> Iterator[str]:
 
 
 def _remove_key(raw: dict[str, Any], key: str) -> bool:
-    """Remove a key from a scene's tables, and its table if that becomes empty; return whether the key was there."""
+    """Remove a key from a scene's TOML tables, and its table if that becomes empty; return whether the key was there."""
     above, _, last = key.rpartition(".")
     node: Any = raw
     for step in _path_steps(above):
@@ -265,14 +274,15 @@ def _remove_key(raw: dict[str, Any], key: str) -> bool:
 
 
 def _path_steps(key: str) -> list[str | int]:
-    """Return the steps of a key's path: names of tables and indices of lists."""
+    """Split a key's path, such as ``loads[0].force[2]``, into names of tables and indices of lists."""
     return [int(p) if p.isdigit() else p for p in re.findall(r"[^.\[\]]+", key)]
 
 
 def _set_key(raw: dict[str, Any], key: str, value: Any) -> None:
-    """Set the value of a key in a scene's tables, and create missing tables.
+    """Set the value of a key in a scene's TOML tables, and create missing tables.
 
-    InputError for an entry that a list does not have, or a key below something other than a table.
+    ``key``: path of the key. Raises InputError for an entry that a list does not have, and for a key below a value that is
+    no table.
     """
     *above, last = _path_steps(key)
     node: Any = raw
@@ -286,7 +296,7 @@ def _set_key(raw: dict[str, Any], key: str, value: Any) -> None:
 def _check_entry(node: Any, step: str | int, key: str) -> None:
     """Raise InputError if a table or list cannot have the next entry of a key's path.
 
-    ``node``: the table or list; ``step``: name or index of the entry; ``key``: whole path, for the error.
+    ``node``: the table or list; ``step``: name or index of the entry; ``key``: whole path, for the error message.
     """
     allowed = "a key of a table, or an entry [0], [1], ... of a list that the scene has"
     if isinstance(node, dict) and isinstance(step, str):
@@ -318,7 +328,9 @@ def base_points(samples: int, keys: int) -> int:
 
 
 def design_points(method: Method, keys: Sequence[Vary], samples: int, seed: int) -> Array:
-    """Return the coordinates of all samples of a design, (m, d) in [0, 1]; equal arguments give equal samples.
+    """Return the coordinates of the m samples of a design, (m, d) in [0, 1] for d varied keys.
+
+    Equal arguments give equal samples. The designs are:
 
     - sobol: n base points A, n base points B, and for each key the points A with the coordinate of that key from B
       (Saltelli et al. 2010), in that order: m = n (d + 2), n by `base_points`.
@@ -366,7 +378,8 @@ def design_points(method: Method, keys: Sequence[Vary], samples: int, seed: int)
 def _grid_points(keys: Sequence[Vary], samples: int) -> Array:
     """Return the coordinates of all m combinations of the values of d keys, (m, d) in [0, 1].
 
-    InputError if ``samples`` are too few for all values of lists and both ends of ranges.
+    ``samples``: largest number of combinations. Raises InputError if it is too small for all values of lists and both ends
+    of ranges.
     """
     fixed = math.prod(len(v.choices) for v in keys if v.choices)
     ranges = sum(not v.choices for v in keys)
@@ -381,5 +394,5 @@ def _grid_points(keys: Sequence[Vary], samples: int) -> Array:
 
 
 def values_at(keys: Sequence[Vary], place: Array) -> list[object]:
-    """Return the values of all keys at the coordinates (d,) of a sample, as a scene file holds them."""
+    """Return the values of all d keys in one sample, in the form of a scene file; ``place``: its coordinates (d,)."""
     return [vary.value_at(float(u)) for vary, u in zip(keys, place, strict=True)]

@@ -1,24 +1,56 @@
-"""Run of a sweep: missing samples are solved in batches, in parallel if requested, and every sample is stored."""
+"""A sweep (``rollbench sweep``): its definition, the solution of its samples, and the summary of its results.
+
+Missing samples are solved in batches, in parallel if requested, and every sample is stored. The summary has counts,
+statistics, main effects, Sobol indices, figures and the worst samples.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import csv
+import io
+import json
+from collections import Counter
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+from numpy.typing import NDArray
+from scipy.stats import sobol_indices
+
 from rollbench.compare import __version__
 from rollbench.compare.errors import ArgumentError, InputError, ProgramError, Refusal
+from rollbench.compare.files import replace_file, write_figure
 from rollbench.compare.models import user_models
-from rollbench.compare.models.registry import AXIS_MODELS, MODELS, known_model
+from rollbench.compare.models.registry import AXIS_MODELS, DEFAULT, MODELS, default_model, known_model
 from rollbench.compare.reference import parallel
 from rollbench.compare.reference.jobs import Engine, first_here
-from rollbench.compare.scenes import scene_file, scene_tables
+from rollbench.compare.scenes import catalogue, scene_file, scene_tables
+from rollbench.compare.scenes.scene_file import scene_hash
 from rollbench.compare.studies.sweep import sample
-from rollbench.compare.studies.sweep.keys import Method, Vary, design_points, replaced_keys, values_at, with_varied_keys
-from rollbench.compare.studies.sweep.sample import MAIN, OUTPUTS, refusal_reason, solve_batch, solve_sample_or_refuse
+from rollbench.compare.studies.sweep.keys import (
+    Method,
+    Vary,
+    base_points,
+    design_points,
+    read_vary,
+    replaced_keys,
+    values_at,
+    with_varied_keys,
+)
+from rollbench.compare.studies.sweep.sample import (
+    CONVERGED,
+    MAIN,
+    OUTPUTS,
+    Record,
+    refusal_reason,
+    solve_batch,
+    solve_sample_or_refuse,
+)
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly
+from rollbench.reports.content import Figure, Panel, Series
 
 #: Function that shows a line of progress.
 Step = Callable[[str], None]
@@ -56,15 +88,15 @@ class Sweep:
 
     @property
     def wanted_outputs(self) -> tuple[str, ...]:
-        """Outputs that are stored, in the order of `OUTPUTS`: all unless some are named, `MAIN` in any case."""
+        """Names of the outputs that are stored, in the order of `OUTPUTS`: all unless some are named, and always `MAIN`."""
         return tuple(name for name in OUTPUTS if not self.outputs or name in (MAIN, *self.outputs))
 
     def coordinates(self) -> Array:
-        """Return the coordinates of all samples in the unit cube, (m, d)."""
+        """Return the coordinates of the m samples in the unit cube, one column for each of d varied keys, (m, d)."""
         return design_points(self.method, self.keys, self.samples, self.seed)
 
     def header(self) -> dict[str, Any]:
-        """Return everything on which the records of the samples depend, as JSON values."""
+        """Return the JSON values that identify the sweep: all inputs on which the records of its samples depend."""
         names = ("samples", "method", "seed", "model")
         what = {"scene": self.origin, "text": self.text, "vary": [vary.text for vary in self.keys]}
         some: dict[str, Any] = {"outputs_kept": list(self.wanted_outputs)} if self.outputs else {}
@@ -73,7 +105,7 @@ class Sweep:
         return {"rollbench": __version__, **what, **{name: getattr(self, name) for name in names}, **some}
 
     def check(self) -> None:
-        """Raise InputError for an unknown model or output, a key that the scene does not have, or values out of range."""
+        """Raise InputError if a model, output or varied key is unknown, or if the scene refuses a value of a varied key."""
         for name in self.outputs:
             if name not in OUTPUTS:
                 raise ArgumentError("outputs", name, ", ".join(OUTPUTS), "give names separated by commas")
@@ -90,28 +122,11 @@ class Sweep:
 
 
 def run_samples(sweep: Sweep, folder: Path, engine: Engine, step: Step) -> dict[int, sample.Record]:
-    """Solve all samples of a sweep that its folder does not hold yet.
+    """Solve all samples of a sweep that its folder does not hold yet, and return the records of all samples by number.
 
-    Parameters
-    ----------
-    sweep
-        Definition of the sweep.
-    folder
-        Folder with the stored samples.
-    engine
-        Where samples are computed: number of processes or cluster.
-    step
-        Called with lines of progress.
-
-    Returns
-    -------
-    dict
-        Records of all samples by their numbers.
-
-    Raises
-    ------
-    InputError
-        If the sweep is not valid, the folder holds something else, or workers are lost.
+    ``folder``: folder of the stored samples; ``engine``: number of processes, or cluster, that solve the samples; ``step``:
+    function that is called with each line of progress. Raises InputError if the sweep is not valid, the folder holds
+    something else, or workers are lost.
     """
     sweep.check()
     places = sweep.coordinates()
@@ -131,9 +146,9 @@ def run_samples(sweep: Sweep, folder: Path, engine: Engine, step: Step) -> dict[
 
 
 def _refuse_hopeless_sweep(sweep: Sweep, places: Array) -> None:
-    """Solve the first samples until one is accepted; raise InputError if all are refused for the same reason.
+    """Raise InputError if the first samples are all refused for the same reason; stop at the first sample that is accepted.
 
-    ``places``: coordinates of all samples in the unit cube (m, d).
+    ``places``: coordinates of the m samples in the unit cube, (m, d) for d varied keys.
     """
     refused: list[InputError] = []
     for place in places[:FIRST]:
@@ -159,10 +174,11 @@ def _refuse_hopeless_sweep(sweep: Sweep, places: Array) -> None:
 
 
 def _solve_missing(sweep: Sweep, folder: Path, engine: Engine, step: Step, work: tuple[str, Array, list[int]]) -> None:
-    """Solve the missing samples in batches and store them.
+    """Solve those samples of a sweep that are not stored yet, in batches, and store them.
 
-    ``folder``: folder of the sweep; ``engine``: where samples are computed; ``step``: called with lines of progress;
-    ``work``: token of the run, coordinates of all samples (m, d), numbers of the missing ones.
+    ``folder``: folder of the sweep; ``engine``: number of processes, or cluster, that solve the samples; ``step``: function
+    that is called with each line of progress; ``work``: token that identifies the present execution of the sweep,
+    coordinates of all m samples (m, d), and numbers of the missing samples.
     """
     token, places, left = work
     kernels = "compiled" if len(places) >= COMPILE_FROM else "interpreted"
@@ -182,3 +198,389 @@ def _solve_missing(sweep: Sweep, folder: Path, engine: Engine, step: Step, work:
         done += len(records)
         failed += sum(record["status"] != "converged" for record in records)
         step(f"[{done}/{len(left)}] {failed} failed")
+
+
+#: Number of worst samples that are listed; number of parts of a range for main effects; levels of the quantiles.
+WORST, BINS, LEVELS = 10, 8, (0.01, 0.05, 0.5, 0.95, 0.99)
+
+#: Number of resamples for confidence intervals, level of these intervals, smallest number of base points for Sobol indices.
+RESAMPLES, CONFIDENCE, LEAST = 200, 0.95, 8
+
+#: Standard deviation over the mean below which an output counts as constant.
+CONSTANT = 1e-9
+
+
+def summarise_sweep(sweep: Sweep, records: Mapping[int, Record]) -> dict[str, Any]:
+    """Return the summary of a sweep as JSON values: counts, failures, statistics, main effects and Sobol indices.
+
+    ``records``: records of the samples by their numbers. Failed samples are counted by reason, with one example each.
+    """
+    rows = [records[n] for n in sorted(records)]
+    good = converged_records(records)
+    failed = [row for row in rows if row["status"] != CONVERGED]
+    reasons = Counter(row.get("reason", row["status"]) for row in failed)
+    first = {
+        row.get("reason", row["status"]): row["status"] for row in reversed(failed)
+    }  # a refusal says its sample's value
+    return {
+        **{k: v for k, v in sweep.header().items() if k != "text"},
+        "scene_hash": scene_hash(sweep.text),
+        "solved": len(rows),
+        "converged": len(good),
+        "failures": [{"reason": first[reason], "samples": n} for reason, n in reasons.most_common()],
+        "outputs": {name: output_statistics(output_column(good, name)) for name in sweep.wanted_outputs},
+        "main_effects": main_effects(sweep.keys, good),
+        "worst": sorted(good, key=lambda row: -row[MAIN])[:WORST],
+        "indices": sobol_indices_by_output(sweep, records),
+    }
+
+
+def converged_records(records: Mapping[int, Record]) -> list[Record]:
+    """Return the records of converged samples in the order of their numbers."""
+    return [records[n] for n in sorted(records) if records[n]["status"] == CONVERGED]
+
+
+def output_column(rows: Sequence[Record], name: str) -> Array:
+    """Return the values of one output in k samples as an array (k,); nan for a sample without this output.
+
+    ``rows``: records of the samples; ``name``: name of the output, a key of `OUTPUTS`.
+    """
+    return np.array([np.nan if row[name] is None else row[name] for row in rows], dtype=float)
+
+
+def input_values(keys: Sequence[Vary], rows: Sequence[Record]) -> Array:
+    """Return the values of d varied keys in k samples as an array of numbers (k, d).
+
+    ``rows``: records of the samples. A value from a list counts with its position in the list, see `Vary.as_number`.
+    """
+    found = [[vary.as_number(v) for vary, v in zip(keys, row["values"], strict=True)] for row in rows]
+    return np.array(found, dtype=float).reshape(len(rows), len(keys))
+
+
+def output_statistics(values: Array) -> dict[str, float] | None:
+    """Return mean with standard error, standard deviation, extremes and quantiles of an output.
+
+    ``values``: the output in k samples, (k,); those that are not finite are left out. None with fewer than two finite
+    values.
+    """
+    y = values[np.isfinite(values)]
+    if y.size < 2:
+        return None
+    sd = float(y.std(ddof=1))
+    found = {"mean": float(y.mean()), "standard_error": sd / float(np.sqrt(y.size)), "standard_deviation": sd}
+    found |= {"smallest": float(y.min()), "largest": float(y.max())}
+    return found | {f"quantile_{level:g}": float(np.quantile(y, level)) for level in LEVELS}
+
+
+def main_effects(keys: Sequence[Vary], rows: Sequence[Record]) -> dict[str, list[dict[str, float]]]:
+    """Return for each varied key the mean of the output `MAIN` in groups of samples, a list with one entry per group.
+
+    A group has the samples in one part of the key's range, or at one value of its list. An entry has "at" (mean value of
+    the key in its unit), "mean" and "standard_error" of the output, and "samples" (their number). ``rows``: records of the
+    converged samples.
+    """
+    x, y = input_values(keys, rows), output_column(rows, MAIN)
+    return {vary.key: [_group_mean(x[g, k], y[g]) for g in _group_masks(vary, x[:, k])] for k, vary in enumerate(keys)}
+
+
+def _group_masks(vary: Vary, x: Array) -> list[NDArray[np.bool_]]:
+    """Return a Boolean mask (k,) over k samples for each part of a key's range, or for each value of its list.
+
+    ``vary``: the key; ``x``: values of the key in the samples, (k,).
+    """
+    distinct = np.unique(x)
+    if distinct.size <= BINS or vary.choices:
+        return [x == value for value in distinct]
+    bins = np.clip(((x - vary.low) / (vary.high - vary.low) * BINS).astype(int), 0, BINS - 1)
+    return [bins == k for k in np.unique(bins)]
+
+
+def _group_mean(x: Array, y: Array) -> dict[str, float]:
+    """Return mean value of the key, mean output with its standard error, and number of samples of one group of k samples.
+
+    ``x``: values of the key (k,); ``y``: values of the output (k,).
+    """
+    error = float(y.std(ddof=1) / np.sqrt(y.size)) if y.size > 1 else 0.0
+    return {"at": float(x.mean()), "mean": float(y.mean()), "standard_error": error, "samples": int(y.size)}
+
+
+def sobol_indices_by_output(sweep: Sweep, records: Mapping[int, Record]) -> dict[str, Any]:
+    """Return the Sobol indices of every output with confidence intervals of level `CONFIDENCE`, or the reason for none.
+
+    For each output and key: first-order index with the ends of its interval (first, first_low, first_high), and total index
+    (total, total_low, total_high); None for a constant output. The base points are the first ones with only converged
+    samples, as many as make a power of two. ``records``: records of the samples by their numbers.
+    """
+    if sweep.method != "sobol":
+        return {"none": f"a design by {sweep.method} gives no Sobol indices: sobol does"}
+    d, n = len(sweep.keys), base_points(sweep.samples, len(sweep.keys))
+    rows = [records.get(k) for k in range(n * (d + 2))]
+    good = np.array([row is not None and row["status"] == CONVERGED for row in rows]).reshape(d + 2, n)
+    whole = np.flatnonzero(good.all(axis=0))
+    if whole.size < LEAST:
+        return {"none": f"{whole.size} base points of {n} have all their samples; {LEAST} are needed"}
+    kept = whole[: 2 ** int(np.log2(whole.size))]
+    found: dict[str, Any] = {"base_points": int(kept.size), "of": n, "confidence": CONFIDENCE, "outputs": {}}
+    for name in sweep.wanted_outputs:
+        y = np.array([np.nan if row is None or row.get(name) is None else row[name] for row in rows], dtype=float)
+        found["outputs"][name] = _indices_with_intervals(sweep.keys, y.reshape(d + 2, n)[:, kept], sweep.seed)
+    return found
+
+
+def _indices_with_intervals(keys: Sequence[Vary], y: Array, seed: int) -> dict[str, dict[str, float]] | None:
+    """Return the Sobol indices of one output for each key, with intervals by resampling; None for a constant output.
+
+    ``y``: output (d + 2, n) at n base points A (first row), at n base points B (second row), and, for each of d keys, at
+    the points A with the coordinate of this key from B; ``seed``: seed of the resampling.
+    """
+    if not np.all(np.isfinite(y)) or y[:2].std() <= CONSTANT * abs(y[:2].mean()):
+        return None
+    n = y.shape[1]
+    rng = np.random.default_rng([seed, n])
+    drawn = np.stack([np.stack(_sobol_estimates(y[:, rng.integers(0, n, n)])) for _ in range(RESAMPLES)])
+    tail = 0.5 * (1.0 - CONFIDENCE)
+    low, high = np.quantile(drawn, [tail, 1.0 - tail], axis=0)
+    out = {}
+    for k, vary in enumerate(keys):
+        out[vary.key] = {
+            f"{kind}{end}": float(value[i, k])
+            for i, kind in enumerate(("first", "total"))
+            for end, value in (("", np.stack(_sobol_estimates(y))), ("_low", low), ("_high", high))
+        }
+    return out
+
+
+def _sobol_estimates(y: Array) -> tuple[Array, Array]:
+    """Return the first-order, then the total Sobol indices of an output, each (d,) for d keys.
+
+    ``y``: output (d + 2, n) at n base points A (first row), at n base points B (second row), and, for each key, at the
+    points A with the coordinate of this key from B.
+    """
+    d = len(y) - 2
+    mixtures = y[2:] if d > 1 else np.repeat(y[2:], 2, axis=0)  # scipy 1.17 fails for a single key: it is given twice
+    found = sobol_indices(func={"f_A": y[:1], "f_B": y[1:2], "f_AB": mixtures[:, None, :]}, n=y.shape[1])
+    return np.atleast_1d(found.first_order)[:d], np.atleast_1d(found.total_order)[:d]
+
+
+#: Largest number of panels of a figure, and of points of a scatter plot.
+PANELS, POINTS = 6, 2000
+
+#: Key of the seed of random errors.
+SEED = "errors.seed"
+
+
+def sweep_figures(name: str, keys: Sequence[Vary], found: Mapping[str, Any], rows: Sequence[Record]) -> list[Figure]:
+    """Return the figures of a sweep; the list is empty with fewer than two converged samples.
+
+    ``name``: start of the figures' names; ``found``: summary of the sweep from `summarise_sweep`; ``rows``: records of the
+    converged samples.
+    """
+    if len(rows) < 2:
+        return []
+    shown, left = _keys_to_show(keys, found)
+    return [*summary_figures(name, keys, found), _scatter_figure(name, keys, shown, rows, left)]
+
+
+def summary_figures(
+    name: str, keys: Sequence[Vary], found: Mapping[str, Any], called: Callable[[Vary], str] = lambda vary: vary.name
+) -> list[Figure]:
+    """Return those figures of a sweep that need its summary only, without the records of the samples.
+
+    ``name``: start of the figures' names; ``found``: summary of the sweep from `summarise_sweep`; ``called``: function that
+    returns the short name of a key.
+    """
+    shown, left = _keys_to_show(keys, found)
+    figures = [
+        _effects_figure(name, [keys[k] for k in shown], found, left, called),
+        _worst_figure(name, keys, found["worst"], called),
+    ]
+    indices = _indices_figure(name, keys, found["indices"], called)
+    return figures if indices is None else [*figures, indices]
+
+
+def _keys_to_show(keys: Sequence[Vary], found: Mapping[str, Any]) -> tuple[list[int], str]:
+    """Return the indices of the varied keys with the largest main effects, then a sentence if some keys are left out.
+
+    There are at most as many keys as a figure has panels. A seed of random errors is left out, because an output has no
+    trend over it. ``found``: summary of the sweep from `summarise_sweep`.
+    """
+    ordered = _keys_with_order(keys)
+    shown = sorted(ordered, key=lambda k: -_effect_range(found["main_effects"][keys[k].key]))[:PANELS]
+    return shown, "" if len(shown) == len(ordered) else f" The {PANELS} keys of largest effect, of {len(ordered)}."
+
+
+def _keys_with_order(keys: Sequence[Vary]) -> list[int]:
+    """Return the indices of the varied keys other than the seed of random errors; all if there is no other key.
+
+    Values of a seed have no meaningful order.
+    """
+    return [k for k, vary in enumerate(keys) if vary.key != SEED] or list(range(len(keys)))
+
+
+def _effect_range(groups: Sequence[Mapping[str, float]]) -> float:
+    """Return the difference between the largest and the smallest mean output of the groups of a key.
+
+    ``groups``: entries of `main_effects` for the key.
+    """
+    means = [g["mean"] for g in groups]
+    return max(means) - min(means)
+
+
+def _effects_figure(
+    name: str, keys: Sequence[Vary], found: Mapping[str, Any], left: str, called: Callable[[Vary], str]
+) -> Figure:
+    """Return a figure of the main effects: mean of the output `MAIN` over each key, with its standard error.
+
+    ``name``: start of the figure's name; ``keys``: varied keys to show; ``found``: summary of the sweep; ``left``: sentence
+    on keys that are left out; ``called``: function that returns the short name of a key.
+    """
+    panels = []
+    for vary in keys:
+        groups = found["main_effects"][vary.key]
+        at, mean = [g["at"] for g in groups], [g["mean"] for g in groups]
+        bars = [m - g["standard_error"] for m, g in zip(mean, groups, strict=True)]
+        ends = [m + g["standard_error"] for m, g in zip(mean, groups, strict=True)]
+        series = Series("mean", at, mean, "line+markers", bars=(bars, ends))
+        short = called(vary)
+        label = vary.label if short == vary.name or not vary.unit else f"{short} / {vary.unit}"
+        panels.append(Panel(short, label, OUTPUTS[MAIN], (series,), integer_x=bool(vary.choices)))
+    caption = "Mean over all samples in a part of the key's range; bars: its standard error." + left
+    return Figure(f"{name}-effects", f"{name}: main effects", tuple(panels), caption, same_y=True)
+
+
+def _scatter_figure(name: str, keys: Sequence[Vary], shown: Sequence[int], rows: Sequence[Record], left: str) -> Figure:
+    """Return a figure of the output `MAIN` of single samples over each key that is shown.
+
+    ``name``: start of the figure's name; ``shown``: indices of the keys that are shown; ``rows``: records of the samples;
+    ``left``: sentence on keys that are left out.
+    """
+    some = list(rows[:: max(1, len(rows) // POINTS)])
+    x, y = input_values(keys, some), output_column(some, MAIN)
+    panels = tuple(
+        Panel(keys[k].name, keys[k].label, OUTPUTS[MAIN], (Series("samples", list(x[:, k]), list(y), "markers"),))
+        for k in shown
+    )
+    return Figure(f"{name}-scatter", f"{name}: samples", panels, f"{len(some)} of {len(rows)} samples.{left}")
+
+
+def _worst_figure(name: str, keys: Sequence[Vary], worst: Sequence[Record], called: Callable[[Vary], str]) -> Figure:
+    """Return a figure that shows where in its range each key lies, for the samples with the largest contact loads.
+
+    ``name``: start of the figure's name; ``worst``: records of these samples; ``called``: function that returns the short
+    name of a key.
+    """
+    kept = _keys_with_order(keys)
+    x, keys = input_values(keys, worst)[:, kept], [keys[k] for k in kept]
+    low = np.array([1.0 if v.choices else v.low for v in keys])
+    high = np.array([float(len(v.choices)) if v.choices else v.high for v in keys])
+    place = (x - low) / (high - low)
+    number = [float(k) for k in range(1, len(keys) + 1)]
+    series = tuple(
+        Series(f"{row[MAIN]:.4g} N at {row['at']}", number, list(at)) for row, at in zip(worst[:5], place[:5], strict=True)
+    )
+    caption = "Place of each key in its range (0 to 1), of the samples with the largest loads."
+    panel = Panel("worst samples", "", "place in its range", series, names=[called(v) for v in keys])
+    return Figure(f"{name}-worst", f"{name}: worst samples", (panel,), caption)
+
+
+def _indices_figure(
+    name: str, keys: Sequence[Vary], indices: Mapping[str, Any], called: Callable[[Vary], str]
+) -> Figure | None:
+    """Return a figure of the Sobol indices of the output `MAIN` with their confidence intervals; None without indices.
+
+    ``name``: start of the figure's name; ``indices``: result of `sobol_indices_by_output`; ``called``: function that
+    returns the short name of a key.
+    """
+    main = indices.get("outputs", {}).get(MAIN)
+    if main is None:
+        return None
+    keys = sorted(keys, key=lambda vary: -main[vary.key]["total"])
+    number = [float(k) for k in range(1, len(keys) + 1)]
+    series = []
+    for kind, shift in (("first", -0.06), ("total", 0.06)):
+        value, low, high = ([main[v.key][f"{kind}{end}"] for v in keys] for end in ("", "_low", "_high"))
+        bars = ([min(a, b) for a, b in zip(low, value, strict=True)], [max(a, b) for a, b in zip(high, value, strict=True)])
+        series.append(Series(kind, [n + shift for n in number], value, "markers", bars=bars))
+    caption = (
+        f"Sobol indices of the {OUTPUTS[MAIN].removesuffix(' / N')} from {indices['base_points']} base points, with "
+        f"{100 * indices['confidence']:g} % intervals: first, of the key only; total, with its interactions."
+    )
+    panel = Panel("Sobol indices", "", "share of the variance", tuple(series), zero=True, names=[called(v) for v in keys])
+    return Figure(f"{name}-indices", f"{name}: Sobol indices", (panel,), caption)
+
+
+def make_sweep(
+    scene: str, vary: Sequence[str], samples: int, method: Method, seed: int, model: str, outputs: Sequence[str] = ()
+) -> Sweep:
+    """Define a sweep of a scene.
+
+    ``scene``: name of a scene of the package, or a scene file; ``vary``: texts that name the varied keys with their ranges
+    or values; ``samples``, ``method`` and ``seed``: number of samples, design and seed of the design; ``model``: name of
+    the model, empty for the default; ``outputs``: names of the outputs that are computed, empty for all. Raises InputError
+    if the scene or the texts cannot be read.
+    """
+    found = catalogue.any_scene(scene)
+    if scene in catalogue.scene_names():
+        text, origin = catalogue.scene_text(scene), f"{scene}.toml"
+    else:
+        text, origin = scene_file.read_text(scene), scene
+    model = model or (default_model(found) if isinstance(found, Assembly) else DEFAULT)
+    return Sweep(text, origin, read_vary(vary), samples, method, seed, model, tuple(outputs))
+
+
+def solve_sweep(sweep: Sweep, out: Path, engine: Engine, step: Callable[[str], None]) -> dict[str, Any]:
+    """Solve the missing samples of a sweep, write its tables and figures to its folder, and return the summary.
+
+    ``out``: folder of the sweep; ``engine``: number of processes, or cluster, that solve the samples; ``step``: function
+    that is called with each line of progress. Raises InputError for the same faults as `run_samples`.
+    """
+    records = run_samples(sweep, out, engine, step)
+    found = summarise_sweep(sweep, records)
+    write_results(sweep, records, found, out)
+    return found
+
+
+def write_results(sweep: Sweep, records: Mapping[int, Record], found: Mapping[str, Any], out: Path) -> None:
+    """Write samples.csv, summary.json and the figures of a sweep to its folder.
+
+    ``records``: records of the samples by their numbers; ``found``: summary of the sweep; ``out``: the folder.
+    """
+    replace_file(out / "samples.csv", samples_csv(sweep, records))
+    replace_file(out / "summary.json", json.dumps(found, indent=1, ensure_ascii=False, allow_nan=False) + "\n")
+    for figure in sweep_figures("sweep", sweep.keys, found, converged_records(records)):
+        write_figure(out / f"{figure.name}.svg", figure)
+
+
+def samples_csv(sweep: Sweep, records: Mapping[int, Record]) -> str:
+    """Return the samples of a sweep as CSV text, with one row for each sample.
+
+    The columns are the number of the sample, the values of the varied keys, the status, the outputs, and "at", which names
+    the contact with the largest load. ``records``: records of the samples by their numbers.
+    """
+    text = io.StringIO()
+    writer = csv.writer(text)
+    writer.writerow(["sample", *(v.key for v in sweep.keys), "status", *sweep.wanted_outputs, "at"])
+    for n in sorted(records):
+        row = records[n]
+        kept = ["" if row.get(k) is None else row[k] for k in (*sweep.wanted_outputs, "at")]
+        writer.writerow([n, *row["values"], row["status"], *kept])
+    return text.getvalue()
+
+
+def sweep_for_library(
+    scene: str,
+    vary: Sequence[str],
+    samples: int,
+    method: Method,
+    model: str,
+    seed: int,
+    out: Path,
+    outputs: Sequence[str],
+    step: Callable[[str], None],
+) -> dict[str, Any]:
+    """Solve a sweep for `rollbench.sweep`, write its tables and figures to a folder, and return the summary as JSON values.
+
+    ``out``: the folder; ``step``: function that is called with each line of progress; the other arguments are those of
+    `make_sweep`.
+    """
+    return solve_sweep(make_sweep(scene, vary, samples, method, seed, model, outputs), out, Engine(), step)

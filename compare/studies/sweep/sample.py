@@ -74,11 +74,12 @@ Makers = dict[str, Callable[[], Any]]
 def sample_outputs(
     scene: Scene, result: StaticResult, model: str, options: Options, wanted: Collection[str] = tuple(OUTPUTS)
 ) -> dict[str, Any]:
-    """Return the wanted `OUTPUTS` of a converged result by name, and "at": ball and flank with the largest load.
+    """Return outputs of a converged static result by name, and "at": ball and flank of the contact with the largest load.
 
-    ``result``: static result of the scene; ``model``: name of the model; ``options``: its options; ``wanted``: names of the
-    outputs. Rigidity (secant, from the unloaded position) and preload need the solution without loads, which is computed
-    only for them. The torque needs a [friction] table in the scene. An output that does not exist for the scene is None.
+    ``result``: static result of the scene; ``model`` and ``options``: name and options of the model that solved it;
+    ``wanted``: names of the outputs, keys of `OUTPUTS`. Rigidity (secant from the unloaded position) and preload need a
+    solution without loads, which is computed only for them. The torque needs a [friction] table in the scene. An output
+    that does not exist for the scene is None.
     """
 
     @cache
@@ -146,19 +147,20 @@ def cycle_outputs(
 
 
 def _loads_by_set(result: StaticResult | AxisResult) -> list[Array]:
-    """Return the loads [N] of the contacts or rollers of every nut and bearing, one array for each of them."""
+    """Return the loads [N] of the contacts or rollers, with one array for each nut and bearing of a scene."""
     return [result.load] if isinstance(result, StaticResult) else [s.loads for s in result.sets]
 
 
 def axis_outputs(
     assembly: Assembly, result: AxisResult, engine: str, wanted: Collection[str] = tuple(OUTPUTS)
 ) -> dict[str, Any]:
-    """Return the wanted `OUTPUTS` of a converged result of a shaft with several nuts and bearings, by name.
+    """Return outputs of a converged static result of a shaft with several nuts and bearings, by name.
 
-    ``engine``: kind of kernels, "interpreted" or "compiled"; ``wanted``: names of the outputs. Loads are of ball contacts
-    and rollers; "at" begins with the name of the nut or bearing. The displacement is axial and that of the section or
-    housing that the scene names; for the rigidity it counts from the unloaded position. Approaches and torque are of balls
-    only. Life is the shortest life of a nut or bearing; preload is the largest axial force on one of them without loads.
+    ``engine``: whether numerical kernels run as plain Python ("interpreted") or as machine code ("compiled"); ``wanted``:
+    names of the outputs, keys of `OUTPUTS`. Loads are those of ball contacts and rollers; "at" begins with the name of the
+    nut or bearing. The displacement is axial, at the section or housing that the scene names; for the rigidity it counts
+    from the unloaded position. Approaches and torque are of balls only. Life is the shortest life of a nut or bearing;
+    preload is the largest axial force on one of them without loads.
     """
     sets = [(f"{s.of.name}: ", s.of.parts, s.balls) for s in result.sets if s.balls and isinstance(s.of.parts, Scene)]
     force, moved, loads = axial_load(assembly), displacement_of_interest(assembly, result)[2], loads_of(result)
@@ -199,7 +201,7 @@ def _outputs_of_sets(
     contacts: Callable[[], int],
     rollers: Sequence[tuple[str, Array]] = (),
 ) -> dict[str, Any]:
-    """Return the wanted `OUTPUTS` over all nuts and bearings of a scene by name, and "at": place of the largest load.
+    """Return the wanted outputs over all nuts and bearings of a scene by name, and "at": the contact with the largest load.
 
     Parameters
     ----------
@@ -254,14 +256,15 @@ def _load_displacement(scene: Scene, result: StaticResult) -> float | None:
 
 
 def _largest_approach(balls: StaticResult) -> float:
-    """Return the largest Hertz approach of a contact [um]."""
+    """Return the largest Hertz approach of a ball contact [um]; ``balls``: static result of a nut or ball bearing."""
     return 1e6 * float((balls.hertz_C * np.cbrt(balls.load) ** 2).max(initial=0.0))
 
 
 def _secant_rigidity(force: float, moved: float) -> float | None:
-    """Return an axial force [N] over the displacement [m] that it causes, in N/um.
+    """Return the secant rigidity [N/um]: an axial force over the displacement that it causes.
 
-    ``moved``: the displacement. None without force or displacement, or if they have opposite signs.
+    ``force``: the force [N]; ``moved``: the displacement [m]. None if force or displacement is zero, or if they have
+    opposite signs.
     """
     return 1e-6 * force / moved if force * moved > 0.0 else None
 
@@ -269,8 +272,8 @@ def _secant_rigidity(force: float, moved: float) -> float | None:
 def _shortest_life(sets: list[tuple[Scene | RollerRow, Array]]) -> float | None:
     """Return the shortest life of several nuts and bearings [10^6 revolutions].
 
-    ``sets``: parts of each nut or bearing, and its contact or roller loads [N]. None without load, or outside the range of
-    validity of the ratings.
+    ``sets``: geometry of each nut or bearing, and its contact or roller loads [N]. None if none of them is loaded, or if a
+    rating is outside its range of validity.
     """
     try:
         found = [roller_life.life(x, load) if isinstance(x, RollerRow) else life(x, load) for x, load in sets]
@@ -302,7 +305,7 @@ Record = dict[str, Any]
 
 
 def open_folder(folder: Path, header: Mapping[str, Any]) -> None:
-    """Create the folder of a sweep, or check that it holds this sweep.
+    """Create the folder of a sweep, or check that an existing folder belongs to this sweep.
 
     ``header``: JSON values that identify the sweep, such as its scene and keys; they are written to a file of the folder.
     Raises InputError if the folder holds other files or another sweep.
@@ -327,9 +330,10 @@ def open_folder(folder: Path, header: Mapping[str, Any]) -> None:
 
 @contextmanager
 def take_folder(folder: Path) -> Iterator[str]:
-    """Reserve the folder of a sweep for a run and yield the run's token, once no process of an earlier run writes there.
+    """Reserve the folder of a sweep for the present execution and yield the token that identifies it.
 
-    InputError if another run is active in the folder.
+    It waits until no process of an earlier execution of the sweep writes in the folder. Raises InputError if another
+    execution is active there.
     """
     from filelock import FileLock, Timeout
 
@@ -348,9 +352,9 @@ def take_folder(folder: Path) -> Iterator[str]:
 
 
 def _wait_for_others(folder: Path) -> None:
-    """Wait for the processes of earlier runs to end their batches, and remove their locks.
+    """Wait until the processes of earlier executions of a sweep have finished their batches, and remove their lock files.
 
-    InputError if they take longer than `PATIENCE`.
+    ``folder``: folder of the sweep. Raises InputError if they take longer than `PATIENCE`.
     """
     from filelock import FileLock, Timeout
 
@@ -372,7 +376,10 @@ def _wait_for_others(folder: Path) -> None:
 
 @contextmanager
 def hold_lock(folder: Path) -> Iterator[None]:
-    """Hold this process's lock in the folder, for which a new run of the sweep waits, while the process solves samples."""
+    """Hold a lock file of this process in the folder of a sweep while the process solves samples.
+
+    A later execution of the sweep waits until the lock is released.
+    """
     from filelock import FileLock
 
     with FileLock(folder / LOCKS / _process_name()):
@@ -380,12 +387,12 @@ def hold_lock(folder: Path) -> Iterator[None]:
 
 
 def _process_name() -> str:
-    """Return a name for this process on this machine, as part of a file name."""
+    """Return the name of this machine and the number of this process, as part of a file name."""
     return f"{platform.node()}-{os.getpid()}"
 
 
 def is_current_run(folder: Path, token: str) -> bool:
-    """Return whether the folder exists and belongs to the run with this token."""
+    """Return whether the folder of a sweep exists and belongs to the execution with this token."""
     try:
         return (folder / TOKEN).read_text(encoding="utf-8") == token
     except OSError:
@@ -393,14 +400,14 @@ def is_current_run(folder: Path, token: str) -> bool:
 
 
 class RecordWriter:
-    """Writer that appends records of samples to a file of this process."""
+    """Writer that appends records of samples to a file in the folder of a sweep, which only this process writes."""
 
     def __init__(self, folder: Path, token: str) -> None:
         """Set the file's path, which has the start of the run's token; the file is opened with the first record."""
         self._path = folder / RECORDS / f"{token[:8]}-{_process_name()}.lines"
 
     def append(self, records: Sequence[Record]) -> None:
-        """Append records in one call; OSError if the disk does not take all of them."""
+        """Append records to the file in one call; raises OSError if the disk does not take all of them."""
         lines = b"".join(map(pack_record, records))
         handle = os.open(self._path, os.O_WRONLY | os.O_CREAT | os.O_APPEND | getattr(os, "O_BINARY", 0), 0o644)
         try:
@@ -411,13 +418,13 @@ class RecordWriter:
 
 
 def pack_record(record: Record) -> bytes:
-    """Return a record as a line of JSON with its checksum."""
+    """Return a record of a sample as one line of JSON with a checksum."""
     body = json.dumps(record, ensure_ascii=False, separators=(",", ":"), allow_nan=False).encode()
     return b"%08x %s\n" % (zlib.crc32(body), body)
 
 
 def unpack_record(line: bytes) -> Record | None:
-    """Return the record of a line; None if the line is torn or damaged."""
+    """Return the record in a line of JSON with a checksum; None if the line is incomplete or damaged."""
     checksum, _, body = line.rstrip(b"\n").partition(b" ")
     if not line.endswith(b"\n") or checksum != b"%08x" % zlib.crc32(body):
         return None
@@ -426,7 +433,7 @@ def unpack_record(line: bytes) -> Record | None:
 
 
 def stored_records(folder: Path) -> Iterator[Record]:
-    """Yield all intact records of a sweep's folder, file by file."""
+    """Yield all undamaged records in the folder of a sweep, file by file."""
     for path in sorted((folder / RECORDS).glob("*.lines")):
         with path.open("rb") as file:
             for line in file:
@@ -436,7 +443,7 @@ def stored_records(folder: Path) -> Iterator[Record]:
 
 
 def records_by_sample(folder: Path) -> dict[int, Record]:
-    """Return the records of a sweep's folder by the number of the sample, from 0."""
+    """Return the records in the folder of a sweep by the numbers of the samples, which begin at 0."""
     return {int(record["sample"]): record for record in stored_records(folder)}
 
 
@@ -452,7 +459,10 @@ AXIS_COMPILED = 40
 
 @lru_cache(maxsize=8)
 def _cached_tables(text: str, origin: str) -> dict[str, Any]:
-    """Return the TOML tables of a scene file's text from a cache; ``origin``: name of the file for messages."""
+    """Return the TOML tables in the text of a scene file; equal texts are read only once.
+
+    ``origin``: name of the file for error messages.
+    """
     return scene_file.read_toml(text, origin)
 
 
@@ -465,11 +475,12 @@ def solve_sample(
     engine: str,
     wanted: Collection[str] = tuple(OUTPUTS),
 ) -> dict[str, Any]:
-    """Return the status of one sample and, if it is solved, its wanted outputs by name.
+    """Solve one sample of a sweep; return its status and, if it is solved, its outputs by name.
 
-    ``text``: TOML text of the scene file; ``origin``: name of that file for messages; ``keys``: varied keys; ``values``:
-    their values in this sample; ``model``: name of the model; ``engine``: kind of kernels, "interpreted" or "compiled";
-    ``wanted``: names of `OUTPUTS`. If scene or model refuse the values, status and "reason" say why.
+    ``text``: TOML text of the scene file; ``origin``: name of that file for error messages; ``keys``: varied keys;
+    ``values``: their values in this sample; ``model``: name of the model; ``engine``: whether numerical kernels run as
+    plain Python ("interpreted") or as machine code ("compiled"); ``wanted``: names of the outputs, keys of `OUTPUTS`. If
+    the scene or the model does not allow the values, status and "reason" say why.
     """
     try:
         return solve_sample_or_refuse(text, origin, keys, values, model, engine, wanted)
@@ -486,9 +497,10 @@ def solve_sample_or_refuse(
     engine: str,
     wanted: Collection[str] = tuple(OUTPUTS),
 ) -> dict[str, Any]:
-    """Return status and wanted outputs of one sample; InputError if scene or model refuse the sample's values.
+    """Solve one sample of a sweep; return its status and its outputs by name.
 
-    The arguments are those of `solve_sample`.
+    The arguments are those of `solve_sample`. Raises InputError if the scene or the model does not allow the sample's
+    values.
     """
     scene = scene_tables.read_tables(with_varied_keys(_cached_tables(text, origin), keys, values), origin)
     if isinstance(scene, DutyCycle):
@@ -498,14 +510,19 @@ def solve_sample_or_refuse(
 
 
 def refusal_reason(error: InputError) -> str:
-    """Return why the values of a sample are refused, with "#" for numbers, since a range may differ between samples."""
+    """Return why the values of a sample are refused, as text in which "#" replaces each number.
+
+    Reasons that differ only in numbers, such as a range that depends on the sample, thus become equal. ``error``: error
+    that the refused values raised.
+    """
     return _NUMBER.sub("#", f"{error.key}: {error.allowed or error.value}")
 
 
 def _solve_cases(cycle: DutyCycle, model: str, engine: str, wanted: Collection[str]) -> dict[str, Any]:
-    """Return status and wanted outputs of a duty cycle; if a load case has no solution, only the status of that case.
+    """Solve the load cases of a duty cycle; return the status and the outputs of the cycle by name.
 
-    ``engine``: kind of kernels, "interpreted" or "compiled"; ``wanted``: names of the outputs.
+    ``engine``: whether numerical kernels run as plain Python ("interpreted") or as machine code ("compiled"); ``wanted``:
+    names of the outputs. If a load case has no solution, only the status of that case is returned.
     """
     solved = [solve_case(case.scene, model, engine, wanted) for case in cycle.cases]
     for case, (result, _) in zip(cycle.cases, solved, strict=True):
@@ -517,10 +534,10 @@ def _solve_cases(cycle: DutyCycle, model: str, engine: str, wanted: Collection[s
 def solve_case(
     scene: Scene | Assembly, model: str, engine: str, wanted: Collection[str]
 ) -> tuple[StaticResult | AxisResult, dict[str, Any]]:
-    """Return the static result of one load case, then its wanted outputs by name (empty if it has no solution).
+    """Return the static result of one load case, then its outputs by name (empty if it has no solution).
 
-    ``engine``: kind of kernels, "interpreted" or "compiled"; a shaft with `AXIS_COMPILED` balls or more is always solved by
-    compiled kernels. ``wanted``: names of the outputs.
+    ``engine``: whether numerical kernels run as plain Python ("interpreted") or as machine code ("compiled"); a shaft with
+    `AXIS_COMPILED` balls or more is always solved with machine code. ``wanted``: names of the outputs.
     """
     if isinstance(scene, Assembly):
         kernels = "compiled" if scene.ball_count >= AXIS_COMPILED else engine
@@ -537,9 +554,10 @@ def solve_batch(
     sweep: tuple[str, str, tuple[Vary, ...], str, str, tuple[str, ...]],
     batch: list[tuple[int, list[Any]]],
 ) -> tuple[list[Record], bool]:
-    """Return the records of a batch of samples, then whether they were already appended to the sweep's folder.
+    """Solve a batch of samples; return their records, and whether they were already appended to the folder of the sweep.
 
-    A worker process that does not see the folder, or whose run is over, does not write there and only returns the records.
+    A worker process that does not see the folder, or whose execution of the sweep is over, does not write there and only
+    returns the records.
 
     Parameters
     ----------

@@ -11,7 +11,7 @@ from rollbench.compare.reference.jobs import Engine
 from rollbench.compare.scenes import catalogue
 from rollbench.compare.studies.rolling import runs
 from rollbench.compare.studies.rolling.rows import RollingRow, is_within_limit, quantity_uncertainty
-from rollbench.compare.studies.rolling.study import find_or_compute_runs
+from rollbench.compare.studies.rolling.runs import find_or_compute_runs
 from rollbench.hifi.rolling import balls, bodies
 
 

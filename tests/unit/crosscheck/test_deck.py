@@ -15,7 +15,7 @@ from rollbench.compare.scenes import catalogue
 from rollbench.compare.studies import export
 from rollbench.compare.studies.crosscheck import study
 from rollbench.compare.studies.crosscheck.deck import DeckOptions, build_deck
-from rollbench.compare.studies.crosscheck.nut import compare_nut_compliance, load_nut, save_nut
+from rollbench.compare.studies.crosscheck.study import compare_nut_compliance, load_nut, save_nut
 from rollbench.meshes import helix, parts
 from rollbench.meshes.exchange.deck import (
     Contact,

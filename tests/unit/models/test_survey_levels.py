@@ -7,8 +7,8 @@ import pytest
 
 from rollbench.compare.cli import main
 from rollbench.compare.reference.store import measuring_conditions
-from rollbench.compare.studies import survey, survey_levels, survey_models
-from rollbench.compare.studies.survey_levels import (
+from rollbench.compare.studies import survey, survey_models
+from rollbench.compare.studies.survey_models import (
     LevelRun,
     StoredLevelRuns,
     chosen_screws,
@@ -27,13 +27,13 @@ def runs_of(number):
 
 def test_the_screws_are_chosen_from_those_that_the_models_are_judged_on():
     chosen = chosen_screws()
-    assert len(set(chosen)) == len(chosen) == survey_levels.COUNT
+    assert len(set(chosen)) == len(chosen) == survey_models.COUNT
     assert set(chosen) <= {record["number"] for record in survey.known_screws()}
 
 
 def test_level_1_and_the_models_are_judged_by_level_2():
     runs = runs_of(chosen_screws()[0])
-    found = {(s.name, s.judged_by): s for s in survey_levels.levels_and_models(runs, survey.known_screws())}
+    found = {(s.name, s.judged_by): s for s in survey_models.levels_and_models(runs, survey.known_screws())}
     coarse = found["3D level 1", "level 2"]
     assert coarse.errors == pytest.approx([100.0 * 0.02 / 1.02])
     assert (coarse.seconds, coarse.further) == (50.0, 0.5)

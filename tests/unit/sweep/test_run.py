@@ -22,7 +22,7 @@ from rollbench.compare.scenes import catalogue, scene_file
 from rollbench.compare.studies.sweep import run as sweeping
 from rollbench.compare.studies.sweep import sample
 from rollbench.compare.studies.sweep import sample as sampling
-from rollbench.compare.studies.sweep.summary import make_sweep, summarise_sweep
+from rollbench.compare.studies.sweep.run import make_sweep, summarise_sweep
 from rollbench.lowfi.friction.whole.state import friction_state
 from rollbench.meshes.parts import SIDES, Load, Motion
 

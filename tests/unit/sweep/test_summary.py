@@ -2,13 +2,8 @@ import numpy as np
 import pytest
 
 from rollbench.compare.studies.sweep import keys, run, sample
+from rollbench.compare.studies.sweep.run import main_effects, output_statistics, sobol_indices_by_output, summarise_sweep
 from rollbench.compare.studies.sweep.sample import MAIN
-from rollbench.compare.studies.sweep.summary import (
-    main_effects,
-    output_statistics,
-    sobol_indices_by_output,
-    summarise_sweep,
-)
 
 KEYS = keys.read_vary([f"{name}={-np.pi!r}:{np.pi!r}" for name in "abc"])
 NAMES = tuple(sample.OUTPUTS)
