@@ -13,8 +13,7 @@ from pathlib import Path
 import numpy as np
 
 from rollbench.compare.errors import ArgumentError, InputError, Refusal
-from rollbench.compare.gate.given_files import GivenValue, read_values
-from rollbench.compare.gate.judged import ANGLE, LIFE, OF_CONTACTS, error_limit_of, parse_limits
+from rollbench.compare.gate.judged import ANGLE, LIFE, OF_CONTACTS, GivenValue, error_limit_of, parse_limits, read_values
 from rollbench.compare.gate.verdict import (
     LARGEST,
     LIMIT,
@@ -43,8 +42,7 @@ from rollbench.compare.models.loading import scaled
 from rollbench.compare.models.loads_file import EVERY, GivenLoads, Only, decimal_comma_advice, read_loads
 from rollbench.compare.models.programs import title_of
 from rollbench.compare.models.registry import DEFAULT, known_model, run_model
-from rollbench.compare.reference.estimate import Reference
-from rollbench.compare.reference.grid_parts import GridParts
+from rollbench.compare.reference.estimate import GridParts, Reference
 from rollbench.compare.reference.jobs import Engine, ensure, plan
 from rollbench.compare.reference.levels import LEVELS
 from rollbench.compare.reference.store import Run, load_run, shipped_store

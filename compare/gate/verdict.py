@@ -8,11 +8,11 @@ from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
-from rollbench.compare.gate.given_files import GivenValue
 from rollbench.compare.gate.judged import (
     ANGLE,
     OF_CONTACTS,
     QUANTITIES,
+    GivenValue,
     WholeScrewQuantities,
     contact_quantity_of_reference,
     error_limit_of,

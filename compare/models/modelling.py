@@ -7,7 +7,7 @@ variants, the largest change of each contact load counts. The choices are indepe
 so they are combined for each contact by the root of the sum of squares. The result estimates the effect of one typical
 variation of every choice and is not a bound. Properties of the scene (where the nut is fixed) or of the method (modes,
 sockets) are listed but not included; choices that cannot be varied are not included either
-(``compare.reference.variants.NOT_VARIED``).
+(``compare.reference.levels.NOT_VARIED``).
 """
 
 from __future__ import annotations
@@ -26,8 +26,8 @@ from rollbench.compare.models.model_form import Point, leave_one_out, point, poi
 from rollbench.compare.models.registry import DEFAULT, MODELS, Options, run_model
 from rollbench.compare.models.study import Study
 from rollbench.compare.reference.estimate import Reference, uncertainty_percent
+from rollbench.compare.reference.levels import TWIST, VARIANTS, Kind, with_twisted_supports
 from rollbench.compare.reference.store import Run, load_run
-from rollbench.compare.reference.variants import TWIST, VARIANTS, Kind, with_twisted_supports
 from rollbench.compare.scenes.catalogue import names_with_role
 from rollbench.lowfi.compliance.bodies import PARTS, Condensed
 from rollbench.lowfi.statics.elastic import solve_elastic

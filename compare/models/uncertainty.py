@@ -4,7 +4,7 @@ By ASME V&V 20, the comparison error of a quantity is E = model - reference. The
 
     u_val = sqrt(u_grid^2 + u_model^2 + u_input^2)
 
-has three parts. u_grid is the grid uncertainty of the reference (`compare.reference.grid_parts`). u_model is the effect
+has three parts. u_grid is the grid uncertainty of the reference (`compare.reference.estimate`). u_model is the effect
 of idealisations and of unprinted dimensions of the reference, each varied separately (`compare.models.modelling`). u_input
 is the effect of tolerances of the inputs, each varied separately. If |E| <= u_val, the error of the model cannot be
 distinguished from these uncertainties; else it lies within E +- u_val. u_val is not known if one of its parts is not.
@@ -45,10 +45,9 @@ from rollbench.compare.models.modelling import SPOKEN_FOR, VARIED, Modelling, ba
 from rollbench.compare.models.registry import MODELS
 from rollbench.compare.models.study import Study
 from rollbench.compare.reference.convergence import grid_convergence
-from rollbench.compare.reference.estimate import Reference, uncertainty_percent
-from rollbench.compare.reference.grid_parts import both_flanks
+from rollbench.compare.reference.estimate import Reference, both_flanks, uncertainty_percent
+from rollbench.compare.reference.levels import VARIANTS
 from rollbench.compare.reference.store import Run, load_run, shipped_store
-from rollbench.compare.reference.variants import VARIANTS
 from rollbench.lowfi.statics.nominal import nominal_contacts
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.loads import mean_load
@@ -463,7 +462,7 @@ class LoadUncertainty:
     )
     #: Text on the uncertainty of a user's reference, shown instead of the parts; empty for a computed reference.
     stated: str = ""
-    #: Part of the mesh error at the contact ``at_face`` that is due to a near free face (`compare.reference.grid_parts`).
+    #: Part of the mesh error at the contact ``at_face`` that is due to a near free face (`compare.reference.estimate`).
     beside_face: float = quantity(
         "beside_free_face_percent",
         "of it, what the cells leave out of the lip's compliance at the contact `uncertainty.beside_free_face_at`; 0 where "

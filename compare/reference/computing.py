@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from rollbench.compare import __version__
-from rollbench.compare.reference.levels import LEVELS
+from rollbench.compare.reference.levels import LEVELS, VARIANTS
 from rollbench.compare.reference.store import Run, measuring_conditions, versions
 from rollbench.compare.reference.tasks import (
     SetUp,
@@ -23,7 +23,6 @@ from rollbench.compare.reference.tasks import (
     settings_to_store,
     stations,
 )
-from rollbench.compare.reference.variants import VARIANTS
 from rollbench.compare.running import need_reference, out_of_memory
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.cache import StageDone

@@ -2,7 +2,7 @@
 
 `grid_convergence` fits one quantity; `pooled_grid_uncertainty` fits many quantities with a common order of convergence.
 Both are used for displacements, angles and friction. Contact loads do not converge with an order
-(`compare.reference.grid_parts`).
+(`compare.reference.estimate`).
 
 A quantity phi on cells of size h is fitted by phi_0 + alpha h^p, with equal weights and with weights 1 / h; the fit with
 the smaller standard deviation is used. If its order p is outside `ORDERS`, it is replaced by the best of the following

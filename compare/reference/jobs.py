@@ -20,10 +20,9 @@ from rollbench.compare.errors import InputError
 from rollbench.compare.quantities import count_of
 from rollbench.compare.reference import parallel
 from rollbench.compare.reference.computing import compute_with_bodies, stores_bodies
-from rollbench.compare.reference.levels import LEVELS, PRODUCTION, SOURCE_LEVEL
+from rollbench.compare.reference.levels import LEVELS, PRODUCTION, SOURCE_LEVEL, VARIANTS
 from rollbench.compare.reference.store import Run, bodies_path, load_run, path_in, save
 from rollbench.compare.reference.tasks import Solvable, Task, groups, set_ups
-from rollbench.compare.reference.variants import VARIANTS
 from rollbench.compare.running import available_GB, cores, duration, output_closed
 from rollbench.meshes.cache import StageDone
 from rollbench.meshes.condensed import CondensedBodies

@@ -14,8 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from rollbench.compare.errors import ArgumentError, InputError, Refusal
-from rollbench.compare.reference.levels import LEVELS, SOURCE_LEVEL, scaled
-from rollbench.compare.reference.variants import VARIANTS
+from rollbench.compare.reference.levels import LEVELS, SOURCE_LEVEL, VARIANTS, scaled_settings
 from rollbench.meshes.axis import Assembly
 from rollbench.meshes.canonical import Fields, canonical
 from rollbench.meshes.parts import Scene
@@ -142,7 +141,7 @@ def set_ups(cases: Sequence[Solvable], level: int, variant: str = "") -> tuple[S
         shared.setdefault((body, _pressed(expected[k])), []).append(k)
     out = []
     for (body, sides), sets in shared.items():
-        sizes = scaled(level, body.balls.radius, VARIANTS[variant].refined if variant else ())
+        sizes = scaled_settings(level, body.balls.radius, VARIANTS[variant].refined if variant else ())
         semi, reach = (
             [round_up_lengths(getattr(e, name)()) for k in sets for e in expected[k]] for name in ("semi", "reach")
         )
