@@ -136,7 +136,8 @@ class GridParts:
     def bars(self, loads: Levelled) -> Array:
         """Return the uncertainty of each contact load due to the mesh, (n, 4) [% of the mean load].
 
-        It covers 95 % of the contacts, and is zero for contacts that carry load on no level.
+        ``loads``: contact loads (n, 4) [N] by mesh level. The uncertainty covers 95 % of the contacts, and is zero for
+        contacts that carry load on no level.
         """
         on = loaded_on_any_level(loads)
         if self.contact is None or self.bodies is None or self.sockets is None or self.common is None:
@@ -156,7 +157,7 @@ def both_flanks(load: Array) -> bool:
 
 
 def loaded_on_any_level(loads: Levelled) -> Array:
-    """Return a mask (n, 4) of the contacts that carry load on at least one mesh level."""
+    """Return a mask (n, 4) of the contacts that carry load on at least one mesh level; ``loads``: (n, 4) [N] by level."""
     return np.asarray(np.max([loads[k] for k in loads], axis=0) > 0.0)
 
 
@@ -193,7 +194,8 @@ def parts(loads: Levelled, known: Experience) -> GridParts:
 def _load_change(loads: Levelled, level: int, other: int, finest: int) -> Array:
     """Return the changes of the contact loads from one mesh level to another [% of the mean load on level ``finest``].
 
-    Contacts that carry load on no level are omitted.
+    ``loads``: contact loads (n, 4) [N] by mesh level. The result has one dimension; contacts that carry load on no level
+    are omitted.
     """
     on = loaded_on_any_level(loads)
     return np.asarray(error_percent(loads[other][on], loads[level][on], mean_load(loads[finest])))
@@ -211,7 +213,10 @@ def _cell_sizes(level: int) -> Array:
 
 
 def _variance_factors(level: int, other: int) -> Array:
-    """Return the variance of the load change between two levels per unit variance of the parts contact and bodies, (2,)."""
+    """Return the factors by which variances of the errors contribute to the variance of a load change between two levels.
+
+    The two entries belong to the error due to the cells at the contact and to that due to the cells of the bodies.
+    """
     return np.asarray(_cell_sizes(level) ** (2 * ORDER) + _cell_sizes(other) ** (2 * ORDER))
 
 
@@ -322,14 +327,17 @@ class LipCompliance:
     missing: dict[int, Array]
 
     def at(self, radii: Array, level: int) -> tuple[Array, Array]:
-        """Return lip compliance times E r at distances [ball radii] from a face, and its part that a level neglects."""
+        """Return the compliance of the lip at distances from a face, and the part of it that a mesh level neglects.
+
+        ``radii``: distances over the ball radius. Both compliances are multiplied by Young's modulus E and ball radius r.
+        """
         missing = self.missing[min(max(level, 1), max(self.missing))]
         return np.interp(radii, self.radii, self.lip), np.interp(radii, self.radii, missing)
 
 
 @cache
 def read_lip(store: Path) -> LipCompliance:
-    """Read the compliance of the lip between a contact and a free face of the nut.
+    """Read the compliance of the lip between a contact and a free face of the nut from the folder ``store``.
 
     It was computed for one scene on all mesh levels. The part that a level neglects is multiplied by the largest ratio of
     any other scene to this one. Values are extrapolated from the two smallest distances towards the face, and fall to zero
@@ -408,7 +416,7 @@ class Reference:
     load: Array
     #: Uncertainty of the loads due to mesh and incomplete convergence, (n, 4) [N]; zero for contacts without load.
     uncertainty: Array
-    #: Parts of the uncertainty due to the mesh.
+    #: Uncertainty of the loads due to the mesh, with its parts.
     parts: GridParts
     #: Number of contacts that are loaded in the nominal screw; 0: not known.
     contacts: int = 0
@@ -443,7 +451,7 @@ class Reference:
 
     @property
     def unsettled(self) -> str:
-        """Text with the status of each run that did not fully converge; empty if all converged."""
+        """Text with mesh level and status of each 3D run that did not fully converge; empty if all converged."""
         return "; ".join(f"level {run.level} {run.status}" for run in self.runs if run.moving > 0.0)
 
 

@@ -104,9 +104,10 @@ def as_done(
 def _run_in_workers(
     calls: list[tuple[Callable[..., Any], Sequence[Any]]], backend: str, scheduler: str | None, workers: int, wait: float
 ) -> Generator[tuple[int, Any], None, None]:
-    """Run jobs in other processes or on a cluster, and yield number and result of each.
+    """Run jobs in other processes or on a cluster, and yield number (from 0) and result of each.
 
-    The exception of a job is raised here.
+    ``calls``: function and arguments of each job; ``workers``: number of simultaneous jobs (0: as many as the cluster has
+    workers); ``wait``: time to wait for a worker [s]. The exception of a job is raised here.
     """
     asked = [(number, __version__, *call) for number, call in enumerate(calls)]
     answers = _on_cluster(asked, scheduler, workers, wait) if backend == "dask" else _in_processes(asked, workers)
@@ -235,12 +236,12 @@ def _check_cluster(client: Any, place: str, wait: float) -> Iterator[None]:
 
 
 def _no_cluster(place: str, reason: str, advice: str) -> InputError:
-    """Return an ArgumentError for a scheduler that cannot be used."""
+    """Return the ArgumentError for a cluster that cannot be used; ``place``: address of its scheduler."""
     return ArgumentError("scheduler", f"{place}: {reason}", "a scheduler with workers", advice)
 
 
 def _lost_cluster_error(reason: str) -> InputError:
-    """Return an ArgumentError for a cluster whose scheduler or workers were lost while jobs ran."""
+    """Return the ArgumentError for a cluster whose scheduler or workers were lost while jobs ran."""
     return ArgumentError("scheduler", reason, "a scheduler with workers", AGAIN)
 
 
@@ -325,13 +326,13 @@ def _cluster(scheduler: str | None, workers: int) -> Iterator[Any]:
 
 
 def _other_version(value: str, version: str) -> InputError:
-    """Return an ArgumentError for workers with another version of this program."""
+    """Return the ArgumentError for cluster workers with another rollbench version; ``version``: the required version."""
     advice = f"install version {version} where the workers run"
     return ArgumentError("scheduler", value, f"workers of rollbench {version}", advice)
 
 
 def _scheduler_answers(scheduler: str) -> bool:
-    """Return whether the scheduler at an address accepts a connection."""
+    """Return whether a Dask scheduler at the address ``scheduler`` (such as tcp://host:8786) accepts a connection."""
     try:
         asyncio.run(asyncio.wait_for(_greet(scheduler), PATIENCE))
     except Exception:  # any error of a closed connection
