@@ -203,7 +203,7 @@ def joined_remarks(*texts: str) -> str:
 
 
 def count_of(mask: np.ndarray[tuple[int, ...], np.dtype[np.bool_]]) -> str:
-    """Return the text "k of n" with the number k of true values in a mask of n values."""
+    """Return the text "k of n", where k of the n values in a mask are true."""
     return f"{int(mask.sum())} of {mask.size}"
 
 
@@ -327,13 +327,21 @@ def evidence(study: Study, *names: str) -> list[Evidence]:
 class EntryOrigin:
     """Origin of the value for a printed entry: its scenes or why there are none, the computing function, the test."""
 
+    #: Name of the printed table.
     table: str
+    #: Key of the entry in the table.
     key: str
+    #: Number with its unit, or claim, as printed.
     printed: str
+    #: Class of the entry, a key of `printed.CLASSES`.
     cls: str
+    #: Names of the scenes from which the value is computed.
     scenes: tuple[str, ...]
+    #: Reason why no scene is used; else empty.
     no_scene: str
+    #: Function that computes the value; "none" if nothing is computed.
     computation: str
+    #: Test that asserts the entry; empty if nothing is computed.
     test: str
 
 
@@ -386,7 +394,7 @@ def audit(study: Study, *names: str) -> list[Evidence]:
 
 
 def source(printed: Printed) -> str:
-    """Return the title of the publication in which an entry is printed."""
+    """Return the title of the publication that prints a number or claim."""
     return computations()[printed.table].case.title
 
 
@@ -407,7 +415,7 @@ def counts(rows: Sequence[Evidence]) -> list[dict[str, Any]]:
 
 
 def trust(row: Mapping[str, Any]) -> str:
-    """Return a sentence on how many numbers of a publication are reproduced, from the publication's row of `counts`."""
+    """Return a sentence on how many numbers of a publication are reproduced; ``row``: its row of `counts`."""
     n = row["judged"]
     if n == 0:
         return f"{row['source']}: no number or claim by which a model can be judged."

@@ -81,7 +81,7 @@ def split_unit(key: str) -> tuple[str, str]:
 
 @cache
 def quantities(kind: type) -> dict[str, Quantity]:
-    """Return the quantities that the fields of a record class define, by their JSON keys."""
+    """Return the quantities that the fields of the record class ``kind`` define, by their JSON keys."""
     return {x.key: _quantity_of_field(name, x) for name, x in stated_in(kind) if not callable(getattr(kind, name, None))}
 
 
@@ -109,7 +109,10 @@ def _quantity_of_field(name: str, x: Stated) -> Quantity:
 
 
 def as_json(holder: Any, *without: str) -> dict[str, Any] | None:
-    """Return the quantities of a record as JSON values by key, without the keys ``without``; None if the record is None."""
+    """Return the quantities of the record ``holder`` as JSON values by key; None if the record is None.
+
+    ``without``: keys that are left out.
+    """
     if holder is None:
         return None
     out: dict[str, Any] = {}
@@ -197,7 +200,9 @@ def range_text(ends: Sequence[float] | None, digits: int = 3) -> str:
 
 
 def _in_key_unit(value: Any, factor: float) -> Any:
-    """Return a value for JSON, with numbers multiplied by ``factor``, also inside mappings and lists.
+    """Return a value as JSON, with all numbers multiplied by ``factor`` (from SI to the unit of the key).
+
+    Numbers inside mappings, lists and arrays are multiplied, too.
 
     A record is converted to a dictionary.
     """

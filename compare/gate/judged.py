@@ -117,14 +117,17 @@ def parse_limits(texts: Sequence[str]) -> dict[str, float]:
 def error_limit_of(quantity: JudgedQuantity, given: Mapping[str, float], of_loads: float) -> float:
     """Return the error limit of a quantity [%; deg for angles].
 
-    It is the limit in ``given`` if the quantity has one there; otherwise the default, which for most quantities is derived
-    from the limit of the loads ``of_loads`` [%].
+    It is the limit in ``given`` (limits that the user states, by name of the quantity) if the quantity has one there;
+    otherwise the default, which for most quantities is a multiple of the limit ``of_loads`` of the contact loads [%].
     """
     return given.get(quantity.name, quantity.times * of_loads if quantity.limit is None else quantity.limit)
 
 
 def hertz_approach_or_pressure(scene: Scene, quantity: JudgedQuantity, load: Array) -> Array:
-    """Return the approach [m] or the largest pressure [Pa] of all contacts, (n, 4), by Hertz from loads (n, 4) [N]."""
+    """Compute the approach [m] or the largest pressure [Pa] of all contacts by Hertz, (n, 4).
+
+    ``quantity``: `PRESSURE` for the pressure, else the approach; ``load``: contact loads (n, 4) [N].
+    """
     h = own_hertz(scene, specimen(scene, ball_layout(scene)))
     return h.pressure(load) if quantity is PRESSURE else np.asarray(h.C * np.cbrt(load) ** 2)
 
@@ -156,7 +159,7 @@ def uncertainty_from_loads(of: Callable[[Array], Array | float | None], load: Ar
 
 
 def contact_quantity_of_reference(scene: Scene, reference: Reference, quantity: JudgedQuantity) -> tuple[Array, Array]:
-    """Return the reference's contact angles, approaches or pressures, and their uncertainty.
+    """Return the reference's values of a contact quantity (angle, approach or pressure), and their uncertainty.
 
     Both are (n, 4) in SI units; an uncertainty of nan is not known.
     """
@@ -186,9 +189,10 @@ class WholeScrewQuantities:
         return axial_place_without_loads(self.scene, solve_scaled(self.scene, 0.0, DEFAULT, INTERPRETED))
 
     def value_of(self, quantity: JudgedQuantity, answer: Loads, station: float | None = None) -> float | None:
-        """Return a quantity in SI units from a solution's contact loads and displacements; None if it is not defined.
+        """Return a quantity in SI units (a life in million revolutions) from the results of a model or a 3D run.
 
-        A displacement is taken at the axial position ``station`` [m]; None: at the nut's centre.
+        ``answer``: its contact loads and displacements. None if the quantity is not defined for them. A displacement is
+        taken at the axial position ``station`` [m]; None: at the nut's centre.
         """
         angle = np.radians(answer.angle)
         if quantity is LIFE:
@@ -208,7 +212,10 @@ class WholeScrewQuantities:
     def reference(
         self, quantity: JudgedQuantity, ref: Reference, station: float | None = None
     ) -> tuple[float | None, float | None]:
-        """Return the reference's value of a quantity and its uncertainty, both in SI units; None if not known."""
+        """Return the reference's value of a quantity and its uncertainty in SI units; None if not known.
+
+        ``station``: axial position of a displacement [m]; None: the nut's centre. A life is in million revolutions.
+        """
         answers = [from_run(run, "") for run in ref.runs]
         if quantity in (TORQUE, LIFE):
             best = answers[-1]
@@ -335,7 +342,11 @@ def read_values(path: Path, case: str | None = None) -> tuple[list[GivenValue], 
 
 
 def _value_in_row(path: Path, line: str, cells: dict[str, str], *, decimal_comma: bool) -> GivenValue:
-    """Return the value in one row of a user's file; InputError if quantity, number, unit, load or position is invalid."""
+    """Return the value that one row of a user's file states; InputError if a cell is not valid.
+
+    ``line``: number of the line, as text; ``cells``: texts of the row by column; ``decimal_comma``: whether numbers have
+    one.
+    """
     name, number, unit = (cells.get(column, "") for column in VALUE_COLUMNS)
     quantity = next((q for q in OF_WHOLE if q.name == name.lower()), None)
     if quantity is None:
@@ -374,9 +385,9 @@ def _life_in_revolutions(number: str, unit: str) -> float:
 
 
 def _number_in_si(where: str, dimension: str) -> float | None:
-    """Parse a load or length such as ``5 kN`` and return it in SI units; None if its unit is not of the dimension.
+    """Parse a load or position such as ``5 kN`` and return it in SI units; None if its unit is not of the dimension.
 
-    Loads that are not positive also give None.
+    ``dimension``: "force" or "length". Loads that are not positive also give None.
     """
     try:
         value = parse_quantity(where, dimension)

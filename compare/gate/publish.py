@@ -88,7 +88,7 @@ class Outcome:
 
 
 def cell_text(value: float | None, unit: str) -> str:
-    """Return a number as text with four digits for a table cell, with its unit unless that is per cent; empty for None."""
+    """Return a number as text with four digits for a table cell, with its unit unless that is per cent; "" for None."""
     return "" if value is None else f"{value:.4g}{'' if unit == '%' else f' {unit}'}"
 
 
@@ -147,7 +147,10 @@ def markdown_text(outcomes: Sequence[Outcome], notes: Sequence[str] = ()) -> str
 
 
 def worst_outcome(outcomes: Sequence[Outcome]) -> Outcome | None:
-    """Return the row whose ball is drawn: the largest error among rows that did not pass, else among all; None if none."""
+    """Return the row whose ball is drawn: the largest error among rows that did not pass, else among all rows.
+
+    None if no row has loads of the balls around it.
+    """
     shown = [o for o in outcomes if o.near]
     return min(shown, key=lambda o: (o.good, -abs(o.error or 0.0)), default=None)
 
@@ -358,7 +361,7 @@ def changes_against_file(path: Path, outcomes: Sequence[Outcome]) -> list[Change
 
 
 def _compared_part(row: RoundedVerdict | None) -> tuple[str, str] | None:
-    """Return the two values by which rows are compared: the verdict, and the error with two decimals; None for no row."""
+    """Return the verdict and the error with two decimals, by which a row is compared with an earlier one."""
     return None if row is None else (row.verdict, row.size)
 
 
@@ -415,7 +418,10 @@ def _verdicts_in_json(data: Mapping[str, Any]) -> list[Mapping[str, Any]]:
 
 
 def _verdict_from_json(row: Mapping[str, Any]) -> tuple[Label, RoundedVerdict]:
-    """Return the key (scene, quantity) and the verdict of one JSON record; the unit is the ending of the limit's key."""
+    """Return the key (scene, quantity) and the verdict of one JSON record of ``rollbench check``.
+
+    The unit of error and limit is the ending of their keys.
+    """
     if "kind" in row:
         label, verdict = (row["name"], row["kind"]), row["verdict"]
     else:

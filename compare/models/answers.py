@@ -309,7 +309,7 @@ def tangent_stiffness_at(scene: Scene, station: float, model: str, options: Opti
 
 
 def tangent_stiffness_at_nut(scene: Scene, model: str, options: Options) -> tuple[Tangent | None, str]:
-    """Compute the tangent stiffness of a loaded screw at the nut's centre, if the model has one.
+    """Compute the tangent stiffness of a loaded screw at the nut's centre, if the model can give one.
 
     Parameters
     ----------

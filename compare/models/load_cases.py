@@ -215,7 +215,7 @@ def _torque_of_nut(name: str, sums: dict[str, Any] | None, why: str, sign: float
 
 
 def _torque_of_bearing(assembly: Assembly, s: SetResult, torque: BallTorque | None) -> SetDrive:
-    """Return the friction torque of a bearing row, running and from rest; zero if the row carries no load."""
+    """Return the friction torque of a bearing row, running and from rest; zero without load; ``torque``: of ball rows."""
     ends: tuple[Band | None, Band | None] = (0.0, 0.0), (0.0, 0.0)
     if torque is not None:
         ends = torque.running, torque.starting
@@ -258,7 +258,7 @@ class SolvedSet:
 
 @dataclass(frozen=True)
 class Solved:
-    """Solution of a scene with one nut or bearing row by one model, with all results."""
+    """Solution by one model of a scene with one nut or bearing row, with all results that follow from the loads."""
 
     #: The scene.
     scene: Scene
@@ -286,7 +286,7 @@ class Solved:
 
 @dataclass(frozen=True)
 class SolvedAxis:
-    """Solution of a shaft with several nuts or bearing rows by one model, with all results."""
+    """Solution by one model of a shaft with several nuts or bearing rows, with all results that follow from the loads."""
 
     #: The assembly.
     scene: Assembly
@@ -572,7 +572,7 @@ def loads_of(result: StaticResult | AxisResult) -> dict[str, Array]:
 
 
 def _lives_of_set(cycle: DutyCycle, name: str, each: Sequence[SolvedSet | None]) -> Lives:
-    """Return the lives of a nut or bearing row from its contact loads in every load case (None: no equilibrium)."""
+    """Return the lives of a nut or row from its loads ``each`` in every load case (None: case without equilibrium)."""
     rated, words = cycle_life(cycle, name, [None if s is None else s.load for s in each])
     if rated is None:
         return Lives(rated, words, None, words, name)

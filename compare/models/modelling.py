@@ -88,9 +88,10 @@ class Modelling:
 
 
 def base_run(scene: Scene, level: int, stores: Sequence[Path] | None) -> Run | None:
-    """Return the 3D run of a scene with which its variants on a mesh level are compared.
+    """Return the stored 3D run of a scene with which its variants on a mesh level are compared; None if none is stored.
 
-    It is the run of the variant ``base`` if one is stored, else the regular run.
+    ``stores``: folders with runs; None: that of the package. It is the run of the variant ``base`` if one is stored, else
+    the regular run.
     """
     return load_run(scene, level, "base", stores) or load_run(scene, level, stores=stores)
 
@@ -126,7 +127,12 @@ def effect(scene: str, variant: str, label: str, choice: str, kind: Kind, change
     changed
         Contact loads of the variant, (n, 4) [N].
     base
-        Contact loads of the unchanged run, (n, 4) [N].
+        Contact loads of the unchanged 3D run, (n, 4) [N].
+
+    Returns
+    -------
+    Effect
+        Changes of the contact loads, in per cent of the mean load of the unchanged run.
     """
     change = np.asarray(error_percent(changed, base, mean_load(base)))
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -196,12 +202,15 @@ class Rung:
     uncertainty: float | None
     #: Difference of the sum of contact loads from that of the reference [%].
     bias: float
-    #: Run time for a new geometry, in plain Python, without import of libraries [s].
+    #: Computing time for a new geometry, in plain Python, without import of libraries [s].
     seconds: float
 
 
 def solve_ladder(scene: Scene, reference: Reference, stores: Sequence[Path] | None) -> list[Rung]:
-    """Solve a scene with every model of the refinement sequence; "condensed" only if its bodies are stored."""
+    """Solve a scene with every model of the refinement sequence (`RUNGS`), and compare the loads with the 3D reference.
+
+    The model "condensed" is left out if the condensed screw and nut are in none of the folders ``stores``.
+    """
     rungs = []
     for model in RUNGS:
         options = Options(discretisation=False, engine="interpreted")
@@ -242,7 +251,10 @@ class BodyShareErrors:
 
 
 def errors_by_replaced_body(study: Study) -> list[BodyShareErrors]:
-    """Compute the refined model's errors on each scene with no body, the screw, the nut or both replaced by 3D bodies."""
+    """Compute the errors of the refined model with screw, nut, both or none of them replaced by condensed 3D bodies.
+
+    All shipped scenes with a stored 3D reference and condensed bodies are solved.
+    """
     out = []
     for name, reference in study.references((*REFERENCED, *UNSEEN)).items():
         scene = study.scene(name)
@@ -275,13 +287,23 @@ def ladder(study: Study) -> list[Rung]:
 
 
 def points(study: Study, rungs: Sequence[Rung]) -> list[Point]:
-    """Return the errors of the models on the shipped scenes, from which expected errors are estimated."""
+    """Return the errors of the models on the shipped scenes, from which expected errors are estimated.
+
+    ``rungs``: results of the models on these scenes.
+    """
     references = study.references((*REFERENCED, *UNSEEN))
     return [point(r.scene, study.scene(r.scene), r.result, references[r.scene].best) for r in rungs]
 
 
 def left_out_one(study: Study, rungs: Sequence[Rung]) -> list[dict[str, Any]]:
     """Estimate the errors of each model on every compared screw (shipped or randomly drawn) from all other screws.
+
+    Parameters
+    ----------
+    study
+        Cache of scenes and 3D references.
+    rungs
+        Results of the models on the shipped scenes.
 
     Returns
     -------

@@ -81,19 +81,19 @@ class Quantity:
     unit: str
     #: Function that takes its values (any shape) from an answer.
     take: Take
-    #: Whether percentages are of the mean of the loaded contacts instead of the value.
+    #: Whether errors are in per cent of the mean contact load instead of the value.
     of_mean: bool = False
-    #: Whether it is the load of the most loaded contact.
+    #: Whether the quantity is the load of the most loaded contact.
     of_largest: bool = False
 
 
 def _axial_displacement(scene: Scene, answer: Loads) -> Array:
-    """Return the axial displacement of the screw at the nut's centre as an array (1,) [um]."""
+    """Return the axial displacement of the screw at the nut's centre as an array (1,) [um]; ``answer``: results."""
     return np.array([1e6 * float(np.interp(scene.nut.position, answer.stations, answer.line[:, 2]))])
 
 
 def _angle_at_most_loaded(scene: Scene, answer: Loads) -> Array:  # noqa: ARG001 - every quantity takes the scene
-    """Return the contact angle of the most loaded contact as an array (1,) [deg]."""
+    """Return the contact angle of the most loaded contact in the results ``answer`` as an array (1,) [deg]."""
     return np.array([float(answer.angle.ravel()[int(answer.load.argmax())])])
 
 
@@ -186,13 +186,16 @@ class Uncertainty:
 
 
 def percent(quantity: Quantity, value: Array, base: Array, mean: float) -> Array:
-    """Return the difference value - base in per cent of the base; for contact loads, in per cent of the mean load [N]."""
+    """Return the difference ``value - base`` in per cent of ``base``; for contact loads, of the mean contact load.
+
+    ``mean``: mean contact load [N].
+    """
     scale = mean if quantity.of_mean else None
     return np.asarray(error_percent(value, base, scale))
 
 
 def grid_uncertainty(scene: Scene, reference: Reference, quantity: Quantity) -> Array:
-    """Return the grid uncertainty [%] of a quantity in the finest run of the reference.
+    """Return the uncertainty due to the mesh [%] of a quantity in the 3D run on the finest mesh level.
 
     With a single mesh level it is nan, except for contact loads, whose uncertainty is then estimated from other scenes.
     """
@@ -210,9 +213,9 @@ def grid_uncertainty(scene: Scene, reference: Reference, quantity: Quantity) -> 
 
 
 def variants_of(study: Study, name: str) -> tuple[tuple[str, Loads, Loads], ...]:
-    """Return the stored 3D runs of a scene with a changed modelling choice.
+    """Return the results of all stored 3D runs of the scene ``name`` with a changed modelling choice.
 
-    Each item is (name of the choice, loads with the change, loads without it).
+    Each item is (name of the choice, results with the change, results without it). Runs that did not converge are left out.
     """
     scene, out = study.scene(name), []
     bases: dict[int, Run | None] = {}
@@ -229,7 +232,7 @@ def variants_of(study: Study, name: str) -> tuple[tuple[str, Loads, Loads], ...]
 
 
 def choice_uncertainty(study: Study, name: str, quantity: Quantity) -> Array | None:
-    """Return the effect of all modelling choices of a scene on a quantity [%], as the root of the sum of squares.
+    """Return the effect of all modelling choices of the scene ``name`` on a quantity [%]: root of the sum of squares.
 
     The effect of one choice is that of its most effective variant. None if no choice was varied on the scene.
     """
@@ -265,7 +268,10 @@ def input_uncertainty(study: Study, scene: Scene, quantity: Quantity) -> tuple[A
 
 
 def uncertainty(study: Study, name: str, quantity: Quantity) -> Uncertainty | None:
-    """Compute the parts of the validation uncertainty u_val of a quantity of a scene; None without a 3D reference."""
+    """Compute the parts of the validation uncertainty u_val of a quantity of the scene ``name``.
+
+    None if no 3D reference of the scene is stored.
+    """
     reference = study.reference(name)
     if reference is None:
         return None
@@ -309,9 +315,9 @@ class Validated:
     inputs: float
     #: u_val [%].
     combined: float
-    #: Share of values whose error is within u_val.
+    #: Share of values whose error is within u_val [1].
     within: float
-    #: Share of values whose error is within the reference's part of u_val.
+    #: Share of values whose error is within the reference's part of u_val, sqrt(u_grid^2 + u_model^2) [1].
     within_own: float
     #: Ratio of model to reference, of the value or of every contact load above a tenth of the mean load.
     ratio: tuple[float, ...]
@@ -320,7 +326,7 @@ class Validated:
 
     @property
     def bar(self) -> str:
-        """Text with the validation uncertainty u_val [%], or the reason why it is not known."""
+        """Text with the validation uncertainty u_val in per cent, or the reason why it is not known."""
         if np.isfinite(self.combined):
             return f"u_val {self.combined:.2f} %"
         why = "modelling choices were not varied on similar scenes" if np.isfinite(self.grid) else "only one mesh level"
@@ -399,8 +405,9 @@ def scatter(rows: Sequence[Validated]) -> list[Scatter]:
 def bound_shares(rows: Sequence[Mapping[str, Any]]) -> dict[str, tuple[int, int]]:
     """Count, for each model, the scenes whose measured error does not exceed the expected error.
 
-    ``rows``: scenes with their measured and expected errors, by leaving each scene out of the estimate. Each model has
-    (number within, number of scenes with an estimate).
+    ``rows``: for each scene and model the keys ``model``, ``measured`` and ``expected`` [%], where the expected error is
+    estimated without this scene (None: no estimate). The result has, by model, (number of scenes within the expected error,
+    number of scenes with an estimate).
     """
     out: dict[str, tuple[int, int]] = {}
     for row in rows:
@@ -554,9 +561,10 @@ def total(scene: Scene, reference: Reference, *, inputs: bool = True) -> LoadUnc
 
 
 def beside_face(reference: Reference) -> tuple[float, str]:
-    """Return the largest mesh error of a contact load due to a near free face [% of the mean load], and the contact.
+    """Return the largest mesh error of a contact load due to a near free face of the nut, and the contact.
 
-    Zero and an empty text if this error does not exceed the rest of the uncertainty due to the mesh.
+    The error is in per cent of the mean load; the contact is a text with ball and flank. Zero and an empty text if this
+    error does not exceed the rest of the uncertainty due to the mesh.
     """
     share = np.zeros(1) if reference.beside_face is None else error_percent(reference.beside_face, 0.0, reference.mean)
     if share.max() <= reference.parts.bar or not reference.parts.bar:
@@ -587,7 +595,7 @@ def _largest_input_effect(scene: Scene) -> tuple[float | None, str]:
 
 
 def choice_effects_record(varied: Modelling) -> ChoiceEffects:
-    """Return the effects of the modelling choices that were varied on a scene as a record to be stored."""
+    """Return the record to be stored of the effects of modelling choices on the contact loads of a scene."""
     first = max(varied.choices, key=lambda name: varied.choices[name])
     return ChoiceEffects(varied.scene, varied.largest, first, varied.choices[first])
 

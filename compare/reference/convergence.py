@@ -271,7 +271,10 @@ class Fit:
 
 
 def fit_searched_order(y: Array, h: Array, weighted: bool = False) -> Fit:
-    """Fit limits, slopes and the best common order to all quantities (levels, m), by grids on shrinking intervals of p."""
+    """Fit limits, slopes and the best common order p to m quantities, by grids of p on shrinking intervals.
+
+    ``y``: values (levels, m); ``h``: relative cell sizes (levels,); ``weighted``: whether weights are 1 / h.
+    """
     w = level_weights(h, weighted)
     low, high = SEARCH
     at, step = 0.0, 1.0
@@ -283,9 +286,10 @@ def fit_searched_order(y: Array, h: Array, weighted: bool = False) -> Fit:
 
 
 def fit_given_order(y: Array, h: Array, p: float, weighted: bool) -> Fit:
-    """Fit limits and slopes of all quantities (levels, m) for a given order p.
+    """Fit limits and slopes of all quantities for a given order p.
 
-    The order counts as one fitted parameter that all quantities share.
+    ``y``: values (levels, m); ``h``: relative cell sizes (levels,); ``weighted``: whether weights are 1 / h. The order
+    counts as one fitted parameter that all quantities share.
     """
     x = _box_cox(h, np.array([p]))[0]
     finest, slope, residual = _linear_least_squares(y, x[:, None], level_weights(h, weighted))
@@ -311,8 +315,9 @@ def fit_fixed_orders(y: Array, h: Array, *, both: bool) -> list[Fit]:
 
 
 def allowed_orders(y: Array, h: Array, best: Fit) -> tuple[float, float]:
-    """Return the interval of orders around the best one that are compatible with the data.
+    """Return the lowest and highest order around the best one that are compatible with the data.
 
+    ``y``: values (levels, m); ``h``: relative cell sizes (levels,); ``best``: fit with the best order.
     The criterion is an F test of the sums of squared residuals with the confidence `CONFIDENCE`. Without a degree of
     freedom, the interval is the whole searched range.
     """
@@ -334,13 +339,16 @@ def allowed_orders(y: Array, h: Array, best: Fit) -> tuple[float, float]:
 
 
 def level_weights(h: Array, weighted: bool) -> Array:
-    """Return the weights of the mesh levels, with sum one: equal, or proportional to 1 / h."""
+    """Return the weights of the mesh levels, with sum one: proportional to 1 / h if ``weighted``, else equal."""
     w = 1.0 / h if weighted else np.ones_like(h)
     return np.asarray(w / w.sum())
 
 
 def _residual_squares(y: Array, h: Array, w: Array, p: Array) -> Array:
-    """Return, for each order in ``p``, the weighted sum of squared residuals after fitting limits and slopes."""
+    """Return, for each order in ``p``, the weighted sum of squared residuals after fitting limits and slopes.
+
+    ``y``: values (levels, m); ``h``: relative cell sizes (levels,); ``w``: weights of the levels.
+    """
     centred = y - w @ y
     x = _box_cox(h, p)
     x = x - (x @ w)[:, None]
@@ -372,9 +380,10 @@ def _linear_least_squares(y: Array, columns: Array, w: Array) -> tuple[Array, Ar
 def _fit_record(
     form: str, order: float | None, weighted: bool, h: Array, limit: Array, residual: Array, of_each: int, of_all: int
 ) -> Fit:
-    """Return a fit with its standard deviations, which depend on the number of fitted parameters.
+    """Return the record of a fit with its standard deviations, which depend on the number of fitted parameters.
 
-    ``of_each``: parameters for each quantity; ``of_all``: parameters that all quantities share.
+    ``limit``: limits at h = 0, (m,); ``residual``: residuals, (levels, m); ``of_each``: parameters for each quantity;
+    ``of_all``: parameters that all quantities share.
     """
     n, m = residual.shape
     squares = n * (level_weights(h, weighted) @ (residual * residual))
