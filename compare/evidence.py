@@ -184,7 +184,7 @@ class Findings:
         return value_of(self.table, key)
 
     def claim(self, key: str, holds: bool, words: str) -> None:
-        """Record whether the printed claim ``key`` is true, and a text with the numbers that show it."""
+        """Record whether the printed claim ``key`` is true (``holds``), and a text with the numbers that show it."""
         self._set_fields(key, holds=bool(holds), words=words)
 
     def remark(self, key: str, words: str) -> None:
@@ -252,7 +252,10 @@ class Computation:
         return tuple(dict.fromkeys(name for _, names in self.behind if not isinstance(names, str) for name in names))
 
     def origin(self, row: Printed) -> tuple[tuple[str, ...], str]:
-        """Return the names of the scenes from which an entry is computed, and the reason if no scene is used."""
+        """Return the names of the scenes from which the printed entry ``row`` is computed, or the reason if there are none.
+
+        The reason (second entry) is empty if scenes are used.
+        """
         origin = next((behind for pattern, behind in self.behind if fnmatchcase(row.key, pattern)), "")
         if not isinstance(origin, str) and origin:
             return origin, ""
@@ -401,8 +404,9 @@ def source(printed: Printed) -> str:
 def counts(rows: Sequence[Evidence]) -> list[dict[str, Any]]:
     """Count printed numbers and claims by publication and verdict.
 
-    A row for each publication, and a last one for all, has the counts by verdict, ``judged`` (number of entries that judge
-    a model, which are all except inputs and identities) and ``all`` (number of entries).
+    ``rows``: printed entries with their verdicts. A returned row for each publication, and a last one for all, has the
+    counts by verdict, ``judged`` (number of entries that judge a model, which are all except inputs and identities) and
+    ``all`` (number of entries).
     """
     out = []
     for title in (*publication_titles(), "all"):

@@ -94,7 +94,7 @@ def _not_text_error(data: bytes, at: int) -> NotTextError:
 
 
 def did_you_mean(found: Iterable[str]) -> str:
-    """Return the question ``did you mean A or B?``, with names quoted for a shell; an empty text without names."""
+    """Return the question ``did you mean A or B?`` with the names ``found``, quoted for a shell; empty without names."""
     words = " or ".join(map(shlex.quote, found))
     return f"did you mean {words}?" if words else ""
 

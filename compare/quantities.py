@@ -98,7 +98,10 @@ def heading_of(x: Stated) -> tuple[str, str]:
 
 
 def _quantity_of_field(name: str, x: Stated) -> Quantity:
-    """Return the quantity of a record's field ``name``: key, heading, unit, format, and function that gets its value."""
+    """Return the quantity of a record's field: key, heading, unit, format, and function that gets its value for JSON.
+
+    ``name``: name of the field; ``x``: what the field states about its quantity.
+    """
     unit = _unit_of_dotted_key(x.key)[1]
     factor = 1.0 if unit is None else unit.factor
 
@@ -127,7 +130,8 @@ def as_json(holder: Any, *without: str) -> dict[str, Any] | None:
 def from_json(kind: type, data: Mapping[str, Any]) -> dict[str, Any]:
     """Return the values of a record's quantity fields in SI units, read from its JSON; None if a value is missing.
 
-    ``kind``: class of the record.
+    ``kind``: class of the record; ``data``: JSON with the values in the units of their keys. The result has the fields by
+    name.
     """
     out: dict[str, Any] = {}
     for field in fields(kind):

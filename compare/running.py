@@ -139,7 +139,7 @@ def watched(label: str, limit: float | None = None) -> Iterator[None]:
 
 @contextmanager
 def progress_bar(label: str) -> Iterator[Callable[[str, float], None]]:
-    """Show a progress bar on the terminal while a computation runs.
+    """Show a progress bar on the terminal while the computation ``label`` runs.
 
     Yields the function that updates the bar, whose arguments are a text and the share of work done (0 to 1). Nothing is
     shown if standard error is no terminal, or in the first seconds.

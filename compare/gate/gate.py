@@ -236,7 +236,8 @@ def error_row(
 ) -> GateRow:
     """Return a check for which only the error is known, not the values.
 
-    ``kind``: kind of the reference; ``error``, ``limit``, ``bar``: error, its limit and the reference's uncertainty [%].
+    ``name``: what is checked; ``kind``: kind of the reference; ``passed``: result; ``detail``: explanation; ``error``,
+    ``limit``, ``bar``: error, its limit and the reference's uncertainty [%].
     """
     return GateRow(name, kind, None, None, error, limit, passed, detail, bar)
 
@@ -280,7 +281,7 @@ def band_rows(study: Study) -> list[GateRow]:
 
 
 def band_row(found: Evidence) -> GateRow:
-    """Return the check of the computed value against one printed number or claim that has a tolerance band."""
+    """Return the check of a printed number or claim that has a tolerance band; ``found``: it with the computed value."""
     p, value = found.printed, found.compared
     label, passed = f"{p.place}: {p.claim or p.label}", found.agrees is True
     if p.value is None or value is None or p.low is None or p.high is None:
@@ -373,8 +374,8 @@ def reference_rows(study: Study, max_error: float) -> list[GateRow]:
 def source_rows(study: Study, max_error: float) -> list[GateRow]:
     """Check Lin's model on every scene with a 3D reference, and report its worst contact.
 
-    Errors of this model beyond the limit do not fail the gate: the contacts with such errors are listed in
-    ``known_exceedances.toml`` with their cause. A check fails only if this list is wrong.
+    Errors of this model beyond the limit ``max_error`` [%] do not fail the gate: the contacts with such errors are listed
+    in ``known_exceedances.toml`` with their cause. A check fails only if this list is wrong.
     """
     rows: list[GateRow] = []
     known = {(x.scene, x.ball, x.side) for x in known_exceedances()}

@@ -229,7 +229,7 @@ class WholeScrewQuantities:
         return values[-1], grid_convergence(values, ref.sizes).uncertainty
 
     def reason_without_value(self, quantity: JudgedQuantity, ref: Reference) -> str:
-        """Return the reason why a reference has no value of a quantity."""
+        """Return the reason why the reference ``ref`` has no value of a quantity."""
         if quantity is TORQUE:
             return "the scene has no [friction]" if self.scene.friction is None else "the friction model finds none"
         if quantity is LIFE:
@@ -247,9 +247,10 @@ class WholeScrewQuantities:
         )
 
     def _torque(self, load: Array, angle: Array) -> float | None:
-        """Return the friction torque [N m] for contact loads (n, 4) [N] and contact angles (n, 4) [rad]; None if undefined.
+        """Compute the friction torque [N m] of the screw; None without coefficients of friction or without equilibrium.
 
-        Angles that are nan are replaced by those of the default model.
+        ``load``: contact loads (n, 4) [N]; ``angle``: contact angles (n, 4) [rad]. Angles that are nan are replaced by
+        those of the default model.
         """
         solved = self._default_solution
         if self.scene.friction is None or not solved.converged:

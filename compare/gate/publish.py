@@ -93,7 +93,7 @@ def cell_text(value: float | None, unit: str) -> str:
 
 
 def outcome_of_verdict(v: Verdict) -> Outcome:
-    """Return the row to be published for a verdict on a user's scene."""
+    """Return the row to be published for the verdict ``v`` on a user's scene."""
     note = "; ".join(filter(None, (v.pair_text.strip(", "), v.detail)))
     numbers = v.error, v.uncertainty, v.limit, v.unit
     return Outcome(v.word == "pass", v.word, v.subject, v.judged, v.quantity, *numbers, v.ball, v.flank or "", note, v.near)
@@ -156,13 +156,13 @@ def worst_outcome(outcomes: Sequence[Outcome]) -> Outcome | None:
 
 
 def _chart_title(o: Outcome) -> str:
-    """Return the title of the chart of loads around the worst ball: scene, ball, error and limit."""
+    """Return the title of the chart of loads around the worst ball: scene, ball, error and limit of the row ``o``."""
     name = one_line(o.scene, 2000).replace('"', "'")
     return f"{name}, ball {o.ball} {o.flank}: {abs(o.error or 0.0):.2f} {o.unit}, limit {o.limit:.4g} {o.unit}"
 
 
 def _load_chart_lines(o: Outcome | None) -> list[str]:
-    """Return the Markdown lines of a Mermaid chart of the contact loads around the worst ball; an empty list for None."""
+    """Return the Markdown lines of a Mermaid chart of the contact loads around the ball of the row ``o``; none for None."""
     if o is None:
         return []
     balls, loads, reference, _ = zip(*o.near, strict=True)
@@ -184,7 +184,7 @@ def _load_chart_lines(o: Outcome | None) -> list[str]:
 
 
 def worst_ball_figure(o: Outcome) -> Figure:
-    """Return a figure of judged loads, reference loads and the reference's uncertainty around the worst ball."""
+    """Return a figure of judged loads, reference loads and their uncertainty around the decisive ball of the row ``o``."""
     from rollbench.reports.content import Figure, Panel, Series
 
     balls, loads, reference, bars = (list(x) for x in zip(*o.near, strict=True))
@@ -372,7 +372,7 @@ def _rounded_verdict(verdict: str, error: float | None, limit: float | None, uni
 
 
 def _labelled_verdict(o: Outcome) -> tuple[Label, RoundedVerdict]:
-    """Return the key (scene, quantity) and the rounded verdict of a present row."""
+    """Return the key (scene, quantity) and the rounded verdict of the present row ``o``."""
     return (one_line(o.scene, 2000), one_line(o.quantity, 2000)), _rounded_verdict(o.word, o.error, o.limit, o.unit)
 
 

@@ -161,9 +161,10 @@ def _stated_uncertainty(path: Path, given: GivenLoads, mean: float) -> tuple[Arr
 
 
 def run_of_loads(scene: Scene, load: Array, angle: Array) -> Run:
-    """Wrap contact loads [N] and contact angles [deg], both (n, 4), in a run record without mesh.
+    """Return a record of a 3D run, without mesh, displacements and times, with given contact loads and angles.
 
-    Loads from a file can then be used wherever a run of the 3D reference is expected.
+    ``load``: contact loads (n, 4) [N]; ``angle``: contact angles (n, 4) [deg]. Loads from a file can then be used wherever
+    a run of the 3D reference is expected.
     """
     return Run(
         scene=scene.name,
@@ -569,7 +570,7 @@ def references_from_file(
 
 
 def stored_reference(one: Referenced, stores: Sequence[Path]) -> Reference | None:
-    """Return the stored 3D reference of a set of balls, to be shown next to a user's reference; None if none is stored."""
+    """Return the stored 3D reference of the set of balls ``one`` that has a user's reference; None if none is stored."""
     references = stored_references(one.scene if one.of is None else one.of.assembly, stores)
     return references[0 if one.of is None else one.of.number].found if references else None
 

@@ -342,7 +342,7 @@ def reference_notes(reference: Reference) -> str:
 
 
 def worst_verdict(words: Sequence[Word]) -> Word:
-    """Return the worst of several verdicts, in the order of `CODES`."""
+    """Return the worst of several verdicts; `CODES` lists them from the worst to "pass"."""
     return next((w for w in CODES if w in words), "pass")
 
 

@@ -123,7 +123,7 @@ def _prescribed_axial_place(supports: tuple[Support, ...]) -> float | None:
 
 
 def _outer_ring_place(assembly: Assembly, row: RollingSet) -> float | None:
-    """Return the prescribed axial displacement [m] of a row's outer ring; None if its housing can move axially."""
+    """Return the prescribed axial displacement [m] of the outer ring of ``row``; None if its housing can move axially."""
     if row.housing is None:
         return row.offset
     housing = next(h for h in assembly.housings if h.name == row.housing)

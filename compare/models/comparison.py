@@ -605,7 +605,7 @@ def stored_references(
 
 
 def references_from_runs(described: Solvable, runs: tuple[Run, ...]) -> list[Referenced]:
-    """Return the 3D reference of each set of balls of a scene from runs at several mesh levels, coarse to fine."""
+    """Return the 3D reference of each set of balls of a scene from its ``runs`` on several mesh levels, coarse to fine."""
     if isinstance(described, Scene):
         return [
             Referenced(

@@ -41,7 +41,10 @@ def friction_sums_json(t: ScrewTorque, drag: float | None) -> dict[str, Any]:
 
 
 def motion_against_load(torque: ScrewTorque) -> str | None:
-    """Return whether the axial motion is ``with the load`` or ``against the load``; None if no part moves axially."""
+    """Return whether the axial motion of a screw or nut is ``with the load`` or ``against the load``, as text.
+
+    None if no part moves axially.
+    """
     if not torque.translating:
         return None
     return "with the load" if torque.load * torque.ratio * torque.speed > 0.0 else "against the load"

@@ -434,7 +434,7 @@ def _contact_wrench_on_screw(result: StaticResult) -> Array:
 
 
 def _wrench_at(station: float, wrench: Array) -> Array:
-    """Return a force and moment (6,) about the origin as a force and moment about an axial position [m]."""
+    """Return the force and moment ``wrench`` (6,) [N, N m] about the origin as about the axial position ``station`` [m]."""
     return about_origin(np.array([-station]), wrench[None])
 
 

@@ -246,7 +246,7 @@ def _scaled(values: dict[str, float], scales: Mapping[str, tuple[str, float]]) -
 
 
 def save_points(store: Path, points: Sequence[Point]) -> None:
-    """Write the errors of models on compared scenes to the file `FILE` in a folder of 3D reference runs."""
+    """Write the errors of models on compared scenes (``points``) to the file `FILE` in the folder ``store`` of 3D runs."""
     text = json.dumps([asdict(p) for p in points], indent=1, sort_keys=True) + "\n"
     from rollbench.compare.files import replace_file
 
@@ -418,7 +418,8 @@ class LeftOutScene:
 def leave_one_out(points: Sequence[Point], model: str) -> list[LeftOutScene]:
     """Estimate the error of a model on each compared screw from its errors on all other compared screws.
 
-    Screws whose nut is not fixed at a flange are estimated from other such screws only.
+    ``points``: errors of models on compared scenes; ``model``: name of the model. Screws whose nut is not fixed at a flange
+    are estimated from other such screws only.
     """
     out = []
     for flange, scales in ((False, SCALES), (True, WITH_FLANGE)):

@@ -111,13 +111,16 @@ def _stored_reference(study: Study, name: str) -> Reference | None:
 
 
 def with_groove(scene: Scene, conformity: float) -> Scene:
-    """Return a copy of the scene with another conformity of both grooves (groove radius over ball diameter)."""
+    """Return a copy of the scene with the given conformity of both grooves (groove radius over ball diameter)."""
     radius = 2.0 * conformity * scene.balls.radius
     return replace(scene, screw=replace(scene.screw, groove_radius=radius), nut=replace(scene.nut, groove_radius=radius))
 
 
 def with_balls(base: Scene, count: int) -> Scene:
-    """Return a copy of a ball screw with another number of balls at the same spacing, nut and screw as long as needed."""
+    """Return a copy of the ball screw ``base`` with ``count`` balls at the same spacing, with a nut as long as needed.
+
+    The screw is lengthened by the same amount as the nut.
+    """
     step = (base.balls.azimuths[-1] - base.balls.azimuths[0]) / (len(base.balls.azimuths) - 1)
     azimuths = tuple((i - (count - 1) / 2.0) * step for i in range(count))
     length = max(base.nut.length, base.track.lead * count * step / (2.0 * math.pi) + 14e-3)

@@ -381,6 +381,8 @@ class Scatter:
 def scatter(rows: Sequence[Validated]) -> list[Scatter]:
     """Compute bias and scatter of each model's errors in each quantity, as in fire-model validation.
 
+    ``rows``: errors with their uncertainty, one row for each scene, model and quantity.
+
     Notes
     -----
     The method is that of NUREG-1824, supplement 1. With the ratio M/E of model to reference, the bias is
@@ -611,7 +613,7 @@ def choices_for(scene: Scene, known: Mapping[str, ChoiceEffects]) -> ChoiceEffec
 
 
 def save_choices(store: Path, known: Mapping[str, ChoiceEffects]) -> None:
-    """Write the effects of modelling choices, by scene, to a folder of 3D runs; OSError if the file cannot be written."""
+    """Write the effects of modelling choices, ``known`` by scene, to a folder of 3D runs; OSError if that fails."""
     replace_file(store / FILE, json.dumps({name: asdict(c) for name, c in known.items()}, indent=1) + "\n")
 
 

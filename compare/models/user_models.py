@@ -156,7 +156,7 @@ def _answer_of_program(program: programs.Program, scene: Scene) -> ModelAnswer:
 
 
 def _unusable_model_error(point: EntryPoint, reason: str) -> ArgumentError:
-    """Return an ArgumentError for a model of an installed package that cannot be used."""
+    """Return the ArgumentError for a model of an installed package that cannot be used; ``point``: its entry point."""
     advice = "correct the package that provides the model, or uninstall it"
     return ArgumentError("model", f"{point.name} ({point.value}): {reason}", "a function of a scene", advice)
 

@@ -86,7 +86,7 @@ class Convergence:
 
 
 def _order_text(p: float) -> str:
-    """Return an order of convergence as text, "below -4" or "above 12" at an end of the searched range."""
+    """Return the order of convergence ``p`` as text: "= 1.50", or "below -4" and "above 12" at an end of `SEARCH`."""
     low, high = SEARCH
     return f"below {low:g}" if p <= low else f"above {high:g}" if p >= high else f"= {p:.2f}"
 
@@ -225,12 +225,15 @@ def _checked_levels(values: ArrayLike, sizes: ArrayLike) -> tuple[Array, Array]:
 
 
 def _is_constant(column: Array) -> bool:
-    """Return whether a quantity is equal on all levels, up to rounding of stored values."""
+    """Return whether a quantity is equal on all mesh levels, up to rounding; ``column``: its values, (levels,)."""
     return float(np.ptp(column)) <= ROUND_OFF * float(np.abs(column).max())
 
 
 def _kind_of_convergence(column: Array, h: Array) -> tuple[str, float | None]:
-    """Return the kind of convergence of a quantity on three or more levels, and its fitted order (None if not monotone)."""
+    """Return the kind of convergence of a quantity on three or more levels, and its fitted order (None if not monotone).
+
+    ``column``: values on the mesh levels, coarse to fine, (levels,); ``h``: relative cell sizes, (levels,).
+    """
     steps = np.diff(column)
     if not ((steps > 0.0).all() or (steps < 0.0).all()):
         return NOT_MONOTONE, None
@@ -242,7 +245,8 @@ def _kind_of_convergence(column: Array, h: Array) -> tuple[str, float | None]:
 def _uncertainty_of_finest(y: Array, fit: Fit, sigma: Array | float, factor: float, spread: float = np.inf) -> Array:
     """Return the uncertainty U of the finest value of each quantity, (m,), from a fit.
 
-    ``sigma``: standard deviation; ``factor``: F; ``spread``: Delta, the mean change between levels.
+    ``y``: values (levels, m), coarse to fine; ``sigma``: standard deviation; ``factor``: F; ``spread``: Delta, the mean
+    change between levels.
     """
     error, off = np.abs(y[-1] - fit.residual[-1] - fit.limit), np.abs(fit.residual[-1])
     if np.max(sigma) < spread:
@@ -298,9 +302,10 @@ def fit_given_order(y: Array, h: Array, p: float, weighted: bool) -> Fit:
 
 
 def fit_fixed_orders(y: Array, h: Array, *, both: bool) -> list[Fit]:
-    """Fit all quantities (levels, m) by h and by h^2, each with equal weights and with weights 1 / h.
+    """Fit all quantities by h and by h^2, each with equal weights and with weights 1 / h.
 
-    If ``both``, and with four levels or more, also by the sum of h and h^2.
+    ``y``: values (levels, m); ``h``: relative cell sizes (levels,). If ``both``, and with four levels or more, also by the
+    sum of h and h^2.
     """
     forms: dict[str, tuple[float, ...]] = {"first order": (1.0,), "second order": (2.0,)}
     if both and len(h) > 3:
@@ -360,16 +365,18 @@ def _residual_squares(y: Array, h: Array, w: Array, p: Array) -> Array:
 def _box_cox(h: Array, p: Array) -> Array:
     """Return (h^p - 1) / p as an array (orders, levels).
 
-    Fits with a constant are the same as with h^p, but at p = 0 the function is ln h.
+    ``h``: relative cell sizes (levels,); ``p``: orders (orders,). Fits with a constant are the same as with h^p, but at p =
+    0 the function is ln h.
     """
     safe = np.where(p == 0.0, 1.0, p)[:, None]
     return np.where(p[:, None] == 0.0, np.log(h), np.expm1(safe * np.log(h)) / safe)
 
 
 def _linear_least_squares(y: Array, columns: Array, w: Array) -> tuple[Array, Array, Array]:
-    """Fit y (levels, m) by a constant and columns (levels, k) with weights w.
+    """Fit m quantities by a constant and k functions of the cell size, by weighted linear least squares.
 
-    Return constants (m,), coefficients (k, m) and residuals (levels, m).
+    ``y``: values (levels, m); ``columns``: values of the functions (levels, k); ``w``: weights (levels,). Returns constants
+    (m,), coefficients (k, m) and residuals (levels, m).
     """
     root = np.sqrt(w)[:, None]
     basis = np.column_stack([np.ones(len(w)), columns])

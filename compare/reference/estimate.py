@@ -194,7 +194,8 @@ def parts(loads: Levelled, known: Experience) -> GridParts:
 def _load_change(loads: Levelled, level: int, other: int, finest: int) -> Array:
     """Return the changes of the contact loads from one mesh level to another [% of the mean load on level ``finest``].
 
-    ``loads``: contact loads (n, 4) [N] by mesh level. The result has one dimension; contacts that carry load on no level
+    ``loads``: contact loads (n, 4) [N] by mesh level; ``level``, ``other``: first and second level. The result has one
+    dimension; contacts that carry load on no level
     are omitted.
     """
     on = loaded_on_any_level(loads)
@@ -285,7 +286,7 @@ def _covering_bound(errors: Sequence[Array], least: float) -> float:
 
 
 def save_experience(store: Path, known: Experience) -> None:
-    """Write the parts of the mesh uncertainty to a folder of 3D reference runs; OSError if the file cannot be written."""
+    """Write the common parts of the mesh uncertainty (``known``) to the folder ``store`` of 3D runs; OSError on failure."""
     replace_file(store / FILE, json.dumps(asdict(known), indent=1) + "\n")
 
 

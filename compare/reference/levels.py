@@ -117,7 +117,10 @@ def unchanged_scene(scene: Scene) -> Scene:
 
 
 def solid(**changes: Any) -> Change:
-    """Return a function that copies a scene with changed fields of ``scene.solid``, which only the 3D model uses."""
+    """Return a function that copies a scene with changed fields of ``scene.solid``, which only the 3D model uses.
+
+    ``changes``: new values by name of the field.
+    """
     return lambda scene: replace(scene, solid=replace(scene.solid, **changes))
 
 
@@ -197,7 +200,10 @@ SHARED, MODES, FIXING = "set-up shared with other scenes", "modes per patch", "w
 
 
 def mesh_refinement_variant(label: str, choice: str, *refined: str) -> Variant:
-    """Return the variant of the finest mesh level with finer values of the mesh settings ``refined``."""
+    """Return a variant on the finest mesh level with finer values of the mesh settings ``refined``.
+
+    ``label``: description of the variant; ``choice``: numerical choice that it varies.
+    """
     return Variant(label, choice, "numerical", unchanged_scene, refined)
 
 

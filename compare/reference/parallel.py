@@ -149,7 +149,11 @@ def _run_job(number: int, version: str, function: Callable[..., Any], arguments:
 
 
 def _in_processes(asked: Sequence[Asked], workers: int) -> Generator[Answer, None, None]:
-    """Run jobs in processes of this machine, and yield replies as they arrive; closing cancels the remaining jobs."""
+    """Run jobs in processes of this machine, and yield their replies as they arrive.
+
+    ``asked``: requests to the processes; ``workers``: number of processes. Closing the generator cancels the remaining
+    jobs.
+    """
     from joblib import Parallel, delayed
     from joblib.externals.loky.process_executor import BrokenProcessPool
 
@@ -171,8 +175,9 @@ def _in_processes(asked: Sequence[Asked], workers: int) -> Generator[Answer, Non
 def _on_cluster(asked: Sequence[Asked], scheduler: str | None, workers: int, wait: float) -> Generator[Answer, None, None]:
     """Run jobs on a Dask cluster, and yield the workers' replies as they arrive; closing cancels the remaining jobs.
 
-    The scheduler gets all jobs at once, or as many as may run at the same time. It assigns them to workers as these join,
-    and a cluster with adaptive size knows the amount of work.
+    ``asked``: requests to the workers; ``wait``: time to wait for a worker [s]. The scheduler gets all jobs at once, or as
+    many as may run at the same time. It assigns them to workers as these join, and a cluster with adaptive size knows the
+    amount of work.
     """
     with _cluster(scheduler, workers) as client:
         from distributed import KilledWorker, as_completed
@@ -207,8 +212,8 @@ def _on_cluster(asked: Sequence[Asked], scheduler: str | None, workers: int, wai
 def _check_cluster(client: Any, place: str, wait: float) -> Iterator[None]:
     """Check once per iteration that a cluster has workers and its scheduler answers.
 
-    InputError if no worker joins within ``wait`` seconds, at the beginning or after the last one was lost, or if the
-    scheduler no longer answers.
+    ``client``: Dask client of the cluster; ``place``: address of the scheduler, for messages. InputError if no worker joins
+    within ``wait`` seconds, at the beginning or after the last one was lost, or if the scheduler no longer answers.
     """
     alone, silent, had_workers = 0.0, 0.0, False
     while True:

@@ -62,7 +62,7 @@ def refused(described: Solvable, error: ValueError) -> Refusal:
 
 
 def _bodies(case: Solvable) -> list[Scene]:
-    """Return the bodies to be meshed of each nut or bearing row; Refusal for a row without a 3D model."""
+    """Return each nut or bearing row of a load case as a scene to be meshed; Refusal for a row without a 3D model."""
     if isinstance(case, Scene):
         return [case]
     from rollbench.hifi.several_sets import meshed_bodies
@@ -165,7 +165,8 @@ def settings_of(scenes: Sequence[Scene], level: int, variant: str = "") -> Setti
 def settings_to_store(ups: Sequence[SetUp]) -> dict[str, Any]:
     """Return the mesh settings to store with a run of several nuts or bearing rows on one shaft.
 
-    ``b_over_h``: cells per semi-axis of a contact; ``sets``: mesh settings and meshed flanks of each row.
+    ``ups``: bodies, flanks and settings of what was meshed. Returned are ``b_over_h``: cells per semi-axis of a contact;
+    ``sets``: mesh settings and meshed flanks of each row.
     """
     by_set = {k: asdict(up.settings) | {"sides": up.sides} for up in ups for k in up.sets}
     return {"b_over_h": ups[0].settings.b_over_h, "sets": tuple(by_set[k] for k in sorted(by_set))}
