@@ -284,9 +284,13 @@ Label = tuple[str, str]
 class RoundedVerdict(NamedTuple):
     """Verdict with error and limit rounded to four digits, as published, for comparison with an earlier file."""
 
+    #: Verdict as text, such as "pass".
     verdict: str
+    #: Error in ``unit``; None if there is none.
     error: float | None
+    #: Limit of the error in ``unit``; None if there is none.
     limit: float | None
+    #: Unit of error and limit.
     unit: str
 
     @property

@@ -172,7 +172,7 @@ class Verdict:
         return data if pair is None else data | dict(zip(("key", "value", "reference"), pair, strict=True))
 
     def line(self) -> str:
-        """Return the verdict as one line of text: judged scene and model, errors of the mean and own load, limit."""
+        """Return the verdict as one line of text: verdict, scene, model or file, errors, uncertainty and limit."""
         head = f"{self.word.upper()}: {self.subject}, {self.judged}"
         if self.error is None:
             of = "" if self.quantity == LARGEST else f"{self.quantity}: "

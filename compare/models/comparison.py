@@ -146,15 +146,23 @@ def options_for(
 class ComparisonRow:
     """Value of one quantity by a model and by the 3D reference; a row of ``rollbench compare --json``."""
 
+    #: Name of the scene.
     scene: str
+    #: Name of the quantity.
     quantity: str
+    #: Number of the ball, from 1; None for a quantity of the whole screw.
     ball: int | None
+    #: Flank of the contact: SL, SR, NL, NR; None for a quantity of the whole screw.
     side: str | None
+    #: Unit of the values.
     unit: str
     #: Value that the publication prints, if any.
     printed: float | None
+    #: Name of the model.
     model: str
+    #: Value by the model.
     value: float | None
+    #: Value by the reference.
     reference: float | None
     #: Uncertainty of the reference, in the unit of the value.
     reference_error: float | None

@@ -55,7 +55,7 @@ NutSums = Mapping[int, tuple[dict[str, Any] | None, str]]
 
 @record
 class SetDrive:
-    """Torque of one nut or bearing row on the turning shaft, as (low, high) [N m]; None if not known."""
+    """Torque of one nut or bearing row on the turning shaft; ranges are (low, high) [N m], None if not known."""
 
     name: str = quantity("name", "name of the set")
     running: Band | None = quantity(

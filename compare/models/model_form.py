@@ -147,9 +147,13 @@ class Point:
     Errors that were not measured are None.
     """
 
+    #: Name of the scene.
     scene: str
+    #: Name of the model.
     model: str
+    #: Largest error of a contact load [% of the mean load].
     percent: float
+    #: Root mean square error of the contact loads [% of the mean load].
     rms_percent: float
     #: Features of the scene by name.
     features: dict[str, float]

@@ -302,8 +302,11 @@ class Validated:
     For contact loads, error and uncertainty are those of the contact with the largest error.
     """
 
+    #: Name of the scene.
     scene: str
+    #: Name of the model.
     model: str
+    #: Name of the quantity.
     quantity: str
     #: Error of the model [%].
     error: float
@@ -362,7 +365,9 @@ def validated_error(study: Study, name: str, model: str, quantity: Quantity, ans
 class Scatter:
     """Bias and scatter of a model's errors in one quantity over all scenes."""
 
+    #: Name of the model.
     model: str
+    #: Name of the quantity.
     quantity: str
     #: Number of scenes.
     scenes: int
