@@ -116,5 +116,5 @@ def find_case_file(folder: str, name: str) -> Path | None:
 
 
 def files_named(name: str, cases: Iterable[Case] = CASES) -> dict[Case, Path]:
-    """Return by case the file called ``name``, such as ``misprints.toml``, of those cases whose folder has it."""
+    """Return the path of the file ``name``, such as ``misprints.toml``, for each of ``cases`` whose folder has it."""
     return {case: path for case in cases if (path := case.folder / name).is_file()}

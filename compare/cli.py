@@ -116,7 +116,7 @@ def option(argument: str) -> str:
 
 
 def in_options(error: InputError) -> InputError:
-    """Return a copy of an error whose texts name command-line options instead of arguments of the library."""
+    """Return a copy of an error whose message names command-line options instead of arguments of library functions."""
     said = copy(error)
     for part in ("allowed", "advice"):
         setattr(said, part, re.sub("`([a-z_]+(?:=[^`]*)?)`", lambda found: option(found[1]), getattr(error, part)))

@@ -184,7 +184,7 @@ class Findings:
         return value_of(self.table, key)
 
     def claim(self, key: str, holds: bool, words: str) -> None:
-        """Record whether the printed claim ``key`` is true, and a text with the numbers that show it."""
+        """Record whether the printed claim ``key`` is true (``holds``), and a text with the numbers that show it."""
         self._set_fields(key, holds=bool(holds), words=words)
 
     def remark(self, key: str, words: str) -> None:
@@ -203,7 +203,7 @@ def joined_remarks(*texts: str) -> str:
 
 
 def count_of(mask: np.ndarray[tuple[int, ...], np.dtype[np.bool_]]) -> str:
-    """Return the text "k of n" with the number k of true values in a mask of n values."""
+    """Return the text "k of n", where k of the n values in a mask are true."""
     return f"{int(mask.sum())} of {mask.size}"
 
 
@@ -252,7 +252,10 @@ class Computation:
         return tuple(dict.fromkeys(name for _, names in self.behind if not isinstance(names, str) for name in names))
 
     def origin(self, row: Printed) -> tuple[tuple[str, ...], str]:
-        """Return the names of the scenes from which an entry is computed, and the reason if no scene is used."""
+        """Return the names of the scenes from which the printed entry ``row`` is computed, or the reason if there are none.
+
+        The reason (second entry) is empty if scenes are used.
+        """
         origin = next((behind for pattern, behind in self.behind if fnmatchcase(row.key, pattern)), "")
         if not isinstance(origin, str) and origin:
             return origin, ""
@@ -327,13 +330,21 @@ def evidence(study: Study, *names: str) -> list[Evidence]:
 class EntryOrigin:
     """Origin of the value for a printed entry: its scenes or why there are none, the computing function, the test."""
 
+    #: Name of the printed table.
     table: str
+    #: Key of the entry in the table.
     key: str
+    #: Number with its unit, or claim, as printed.
     printed: str
+    #: Class of the entry, a key of `printed.CLASSES`.
     cls: str
+    #: Names of the scenes from which the value is computed.
     scenes: tuple[str, ...]
+    #: Reason why no scene is used; else empty.
     no_scene: str
+    #: Function that computes the value; "none" if nothing is computed.
     computation: str
+    #: Test that asserts the entry; empty if nothing is computed.
     test: str
 
 
@@ -386,15 +397,16 @@ def audit(study: Study, *names: str) -> list[Evidence]:
 
 
 def source(printed: Printed) -> str:
-    """Return the title of the publication in which an entry is printed."""
+    """Return the title of the publication that prints a number or claim."""
     return computations()[printed.table].case.title
 
 
 def counts(rows: Sequence[Evidence]) -> list[dict[str, Any]]:
     """Count printed numbers and claims by publication and verdict.
 
-    A row for each publication, and a last one for all, has the counts by verdict, ``judged`` (number of entries that judge
-    a model, which are all except inputs and identities) and ``all`` (number of entries).
+    ``rows``: printed entries with their verdicts. A returned row for each publication, and a last one for all, has the
+    counts by verdict, ``judged`` (number of entries that judge a model, which are all except inputs and identities) and
+    ``all`` (number of entries).
     """
     out = []
     for title in (*publication_titles(), "all"):
@@ -407,7 +419,7 @@ def counts(rows: Sequence[Evidence]) -> list[dict[str, Any]]:
 
 
 def trust(row: Mapping[str, Any]) -> str:
-    """Return a sentence on how many numbers of a publication are reproduced, from the publication's row of `counts`."""
+    """Return a sentence on how many numbers of a publication are reproduced; ``row``: its row of `counts`."""
     n = row["judged"]
     if n == 0:
         return f"{row['source']}: no number or claim by which a model can be judged."

@@ -82,7 +82,7 @@ def text_of(data: bytes) -> str:
 
 
 def _not_text_error(data: bytes, at: int) -> NotTextError:
-    """Return the error to raise for bytes that cannot be decoded at position ``at``, with a guess of the cause."""
+    """Return the NotTextError for bytes that cannot be decoded at the index ``at``, with a guess of the cause."""
     line = data.count(b"\n", 0, at) + 1
     place = f"line {line}, byte 0x{data[at]:02X}"
     if max(data[0::2].count(0), data[1::2].count(0)) > 0.4 * len(data):  # every other byte of Latin letters and digits
@@ -94,7 +94,7 @@ def _not_text_error(data: bytes, at: int) -> NotTextError:
 
 
 def did_you_mean(found: Iterable[str]) -> str:
-    """Return the question ``did you mean A or B?``, with names quoted for a shell; an empty text without names."""
+    """Return the question ``did you mean A or B?`` with the names ``found``, quoted for a shell; empty without names."""
     words = " or ".join(map(shlex.quote, found))
     return f"did you mean {words}?" if words else ""
 
@@ -134,7 +134,10 @@ def similar_paths(path: Path, others: Iterable[str] = ()) -> str:
 
 @contextmanager
 def os_errors_as_input_errors(path: Path, allowed: str = "a folder that can be written to") -> Iterator[None]:
-    """Raise InputError if the block under this context manager cannot write the file ``path``; ``allowed``: its text."""
+    """Raise InputError if the block under this context manager cannot write the file ``path``.
+
+    ``allowed``: text of the message on what is allowed.
+    """
     try:
         yield
     except OSError as error:

@@ -275,7 +275,7 @@ def _parse_row(table: str, data: Mapping[str, Any], raw: Mapping[str, Any], inde
 
 
 def _check_value_types(raw: Mapping[str, Any], refuse: Any) -> None:
-    """Check that a row has only known keys, with values of the right type.
+    """Check that the ``[[row]]`` of a printed table (``raw``) has only known keys, with values of the right type.
 
     If not, raises the error that the function ``refuse`` makes from a key, the allowed values and an advice.
     """

@@ -49,7 +49,10 @@ def _source_folder(package: str) -> Path:
 
 
 def sources_hash(folders: Sequence[str] = PACKAGES, text: str = "") -> str:
-    """Return a SHA-256 hash of names and contents of all Python files in the ``folders``, and of a further ``text``."""
+    """Return a SHA-256 hash of names and contents of all Python files in the package's ``folders``, and of a ``text``.
+
+    ``text``: further text on which the hash depends.
+    """
     lines = [text] if text else []
     for package in folders:
         root = _source_folder(package)

@@ -81,7 +81,7 @@ def split_unit(key: str) -> tuple[str, str]:
 
 @cache
 def quantities(kind: type) -> dict[str, Quantity]:
-    """Return the quantities that the fields of a record class define, by their JSON keys."""
+    """Return the quantities that the fields of the record class ``kind`` define, by their JSON keys."""
     return {x.key: _quantity_of_field(name, x) for name, x in stated_in(kind) if not callable(getattr(kind, name, None))}
 
 
@@ -98,7 +98,10 @@ def heading_of(x: Stated) -> tuple[str, str]:
 
 
 def _quantity_of_field(name: str, x: Stated) -> Quantity:
-    """Return the quantity of a record's field ``name``: key, heading, unit, format, and function that gets its value."""
+    """Return the quantity of a record's field: key, heading, unit, format, and function that gets its value for JSON.
+
+    ``name``: name of the field; ``x``: what the field states about its quantity.
+    """
     unit = _unit_of_dotted_key(x.key)[1]
     factor = 1.0 if unit is None else unit.factor
 
@@ -109,7 +112,10 @@ def _quantity_of_field(name: str, x: Stated) -> Quantity:
 
 
 def as_json(holder: Any, *without: str) -> dict[str, Any] | None:
-    """Return the quantities of a record as JSON values by key, without the keys ``without``; None if the record is None."""
+    """Return the quantities of the record ``holder`` as JSON values by key; None if the record is None.
+
+    ``without``: keys that are left out.
+    """
     if holder is None:
         return None
     out: dict[str, Any] = {}
@@ -124,7 +130,8 @@ def as_json(holder: Any, *without: str) -> dict[str, Any] | None:
 def from_json(kind: type, data: Mapping[str, Any]) -> dict[str, Any]:
     """Return the values of a record's quantity fields in SI units, read from its JSON; None if a value is missing.
 
-    ``kind``: class of the record.
+    ``kind``: class of the record; ``data``: JSON with the values in the units of their keys. The result has the fields by
+    name.
     """
     out: dict[str, Any] = {}
     for field in fields(kind):
@@ -197,7 +204,9 @@ def range_text(ends: Sequence[float] | None, digits: int = 3) -> str:
 
 
 def _in_key_unit(value: Any, factor: float) -> Any:
-    """Return a value for JSON, with numbers multiplied by ``factor``, also inside mappings and lists.
+    """Return a value as JSON, with all numbers multiplied by ``factor`` (from SI to the unit of the key).
+
+    Numbers inside mappings, lists and arrays are multiplied, too.
 
     A record is converted to a dictionary.
     """

@@ -82,7 +82,7 @@ def cores() -> int:
 
 
 def out_of_memory(reason: object) -> InputError:
-    """Return the InputError to raise for a computation that needs more memory than this computer has."""
+    """Return the InputError for a computation that needs more memory than this computer has; ``reason``: what failed."""
     advice = "end other programs, choose a coarser mesh level or fewer workers, or use a cluster (`backend=dask`)"
     return InputError("this computer", "memory", str(reason) or "no free memory", "enough memory for the run", advice)
 
@@ -114,7 +114,7 @@ ENDED = 1
 
 
 def checked(limit: float | None) -> float | None:
-    """Return a time limit [s] unchanged, or raise InputError if it is out of range."""
+    """Return a time limit [s] or None (no limit) unchanged; InputError if it is not above 0 and up to 1e9 s."""
     if limit is not None and not 0.0 < limit <= 1e9:
         raise ArgumentError("time_limit", str(limit), "above 0 to 1e9 seconds", "state a time in seconds, such as 60")
     return limit
@@ -139,7 +139,7 @@ def watched(label: str, limit: float | None = None) -> Iterator[None]:
 
 @contextmanager
 def progress_bar(label: str) -> Iterator[Callable[[str, float], None]]:
-    """Show a progress bar on the terminal while a computation runs.
+    """Show a progress bar on the terminal while the computation ``label`` runs.
 
     Yields the function that updates the bar, whose arguments are a text and the share of work done (0 to 1). Nothing is
     shown if standard error is no terminal, or in the first seconds.

@@ -9,7 +9,7 @@ from functools import partial
 
 import numpy as np
 
-from rollbench.compare.reference.grid_parts import LIP_FILE
+from rollbench.compare.reference.estimate import LIP_FILE
 from rollbench.compare.reference.levels import LEVELS
 from rollbench.compare.reference.store import shipped_store
 from rollbench.compare.reference.tasks import needed_sides, settings_of

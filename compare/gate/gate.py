@@ -64,7 +64,9 @@ def hertz_sphere_on_flat(scene: Scene, force: float) -> list[tuple[str, str, flo
 
 
 def ball_load_of_rigid_screw(scene: Scene) -> tuple[float, float]:
-    """Compute the ball load of an error-free rigid screw under its axial load, by the solver and in closed form [N].
+    """Compute the ball load of an error-free rigid screw under its axial load [N].
+
+    Returns the load by the solver, then the load in closed form.
 
     Closed form: an axial displacement s of the screw lengthens the distance between the two groove centres of each ball
     from d to D = |(d cos beta, d sin beta + s cos alpha)|, where beta is the contact angle and alpha the lead angle. The
@@ -97,10 +99,12 @@ def ball_load_of_rigid_screw(scene: Scene) -> tuple[float, float]:
 
 
 def cantilever_deflection(scene: Scene) -> tuple[float, float]:
-    """Compute the tip deflection of the scene's shaft as a cantilever under 1 N, by the solver and in closed form [m].
+    """Compute the tip deflection of the scene's shaft as a cantilever under a lateral force of 1 N [m].
 
-    Closed form of a Timoshenko beam: L^3/(3 E I) + L/(kappa G A). In the solved scene small balls with clearance keep the
-    ball contacts unloaded.
+    Returns the deflection by the solver, then the deflection in closed form.
+
+    Closed form of a Timoshenko beam of length L: L^3/(3 E I) + L/(kappa G A). In the solved scene small balls with
+    clearance keep the ball contacts unloaded.
     """
     length = scene.screw.length
     alone = replace(
@@ -115,7 +119,9 @@ def cantilever_deflection(scene: Scene) -> tuple[float, float]:
 
 
 def load_of_two_opposite_balls(scene: Scene) -> tuple[float, float]:
-    """Compute the load of each of two opposite balls under an axial load F, by the solver and in closed form [N].
+    """Compute the load of each of two opposite balls under an axial load F of 100 N [N].
+
+    Returns the load by the solver, then the load in closed form.
 
     Closed form: F / (2 sin gamma), where gamma is the contact angle under load.
     """
@@ -134,7 +140,7 @@ def load_of_two_opposite_balls(scene: Scene) -> tuple[float, float]:
 
 
 def preload_by_oversize(scene: Scene, oversize: float) -> tuple[float, float]:
-    """Compute the preload on a screw contact due to oversized balls, by the solver and in closed form [N].
+    """Compute the preload on a screw contact due to oversized balls [N]: by the solver, then in closed form.
 
     The screw is rigid and carries no external load. By symmetry a ball moves only radially, by x. Its approach to each
     screw flank is e + |(x - d cos beta, d sin beta)| - d, to each nut flank the same with x + d cos beta. Here e is the
@@ -220,7 +226,7 @@ class GateRow:
 
 
 def number_row(name: str, kind: str, value: float, reference: float, limit: float) -> GateRow:
-    """Return the check of a computed number against a reference value, with a limit of the error [%]."""
+    """Return the check of a computed number against a reference value; ``kind``: of reference; ``limit``: of error [%]."""
     error = float(error_percent(value, reference))
     return GateRow(name, kind, value, reference, error, limit, abs(error) <= limit)
 
@@ -228,7 +234,11 @@ def number_row(name: str, kind: str, value: float, reference: float, limit: floa
 def error_row(
     name: str, kind: str, error: float | None, limit: float, passed: bool, detail: str = "", bar: float | None = None
 ) -> GateRow:
-    """Return a check for which only the error and the reference's uncertainty ``bar`` [%] are known, not the values."""
+    """Return a check for which only the error is known, not the values.
+
+    ``name``: what is checked; ``kind``: kind of the reference; ``passed``: result; ``detail``: explanation; ``error``,
+    ``limit``, ``bar``: error, its limit and the reference's uncertainty [%].
+    """
     return GateRow(name, kind, None, None, error, limit, passed, detail, bar)
 
 
@@ -253,7 +263,10 @@ def evidence_row(entry: Evidence, max_error: float) -> GateRow:
 
 
 def printed_rows(study: Study, max_error: float) -> list[GateRow]:
-    """Check every printed number or claim of class hard, as-printed or input for which the program computes a value."""
+    """Check every printed number or claim of class hard, as-printed or input for which the program computes a value.
+
+    ``max_error``: upper limit of the error [%].
+    """
     gated = [e for e in evidence(study) if e.printed.cls in ("hard", "as-printed", "input") and e.agrees is not None]
     return [evidence_row(e, max_error) for e in gated]
 
@@ -268,7 +281,7 @@ def band_rows(study: Study) -> list[GateRow]:
 
 
 def band_row(found: Evidence) -> GateRow:
-    """Return the check of the computed value against one printed number or claim that has a tolerance band."""
+    """Return the check of a printed number or claim that has a tolerance band; ``found``: it with the computed value."""
     p, value = found.printed, found.compared
     label, passed = f"{p.place}: {p.claim or p.label}", found.agrees is True
     if p.value is None or value is None or p.low is None or p.high is None:
@@ -278,7 +291,7 @@ def band_row(found: Evidence) -> GateRow:
 
 
 def closed_form_rows(study: Study, max_error: float) -> list[GateRow]:
-    """Check solutions of the screw of Lin's thesis (scene lin-case1) against closed forms."""
+    """Check solutions of the screw of Lin's thesis (scene lin-case1) against closed forms; ``max_error``: limit [%]."""
     scene = study.scene("lin-case1")
     limit = min(EXACT, max_error)
     rows = [
@@ -296,7 +309,10 @@ def closed_form_rows(study: Study, max_error: float) -> list[GateRow]:
 
 
 def solver_rows(study: Study, max_error: float) -> list[GateRow]:
-    """Check the equilibrium of every shipped scene's solution, and the agreement of both solvers of the beam model."""
+    """Check the equilibrium of every shipped scene's solution, and the agreement of both solvers of the beam model.
+
+    Limit of the errors: `EXACT`, at most ``max_error`` [%].
+    """
     rows = []
     limit = min(EXACT, max_error)
     for name in catalogue.single_set_names():
@@ -358,8 +374,8 @@ def reference_rows(study: Study, max_error: float) -> list[GateRow]:
 def source_rows(study: Study, max_error: float) -> list[GateRow]:
     """Check Lin's model on every scene with a 3D reference, and report its worst contact.
 
-    Errors of this model beyond the limit do not fail the gate: the contacts with such errors are listed in
-    ``known_exceedances.toml`` with their cause. A check fails only if this list is wrong.
+    Errors of this model beyond the limit ``max_error`` [%] do not fail the gate: the contacts with such errors are listed
+    in ``known_exceedances.toml`` with their cause. A check fails only if this list is wrong.
     """
     rows: list[GateRow] = []
     known = {(x.scene, x.ball, x.side) for x in known_exceedances()}

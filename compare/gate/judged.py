@@ -1,4 +1,4 @@
-"""Quantities other than contact loads that the gate judges, with their limits, values and uncertainties.
+"""Quantities other than contact loads that the gate judges: limits, values, uncertainties, and values in users' CSV files.
 
 Contact angle, approach and pressure are judged on every contact; displacement, rigidity, torque and life of the whole
 screw. By Hertz the approach of a contact is proportional to F^(2/3) and its largest pressure to F^(1/3); life is
@@ -10,13 +10,15 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from pathlib import Path
 
 import numpy as np
 
-from rollbench.compare.errors import ArgumentError
+from rollbench.compare.errors import ArgumentError, InputError
 from rollbench.compare.models.answers import axial_place_without_loads, load_answers
 from rollbench.compare.models.comparison import Loads, from_run, uncertainties_of
 from rollbench.compare.models.loading import solve_scaled
+from rollbench.compare.models.loads_file import CsvTable, decimal_comma_advice
 from rollbench.compare.models.model_form import axial_contact_force
 from rollbench.compare.models.registry import DEFAULT, Options, run_model
 from rollbench.compare.quantities import split_unit, unit_of
@@ -28,7 +30,7 @@ from rollbench.meshes.arrays import Array
 from rollbench.meshes.errors import specimen
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import Scene
-from rollbench.meshes.units import COMMA, has_comma
+from rollbench.meshes.units import COMMA, UnitError, dimension_words, has_comma, parse_quantity
 
 #: Options of the default model's solutions that give the unloaded position and the contacts for friction.
 INTERPRETED = Options(discretisation=False, engine="interpreted")
@@ -115,14 +117,17 @@ def parse_limits(texts: Sequence[str]) -> dict[str, float]:
 def error_limit_of(quantity: JudgedQuantity, given: Mapping[str, float], of_loads: float) -> float:
     """Return the error limit of a quantity [%; deg for angles].
 
-    It is the limit in ``given`` if the quantity has one there; otherwise the default, which for most quantities is derived
-    from the limit of the loads ``of_loads`` [%].
+    It is the limit in ``given`` (limits that the user states, by name of the quantity) if the quantity has one there;
+    otherwise the default, which for most quantities is a multiple of the limit ``of_loads`` of the contact loads [%].
     """
     return given.get(quantity.name, quantity.times * of_loads if quantity.limit is None else quantity.limit)
 
 
 def hertz_approach_or_pressure(scene: Scene, quantity: JudgedQuantity, load: Array) -> Array:
-    """Return the approach [m] or the largest pressure [Pa] of all contacts, (n, 4), by Hertz from loads (n, 4) [N]."""
+    """Compute the approach [m] or the largest pressure [Pa] of all contacts by Hertz, (n, 4).
+
+    ``quantity``: `PRESSURE` for the pressure, else the approach; ``load``: contact loads (n, 4) [N].
+    """
     h = own_hertz(scene, specimen(scene, ball_layout(scene)))
     return h.pressure(load) if quantity is PRESSURE else np.asarray(h.C * np.cbrt(load) ** 2)
 
@@ -154,7 +159,7 @@ def uncertainty_from_loads(of: Callable[[Array], Array | float | None], load: Ar
 
 
 def contact_quantity_of_reference(scene: Scene, reference: Reference, quantity: JudgedQuantity) -> tuple[Array, Array]:
-    """Return the reference's contact angles, approaches or pressures, and their uncertainty.
+    """Return the reference's values of a contact quantity (angle, approach or pressure), and their uncertainty.
 
     Both are (n, 4) in SI units; an uncertainty of nan is not known.
     """
@@ -184,9 +189,10 @@ class WholeScrewQuantities:
         return axial_place_without_loads(self.scene, solve_scaled(self.scene, 0.0, DEFAULT, INTERPRETED))
 
     def value_of(self, quantity: JudgedQuantity, answer: Loads, station: float | None = None) -> float | None:
-        """Return a quantity in SI units from a solution's contact loads and displacements; None if it is not defined.
+        """Return a quantity in SI units (a life in million revolutions) from the results of a model or a 3D run.
 
-        A displacement is taken at the axial position ``station`` [m]; None: at the nut's centre.
+        ``answer``: its contact loads and displacements. None if the quantity is not defined for them. A displacement is
+        taken at the axial position ``station`` [m]; None: at the nut's centre.
         """
         angle = np.radians(answer.angle)
         if quantity is LIFE:
@@ -206,7 +212,10 @@ class WholeScrewQuantities:
     def reference(
         self, quantity: JudgedQuantity, ref: Reference, station: float | None = None
     ) -> tuple[float | None, float | None]:
-        """Return the reference's value of a quantity and its uncertainty, both in SI units; None if not known."""
+        """Return the reference's value of a quantity and its uncertainty in SI units; None if not known.
+
+        ``station``: axial position of a displacement [m]; None: the nut's centre. A life is in million revolutions.
+        """
         answers = [from_run(run, "") for run in ref.runs]
         if quantity in (TORQUE, LIFE):
             best = answers[-1]
@@ -220,7 +229,7 @@ class WholeScrewQuantities:
         return values[-1], grid_convergence(values, ref.sizes).uncertainty
 
     def reason_without_value(self, quantity: JudgedQuantity, ref: Reference) -> str:
-        """Return the reason why a reference has no value of a quantity."""
+        """Return the reason why the reference ``ref`` has no value of a quantity."""
         if quantity is TORQUE:
             return "the scene has no [friction]" if self.scene.friction is None else "the friction model finds none"
         if quantity is LIFE:
@@ -238,9 +247,10 @@ class WholeScrewQuantities:
         )
 
     def _torque(self, load: Array, angle: Array) -> float | None:
-        """Return the friction torque [N m] for contact loads (n, 4) [N] and contact angles (n, 4) [rad]; None if undefined.
+        """Compute the friction torque [N m] of the screw; None without coefficients of friction or without equilibrium.
 
-        Angles that are nan are replaced by those of the default model.
+        ``load``: contact loads (n, 4) [N]; ``angle``: contact angles (n, 4) [rad]. Angles that are nan are replaced by
+        those of the default model.
         """
         solved = self._default_solution
         if self.scene.friction is None or not solved.converged:
@@ -255,3 +265,133 @@ class WholeScrewQuantities:
     def _default_solution(self) -> StaticResult:
         """Solution of the default model, whose loads and angles are replaced by others to compute their friction."""
         return run_model(self.scene, DEFAULT, INTERPRETED)
+
+
+VALUE_COLUMNS = ("quantity", "value", "unit")
+
+WHERE = "where"
+
+VALUE_EXAMPLE = "begin with the line quantity,value,unit,where and add rows such as rigidity,540,N/um,5 kN"
+
+DIMENSIONS = {DISPLACEMENT: "length", RIGIDITY: "stiffness", TORQUE: "moment"}
+
+#: Accepted units of life, each with its size in million revolutions.
+LIVES = {"million revolutions": 1.0, "1e6 revolutions": 1.0, "revolutions": 1e-6}
+
+
+@dataclass(frozen=True)
+class GivenValue:
+    """Value of one quantity of the whole screw (such as rigidity or life) from a user's file."""
+
+    #: Quantity that the value belongs to.
+    quantity: JudgedQuantity
+    #: Value in SI units; a life in million revolutions.
+    value: float
+    #: Axial load at which the value applies [N]; None: the loads of the scene.
+    force: float | None = None
+    #: Axial position of a displacement [m]; None: the nut's centre.
+    station: float | None = None
+    #: Load or position as written in the file.
+    where: str = ""
+    #: Number or name of the set of balls on the shaft, as written in the file.
+    set: str = ""
+
+    @property
+    def name(self) -> str:
+        """Name of the quantity, with the load or position at which the value applies."""
+        return self.quantity.name + (f" at {self.where}" if self.where else "")
+
+
+def read_values(path: Path, case: str | None = None) -> tuple[list[GivenValue], tuple[str, ...]]:
+    """Read from a CSV file the values of the whole screw that the gate judges.
+
+    Parameters
+    ----------
+    path
+        Path of the file, with the columns quantity, value and unit, and optionally where, set and case.
+    case
+        Load case whose rows are read, as named in the column ``case``; None: all rows.
+
+    Returns
+    -------
+    list of GivenValue
+        Values in the order of the rows.
+    tuple of str
+        Column headings of the file that are not known.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read, a value or unit is not valid, or a value is stated twice.
+    """
+    needed = (*VALUE_COLUMNS, *(("case",) if case else ()))
+    optional = (WHERE, "set")
+    table = CsvTable.from_csv(path, needed, VALUE_EXAMPLE, optional)
+    out: dict[tuple[str, ...], GivenValue] = {}
+    for number, cells in table.rows:
+        if case is not None and cells.get("case") != case:
+            continue
+        given = _value_in_row(path, f"line {number}", cells, decimal_comma=table.decimal_comma)
+        key = (given.name, given.set)
+        if key in out:
+            allowed = "each quantity once, at each load or position"
+            raise InputError(str(path), f"line {number}", f"{given.name} again", allowed, "delete one of the rows")
+        out[key] = given
+    if not out and case is None:
+        raise InputError(str(path), "file", "no values", "a row for each value", VALUE_EXAMPLE)
+    return list(out.values()), tuple(f'"{title}"' for title in table.titles if title.lower() not in (*needed, *optional))
+
+
+def _value_in_row(path: Path, line: str, cells: dict[str, str], *, decimal_comma: bool) -> GivenValue:
+    """Return the value that one row of a user's file states; InputError if a cell is not valid.
+
+    ``line``: number of the line, as text; ``cells``: texts of the row by column; ``decimal_comma``: whether numbers have
+    one.
+    """
+    name, number, unit = (cells.get(column, "") for column in VALUE_COLUMNS)
+    quantity = next((q for q in OF_WHOLE if q.name == name.lower()), None)
+    if quantity is None:
+        allowed = ", ".join(q.name for q in OF_WHOLE)
+        advice = "choose one of these quantities; put values of single contacts into the file of `loads`"
+        raise InputError(str(path), f"{line}: quantity", name or "nothing", allowed, advice)
+    text = f"{number.replace(',', '.') if decimal_comma else number} {unit}"
+    try:
+        value = (
+            _life_in_revolutions(text.split(" ")[0], unit)
+            if quantity is LIFE
+            else parse_quantity(text, DIMENSIONS[quantity])
+        )
+    except UnitError as error:
+        allowed, advice = dimension_words(DIMENSIONS[quantity]), decimal_comma_advice(error.advice, f"{number},{unit}")
+        raise InputError(str(path), f"{line}: value, unit", text.strip() or "nothing", allowed, advice) from None
+    except ValueError:
+        allowed, advice = f"a number and one of: {', '.join(LIVES)}", decimal_comma_advice(VALUE_EXAMPLE, text)
+        raise InputError(str(path), f"{line}: value, unit", text.strip() or "nothing", allowed, advice) from None
+    where = cells.get(WHERE, "")
+    force, station = (_number_in_si(where.replace(",", ".") if decimal_comma else where, of) for of in ("force", "length"))
+    if where and force is None and (station is None or quantity is not DISPLACEMENT):
+        position = ", or an axial position such as 400 mm" if quantity is DISPLACEMENT else ""
+        allowed = f"an axial load such as 5 kN{position}"
+        advice = decimal_comma_advice("leave it empty for the loads of the scene", where)
+        raise InputError(str(path), f"{line}: {WHERE}", where, allowed, advice)
+    return GivenValue(quantity, value, force, station, where, cells.get("set", ""))
+
+
+def _life_in_revolutions(number: str, unit: str) -> float:
+    """Return a life, written as a number and a unit, in million revolutions; ValueError if either is not valid."""
+    value = float(number) * LIVES.get(unit.lower(), float("nan"))
+    if not 0.0 < value < float("inf"):
+        raise ValueError(unit)
+    return value
+
+
+def _number_in_si(where: str, dimension: str) -> float | None:
+    """Parse a load or position such as ``5 kN`` and return it in SI units; None if its unit is not of the dimension.
+
+    ``dimension``: "force" or "length". Loads that are not positive also give None.
+    """
+    try:
+        value = parse_quantity(where, dimension)
+    except UnitError:
+        return None
+    return value if value > 0.0 or dimension == "length" else None

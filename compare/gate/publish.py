@@ -88,12 +88,12 @@ class Outcome:
 
 
 def cell_text(value: float | None, unit: str) -> str:
-    """Return a number as text with four digits for a table cell, with its unit unless that is per cent; empty for None."""
+    """Return a number as text with four digits for a table cell, with its unit unless that is per cent; "" for None."""
     return "" if value is None else f"{value:.4g}{'' if unit == '%' else f' {unit}'}"
 
 
 def outcome_of_verdict(v: Verdict) -> Outcome:
-    """Return the row to be published for a verdict on a user's scene."""
+    """Return the row to be published for the verdict ``v`` on a user's scene."""
     note = "; ".join(filter(None, (v.pair_text.strip(", "), v.detail)))
     numbers = v.error, v.uncertainty, v.limit, v.unit
     return Outcome(v.word == "pass", v.word, v.subject, v.judged, v.quantity, *numbers, v.ball, v.flank or "", note, v.near)
@@ -147,19 +147,22 @@ def markdown_text(outcomes: Sequence[Outcome], notes: Sequence[str] = ()) -> str
 
 
 def worst_outcome(outcomes: Sequence[Outcome]) -> Outcome | None:
-    """Return the row whose ball is drawn: the largest error among rows that did not pass, else among all; None if none."""
+    """Return the row whose ball is drawn: the largest error among rows that did not pass, else among all rows.
+
+    None if no row has loads of the balls around it.
+    """
     shown = [o for o in outcomes if o.near]
     return min(shown, key=lambda o: (o.good, -abs(o.error or 0.0)), default=None)
 
 
 def _chart_title(o: Outcome) -> str:
-    """Return the title of the chart of loads around the worst ball: scene, ball, error and limit."""
+    """Return the title of the chart of loads around the worst ball: scene, ball, error and limit of the row ``o``."""
     name = one_line(o.scene, 2000).replace('"', "'")
     return f"{name}, ball {o.ball} {o.flank}: {abs(o.error or 0.0):.2f} {o.unit}, limit {o.limit:.4g} {o.unit}"
 
 
 def _load_chart_lines(o: Outcome | None) -> list[str]:
-    """Return the Markdown lines of a Mermaid chart of the contact loads around the worst ball; an empty list for None."""
+    """Return the Markdown lines of a Mermaid chart of the contact loads around the ball of the row ``o``; none for None."""
     if o is None:
         return []
     balls, loads, reference, _ = zip(*o.near, strict=True)
@@ -181,7 +184,7 @@ def _load_chart_lines(o: Outcome | None) -> list[str]:
 
 
 def worst_ball_figure(o: Outcome) -> Figure:
-    """Return a figure of judged loads, reference loads and the reference's uncertainty around the worst ball."""
+    """Return a figure of judged loads, reference loads and their uncertainty around the decisive ball of the row ``o``."""
     from rollbench.reports.content import Figure, Panel, Series
 
     balls, loads, reference, bars = (list(x) for x in zip(*o.near, strict=True))
@@ -281,9 +284,13 @@ Label = tuple[str, str]
 class RoundedVerdict(NamedTuple):
     """Verdict with error and limit rounded to four digits, as published, for comparison with an earlier file."""
 
+    #: Verdict as text, such as "pass".
     verdict: str
+    #: Error in ``unit``; None if there is none.
     error: float | None
+    #: Limit of the error in ``unit``; None if there is none.
     limit: float | None
+    #: Unit of error and limit.
     unit: str
 
     @property
@@ -358,7 +365,7 @@ def changes_against_file(path: Path, outcomes: Sequence[Outcome]) -> list[Change
 
 
 def _compared_part(row: RoundedVerdict | None) -> tuple[str, str] | None:
-    """Return the two values by which rows are compared: the verdict, and the error with two decimals; None for no row."""
+    """Return the verdict and the error with two decimals, by which a row is compared with an earlier one."""
     return None if row is None else (row.verdict, row.size)
 
 
@@ -369,7 +376,7 @@ def _rounded_verdict(verdict: str, error: float | None, limit: float | None, uni
 
 
 def _labelled_verdict(o: Outcome) -> tuple[Label, RoundedVerdict]:
-    """Return the key (scene, quantity) and the rounded verdict of a present row."""
+    """Return the key (scene, quantity) and the rounded verdict of the present row ``o``."""
     return (one_line(o.scene, 2000), one_line(o.quantity, 2000)), _rounded_verdict(o.word, o.error, o.limit, o.unit)
 
 
@@ -415,7 +422,10 @@ def _verdicts_in_json(data: Mapping[str, Any]) -> list[Mapping[str, Any]]:
 
 
 def _verdict_from_json(row: Mapping[str, Any]) -> tuple[Label, RoundedVerdict]:
-    """Return the key (scene, quantity) and the verdict of one JSON record; the unit is the ending of the limit's key."""
+    """Return the key (scene, quantity) and the verdict of one JSON record of ``rollbench check``.
+
+    The unit of error and limit is the ending of their keys.
+    """
     if "kind" in row:
         label, verdict = (row["name"], row["kind"]), row["verdict"]
     else:

@@ -13,8 +13,7 @@ from pathlib import Path
 import numpy as np
 
 from rollbench.compare.errors import ArgumentError, InputError, Refusal
-from rollbench.compare.gate.given_files import GivenValue, read_values
-from rollbench.compare.gate.judged import ANGLE, LIFE, OF_CONTACTS, error_limit_of, parse_limits
+from rollbench.compare.gate.judged import ANGLE, LIFE, OF_CONTACTS, GivenValue, error_limit_of, parse_limits, read_values
 from rollbench.compare.gate.verdict import (
     LARGEST,
     LIMIT,
@@ -43,8 +42,7 @@ from rollbench.compare.models.loading import scaled
 from rollbench.compare.models.loads_file import EVERY, GivenLoads, Only, decimal_comma_advice, read_loads
 from rollbench.compare.models.programs import title_of
 from rollbench.compare.models.registry import DEFAULT, known_model, run_model
-from rollbench.compare.reference.estimate import Reference
-from rollbench.compare.reference.grid_parts import GridParts
+from rollbench.compare.reference.estimate import GridParts, Reference
 from rollbench.compare.reference.jobs import Engine, ensure, plan
 from rollbench.compare.reference.levels import LEVELS
 from rollbench.compare.reference.store import Run, load_run, shipped_store
@@ -114,7 +112,10 @@ def read_reference(
 
 
 def uncertainty_warning(ref: Reference, limit: float) -> str:
-    """Return a warning if the uncertainty of a reference exceeds the limit of the errors [%]; else an empty text."""
+    """Return a warning if the largest uncertainty of a contact load of the reference exceeds the error limit; else "".
+
+    ``limit``: error limit of contact loads [% of the contact's load; of the mean load for small loads].
+    """
     worst = max(gate_points(ref.scene, ref, limit, ref.load), key=lambda p: p.uncertainty_percent)
     if worst.uncertainty_percent <= limit:
         return ""
@@ -125,9 +126,10 @@ def uncertainty_warning(ref: Reference, limit: float) -> str:
 
 
 def _stated_uncertainty(path: Path, given: GivenLoads, mean: float) -> tuple[Array, str]:
-    """Return the load uncertainty (n, 4) [N] that a reference file states, and its description as text.
+    """Return the load uncertainty (n, 4) [N] that a user's reference file states, and its description as text.
 
-    Raises InputError if the statement is not valid.
+    ``given``: contents of the file; ``mean``: mean contact load [N], to which a percentage in a note refers. InputError if
+    the file states the uncertainty in several ways or not validly.
     """
     on = given.load > 0.0
     stated = [name for name in ("uncertainty", "uncertain share") if name in given.further]
@@ -158,9 +160,10 @@ def _stated_uncertainty(path: Path, given: GivenLoads, mean: float) -> tuple[Arr
 
 
 def run_of_loads(scene: Scene, load: Array, angle: Array) -> Run:
-    """Wrap contact loads [N] and contact angles [deg], both (n, 4), in a run record without mesh.
+    """Return a record of a 3D run, without mesh, displacements and times, with given contact loads and angles.
 
-    Loads from a file can then be used wherever a run of the 3D reference is expected.
+    ``load``: contact loads (n, 4) [N]; ``angle``: contact angles (n, 4) [deg]. Loads from a file can then be used wherever
+    a run of the 3D reference is expected.
     """
     return Run(
         scene=scene.name,
@@ -208,7 +211,7 @@ NO_CASES: Mapping[str, str] = {}
 
 @dataclass(frozen=True)
 class GateRequest:
-    """Request to the gate: the model or file to be judged, the error limits and the reference."""
+    """Request to judge a model or file: error limits, and the 3D reference or user's reference to judge it against."""
 
     #: Folders with stored runs of the 3D reference; new runs are stored in the first.
     stores: tuple[Path, ...]
@@ -335,7 +338,7 @@ def check_scenes(
     request
         Model or file to be judged, error limits and reference.
     engine
-        Function that computes runs of the 3D reference.
+        Settings that determine where missing runs of the 3D reference are computed.
     step
         Called with each line of progress.
     warn
@@ -390,7 +393,10 @@ def check_scenes(
 
 
 def _contact_verdicts_of_set(one: Referenced, files: UserFiles, limits: Limits, request: GateRequest) -> list[Verdict]:
-    """Return the verdicts on the contact loads of one set of balls, taken from a user's file or from a model."""
+    """Return the verdicts on the contact loads of one set of balls, taken from a user's file or from a model.
+
+    ``one``: the set of balls with its reference.
+    """
     if request.loads is None:
         return _with_set_name(_verdicts_on_model(one, request.model, limits, request.stores), one)
     given, judged = files.loads[0 if one.of is None else one.of.number], request.loads.name
@@ -401,14 +407,21 @@ def _contact_verdicts_of_set(one: Referenced, files: UserFiles, limits: Limits, 
 
 
 def _with_set_name(verdicts: list[Verdict], one: Referenced) -> list[Verdict]:
-    """Return the verdicts with the names of assembly and set of balls filled in; unchanged for a scene with one set."""
+    """Return the verdicts with the names of the shaft assembly and of its set of balls filled in.
+
+    ``one``: the set of balls that they judge; the verdicts of a scene with one set are unchanged.
+    """
     return verdicts if one.of is None else [replace(v, scene=one.of.assembly.name, set=one.of.name) for v in verdicts]
 
 
 def _with_stored_verdict(
     verdicts: list[Verdict], given: GivenLoads, one: Referenced, limits: Limits, request: GateRequest
 ) -> list[Verdict]:
-    """Add the verdict by the stored 3D reference to the detail of the first verdict, if the user gave a reference."""
+    """Return the verdicts, the first with the verdict against the stored 3D reference added to its explanation.
+
+    It is added only if the user's own reference file was used for ``verdicts``. ``given``: the user's contact loads;
+    ``one``: the set of balls with its reference.
+    """
     ours = stored_reference(one, request.stores) if one.found.stated else None
     if ours is None:
         return verdicts
@@ -422,7 +435,8 @@ def _verdict_on_value(
 ) -> Verdict:
     """Return the verdict on a user's value of the whole screw (such as its life or stiffness).
 
-    Of several sets of balls on one shaft, only the life of each set is judged.
+    ``each``: the sets of balls to which the value belongs, with their references; if there is none, the verdict is "not
+    covered" for the given ``reason``. Of several sets of balls on one shaft, only the life of each set is judged.
     """
     assert request.values is not None
     one = next(iter(each), None)
@@ -434,23 +448,27 @@ def _verdict_on_value(
 
 
 def names_this_set(one: Referenced, word: str) -> bool:
-    """Return whether a text is the number (from 1) or the name of a set of balls; always true for a scene with one set."""
+    """Return whether the text ``word`` is the number (from 1) or the name of a set of balls; true if there is one set."""
     return one.of is None or word in _names_of_set(one.of.assembly, one.of.number)
 
 
 def _names_of_set(assembly: Assembly, k: int) -> tuple[str, str]:
-    """Return the two texts that identify a set of balls in files: its number from 1, and its name."""
+    """Return the texts that identify the set of balls ``k`` (from 0) in users' files: its number from 1, and its name."""
     return str(k + 1), assembly.sets[k].name
 
 
 def _not_covered_verdict(scene: Solvable, judged: str, quantity: str, limit: float, why: str) -> Verdict:
-    """Return the verdict "not covered" on a quantity of a scene that has no reference; ``why`` states the reason."""
+    """Return the verdict "not covered" on a quantity of a scene that has no reference.
+
+    ``judged``: name of the model or file; ``limit``: error limit of the quantity; ``why``: the reason.
+    """
     return Verdict(scene.name, judged, quantity, "not covered", None, None, limit, detail=why)
 
 
 def _scenes_of_files(scenes: Sequence[Solvable], request: GateRequest, cases: Mapping[str, str]) -> Sequence[Solvable]:
     """Return the scenes to which the user's files apply; an empty sequence if the request names no file.
 
+    ``cases``: name of the load case by name of the scene.
     Raises ArgumentError if there are several scenes that are not load cases of a single one.
     """
     named = {"loads": request.loads, "values": request.values, "reference": request.reference}
@@ -462,7 +480,10 @@ def _scenes_of_files(scenes: Sequence[Solvable], request: GateRequest, cases: Ma
 
 
 def _read_user_files(scene: Solvable, request: GateRequest, warn: Callable[[str], None], case: str | None) -> UserFiles:
-    """Read the user's files of loads, values and reference for a scene or load case; InputError if they do not fit it."""
+    """Read the user's files of loads, values and reference for a scene; InputError if they do not fit it.
+
+    ``warn``: function that is called with each warning; ``case``: load case whose rows are read; None: all rows.
+    """
     reference: list[Referenced] = []
     loads, values = [], list[GivenValue]()
     at: dict[float, Scene] = {}
@@ -482,7 +503,10 @@ def _read_user_files(scene: Solvable, request: GateRequest, warn: Callable[[str]
 
 
 def sets_with_row_filter(scene: Solvable, case: str | None) -> list[tuple[Scene, Only]]:
-    """Return each set of balls of a scene, with the filter for its rows in a user's file; InputError for rollers."""
+    """Return each set of balls of a scene, with the filter for its rows in a user's file; InputError for rollers.
+
+    ``case``: load case whose rows are wanted; None: all. A filter has the accepted texts of the columns case and set.
+    """
     of_case: Only = {} if case is None else {"case": (case,)}
     if isinstance(scene, Scene):
         return [(scene, of_case)]
@@ -545,13 +569,16 @@ def references_from_file(
 
 
 def stored_reference(one: Referenced, stores: Sequence[Path]) -> Reference | None:
-    """Return the stored 3D reference of a set of balls, to be shown next to a user's reference; None if none is stored."""
+    """Return the stored 3D reference of the set of balls ``one`` that has a user's reference; None if none is stored."""
     references = stored_references(one.scene if one.of is None else one.of.assembly, stores)
     return references[0 if one.of is None else one.of.number].found if references else None
 
 
 def _check_sets(scene: Solvable, values: Sequence[GivenValue], path: Path) -> None:
-    """Raise InputError if a value names no set of balls, or an unknown one; values of a scene with one set need no name."""
+    """Raise InputError if a value in the file ``path`` names no set of balls, or an unknown one.
+
+    Values of a scene with one set of balls need no name.
+    """
     if isinstance(scene, Scene):
         return
     known = [word for k in range(len(scene.sets)) for word in _names_of_set(scene, k)]
@@ -562,9 +589,9 @@ def _check_sets(scene: Solvable, values: Sequence[GivenValue], path: Path) -> No
 
 
 def _scaled_to_load(scene: Solvable, value: GivenValue, path: Path) -> Scene:
-    """Return the scene with its loads scaled to the axial load at which a value is given.
+    """Return the scene with its loads scaled to the axial load at which a value in the file ``path`` is given.
 
-    Raises InputError if the scene has no axial load, or several sets of balls.
+    InputError if the scene has no axial load, or several sets of balls.
     """
     assert value.force is not None
     if isinstance(scene, Assembly):
@@ -578,7 +605,7 @@ def _scaled_to_load(scene: Solvable, value: GivenValue, path: Path) -> Scene:
 
 
 def _check_unknown_columns(path: Path, headings: Sequence[str], warn: Callable[[str], None], *, strict: bool) -> None:
-    """Warn that unknown columns of a user's file are not judged; InputError instead if ``strict``."""
+    """Warn that unknown columns (``headings``) of a user's file are not judged; raise InputError instead if ``strict``."""
     if not headings:
         return
     if strict:
@@ -587,7 +614,10 @@ def _check_unknown_columns(path: Path, headings: Sequence[str], warn: Callable[[
 
 
 def _notes_on_loads(given: GivenLoads, reference: Reference, limits: Limits) -> Iterator[str]:
-    """Yield notes on a user's loads: flanks without loads, renumbered balls, suspected causes of large errors."""
+    """Yield notes on a user's contact loads, some of them empty texts.
+
+    The notes state flanks without loads, balls that the file numbers differently, and suspected causes of large errors.
+    """
     left = [side for side in SIDES if side not in given.flanks]
     yield f"flanks not judged because the file has no loads on them: {', '.join(left)}" if left else ""
     if given.renumbered:
@@ -626,7 +656,10 @@ def fraction_warnings(limits: Limits) -> Iterator[str]:
 
 
 def _verdicts_on_model(one: Referenced, name: str, limits: Limits, stores: Sequence[Path]) -> list[Verdict]:
-    """Return the verdicts on a model's results for one set of balls; a single "fail" if the model finds no equilibrium."""
+    """Return the verdicts on a model's results for one set of balls; a single "fail" if the model finds no equilibrium.
+
+    ``one``: the set of balls with its reference; ``name``: name of the model; ``stores``: folders with 3D runs.
+    """
     scene, ref, title = one.scene, one.found, title_of(name)
     if one.of is not None:
         answer = solution_of_set(one.of, name)
@@ -655,7 +688,7 @@ def _verdicts_on_model(one: Referenced, name: str, limits: Limits, stores: Seque
 def _compute_missing_runs(
     scenes: Sequence[Solvable], request: GateRequest, engine: Engine, step: Callable[[str], None]
 ) -> dict[str, str]:
-    """Compute missing runs of the 3D reference, and return the reason of each failure by name of the scene.
+    """Compute missing runs of the 3D reference, and return why a computation failed, by name of the scene.
 
     A scene that the 3D reference cannot represent does not stop the computation of the others.
     """

@@ -8,11 +8,11 @@ from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
-from rollbench.compare.gate.given_files import GivenValue
 from rollbench.compare.gate.judged import (
     ANGLE,
     OF_CONTACTS,
     QUANTITIES,
+    GivenValue,
     WholeScrewQuantities,
     contact_quantity_of_reference,
     error_limit_of,
@@ -65,7 +65,7 @@ class Limits:
 
 
 def judged_subject(scene: str, case: str | None, set_: str | None) -> str:
-    """Return the names of scene, load case and set of balls as one text, leaving out those that are None."""
+    """Return the names of scene, load case and set of balls (``set_``) as one text, without those that are None."""
     return ", ".join(filter(None, (scene, case, set_)))
 
 
@@ -171,7 +171,7 @@ class Verdict:
         return data if pair is None else data | dict(zip(("key", "value", "reference"), pair, strict=True))
 
     def line(self) -> str:
-        """Return the verdict as one line of text: judged scene and model, errors of the mean and own load, limit."""
+        """Return the verdict as one line of text: verdict, scene, model or file, errors, uncertainty and limit."""
         head = f"{self.word.upper()}: {self.subject}, {self.judged}"
         if self.error is None:
             of = "" if self.quantity == LARGEST else f"{self.quantity}: "
@@ -193,7 +193,7 @@ class Verdict:
         return f", {value:.4g} against {reference:.4g} {split_unit(key)[1]}"
 
     def compared(self) -> str:
-        """Return error, uncertainty and limit as a comparison, such as ``1.4 % + 0.2 % <= 7 %``."""
+        """Return a text that compares error and uncertainty with the limit, such as ``1.4 % + 0.2 % <= 7 %``."""
         error, limit = f"{abs(self.error or 0.0):.2f} {self.unit}", f"{self.limit:.4g} {self.unit}"
         if self.uncertainty is None:
             return f"{error}, uncertainty unknown, limit {limit}"
@@ -249,7 +249,8 @@ class ContactError(NamedTuple):
 def decisive_contact(points: Sequence[ContactError], limit: float) -> tuple[Word, ContactError]:
     """Return the worst verdict on any contact, and the contact that decides it.
 
-    The decisive contact is the one furthest beyond the limit; if none exceeds it, the one nearest to the limit.
+    ``points``: errors of all judged contacts; ``limit``: error limit in the unit of these errors. The decisive contact is
+    the one furthest beyond the limit; if none exceeds it, the one nearest to the limit.
     """
     each = [decide(p.error, p.bar, limit) for p in points]
     worst = worst_verdict(each)
@@ -261,7 +262,10 @@ def decisive_contact(points: Sequence[ContactError], limit: float) -> tuple[Word
 def verdict_without_reference(
     reference: Reference, judged: str, quantity: str, limit: float, why: str, unit: str = "%"
 ) -> Verdict:
-    """Return the verdict "not covered" on a quantity for which the reference has no value; ``why`` states the reason."""
+    """Return the verdict "not covered" on a quantity for which the reference has no value.
+
+    ``judged``: name of the model or file; ``limit``: error limit in ``unit``; ``why``: the reason.
+    """
     return Verdict(
         reference.scene, judged, quantity, "not covered", None, None, limit, levels=reference.levels, detail=why, unit=unit
     )
@@ -322,7 +326,10 @@ def judge(
 
 
 def _balls_near(load: Array, reference: Reference, at: ContactError) -> tuple[tuple[int, float, float, float], ...]:
-    """Return number, load, reference load and uncertainty [N] of the balls next to a contact, on the same flank."""
+    """Return the loads of the balls around the contact ``at``, on the same flank, up to `NEAR` balls on either side.
+
+    Each entry is (number of the ball from 1, judged load, reference load, uncertainty of the reference load), loads in N.
+    """
     s, balls = SIDES.index(at.side), range(max(at.ball - 1 - NEAR, 0), min(at.ball + NEAR, len(load)))
     return tuple((k + 1, float(load[k, s]), float(reference.load[k, s]), float(reference.uncertainty[k, s])) for k in balls)
 
@@ -334,7 +341,7 @@ def reference_notes(reference: Reference) -> str:
 
 
 def worst_verdict(words: Sequence[Word]) -> Word:
-    """Return the worst of several verdicts, in the order of `CODES`."""
+    """Return the worst of several verdicts; `CODES` lists them from the worst to "pass"."""
     return next((w for w in CODES if w in words), "pass")
 
 
@@ -379,7 +386,7 @@ def suspected_causes(load: Array, reference: Array, flanks: Sequence[str], limit
 
 
 def _largest_error(given: Array, right: Array, mean: float) -> float:
-    """Return the largest absolute difference of loads from the reference loads, in per cent of the mean load."""
+    """Return the largest absolute difference of loads (``given``) from reference loads (``right``) [% of ``mean``]."""
     return float(np.abs(error_percent(given, right, mean)).max())
 
 
@@ -399,7 +406,10 @@ class ContactValues(NamedTuple):
 
 
 def contact_values_by_model(scene: Scene, answer: Loads, limits: Mapping[str, float]) -> ContactValues:
-    """Return a model's contact loads, and its contact angles, approaches and pressures if these have a limit."""
+    """Return a model's contact loads, and its contact angles, approaches and pressures if these have a limit.
+
+    ``answer``: results of the model; ``limits``: error limits by name of the quantity.
+    """
     limited = {name: q for name, q in OF_CONTACTS.items() if q.name in limits}
     further = {
         k: np.radians(answer.angle) if q is ANGLE else hertz_approach_or_pressure(scene, q, answer.load)
@@ -411,7 +421,10 @@ def contact_values_by_model(scene: Scene, answer: Loads, limits: Mapping[str, fl
 
 
 def screw_values_by_model(scene: Scene, answer: Loads, limits: Mapping[str, float]) -> list[GivenValue]:
-    """Return a model's values of the quantities of the whole screw (such as life or stiffness) that have a limit."""
+    """Return a model's values of the quantities of the whole screw (such as life or stiffness) that have a limit.
+
+    ``answer``: results of the model; ``limits``: error limits by name of the quantity.
+    """
     whole, limited = (
         WholeScrewQuantities(scene),
         [q for q in QUANTITIES.values() if q.name in limits and q not in OF_CONTACTS.values()],
@@ -423,7 +436,8 @@ def screw_values_by_model(scene: Scene, answer: Loads, limits: Mapping[str, floa
 def contact_verdicts(judged: str, given: ContactValues, scene: Scene, ref: Reference, limits: Limits) -> list[Verdict]:
     """Judge contact angles, approaches and pressures against the reference, each by its decisive contact.
 
-    Quantities that are not stated, and angles that the reference does not have, are left out.
+    ``judged``: name of the model or file; ``given``: its values on all contacts; ``ref``: the reference. Quantities that
+    are not stated, and angles that the reference does not have, are left out.
     """
     without = {"angle"} if not np.isfinite(ref.best.angle).any() else set()
     names = [name for name in OF_CONTACTS if name in given.further.keys() - without]
@@ -435,9 +449,10 @@ def _contact_quantity_verdict(
 ) -> Verdict:
     """Judge one contact quantity (angle, approach or pressure) by its decisive contact.
 
-    Errors of approach and pressure are in per cent of the reference value of the contact; for contacts with less than a
-    tenth of the mean load, in per cent of the value at the mean load. Errors of angles are in degrees, on contacts that
-    bear load both in the reference and in the judged values.
+    ``judged``: name of the model or file; ``given``: its values; ``name``: key of the quantity in `OF_CONTACTS`. Errors of
+    approach and pressure are in per cent of the reference value of the contact; for contacts with less than a tenth of the
+    mean load, in per cent of the value at the mean load. Errors of angles are in degrees, on contacts that bear load both
+    in the reference and in the judged values.
     """
     q, value = OF_CONTACTS[name], given.further[name]
     limit, unit = error_limit_of(q, limits.others, limits.largest), "deg" if q is ANGLE else "%"
@@ -475,7 +490,8 @@ def _contact_quantity_verdict(
 def value_verdict(judged: str, given: GivenValue, scene: Scene, ref: Reference, limits: Limits) -> Verdict:
     """Judge a value of the whole screw (such as its life or stiffness) against that of the reference.
 
-    The error is in per cent of the reference value.
+    ``judged``: name of the model or file that states the value ``given``; ``ref``: the reference. The error is in per cent
+    of the reference value.
     """
     whole, q = WholeScrewQuantities(scene), given.quantity
     limit = error_limit_of(q, limits.others, limits.largest)
@@ -493,5 +509,5 @@ def value_verdict(judged: str, given: GivenValue, scene: Scene, ref: Reference, 
 
 
 def not_judged(verdicts: Sequence[Verdict]) -> list[str]:
-    """Return the names of the quantities that no verdict judges."""
+    """Return the names of the quantities (`QUANTITIES`) on which none of the verdicts is."""
     return [name for name in QUANTITIES if not any(v.quantity.split(" at ")[0] == name for v in verdicts)]

@@ -84,7 +84,7 @@ def clearance_of_deep_groove(parts: Scene, thrust: str = "deep groove") -> Clear
 
 
 def play_warnings(scene: Scene | Assembly) -> Iterator[Warned]:
-    """Yield a warning for each deep-groove bearing row that the supports fix axially near one end of its play."""
+    """Yield a warning for each deep-groove bearing row that the supports fix axially near one end of its axial play."""
     shaft = _prescribed_axial_place(scene.supports)
     if shaft is None:
         return
@@ -118,12 +118,12 @@ def _play_warning_of_row(parts: Scene, place: float) -> Iterator[Warned]:
 
 
 def _prescribed_axial_place(supports: tuple[Support, ...]) -> float | None:
-    """Return the axial displacement [m] that the supports prescribe for the shaft; None for an axially free shaft."""
+    """Return the axial displacement [m] that the supports prescribe for the shaft; None if no support fixes it axially."""
     return next((value for s in supports for name, value in s.fixed if name == "uz"), None)
 
 
 def _outer_ring_place(assembly: Assembly, row: RollingSet) -> float | None:
-    """Return the prescribed axial displacement [m] of a row's outer ring; None if its housing can move axially."""
+    """Return the prescribed axial displacement [m] of the outer ring of ``row``; None if its housing can move axially."""
     if row.housing is None:
         return row.offset
     housing = next(h for h in assembly.housings if h.name == row.housing)
@@ -238,7 +238,7 @@ def load_answers(scene: Scene, load: Array, angle: Array, member: int = 0, press
     scene
         Scene with one nut or bearing row.
     load
-        Contact loads, (n, 4) [N].
+        Contact loads of n balls on the flanks SL, SR, NL and NR, (n, 4) [N].
     angle
         Contact angles, (n, 4) [rad].
     member
@@ -249,7 +249,7 @@ def load_answers(scene: Scene, load: Array, angle: Array, member: int = 0, press
     Returns
     -------
     LoadAnswers
-        The answers.
+        Pressure, static safety, rating life and load ratings.
     """
     drawn = specimen(scene, ball_layout(scene), member)
     words = ""
@@ -309,7 +309,7 @@ def tangent_stiffness_at(scene: Scene, station: float, model: str, options: Opti
 
 
 def tangent_stiffness_at_nut(scene: Scene, model: str, options: Options) -> tuple[Tangent | None, str]:
-    """Compute the tangent stiffness of a loaded screw at the nut's centre, if the model has one.
+    """Compute the tangent stiffness of a loaded screw at the nut's centre, if the model can give one.
 
     Parameters
     ----------
@@ -375,7 +375,7 @@ def displacement_at_nut(scene: Scene, result: StaticResult) -> Array:
 
 
 def all_answers(scene: Scene, result: StaticResult, model: str, options: Options) -> Answers:
-    """Compute all results that follow from a converged solution; preload and lift-off take further solutions.
+    """Compute all results that follow from a converged solution; preload and lift-off load take further solutions.
 
     Parameters
     ----------
@@ -391,7 +391,7 @@ def all_answers(scene: Scene, result: StaticResult, model: str, options: Options
     Returns
     -------
     Answers
-        The answers.
+        Stiffness, preload, lift-off load, friction, load path, and all results that follow from the contact loads.
     """
     bare = loading.solve_scaled(scene, 0.0, model, options)
     held = preload(scene, bare) if bare.converged else None
@@ -434,11 +434,11 @@ def row_torque(
     thrust
         Thrust that a row with one arc per groove carries: "deep groove" (both directions), or one direction.
     balls
-        Contact loads and angles of the row.
+        Solution with the contact loads and angles of the row.
     force
         Force between shaft and row, (3,) [N].
     loads
-        Pressure, static safety and life of the row.
+        Results from these contact loads, of which the static safety is used.
     lubricant, motion
         Lubricant and speed of the scene; if either is None, only the load-dependent torque is computed.
 
@@ -463,7 +463,7 @@ def row_torque(
 
 
 def quick_friction(scene: Scene, result: StaticResult, options: Options) -> tuple[dict[str, Any] | None, str]:
-    """Return friction torques and efficiencies if they can be computed without compiling a kernel.
+    """Return friction torques and efficiencies of a scene if no kernel must be compiled to compute them.
 
     Parameters
     ----------
@@ -505,7 +505,7 @@ def roller_answers(row: RollerRow, line_loads: Array, speed: float | None, lubri
     Returns
     -------
     RollerAnswers
-        The answers.
+        Pressure, static safety, rib contact, life, load ratings and friction torque.
     """
     worst = worst_roller(row, line_loads)
     return RollerAnswers(
@@ -520,7 +520,10 @@ def roller_answers(row: RollerRow, line_loads: Array, speed: float | None, lubri
 
 
 def _conformity_warnings(scene: Scene) -> Iterator[Warned]:
-    """Yield a warning if a conformity exceeds `WIDEST`, as if the radius had been divided by the ball's radius."""
+    """Yield a warning if the conformity of a groove exceeds `WIDEST`.
+
+    The user has then probably divided the groove radius by the ball's radius instead of its diameter.
+    """
     grooves = {"screw": scene.screw.groove_radius, "nut": scene.nut.groove_radius}
     wide = [f"{part} {f:.4g}" for part, radius in grooves.items() if (f := 0.5 * radius / scene.balls.radius) > WIDEST]
     if wide:
@@ -705,7 +708,8 @@ def solve_sets(assembly: Assembly, model: str, member: int = 0) -> tuple[AxisRes
 def _answers_of_set(assembly: Assembly, s: SetResult, bare: SetResult | None, member: int) -> SetAnswers:
     """Return the results of one nut or bearing row on a shaft.
 
-    ``bare``: solution of the row without the scene's loads; None if the unloaded shaft has no equilibrium.
+    ``s``: solution of the row under the scene's loads; ``member``: number of the specimen with random errors; ``bare``:
+    solution of the row without the scene's loads; None if the unloaded shaft has no equilibrium.
     """
     parts, torque = s.of.parts, None
     if isinstance(parts, RollerRow):

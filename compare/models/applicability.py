@@ -60,7 +60,7 @@ def _nut_length_beyond_balls(scene: Scene) -> float:
 
 
 def _poisson(scene: Scene) -> float:
-    """Return the Poisson's ratio of that part (screw, nut or balls) whose ratio differs most from 0.3 (steel)."""
+    """Return that Poisson's ratio of screw, nut and balls which differs most from 0.3, the value of steel."""
     ratios = (scene.screw.material, scene.nut.material, scene.balls.material)
     return max((m.poissons_ratio for m in ratios), key=lambda ratio: abs(ratio - 0.3))
 

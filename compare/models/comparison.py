@@ -88,9 +88,10 @@ def compared_models(names: tuple[str, ...], argument: str = "models") -> list[Mo
 
 
 def finest_bodies(scene: Scene, reference: Reference, stores: Sequence[Path] | None) -> Path | None:
-    """Return the path of the condensed stiffness of screw and nut from the reference's finest mesh level.
+    """Return the path of the file with the stiffness of screw and nut, condensed to the contacts, of the finest 3D run.
 
-    None if no folder of ``stores`` has the file, or if the reference is the user's.
+    ``stores``: folders with runs of the 3D reference; None: that of the package. None is returned if no folder has the
+    file, or if the reference is a user's file.
     """
     if reference.stated:
         return None
@@ -104,7 +105,7 @@ def finest_bodies(scene: Scene, reference: Reference, stores: Sequence[Path] | N
 def options_for(
     model: Model, scene: Scene, reference: Reference, stores: Sequence[Path] | None, engine: str = "auto"
 ) -> Options:
-    """Return the options to run a model for a comparison with the reference.
+    """Return the solver options with which a low-order model is compared with the 3D reference.
 
     The model "condensed" uses the condensed bodies of the reference's finest mesh level.
 
@@ -145,21 +146,29 @@ def options_for(
 class ComparisonRow:
     """Value of one quantity by a model and by the 3D reference; a row of ``rollbench compare --json``."""
 
+    #: Name of the scene.
     scene: str
+    #: Name of the quantity.
     quantity: str
+    #: Number of the ball, from 1; None for a quantity of the whole screw.
     ball: int | None
+    #: Flank of the contact: SL, SR, NL, NR; None for a quantity of the whole screw.
     side: str | None
+    #: Unit of the values.
     unit: str
     #: Value that the publication prints, if any.
     printed: float | None
+    #: Name of the model.
     model: str
+    #: Value by the model.
     value: float | None
+    #: Value by the reference.
     reference: float | None
     #: Uncertainty of the reference, in the unit of the value.
     reference_error: float | None
     #: Error of the model in per cent.
     error_percent: float | None
-    #: Run time [s].
+    #: Computing time of the model or 3D run [s].
     seconds: float | None
     #: Version and machine with which the time was measured; empty: in this process.
     measured_with: str = ""
@@ -187,7 +196,7 @@ class Loads:
     stations: Array
     #: Displacement of the screw's axis at these positions, (k, 3) [m].
     line: Array
-    #: Run time [s].
+    #: Computing time of the model or 3D run [s].
     seconds: float | None
     #: Version and machine with which the time was measured; empty: this version and machine.
     measured: str = ""
@@ -203,7 +212,7 @@ def from_result(result: StaticResult, seconds: float | None = None) -> Loads:
     result
         Result of the model.
     seconds
-        Run time [s]; None: not measured.
+        Computing time [s]; None: not measured.
 
     Returns
     -------
@@ -218,9 +227,9 @@ def from_result(result: StaticResult, seconds: float | None = None) -> Loads:
 def solve_and_time(
     model: Model, scene: Scene, reference: Reference, stores: Sequence[Path] | None
 ) -> tuple[StaticResult, float]:
-    """Solve a scene with a low-order model in plain Python (no compiled kernels), and measure the run time.
+    """Solve a scene with a low-order model in plain Python (no compiled kernels), and measure the computing time.
 
-    The run time does not include elastic bodies that are cached from an earlier solution of the same geometry.
+    The computing time does not include elastic bodies that are cached from an earlier solution of the same geometry.
 
     Parameters
     ----------
@@ -238,7 +247,7 @@ def solve_and_time(
     StaticResult
         The result.
     float
-        Run time [s].
+        Computing time [s].
 
     Raises
     ------
@@ -252,9 +261,9 @@ def solve_and_time(
 
 
 def from_run(run: Run, name: str) -> Loads:
-    """Return the contact loads and displacements of a run of the 3D reference.
+    """Return the contact loads and displacements of a stored run of the 3D reference.
 
-    The run time includes meshing and condensing all parts.
+    The computing time in the record includes meshing and condensing all parts.
 
     Parameters
     ----------
@@ -317,17 +326,20 @@ def _row(
     at: tuple[int | None, str | None] = (None, None),
     printed: float | None = None,
 ) -> ComparisonRow:
-    """Return a row of a comparison.
+    """Return the comparison of one quantity between a model and the reference.
 
-    ``pair``: values of model and reference; ``error``: uncertainty of the reference in their unit; ``percent``: error of
-    the model [%]; ``at``: ball and flank.
+    ``answer``: results of the model; ``pair``: values by the model and by the reference in ``unit``; ``error``: uncertainty
+    of the reference in this unit; ``percent``: error of the model [%]; ``at``: number of the ball and name of its flank;
+    ``printed``: value that the publication prints.
     """
     values, time = (*pair, error, percent, answer.seconds), answer.measured
     return ComparisonRow(scene.name, quantity, *at, unit, printed, answer.model, *values, measured_with=time)
 
 
 def uncertainties_of(reference: Reference, take: Callable[[Run], Array]) -> Array:
-    """Return the grid uncertainty of quantities of one kind, estimated with a common order of convergence.
+    """Return the discretisation uncertainty of similar quantities of a 3D reference, such as all its contact angles.
+
+    It is estimated with one order of convergence for all quantities.
 
     Parameters
     ----------
@@ -350,12 +362,15 @@ def uncertainties_of(reference: Reference, take: Callable[[Run], Array]) -> Arra
 
 
 def _finite_or_none(value: float) -> float | None:
-    """Return an uncertainty as a float, or None if it is not finite."""
+    """Return a number as a float; None if it is nan or infinite."""
     return float(value) if np.isfinite(value) else None
 
 
 def _contact_rows(row: RowOf, answer: Loads, reference: Reference) -> Iterator[ComparisonRow]:
-    """Yield rows of load and contact angle for each contact that is loaded in model or reference."""
+    """Yield comparisons of load and contact angle for each contact that carries load by the model or the reference.
+
+    ``row``: function that makes a comparison record (`_row` with scene and model bound); ``answer``: results of the model.
+    """
     best, turns = reference.best, uncertainties_of(reference, lambda run: run.angle)
     for i, s in np.ndindex(answer.load.shape):
         value, ref = float(answer.load[i, s]), float(reference.load[i, s])
@@ -371,8 +386,9 @@ def _contact_rows(row: RowOf, answer: Loads, reference: Reference) -> Iterator[C
 
 
 def _line_rows(row: RowOf, answer: Loads, reference: Reference) -> Iterator[ComparisonRow]:
-    """Yield rows of the displacement of the screw's axis at the axial positions where the reference gives it.
+    """Yield comparisons of the displacement of the screw's axis at the axial positions where the reference gives it.
 
+    ``row``: function that makes a comparison record (`_row` with scene and model bound); ``answer``: results of the model.
     Errors are in per cent of the largest displacement in the same direction. There are no rows if the model gives the
     displacement at one position only and the reference at several.
     """
@@ -389,7 +405,10 @@ def _line_rows(row: RowOf, answer: Loads, reference: Reference) -> Iterator[Comp
 
 
 def _summary_rows(row: RowOf, scene: Scene, answer: Loads, reference: Reference) -> Iterator[ComparisonRow]:
-    """Yield rows of largest and RMS error and of the load ratio, with printed values for the scenes of Lin's thesis."""
+    """Yield comparisons of largest error, RMS error and load ratio, with printed values for the scenes of Lin's thesis.
+
+    ``row``: function that makes a comparison record (`_row` with scene and model bound); ``answer``: results of the model.
+    """
     e = load_error(answer.load, reference.load, reference.contacts)
     keys = PRINTED.get(scene.name, ("", "", ""))
 
@@ -413,13 +432,18 @@ def _summary_rows(row: RowOf, scene: Scene, answer: Loads, reference: Reference)
 
 
 def load_ratio(load: Array) -> float:
-    """Return the ratio of largest to smallest ball load on the screw's left flank; infinite if a ball carries no load."""
+    """Return the ratio of largest to smallest contact load on the screw's left flank; infinite if a ball carries no load.
+
+    ``load``: contact loads (n, 4) [N]; column 0 is the left flank of the screw.
+    """
     smallest = float(load[:, 0].min())
     return float(load[:, 0].max()) / smallest if smallest > 0.0 else float("inf")
 
 
 def ratio_uncertainty(reference: Reference) -> float | None:
-    """Return the grid uncertainty of the ratio of largest to smallest load; None if the ratio is infinite.
+    """Return the uncertainty, due to the mesh, of the ratio of largest to smallest load on the screw's left flank.
+
+    None if the ratio is infinite.
 
     The relative uncertainties of both loads are added, because the loads may err in opposite directions.
     """
@@ -469,7 +493,7 @@ class GatePoint:
 
 
 def gate_points(name: str, reference: Reference, max_error: float, load: Array) -> list[GatePoint]:
-    """Return the error of each contact load of a model, and whether it exceeds the limit.
+    """Return for each contact the error of its load by a model, and whether it exceeds the error limit.
 
     Contacts that are unloaded both by the model and in the reference are omitted.
 
@@ -480,7 +504,7 @@ def gate_points(name: str, reference: Reference, max_error: float, load: Array) 
     reference
         Reference of the scene.
     max_error
-        Limit [%].
+        Limit of the error of a contact load [%].
     load
         Contact loads of the model, (n, 4) [N].
 
@@ -557,7 +581,7 @@ class SetSolution:
     result: StaticResult
     #: Result without these loads.
     bare: StaticResult
-    #: Run time of the solution under load [s].
+    #: Computing time of the solution under load [s].
     seconds: float
     #: Set of balls as a separate scene, loaded by the force and moment that its balls carry.
     scene: Scene
@@ -577,7 +601,7 @@ def stored_references(
     levels
         Mesh levels that are used.
     fitted
-        Number of the finest runs from which the uncertainty is estimated.
+        Number of the finest 3D runs from which the uncertainty is estimated.
 
     Returns
     -------
@@ -589,7 +613,7 @@ def stored_references(
 
 
 def references_from_runs(described: Solvable, runs: tuple[Run, ...]) -> list[Referenced]:
-    """Return the 3D reference of each set of balls of a scene from runs at several mesh levels, coarse to fine."""
+    """Return the 3D reference of each set of balls of a scene from its ``runs`` on several mesh levels, coarse to fine."""
     if isinstance(described, Scene):
         return [
             Referenced(
@@ -614,14 +638,17 @@ def _loaded_contact_counts(assembly: Assembly) -> tuple[int, ...]:
 
 
 def _loaded_contact_count(result: AxisResult, k: int) -> int:
-    """Return the number of loaded contacts of the k-th set of balls; 0 for rollers, or without equilibrium."""
+    """Return the number of loaded contacts of the set of balls ``k`` (from 0); 0 for rollers, or without equilibrium."""
     balls = result.sets[k].balls if result.converged else None
     return 0 if balls is None else int(np.count_nonzero(balls.load > 0.0))
 
 
 @lru_cache(maxsize=16)
 def _solved_assembly(assembly: Assembly, model: str) -> tuple[AxisResult, AxisResult, float]:
-    """Solve an assembly with and without its loads; return both results and the run time of the first [s]. Cached."""
+    """Solve an assembly with and without its loads; the last results are cached.
+
+    Returns the result under load, the result without loads, and the computing time of the first [s].
+    """
     start = perf_counter()
     result = run_model(assembly, model, Options(engine="interpreted"))
     seconds = perf_counter() - start

@@ -18,7 +18,8 @@ from rollbench.meshes.parts import Friction, Motion, Scene
 def friction_sums_json(t: ScrewTorque, drag: float | None) -> dict[str, Any]:
     """Return friction and driving torques about +z [N mm], axial load [N] and efficiencies [%] as JSON values.
 
-    ``drag``: drag torque without load [N m]. Values that are not defined, as the efficiency of a bearing, are None.
+    ``t``: torques and efficiencies of the whole screw or bearing; ``drag``: drag torque without load [N m], None if it is
+    not known. Values that are not defined, such as the efficiency of a bearing, are None.
     """
     screw, ideal = t.translating, t.ratio != 0.0
     forward, backward = t.efficiency
@@ -40,20 +41,25 @@ def friction_sums_json(t: ScrewTorque, drag: float | None) -> dict[str, Any]:
 
 
 def motion_against_load(torque: ScrewTorque) -> str | None:
-    """Return whether the axial motion is ``with the load`` or ``against the load``; None if no part moves axially."""
+    """Return whether the axial motion of a screw or nut is ``with the load`` or ``against the load``, as text.
+
+    None if no part moves axially.
+    """
     if not torque.translating:
         return None
     return "with the load" if torque.load * torque.ratio * torque.speed > 0.0 else "against the load"
 
 
 def percent(share: float) -> float | None:
-    """Return a ratio in per cent as a JSON value; None if it is not finite."""
+    """Return a ratio (1: 100 %) in per cent as a JSON value; None if it is not finite."""
     return number(100.0 * share)
 
 
 @kept(ScrewTorque)
 def _cached_torque(scene: Scene, result: StaticResult, friction: Friction, drive: Motion, member: int) -> ScrewTorque:
-    """Return the friction torque and efficiencies of a screw or bearing; cached on disk.
+    """Return the friction torque and efficiencies of a screw or bearing under its contact loads; cached on disk.
+
+    ``drive``: motion of the scene; ``member``: number of the specimen with random errors.
 
     ValueError if they cannot be computed (`lowfi.friction.whole.state.friction_state`), or only after compiling a kernel.
     """

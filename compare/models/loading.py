@@ -152,7 +152,7 @@ def solve_scaled(scene: Scene, factor: float, model: str, options: Options) -> S
 
 
 def preload(scene: Scene, unloaded: StaticResult) -> Preload:
-    """Return contact loads and axial force of a scene's preload, from its result without loads (``unloaded``)."""
+    """Return contact loads and axial force of a scene's preload; ``unloaded``: result of the scene without its loads."""
     loads = unloaded.load[unloaded.load > 0.0]
     if not loads.size:
         return Preload(0.0, 0.0, 0, 0.0)
@@ -166,7 +166,7 @@ def axial_preload(scene: Scene, unloaded: StaticResult) -> float:
 
 
 def absolute_axial_preload(held: Preload | None) -> float:
-    """Return the magnitude of the axial preload [N]; zero if the preload is not known (None)."""
+    """Return the magnitude of the axial preload [N]; zero if the preload ``held`` is not known (None)."""
     return 0.0 if held is None else abs(held.axial)
 
 
@@ -236,7 +236,10 @@ def lift_off(scene: Scene, result: StaticResult, bare: StaticResult, model: str,
 
 
 def _secant_root(known: Sequence[tuple[float, float]]) -> float:
-    """Return the zero of the line through the last two points (x, y); infinite with one point or if y does not fall."""
+    """Return the zero x of the line through the last two points (x, y); infinite with one point or if y does not fall.
+
+    ``known``: points in the order in which they were computed.
+    """
     if len(known) < 2:
         return float("inf")
     (a, f), (b, g) = known[-2:]
@@ -249,7 +252,7 @@ def axial_load(assembly: Assembly) -> float:
 
 
 def displacement_of_interest(assembly: Assembly, result: AxisResult) -> Array:
-    """Return the displacement of the shaft position or housing that the scene's ``stiffness_at`` names, (6,) [m, rad]."""
+    """Return the displacement (6,) [m, rad] of the shaft position or housing named by the scene's key ``stiffness_at``."""
     from rollbench.lowfi.statics.axis.system import reported_location  # heavy import
 
     at = reported_location(assembly)
@@ -270,7 +273,7 @@ COMPONENTS = tuple(f"{way} {axis}" for way in ("along", "about") for axis in "xy
 
 @record
 class LoadTaker:
-    """Support of the shaft or frame of a housing, with the part of the loads that it carries."""
+    """Part of the loads that one support of the shaft, or the frame that holds a housing, carries."""
 
     #: Name of the support (its axial position) or of the housing.
     name: str = quantity("name", "support of the shaft by its station, or frame of a housing")
@@ -388,7 +391,7 @@ def load_path_of_assembly(assembly: Assembly, result: AxisResult, bare: AxisResu
 
 
 def loaded_bodies(assembly: Assembly) -> dict[str, tuple[Assembly, Assembly]]:
-    """Return each loaded body (shaft or housing) with two copies of the assembly, for the load path of that body.
+    """Return two copies of the assembly for each loaded body (shaft or housing), by the name of the body.
 
     In the first copy only the loads on this body act, in the second all other loads.
     """
@@ -405,12 +408,18 @@ def loaded_bodies(assembly: Assembly) -> dict[str, tuple[Assembly, Assembly]]:
 
 
 def sum_of_loads(loads: Sequence[Load]) -> Array:
-    """Return the sums of forces and of moments of loads, (6,) [N, N m], without moments of the forces' lever arms."""
+    """Return the sum of all forces and the sum of all moments of loads, (6,) [N, N m].
+
+    Moments of the forces about a common point are not included.
+    """
     return np.asarray(np.array([(*x.force, *x.moment) for x in loads]).reshape(-1, 6).sum(axis=0))
 
 
 def _support_shares(scene: Scene | Assembly, result: Solved, bare: Solved) -> tuple[LoadTaker, ...]:
-    """Return the part of the loads that each support carries; empty if the model does not compute support reactions."""
+    """Return the part of the loads that each support carries; empty if the model does not compute support reactions.
+
+    ``bare``: result of the scene without its loads.
+    """
     if not len(result.reactions):  # Mei's axial models do not distinguish supports
         return ()
     idle = bare.reactions if bare.converged else np.zeros(result.reactions.shape)
@@ -425,12 +434,12 @@ def _contact_wrench_on_screw(result: StaticResult) -> Array:
 
 
 def _wrench_at(station: float, wrench: Array) -> Array:
-    """Return a force and moment (6,) about the origin as a force and moment about an axial position [m]."""
+    """Return the force and moment ``wrench`` (6,) [N, N m] about the origin as about the axial position ``station`` [m]."""
     return about_origin(np.array([-station]), wrench[None])
 
 
 def load_path_text(path: LoadPath) -> str:
-    """Return a text with the part of each load component that each support carries; empty if supports carry nothing."""
+    """Return a text with the part of each component of the load that each support carries; empty if they carry none."""
     out = []
     for k in np.flatnonzero(path.applied):
         load, unit = float(path.applied[k]), "N" if k < 3 else "N m"

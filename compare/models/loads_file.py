@@ -108,7 +108,11 @@ def column(head: str) -> Column:
 
 
 def _column_in_unit(name: str, text: str, dimension: str) -> Column:
-    """Return the column of a quantity ``name`` whose unit is in ``text``; an empty column if the dimension differs."""
+    """Return the column of a quantity from its name and the rest of its heading, which states the unit.
+
+    ``text``: rest of the heading; ``dimension``: required dimension. The name of the column is empty if the unit has
+    another.
+    """
     unit = tidy_unit(text.strip(" _[]()/"))
     if name == "uncertainty" and unit in ("%", "percent"):
         return Column("uncertain share", 0.01)
@@ -168,7 +172,7 @@ def loads_csv(load: Array, azimuth: Array, z: Array) -> list[dict[str, str]]:
 
 @dataclass(frozen=True)
 class CsvTable:
-    """Headings, rows and notes of a CSV file."""
+    """Headings, rows and notes of a user's CSV file."""
 
     #: Headings as written.
     titles: tuple[str, ...]
@@ -242,9 +246,9 @@ class CsvTable:
 
 
 def _cells_by_line(path: Path, lines: Sequence[str], above: int, separator: str) -> Iterator[tuple[int, list[str]]]:
-    """Yield each row of a CSV table as (line number, cells); InputError for unmatched quotes.
+    """Yield each row of a CSV table as (line number in the file, cells); InputError for unmatched quotes.
 
-    ``above``: number of lines of the file before ``lines``.
+    ``lines``: lines of the table; ``above``: number of lines of the file before them.
     """
     reader = csv.reader(lines, delimiter=separator, strict=True)
     try:
@@ -256,7 +260,10 @@ def _cells_by_line(path: Path, lines: Sequence[str], above: int, separator: str)
 
 
 def _check_cells(path: Path, number: int, titles: Sequence[str], row: Sequence[str], separator: str) -> None:
-    """Raise InputError for a row with text in a column without heading, other than the first column (row numbers)."""
+    """Raise InputError for a row with text in a column without heading, other than the first column (row numbers).
+
+    ``number``: line number; ``titles``: headings; ``row``: cells.
+    """
     if not any(cell and not title for cell, title in [*zip_longest(row, titles, fillvalue="")][1:]):
         return
     value = f"{sum(map(bool, row))} cells: {separator.join(row)}"
@@ -342,7 +349,7 @@ def _note_above_table(line: str) -> tuple[str, str]:
 
 
 def _columns(path: Path, table: CsvTable) -> dict[str, Column]:
-    """Return the quantity and unit of each heading; InputError if the load is missing or a quantity occurs twice."""
+    """Return quantity and unit of each column by its heading; InputError without loads or if a quantity occurs twice."""
     columns = {head: column(head) for head in table.titles}
     where, names = f"line {table.line}", [column(head).name for head in table.titles]
     if "load" not in names:
@@ -355,13 +362,13 @@ def _columns(path: Path, table: CsvTable) -> dict[str, Column]:
 
 
 class _LoadsRow:
-    """Row of a CSV file with contact loads, whose cells are read by the name of their quantity."""
+    """Row of a CSV file with contact loads, whose cells are read by the name of their quantity in `NAMES` or `WORDS`."""
 
     def __init__(self, path: Path, line: str, cells: Mapping[str, tuple[str, float, str]], *, decimal_comma: bool) -> None:
         self._path, self._line, self._cells_by_line, self._comma = path, line, cells, decimal_comma
 
     def fault(self, name: str, value: str, allowed: str, advice: str) -> InputError:
-        """Return an InputError that names file, line and column of a cell."""
+        """Return the InputError for a wrong cell; ``name``: its column, ``value``: its text, ``allowed``: its range."""
         return InputError(str(self._path), f"{self._line}: {name}", value or "nothing", allowed, advice)
 
     def word(self, name: str) -> str:
@@ -369,7 +376,7 @@ class _LoadsRow:
         return self._cells_by_line.get(name, ("", 1.0, ""))[2]
 
     def ball(self, balls: int) -> int:
-        """Return the index (from 0) of the ball whose number (from 1) is in the row."""
+        """Return the index (from 0) of the ball whose number (from 1) is in the row; ``balls``: number of balls."""
         ball = self.word("ball")
         if not (ball.isascii() and ball.isdecimal() and len(ball) < 10 and 1 <= int(ball) <= balls):
             shift = "add 1 to all numbers: " if ball == "0" else "check the number: "
@@ -386,7 +393,7 @@ class _LoadsRow:
         return SIDES.index(flank.upper())
 
     def place(self, name: str) -> float:
-        """Return the azimuth [rad] or the axial position [m] of the row's ball."""
+        """Return the azimuth [rad] or the axial position [m] of the row's ball; ``name``: "azimuth" or "z"."""
         value, factor, text = self._number(name)
         if not np.isfinite(value):
             raise self.fault(
@@ -398,7 +405,7 @@ class _LoadsRow:
         return value * factor
 
     def amount(self, name: str) -> float:
-        """Return a non-negative quantity of the row in SI; nan for an empty cell, InputError for an empty load."""
+        """Return the quantity ``name`` of the row in SI units; nan for an empty cell, InputError if negative or no load."""
         value, factor, text = self._number(name)
         if not text and name != "load":
             return float("nan")
@@ -414,7 +421,7 @@ class _LoadsRow:
 
 
 class _BallFinder:
-    """Search for the ball of a scene at an azimuth and axial position."""
+    """Finds the ball of a scene whose azimuth and axial position a row of a file states."""
 
     def __init__(self, scene: Scene) -> None:
         layout = ball_layout(scene)
@@ -493,7 +500,7 @@ def read_table(path: Path) -> str:
 
 
 def _complete_loads(path: Path, load: Array) -> GivenLoads:
-    """Return contact loads (n, 4) [N] read from a file as a record.
+    """Return contact loads (n, 4) [N] read from the file ``path`` as a record; nan: no row in the file.
 
     InputError if a ball has no load (nan) on a flank on which other balls have one.
     """

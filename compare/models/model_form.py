@@ -147,9 +147,13 @@ class Point:
     Errors that were not measured are None.
     """
 
+    #: Name of the scene.
     scene: str
+    #: Name of the model.
     model: str
+    #: Largest error of a contact load [% of the mean load].
     percent: float
+    #: Root mean square error of the contact loads [% of the mean load].
     rms_percent: float
     #: Features of the scene by name.
     features: dict[str, float]
@@ -161,7 +165,9 @@ class Point:
 
 
 def lateral_force_and_tilting_moment(scene: Scene, result: StaticResult) -> tuple[float, float]:
-    """Return the lateral force [N] and the tilting moment about the nut's centre [N m] that the contacts carry.
+    """Return the lateral force [N] and the tilting moment about the nut's centre [N m] that the screw's contacts carry.
+
+    ``result``: converged solution of the scene.
 
     They include the effects of loads anywhere on the shaft, of their lever arms and of displaced supports. At least one
     contact must carry load.
@@ -227,18 +233,24 @@ def features(scene: Scene, result: StaticResult) -> dict[str, float]:
 
 
 def _median(values: Array) -> float:
-    """Return the median of an array. `numpy.median` is not used because it imports masked arrays, which takes time."""
+    """Return the median of the numbers in an array.
+
+    `numpy.median` is not used because it imports masked arrays, which takes time.
+    """
     ordered = np.sort(values)
     return float(0.5 * (ordered[(ordered.size - 1) // 2] + ordered[ordered.size // 2]))
 
 
 def _scaled(values: dict[str, float], scales: Mapping[str, tuple[str, float]]) -> Array:
-    """Return features as an array (k,), each divided by its unit in ``scales``; a missing feature is zero."""
+    """Return the features of a scene as an array (k,), each divided by its unit of difference; a missing one is zero.
+
+    ``values``: features by name; ``scales``: definition and unit of each of the k features, as in `SCALES`.
+    """
     return np.array([values.get(name, 0.0) / unit for name, (_, unit) in scales.items()])
 
 
 def save_points(store: Path, points: Sequence[Point]) -> None:
-    """Write the errors of models on compared scenes to the file `FILE` in a folder of 3D reference runs."""
+    """Write the errors of models on compared scenes (``points``) to the file `FILE` in the folder ``store`` of 3D runs."""
     text = json.dumps([asdict(p) for p in points], indent=1, sort_keys=True) + "\n"
     from rollbench.compare.files import replace_file
 
@@ -261,7 +273,10 @@ def points_of_drawn_screws() -> tuple[Point, ...]:
 
 
 def _points(rows: Callable[[], Iterable[dict[str, Any]]]) -> tuple[Point, ...]:
-    """Return the errors of models on compared scenes from rows of JSON; empty if the rows cannot be read."""
+    """Return the errors of models on compared scenes from JSON records; empty if these cannot be read.
+
+    ``rows``: function that reads the records, each with the fields of `Point`.
+    """
     try:
         points = tuple(Point(**row) for row in rows())
         return tuple(p for p in points if set(p.features) - {FLANGE} == set(SCALES))
@@ -373,7 +388,7 @@ def estimate(scene: Scene, result: StaticResult, points: Iterable[Point] | None 
 def _features_beyond_compared(known: Array, here: Array) -> list[str]:
     """Return the definitions of the features in which a scene lies outside the range of the compared scenes.
 
-    ``here``: scaled features of the scene, (k,); ``known``: those of the compared scenes, (n, k).
+    ``here``: scaled features of the scene, (k,); ``known``: scaled features of the n compared scenes, (n, k).
     """
     far = np.maximum(known.min(axis=0) - here, here - known.max(axis=0)) > MARGIN
     return [what for (what, _), beyond in zip(WITH_FLANGE.values(), far, strict=False) if beyond]
@@ -382,7 +397,8 @@ def _features_beyond_compared(known: Array, here: Array) -> list[str]:
 def _expected_errors(like: Sequence[Point], known: Array, here: Array) -> dict[str, float | None]:
     """Return the expected error [%] of each quantity on a scene, from the errors ``like`` on similar scenes.
 
-    ``here``: scaled features of the scene, (k,); ``known``: those of the similar scenes, (n, k).
+    ``here``: scaled features of the scene, (k,); ``known``: scaled features of the similar scenes, (n, k). A quantity is
+    None if too few similar scenes have an error of it.
     """
     out: dict[str, float | None] = {}
     for name in QUANTITIES:
@@ -406,7 +422,8 @@ class LeftOutScene:
 def leave_one_out(points: Sequence[Point], model: str) -> list[LeftOutScene]:
     """Estimate the error of a model on each compared screw from its errors on all other compared screws.
 
-    Screws whose nut is not fixed at a flange are estimated from other such screws only.
+    ``points``: errors of models on compared scenes; ``model``: name of the model. Screws whose nut is not fixed at a flange
+    are estimated from other such screws only.
     """
     out = []
     for flange, scales in ((False, SCALES), (True, WITH_FLANGE)):
@@ -424,13 +441,13 @@ def leave_one_out(points: Sequence[Point], model: str) -> list[LeftOutScene]:
     return out
 
 
-#: Scene, result of a model and run of the reference under increased loads.
+#: Scene with increased loads, with a model's result and the run of the 3D reference for it.
 Raised: TypeAlias = "tuple[Scene, StaticResult, Run]"
 
 
 @dataclass(frozen=True)
 class SectionAnswer:
-    """Axial displacement of the loaded cross-section of the screw, and axial force of the screw on the nut."""
+    """Axial displacement of that cross-section of the screw on which the load acts, and axial force on the nut."""
 
     #: Axial displacement of the cross-section [m].
     moved: float
@@ -461,9 +478,9 @@ def loaded_section(scene: Scene, answer: Loads) -> SectionAnswer:
 
 
 def rigidity_between(answers: Sequence[SectionAnswer]) -> float | None:
-    """Return the axial rigidity [N/m], change of force over change of displacement, between two load states.
+    """Return the axial rigidity [N/m] between two load states: change of force over change of displacement.
 
-    None if the displacement does not change.
+    ``answers``: force and displacement in the first and the second state. None if the displacement does not change.
     """
     first, second = answers
     step = second.moved - first.moved
@@ -471,7 +488,7 @@ def rigidity_between(answers: Sequence[SectionAnswer]) -> float | None:
 
 
 def axial_contact_force(scene: Scene, load: Array, angle: Array) -> float:
-    """Return the axial force [N] of the screw on the nut from loads [N] and contact angles [rad], both (n, 4)."""
+    """Return the axial force [N] of the screw on the nut, from contact loads [N] and contact angles [rad], both (n, 4)."""
     along = np.where(load > 0.0, load * np.sin(angle), 0.0).sum(axis=0) * np.cos(lead_angle(scene.track))
     return float(along[0] - along[1])
 

@@ -7,7 +7,7 @@ variants, the largest change of each contact load counts. The choices are indepe
 so they are combined for each contact by the root of the sum of squares. The result estimates the effect of one typical
 variation of every choice and is not a bound. Properties of the scene (where the nut is fixed) or of the method (modes,
 sockets) are listed but not included; choices that cannot be varied are not included either
-(``compare.reference.variants.NOT_VARIED``).
+(``compare.reference.levels.NOT_VARIED``).
 """
 
 from __future__ import annotations
@@ -26,8 +26,8 @@ from rollbench.compare.models.model_form import Point, leave_one_out, point, poi
 from rollbench.compare.models.registry import DEFAULT, MODELS, Options, run_model
 from rollbench.compare.models.study import Study
 from rollbench.compare.reference.estimate import Reference, uncertainty_percent
+from rollbench.compare.reference.levels import TWIST, VARIANTS, Kind, with_twisted_supports
 from rollbench.compare.reference.store import Run, load_run
-from rollbench.compare.reference.variants import TWIST, VARIANTS, Kind, with_twisted_supports
 from rollbench.compare.scenes.catalogue import names_with_role
 from rollbench.lowfi.compliance.bodies import PARTS, Condensed
 from rollbench.lowfi.statics.elastic import solve_elastic
@@ -87,9 +87,10 @@ class Modelling:
 
 
 def base_run(scene: Scene, level: int, stores: Sequence[Path] | None) -> Run | None:
-    """Return the 3D run of a scene with which its variants on a mesh level are compared.
+    """Return the stored 3D run of a scene with which its variants on a mesh level are compared; None if none is stored.
 
-    It is the run of the variant ``base`` if one is stored, else the regular run.
+    ``stores``: folders with runs; None: that of the package. It is the run of the variant ``base`` if one is stored, else
+    the regular run.
     """
     return load_run(scene, level, "base", stores) or load_run(scene, level, stores=stores)
 
@@ -125,7 +126,12 @@ def effect(scene: str, variant: str, label: str, choice: str, kind: Kind, change
     changed
         Contact loads of the variant, (n, 4) [N].
     base
-        Contact loads of the unchanged run, (n, 4) [N].
+        Contact loads of the unchanged 3D run, (n, 4) [N].
+
+    Returns
+    -------
+    Effect
+        Changes of the contact loads, in per cent of the mean load of the unchanged run.
     """
     change = np.asarray(error_percent(changed, base, mean_load(base)))
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -195,12 +201,15 @@ class Rung:
     uncertainty: float | None
     #: Difference of the sum of contact loads from that of the reference [%].
     bias: float
-    #: Run time for a new geometry, in plain Python, without import of libraries [s].
+    #: Computing time for a new geometry, in plain Python, without import of libraries [s].
     seconds: float
 
 
 def solve_ladder(scene: Scene, reference: Reference, stores: Sequence[Path] | None) -> list[Rung]:
-    """Solve a scene with every model of the refinement sequence; "condensed" only if its bodies are stored."""
+    """Solve a scene with every model of the refinement sequence (`RUNGS`), and compare the loads with the 3D reference.
+
+    The model "condensed" is left out if the condensed screw and nut are in none of the folders ``stores``.
+    """
     rungs = []
     for model in RUNGS:
         options = Options(discretisation=False, engine="interpreted")
@@ -241,7 +250,10 @@ class BodyShareErrors:
 
 
 def errors_by_replaced_body(study: Study) -> list[BodyShareErrors]:
-    """Compute the refined model's errors on each scene with no body, the screw, the nut or both replaced by 3D bodies."""
+    """Compute the errors of the refined model with screw, nut, both or none of them replaced by condensed 3D bodies.
+
+    All shipped scenes with a stored 3D reference and condensed bodies are solved.
+    """
     out = []
     for name, reference in study.references((*REFERENCED, *UNSEEN)).items():
         scene = study.scene(name)
@@ -274,13 +286,23 @@ def ladder(study: Study) -> list[Rung]:
 
 
 def points(study: Study, rungs: Sequence[Rung]) -> list[Point]:
-    """Return the errors of the models on the shipped scenes, from which expected errors are estimated."""
+    """Return the errors of the models on the shipped scenes, from which expected errors are estimated.
+
+    ``rungs``: results of the models on these scenes.
+    """
     references = study.references((*REFERENCED, *UNSEEN))
     return [point(r.scene, study.scene(r.scene), r.result, references[r.scene].best) for r in rungs]
 
 
 def left_out_one(study: Study, rungs: Sequence[Rung]) -> list[dict[str, Any]]:
     """Estimate the errors of each model on every compared screw (shipped or randomly drawn) from all other screws.
+
+    Parameters
+    ----------
+    study
+        Cache of scenes and 3D references.
+    rungs
+        Results of the models on the shipped scenes.
 
     Returns
     -------

@@ -218,7 +218,10 @@ class Program:
                 raise self._failed(scene, f"wrote loads that cannot be used, {what}", said) from None
 
     def _run(self, words: list[str], said: Path) -> str:
-        """Run the program with its output sent to a file; return why it failed, else an empty text."""
+        """Run the program and return the reason why it failed, or an empty text.
+
+        ``words``: command with the paths of its files; ``said``: file to which its printed output is written.
+        """
         import subprocess
 
         with said.open("wb") as output:
@@ -238,13 +241,19 @@ class Program:
         return "" if code == 0 else f"ended by signal {-code}" if code < 0 else f"ended with exit code {code}"
 
     def _failed(self, scene: Scene, why: str, said: Path) -> ProgramError:
-        """Return a ProgramError with the reason ``why`` the program failed and the last line that it printed."""
+        """Return the ProgramError with the reason ``why`` the program failed on a scene and the last line of its output.
+
+        ``said``: file with the output.
+        """
         line = last_line(said)
         words = "" if line is None else f"; its last line: {line}" if line else "; it printed nothing"
         return ProgramError(self.label, scene.name, why + words, MEND)
 
     def _read(self, path: Path, scene: Scene) -> tuple[GivenLoads, Array | None]:
-        """Read the contact loads and the displacement that the program wrote; InputError if they cannot be used."""
+        """Read the contact loads and the screw's displacement (6,) [m, rad] that the program wrote; None if it wrote none.
+
+        InputError if they cannot be used.
+        """
         from rollbench.compare.models.loads_file import read_loads
 
         given = read_loads(path, scene.ball_count, scene)

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 class Options:
     """Options with which a low-order model is run."""
 
-    #: Whether terms that cannot change the result are computed too.
+    #: Whether terms of the model that cannot change the loads of the scene are computed too.
     everything: bool = False
     #: Number of the specimen of a scene with random errors.
     member: int = 0
@@ -122,14 +122,14 @@ def _solve_as_source(scene: Scene, options: Options) -> StaticResult:
 
 
 def _solve_mei(scene: Scene, options: Options, *, elastic_nut: bool) -> StaticResult:
-    """Solve a scene by the model of Mei et al., with a rigid nut or an elastic one."""
+    """Solve a scene by the axial bars and springs of Mei et al. (2003); ``elastic_nut``: nut as a bar instead of rigid."""
     from rollbench.lowfi.statics.mei import solve_mei
 
     return solve_mei(scene, member=options.member, elastic_nut=elastic_nut)
 
 
 def _solve_liu(scene: Scene, options: Options) -> StaticResult:
-    """Solve a scene by the model of Liu et al."""
+    """Solve a scene by the axial chain of balls with turning contact angles of Liu et al. (2025), the model "liu"."""
     from rollbench.lowfi.statics.liu import solve_liu
 
     return solve_liu(scene, member=options.member, compiled=options.engine == "compiled")
@@ -157,7 +157,7 @@ def any_scene(scene: Scene) -> bool:  # noqa: ARG001 - the signature of Model.su
 
 
 def has_beam(scene: Scene) -> bool:
-    """Return whether the scene's screw is modelled as a beam."""
+    """Return whether the scene demands a screw that is modelled as a beam (not as a rigid body)."""
     return scene.ingredients.screw == "beam"
 
 
@@ -398,7 +398,7 @@ def known_model(name: str, argument: str = "model", without: Sequence[str] = ())
 
 
 def random_errors(scene: Scene | Assembly) -> bool:
-    """Return whether the scene, or any of the nuts or rows on its shaft, has random errors."""
+    """Return whether the scene, or any nut or row on its shaft, has geometric errors that are drawn at random."""
     if isinstance(scene, Scene):
         return scene.errors.random
     return any(isinstance(s.parts, Scene) and s.parts.errors.random for s in scene.sets)

@@ -62,17 +62,23 @@ class Study:
 
     @property
     def used(self) -> dict[str, Described]:
-        """All scenes that were used so far, sorted by name."""
+        """All scenes on which results of the study depend so far, by name and sorted."""
         scenes: dict[str, Described] = {**self.scenes, **self.others}
         return dict(sorted(scenes.items()))
 
     def changed(self, name: str, **ingredients: Any) -> Scene:
-        """Return a copy of a shipped scene with changed modelling options (fields of `meshes.parts.Ingredients`)."""
+        """Return a copy of the shipped scene ``name`` with changed modelling options.
+
+        ``ingredients``: new values of fields of `meshes.parts.Ingredients`.
+        """
         scene = self.scene(name)
         return replace(scene, ingredients=replace(scene.ingredients, **ingredients))
 
     def solve(self, scene: Scene | str, model: str = "lin", member: int = 0) -> StaticResult:
-        """Return the result of a model for a scene; solved on first use."""
+        """Return the result of a model for a scene or the shipped scene of this name; solved on first use.
+
+        ``member``: number of the specimen with random errors.
+        """
         parts = self.scene(scene) if isinstance(scene, str) else scene
         key = (parts, model, member)
         if key not in self.results:
@@ -83,7 +89,7 @@ class Study:
         return self.results[key]
 
     def once(self, make: Callable[..., T], *args: Any) -> T:
-        """Return the value of ``make(study, *args)``, computed on first use; the arguments must be hashable."""
+        """Return the value of ``make(self, *args)``, computed on first use and then cached; arguments must be hashable."""
         key = (make, *args)
         if key not in self.computed:
             self.computed[key] = make(self, *args)
@@ -105,13 +111,16 @@ def _stored_reference(study: Study, name: str) -> Reference | None:
 
 
 def with_groove(scene: Scene, conformity: float) -> Scene:
-    """Return a copy of the scene with another conformity of both grooves (groove radius over ball diameter)."""
+    """Return a copy of the scene with the given conformity of both grooves (groove radius over ball diameter)."""
     radius = 2.0 * conformity * scene.balls.radius
     return replace(scene, screw=replace(scene.screw, groove_radius=radius), nut=replace(scene.nut, groove_radius=radius))
 
 
 def with_balls(base: Scene, count: int) -> Scene:
-    """Return a copy of a ball screw with another number of balls at the same spacing, nut and screw as long as needed."""
+    """Return a copy of the ball screw ``base`` with ``count`` balls at the same spacing, with a nut as long as needed.
+
+    The screw is lengthened by the same amount as the nut.
+    """
     step = (base.balls.azimuths[-1] - base.balls.azimuths[0]) / (len(base.balls.azimuths) - 1)
     azimuths = tuple((i - (count - 1) / 2.0) * step for i in range(count))
     length = max(base.nut.length, base.track.lead * count * step / (2.0 * math.pi) + 14e-3)

@@ -4,7 +4,7 @@ By ASME V&V 20, the comparison error of a quantity is E = model - reference. The
 
     u_val = sqrt(u_grid^2 + u_model^2 + u_input^2)
 
-has three parts. u_grid is the grid uncertainty of the reference (`compare.reference.grid_parts`). u_model is the effect
+has three parts. u_grid is the grid uncertainty of the reference (`compare.reference.estimate`). u_model is the effect
 of idealisations and of unprinted dimensions of the reference, each varied separately (`compare.models.modelling`). u_input
 is the effect of tolerances of the inputs, each varied separately. If |E| <= u_val, the error of the model cannot be
 distinguished from these uncertainties; else it lies within E +- u_val. u_val is not known if one of its parts is not.
@@ -45,10 +45,9 @@ from rollbench.compare.models.modelling import SPOKEN_FOR, VARIED, Modelling, ba
 from rollbench.compare.models.registry import MODELS
 from rollbench.compare.models.study import Study
 from rollbench.compare.reference.convergence import grid_convergence
-from rollbench.compare.reference.estimate import Reference, uncertainty_percent
-from rollbench.compare.reference.grid_parts import both_flanks
+from rollbench.compare.reference.estimate import Reference, both_flanks, uncertainty_percent
+from rollbench.compare.reference.levels import VARIANTS
 from rollbench.compare.reference.store import Run, load_run, shipped_store
-from rollbench.compare.reference.variants import VARIANTS
 from rollbench.lowfi.statics.nominal import nominal_contacts
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.parts import SIDES, Material, Scene
@@ -81,19 +80,19 @@ class Quantity:
     unit: str
     #: Function that takes its values (any shape) from an answer.
     take: Take
-    #: Whether percentages are of the mean of the loaded contacts instead of the value.
+    #: Whether errors are in per cent of the mean contact load instead of the value.
     of_mean: bool = False
-    #: Whether it is the load of the most loaded contact.
+    #: Whether the quantity is the load of the most loaded contact.
     of_largest: bool = False
 
 
 def _axial_displacement(scene: Scene, answer: Loads) -> Array:
-    """Return the axial displacement of the screw at the nut's centre as an array (1,) [um]."""
+    """Return the axial displacement of the screw at the nut's centre as an array (1,) [um]; ``answer``: results."""
     return np.array([1e6 * float(np.interp(scene.nut.position, answer.stations, answer.line[:, 2]))])
 
 
 def _angle_at_most_loaded(scene: Scene, answer: Loads) -> Array:  # noqa: ARG001 - every quantity takes the scene
-    """Return the contact angle of the most loaded contact as an array (1,) [deg]."""
+    """Return the contact angle of the most loaded contact in the results ``answer`` as an array (1,) [deg]."""
     return np.array([float(answer.angle.ravel()[int(answer.load.argmax())])])
 
 
@@ -186,13 +185,16 @@ class Uncertainty:
 
 
 def percent(quantity: Quantity, value: Array, base: Array, mean: float) -> Array:
-    """Return the difference value - base in per cent of the base; for contact loads, in per cent of the mean load [N]."""
+    """Return the difference ``value - base`` in per cent of ``base``; for contact loads, of the mean contact load.
+
+    ``mean``: mean contact load [N].
+    """
     scale = mean if quantity.of_mean else None
     return np.asarray(error_percent(value, base, scale))
 
 
 def grid_uncertainty(scene: Scene, reference: Reference, quantity: Quantity) -> Array:
-    """Return the grid uncertainty [%] of a quantity in the finest run of the reference.
+    """Return the uncertainty due to the mesh [%] of a quantity in the 3D run on the finest mesh level.
 
     With a single mesh level it is nan, except for contact loads, whose uncertainty is then estimated from other scenes.
     """
@@ -210,9 +212,9 @@ def grid_uncertainty(scene: Scene, reference: Reference, quantity: Quantity) -> 
 
 
 def variants_of(study: Study, name: str) -> tuple[tuple[str, Loads, Loads], ...]:
-    """Return the stored 3D runs of a scene with a changed modelling choice.
+    """Return the results of all stored 3D runs of the scene ``name`` with a changed modelling choice.
 
-    Each item is (name of the choice, loads with the change, loads without it).
+    Each item is (name of the choice, results with the change, results without it). Runs that did not converge are left out.
     """
     scene, out = study.scene(name), []
     bases: dict[int, Run | None] = {}
@@ -229,7 +231,7 @@ def variants_of(study: Study, name: str) -> tuple[tuple[str, Loads, Loads], ...]
 
 
 def choice_uncertainty(study: Study, name: str, quantity: Quantity) -> Array | None:
-    """Return the effect of all modelling choices of a scene on a quantity [%], as the root of the sum of squares.
+    """Return the effect of all modelling choices of the scene ``name`` on a quantity [%]: root of the sum of squares.
 
     The effect of one choice is that of its most effective variant. None if no choice was varied on the scene.
     """
@@ -265,7 +267,10 @@ def input_uncertainty(study: Study, scene: Scene, quantity: Quantity) -> tuple[A
 
 
 def uncertainty(study: Study, name: str, quantity: Quantity) -> Uncertainty | None:
-    """Compute the parts of the validation uncertainty u_val of a quantity of a scene; None without a 3D reference."""
+    """Compute the parts of the validation uncertainty u_val of a quantity of the scene ``name``.
+
+    None if no 3D reference of the scene is stored.
+    """
     reference = study.reference(name)
     if reference is None:
         return None
@@ -296,8 +301,11 @@ class Validated:
     For contact loads, error and uncertainty are those of the contact with the largest error.
     """
 
+    #: Name of the scene.
     scene: str
+    #: Name of the model.
     model: str
+    #: Name of the quantity.
     quantity: str
     #: Error of the model [%].
     error: float
@@ -309,9 +317,9 @@ class Validated:
     inputs: float
     #: u_val [%].
     combined: float
-    #: Share of values whose error is within u_val.
+    #: Share of values whose error is within u_val [1].
     within: float
-    #: Share of values whose error is within the reference's part of u_val.
+    #: Share of values whose error is within the reference's part of u_val, sqrt(u_grid^2 + u_model^2) [1].
     within_own: float
     #: Ratio of model to reference, of the value or of every contact load above a tenth of the mean load.
     ratio: tuple[float, ...]
@@ -320,7 +328,7 @@ class Validated:
 
     @property
     def bar(self) -> str:
-        """Text with the validation uncertainty u_val [%], or the reason why it is not known."""
+        """Text with the validation uncertainty u_val in per cent, or the reason why it is not known."""
         if np.isfinite(self.combined):
             return f"u_val {self.combined:.2f} %"
         why = "modelling choices were not varied on similar scenes" if np.isfinite(self.grid) else "only one mesh level"
@@ -356,7 +364,9 @@ def validated_error(study: Study, name: str, model: str, quantity: Quantity, ans
 class Scatter:
     """Bias and scatter of a model's errors in one quantity over all scenes."""
 
+    #: Name of the model.
     model: str
+    #: Name of the quantity.
     quantity: str
     #: Number of scenes.
     scenes: int
@@ -374,6 +384,8 @@ class Scatter:
 
 def scatter(rows: Sequence[Validated]) -> list[Scatter]:
     """Compute bias and scatter of each model's errors in each quantity, as in fire-model validation.
+
+    ``rows``: errors with their uncertainty, one row for each scene, model and quantity.
 
     Notes
     -----
@@ -399,8 +411,9 @@ def scatter(rows: Sequence[Validated]) -> list[Scatter]:
 def bound_shares(rows: Sequence[Mapping[str, Any]]) -> dict[str, tuple[int, int]]:
     """Count, for each model, the scenes whose measured error does not exceed the expected error.
 
-    ``rows``: scenes with their measured and expected errors, by leaving each scene out of the estimate. Each model has
-    (number within, number of scenes with an estimate).
+    ``rows``: for each scene and model the keys ``model``, ``measured`` and ``expected`` [%], where the expected error is
+    estimated without this scene (None: no estimate). The result has, by model, (number of scenes within the expected error,
+    number of scenes with an estimate).
     """
     out: dict[str, tuple[int, int]] = {}
     for row in rows:
@@ -462,7 +475,7 @@ class LoadUncertainty:
     )
     #: Text on the uncertainty of a user's reference, shown instead of the parts; empty for a computed reference.
     stated: str = ""
-    #: Part of the mesh error at the contact ``at_face`` that is due to a near free face (`compare.reference.grid_parts`).
+    #: Part of the mesh error at the contact ``at_face`` that is due to a near free face (`compare.reference.estimate`).
     beside_face: float = quantity(
         "beside_free_face_percent",
         "of it, what the cells leave out of the lip's compliance at the contact `uncertainty.beside_free_face_at`; 0 where "
@@ -554,9 +567,10 @@ def total(scene: Scene, reference: Reference, *, inputs: bool = True) -> LoadUnc
 
 
 def beside_face(reference: Reference) -> tuple[float, str]:
-    """Return the largest mesh error of a contact load due to a near free face [% of the mean load], and the contact.
+    """Return the largest mesh error of a contact load due to a near free face of the nut, and the contact.
 
-    Zero and an empty text if this error does not exceed the rest of the uncertainty due to the mesh.
+    The error is in per cent of the mean load; the contact is a text with ball and flank. Zero and an empty text if this
+    error does not exceed the rest of the uncertainty due to the mesh.
     """
     share = np.zeros(1) if reference.beside_face is None else error_percent(reference.beside_face, 0.0, reference.mean)
     if share.max() <= reference.parts.bar or not reference.parts.bar:
@@ -587,7 +601,7 @@ def _largest_input_effect(scene: Scene) -> tuple[float | None, str]:
 
 
 def choice_effects_record(varied: Modelling) -> ChoiceEffects:
-    """Return the effects of the modelling choices that were varied on a scene as a record to be stored."""
+    """Return the record to be stored of the effects of modelling choices on the contact loads of a scene."""
     first = max(varied.choices, key=lambda name: varied.choices[name])
     return ChoiceEffects(varied.scene, varied.largest, first, varied.choices[first])
 
@@ -603,7 +617,7 @@ def choices_for(scene: Scene, known: Mapping[str, ChoiceEffects]) -> ChoiceEffec
 
 
 def save_choices(store: Path, known: Mapping[str, ChoiceEffects]) -> None:
-    """Write the effects of modelling choices, by scene, to a folder of 3D runs; OSError if the file cannot be written."""
+    """Write the effects of modelling choices, ``known`` by scene, to a folder of 3D runs; OSError if that fails."""
     replace_file(store / FILE, json.dumps({name: asdict(c) for name, c in known.items()}, indent=1) + "\n")
 
 

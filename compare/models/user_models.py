@@ -149,14 +149,14 @@ def load_model(name: str) -> UserModel:
 
 
 def _answer_of_program(program: programs.Program, scene: Scene) -> ModelAnswer:
-    """Run an external program for a scene, and return the loads, displacement and pressures that it writes."""
+    """Run an external program for a scene, and return the loads, displacement and pressures that it wrote to its file."""
     given, moved = program(scene)
     pressure = given.further.get("pressure")
     return ModelAnswer(given.load, moved, None if pressure is None else np.nan_to_num(pressure))
 
 
 def _unusable_model_error(point: EntryPoint, reason: str) -> ArgumentError:
-    """Return an ArgumentError for a model of an installed package that cannot be used."""
+    """Return the ArgumentError for a model of an installed package that cannot be used; ``point``: its entry point."""
     advice = "correct the package that provides the model, or uninstall it"
     return ArgumentError("model", f"{point.name} ({point.value}): {reason}", "a function of a scene", advice)
 
@@ -238,7 +238,7 @@ def solve_by_user_model(name: str, scene: Scene, member: int = 0) -> StaticResul
 
 
 def _equilibrium_warnings(name: str, balance: Equilibrium) -> Iterator[Warned]:
-    """Yield a warning if a model's contact loads are not in equilibrium with the loads and supports of the scene."""
+    """Yield a warning if the contact loads of the model ``name`` are not in equilibrium with loads and supports."""
     if balance.largest > UNBALANCED:
         brief = f"loads of {name} out of balance by {100.0 * balance.largest:.3g} % of the largest force or moment"
         yield Warned("balance", f"{brief}: check their units, signs and the order of the flanks", brief)

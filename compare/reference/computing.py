@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from rollbench.compare import __version__
-from rollbench.compare.reference.levels import LEVELS
+from rollbench.compare.reference.levels import LEVELS, VARIANTS
 from rollbench.compare.reference.store import Run, measuring_conditions, versions
 from rollbench.compare.reference.tasks import (
     SetUp,
@@ -23,7 +23,6 @@ from rollbench.compare.reference.tasks import (
     settings_to_store,
     stations,
 )
-from rollbench.compare.reference.variants import VARIANTS
 from rollbench.compare.running import need_reference, out_of_memory
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.cache import StageDone
@@ -126,9 +125,10 @@ def compute_with_bodies(task: Task, step: Step = lambda _: None) -> tuple[list[R
 
 
 def _prepare_setups(task: Task, scenes: Sequence[Solvable], ups: Sequence[SetUp], step: Step) -> list[Setup]:
-    """Mesh and condense the parts of each nut or bearing row; equal rows share one set-up.
+    """Mesh and condense the parts of each nut or bearing row, and return one set-up for each row.
 
-    InputError if a mesh cannot be built or memory is too small.
+    ``ups``: bodies, flanks and mesh settings; equal rows share one set-up. ``step``: function that is called with lines of
+    progress. InputError if a mesh cannot be built or memory is too small.
     """
     from rollbench.hifi.setup import prepare
     from rollbench.meshes.cache import Cache
@@ -149,7 +149,10 @@ def _prepare_setups(task: Task, scenes: Sequence[Solvable], ups: Sequence[SetUp]
 
 
 def _solve_load_case(scene: Solvable, setups: Sequence[Setup], step: Step) -> ReferenceResult:
-    """Solve one load case with meshed and condensed parts; Refusal if the 3D reference does not cover it."""
+    """Solve one load case by the 3D reference with meshed and condensed parts, one set-up for each nut or bearing row.
+
+    Refusal if the 3D reference does not cover the scene.
+    """
     from rollbench.hifi.reference import solve_reference
     from rollbench.hifi.several_sets import solve_sets
 
@@ -167,7 +170,11 @@ def _solve_load_case(scene: Solvable, setups: Sequence[Setup], step: Step) -> Re
 def _run_record(
     task: Task, number: int, scene: Solvable, result: ReferenceResult, setups: Sequence[Setup], ups: Sequence[SetUp]
 ) -> Run:
-    """Return the record of the run of one load case, under the name of the task's scene."""
+    """Return the record to be stored for one load case that the 3D reference solved.
+
+    ``number``: index of the load case in the task; ``scene``: its scene, changed by the variant of the task; ``setups``:
+    condensed parts of each nut or bearing row; ``ups``: their bodies, flanks and mesh settings.
+    """
     from rollbench.hifi.reference import INGREDIENTS, solve_reference
 
     without = {}

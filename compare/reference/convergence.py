@@ -2,7 +2,7 @@
 
 `grid_convergence` fits one quantity; `pooled_grid_uncertainty` fits many quantities with a common order of convergence.
 Both are used for displacements, angles and friction. Contact loads do not converge with an order
-(`compare.reference.grid_parts`).
+(`compare.reference.estimate`).
 
 A quantity phi on cells of size h is fitted by phi_0 + alpha h^p, with equal weights and with weights 1 / h; the fit with
 the smaller standard deviation is used. If its order p is outside `ORDERS`, it is replaced by the best of the following
@@ -86,7 +86,7 @@ class Convergence:
 
 
 def _order_text(p: float) -> str:
-    """Return an order of convergence as text, "below -4" or "above 12" at an end of the searched range."""
+    """Return the order of convergence ``p`` as text: "= 1.50", or "below -4" and "above 12" at an end of `SEARCH`."""
     low, high = SEARCH
     return f"below {low:g}" if p <= low else f"above {high:g}" if p >= high else f"= {p:.2f}"
 
@@ -225,12 +225,15 @@ def _checked_levels(values: ArrayLike, sizes: ArrayLike) -> tuple[Array, Array]:
 
 
 def _is_constant(column: Array) -> bool:
-    """Return whether a quantity is equal on all levels, up to rounding of stored values."""
+    """Return whether a quantity is equal on all mesh levels, up to rounding; ``column``: its values, (levels,)."""
     return float(np.ptp(column)) <= ROUND_OFF * float(np.abs(column).max())
 
 
 def _kind_of_convergence(column: Array, h: Array) -> tuple[str, float | None]:
-    """Return the kind of convergence of a quantity on three or more levels, and its fitted order (None if not monotone)."""
+    """Return the kind of convergence of a quantity on three or more levels, and its fitted order (None if not monotone).
+
+    ``column``: values on the mesh levels, coarse to fine, (levels,); ``h``: relative cell sizes, (levels,).
+    """
     steps = np.diff(column)
     if not ((steps > 0.0).all() or (steps < 0.0).all()):
         return NOT_MONOTONE, None
@@ -242,7 +245,8 @@ def _kind_of_convergence(column: Array, h: Array) -> tuple[str, float | None]:
 def _uncertainty_of_finest(y: Array, fit: Fit, sigma: Array | float, factor: float, spread: float = np.inf) -> Array:
     """Return the uncertainty U of the finest value of each quantity, (m,), from a fit.
 
-    ``sigma``: standard deviation; ``factor``: F; ``spread``: Delta, the mean change between levels.
+    ``y``: values (levels, m), coarse to fine; ``sigma``: standard deviation; ``factor``: F; ``spread``: Delta, the mean
+    change between levels.
     """
     error, off = np.abs(y[-1] - fit.residual[-1] - fit.limit), np.abs(fit.residual[-1])
     if np.max(sigma) < spread:
@@ -271,7 +275,10 @@ class Fit:
 
 
 def fit_searched_order(y: Array, h: Array, weighted: bool = False) -> Fit:
-    """Fit limits, slopes and the best common order to all quantities (levels, m), by grids on shrinking intervals of p."""
+    """Fit limits, slopes and the best common order p to m quantities, by grids of p on shrinking intervals.
+
+    ``y``: values (levels, m); ``h``: relative cell sizes (levels,); ``weighted``: whether weights are 1 / h.
+    """
     w = level_weights(h, weighted)
     low, high = SEARCH
     at, step = 0.0, 1.0
@@ -283,9 +290,10 @@ def fit_searched_order(y: Array, h: Array, weighted: bool = False) -> Fit:
 
 
 def fit_given_order(y: Array, h: Array, p: float, weighted: bool) -> Fit:
-    """Fit limits and slopes of all quantities (levels, m) for a given order p.
+    """Fit limits and slopes of all quantities for a given order p.
 
-    The order counts as one fitted parameter that all quantities share.
+    ``y``: values (levels, m); ``h``: relative cell sizes (levels,); ``weighted``: whether weights are 1 / h. The order
+    counts as one fitted parameter that all quantities share.
     """
     x = _box_cox(h, np.array([p]))[0]
     finest, slope, residual = _linear_least_squares(y, x[:, None], level_weights(h, weighted))
@@ -294,9 +302,10 @@ def fit_given_order(y: Array, h: Array, p: float, weighted: bool) -> Fit:
 
 
 def fit_fixed_orders(y: Array, h: Array, *, both: bool) -> list[Fit]:
-    """Fit all quantities (levels, m) by h and by h^2, each with equal weights and with weights 1 / h.
+    """Fit all quantities by h and by h^2, each with equal weights and with weights 1 / h.
 
-    If ``both``, and with four levels or more, also by the sum of h and h^2.
+    ``y``: values (levels, m); ``h``: relative cell sizes (levels,). If ``both``, and with four levels or more, also by the
+    sum of h and h^2.
     """
     forms: dict[str, tuple[float, ...]] = {"first order": (1.0,), "second order": (2.0,)}
     if both and len(h) > 3:
@@ -311,8 +320,9 @@ def fit_fixed_orders(y: Array, h: Array, *, both: bool) -> list[Fit]:
 
 
 def allowed_orders(y: Array, h: Array, best: Fit) -> tuple[float, float]:
-    """Return the interval of orders around the best one that are compatible with the data.
+    """Return the lowest and highest order around the best one that are compatible with the data.
 
+    ``y``: values (levels, m); ``h``: relative cell sizes (levels,); ``best``: fit with the best order.
     The criterion is an F test of the sums of squared residuals with the confidence `CONFIDENCE`. Without a degree of
     freedom, the interval is the whole searched range.
     """
@@ -334,13 +344,16 @@ def allowed_orders(y: Array, h: Array, best: Fit) -> tuple[float, float]:
 
 
 def level_weights(h: Array, weighted: bool) -> Array:
-    """Return the weights of the mesh levels, with sum one: equal, or proportional to 1 / h."""
+    """Return the weights of the mesh levels, with sum one: proportional to 1 / h if ``weighted``, else equal."""
     w = 1.0 / h if weighted else np.ones_like(h)
     return np.asarray(w / w.sum())
 
 
 def _residual_squares(y: Array, h: Array, w: Array, p: Array) -> Array:
-    """Return, for each order in ``p``, the weighted sum of squared residuals after fitting limits and slopes."""
+    """Return, for each order in ``p``, the weighted sum of squared residuals after fitting limits and slopes.
+
+    ``y``: values (levels, m); ``h``: relative cell sizes (levels,); ``w``: weights of the levels.
+    """
     centred = y - w @ y
     x = _box_cox(h, p)
     x = x - (x @ w)[:, None]
@@ -352,16 +365,18 @@ def _residual_squares(y: Array, h: Array, w: Array, p: Array) -> Array:
 def _box_cox(h: Array, p: Array) -> Array:
     """Return (h^p - 1) / p as an array (orders, levels).
 
-    Fits with a constant are the same as with h^p, but at p = 0 the function is ln h.
+    ``h``: relative cell sizes (levels,); ``p``: orders (orders,). Fits with a constant are the same as with h^p, but at p =
+    0 the function is ln h.
     """
     safe = np.where(p == 0.0, 1.0, p)[:, None]
     return np.where(p[:, None] == 0.0, np.log(h), np.expm1(safe * np.log(h)) / safe)
 
 
 def _linear_least_squares(y: Array, columns: Array, w: Array) -> tuple[Array, Array, Array]:
-    """Fit y (levels, m) by a constant and columns (levels, k) with weights w.
+    """Fit m quantities by a constant and k functions of the cell size, by weighted linear least squares.
 
-    Return constants (m,), coefficients (k, m) and residuals (levels, m).
+    ``y``: values (levels, m); ``columns``: values of the functions (levels, k); ``w``: weights (levels,). Returns constants
+    (m,), coefficients (k, m) and residuals (levels, m).
     """
     root = np.sqrt(w)[:, None]
     basis = np.column_stack([np.ones(len(w)), columns])
@@ -372,9 +387,10 @@ def _linear_least_squares(y: Array, columns: Array, w: Array) -> tuple[Array, Ar
 def _fit_record(
     form: str, order: float | None, weighted: bool, h: Array, limit: Array, residual: Array, of_each: int, of_all: int
 ) -> Fit:
-    """Return a fit with its standard deviations, which depend on the number of fitted parameters.
+    """Return the record of a fit with its standard deviations, which depend on the number of fitted parameters.
 
-    ``of_each``: parameters for each quantity; ``of_all``: parameters that all quantities share.
+    ``limit``: limits at h = 0, (m,); ``residual``: residuals, (levels, m); ``of_each``: parameters for each quantity;
+    ``of_all``: parameters that all quantities share.
     """
     n, m = residual.shape
     squares = n * (level_weights(h, weighted) @ (residual * residual))

@@ -1,22 +1,404 @@
-"""The 3D reference of a scene: contact loads of the finest stored run, and their uncertainty due to the mesh."""
+"""The 3D reference of a scene: contact loads of the finest stored run, and their uncertainty due to the mesh.
+
+The uncertainty has a part for each kind of refinement.
+
+From one mesh level to the next, the cells at the contact are refined by 4/3, those of the bodies by 1.15, and the cut of
+the coarse sockets (boxes around the contacts into which fine patches fit) not at all. Therefore no order of convergence in
+a single cell size describes the loads. The loads do not approach a limit from one side either. Consecutive changes of a
+contact load have a correlation of -0.5, like independent errors, because no cell of one level's mesh is a cell of the next.
+Extrapolation with any order increases the distance to the next level (tests/unit/models/test_grid_coverage.py). The errors
+of a level are therefore treated as scatter with the variance
+
+    s^2 = contact^2 h_c^4 + bodies^2 h_b^4 + sockets^2 + common^2,
+
+where h_c and h_b are the cell sizes of contact and bodies over those of the finest level (second-order cells, whose errors
+fall as h^2). The first two parts are determined from the changes between the levels of the scene; the variance of a change
+is the sum of those of two levels. The part sockets is that of a separate run with a finer cut of the sockets. The part
+common changes all loads of a level alike and does not average out over the contacts of one scene. It is determined from the
+mean changes of all scenes with loads on both flanks of the screw, where equilibrium does not fix the sum of the loads.
+
+The uncertainty is twice the root of the sum of the variances of the finest level and the next one, or 2.2 times this root
+if only the change between two neighbouring levels is known. In 95 % of the contacts it covers the change to a finer mesh.
+Errors of bodies and sockets are displacements. A contact converts them to loads by its stiffness, dF / dx ~ F^(1/3)
+(Hertz), and these two parts are distributed over the contacts accordingly. Errors that all meshes share are not included
+(`compare.models.uncertainty`).
+
+Near a free face of the nut, a level neglects a part of a contact's compliance. The local compliance of a contact is that of
+a finely meshed piece of its body (`hifi.bodies.coarse`), far from any face. Near a free face the thin lip adds compliance,
+which the cells of the level's body underestimate. Nuts with six balls and increasingly fine bodies give the difference
+(``near_face.json``, written by ``tests/near_face.py``). The missing compliance times E r is the same for balls and leads of
+all sizes within a quarter. It depends on the distance d from the face over the ball radius r: on level 1 it is 0.4 at
+d = 1.1 r and 0.03 at 2.5 r.
+
+The missing compliance affects the flank that is pressed towards the face, and, through its ball, the opposite flank of the
+screw. At a given approach of the bodies, a missing compliance dC increases their load F by
+
+    dF = F dC / (2/3 (delta_s + delta_n) / F + C_lip),
+
+where delta_s and delta_n are Hertz's approaches, whose tangent is 2/3 delta / F. There is no such error at fixed faces and
+at balls far from the faces. If only one flank of the screw carries load, equilibrium fixes the sum of the loads, and the
+excess of these contacts is missing on the others of their flank, in proportion to their stiffness (`error_near_faces`). The
+changes between the levels of a scene contain this second effect; for a bearing, all of whose contacts are near both faces,
+they contain the first one as well.
+"""
 
 from __future__ import annotations
 
+import json
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
+from functools import cache
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
 
+from rollbench.compare.files import replace_file
 from rollbench.compare.measure import error_percent, mean_load
-from rollbench.compare.reference import grid_parts
 from rollbench.compare.reference.convergence import representative_size
-from rollbench.compare.reference.grid_parts import GridParts, error_near_faces, excess_near_faces, parts
-from rollbench.compare.reference.levels import LEVELS
+from rollbench.compare.reference.levels import LEVELS, PRODUCTION
 from rollbench.compare.reference.store import Run, load_run, shipped_store
 from rollbench.lowfi.statics.nominal import nominal_contacts
 from rollbench.meshes.arrays import Array
+from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import Scene
+from rollbench.meshes.solid import solid_dimensions
+
+FILE = "grid_parts.json"
+
+#: Number of standard deviations in an uncertainty that covers 95 %: normally, and if only the change between two
+#: neighbouring levels is known. This change scatters between scenes: a factor of 2 covered 87 % of the contacts of one
+#: randomly drawn screw.
+COVER, COVER_OF_ONE_CHANGE = 2.0, 2.2
+
+#: Order of convergence of the (second-order) cells.
+ORDER = 2
+
+#: Exponent of the load in the stiffness of a contact.
+STIFFNESS = 1.0 / 3.0
+
+#: Ratio of the cell sizes (contact, bodies) of an assumed level beyond the last one to those of the last level.
+NEXT = (0.75, 0.87)
+
+#: Shares of contacts that the uncertainty of a single level must cover: of all compared scenes together, and at least of
+#: each scene with one loaded flank of the screw or with both.
+SHARE, LEAST = 0.95, (0.93, 0.95)
+
+#: Number of reweighting rounds in a fit of variances, and the smallest variance that counts [%^2].
+ROUNDS, TINY = 20, 1e-12
+
+#: Contact loads ``(n, 4)`` [N] of a scene for each mesh level.
+Levelled = Mapping[int, Array]
+
+
+@dataclass(frozen=True)
+class Experience:
+    """Parts of the mesh uncertainty that are determined from other scenes [% of the mean load]."""
+
+    #: Standard deviation due to the cut of the sockets.
+    sockets: float
+    #: Standard deviation of an error that all contacts share.
+    common: float
+    #: Uncertainty of a scene that was solved on the coarsest level only, with one and with both flanks of the screw loaded.
+    #: It covers 95 % of the errors (at least 93 % in every scene with one loaded flank).
+    single: tuple[float, float]
+    #: Names of the scenes from which these values were determined.
+    scenes: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class GridParts:
+    """Uncertainty of a scene's contact loads due to the mesh, with its parts [% of the mean load], RMS over the contacts.
+
+    The parts are standard deviations of the difference between the finest level and the next one. With a single level only
+    the uncertainty is known, from other scenes, and the parts are None.
+    """
+
+    #: Uncertainty that covers 95 % of the contacts; zero without load.
+    bar: float
+    #: Standard deviation due to the cells at the contact.
+    contact: float | None = None
+    #: Standard deviation due to the cells of the bodies.
+    bodies: float | None = None
+    #: Standard deviation due to the cut of the sockets.
+    sockets: float | None = None
+    #: Standard deviation of an error that all contacts share.
+    common: float | None = None
+    #: Factor between the root of the sum of squares of the parts and the uncertainty.
+    cover: float = COVER
+
+    @property
+    def by_experience(self) -> bool:
+        """Whether the scene was solved on a single level, so that the uncertainty is estimated from other scenes."""
+        return self.contact is None
+
+    def bars(self, loads: Levelled) -> Array:
+        """Return the uncertainty of each contact load due to the mesh, (n, 4) [% of the mean load].
+
+        ``loads``: contact loads (n, 4) [N] by mesh level. The uncertainty covers 95 % of the contacts, and is zero for
+        contacts that carry load on no level.
+        """
+        on = loaded_on_any_level(loads)
+        if self.contact is None or self.bodies is None or self.sockets is None or self.common is None:
+            return np.where(on, self.bar, 0.0)
+        stiffness = loads[max(loads)] ** STIFFNESS
+        share = stiffness**2 / (stiffness[on] ** 2).mean()
+        displaced, shared = self.bodies**2 + self.sockets**2, self.contact**2 + self.common**2
+        return np.where(on, self.cover * np.sqrt(shared + displaced * share), 0.0)
+
+
+def both_flanks(load: Array) -> bool:
+    """Return whether both flanks of the screw carry load, so that equilibrium does not fix the sum of the contact loads.
+
+    ``load``: contact loads (n, 4) [N].
+    """
+    return bool((load[:, :2] > 0.0).any(axis=0).all())
+
+
+def loaded_on_any_level(loads: Levelled) -> Array:
+    """Return a mask (n, 4) of the contacts that carry load on at least one mesh level; ``loads``: (n, 4) [N] by level."""
+    return np.asarray(np.max([loads[k] for k in loads], axis=0) > 0.0)
+
+
+def parts(loads: Levelled, known: Experience) -> GridParts:
+    """Compute the uncertainty of a scene's contact loads due to the mesh, and its parts.
+
+    Parameters
+    ----------
+    loads
+        Contact loads (n, 4) [N] for each mesh level.
+    known
+        Parts of the uncertainty that are determined from other scenes.
+
+    Returns
+    -------
+    GridParts
+        Uncertainty and parts.
+    """
+    levels = sorted(loads)
+    finest, both = levels[-1], both_flanks(loads[levels[-1]])
+    if not (loads[finest] > 0.0).any():
+        return GridParts(0.0)
+    if len(levels) == 1:
+        return GridParts(known.single[both])
+    steps, fixed = list(pairwise(levels)), 2.0 * known.sockets**2
+    shown = np.array([float((_load_change(loads, a, b, finest) ** 2).mean()) for a, b in steps])
+    amounts = _fit_variances(np.array([_variance_factors(a, b) for a, b in steps]), np.maximum(shown - fixed, 0.0), fixed)
+    left = (*(amounts * _variance_factors(finest, finest + 1)), fixed, 2.0 * known.common**2 if both else 0.0)
+    cover = COVER_OF_ONE_CHANGE if levels == [finest - 1, finest] else COVER
+    contact, bodies, sockets, common = (float(np.sqrt(v)) for v in left)
+    return GridParts(cover * float(np.sqrt(sum(left))), contact, bodies, sockets, common, cover)
+
+
+def _load_change(loads: Levelled, level: int, other: int, finest: int) -> Array:
+    """Return the changes of the contact loads from one mesh level to another [% of the mean load on level ``finest``].
+
+    ``loads``: contact loads (n, 4) [N] by mesh level; ``level``, ``other``: first and second level. The result has one
+    dimension; contacts that carry load on no level
+    are omitted.
+    """
+    on = loaded_on_any_level(loads)
+    return np.asarray(error_percent(loads[other][on], loads[level][on], mean_load(loads[finest])))
+
+
+def _cell_sizes(level: int) -> Array:
+    """Return the relative cell sizes of a mesh level at the contact and of the bodies, (2,).
+
+    For levels beyond the last one, the sizes fall by the factors `NEXT`.
+    """
+    last = max(LEVELS)
+    cells = LEVELS[min(level, last)]
+    size = np.array([1.0 / cells["b_over_h"], cells["fine"] / LEVELS[PRODUCTION]["fine"]])
+    return np.asarray(size * np.power(NEXT, max(level - last, 0)))
+
+
+def _variance_factors(level: int, other: int) -> Array:
+    """Return the factors by which variances of the errors contribute to the variance of a load change between two levels.
+
+    The two entries belong to the error due to the cells at the contact and to that due to the cells of the bodies.
+    """
+    return np.asarray(_cell_sizes(level) ** (2 * ORDER) + _cell_sizes(other) ** (2 * ORDER))
+
+
+def _fit_variances(columns: Array, shown: Array, fixed: float) -> Array:
+    """Fit the variances of the parts contact and bodies (2,) to the observed variances between levels.
+
+    ``columns``: `_variance_factors` of each pair of levels; ``shown``: observed variances without ``fixed``, the known
+    variance of other parts. Relative least squares with results of at least zero. With two levels the whole variance is
+    attributed to the bodies, whose part falls more slowly.
+    """
+    from scipy.optimize import nnls
+
+    columns = columns * [0.0, 1.0] if len(shown) == 1 else columns
+    variances, scale = np.zeros(2), np.maximum(shown + fixed, TINY)
+    for _ in range(ROUNDS):
+        variances = nnls(columns / scale[:, None], shown / scale)[0]
+        scale = np.maximum(columns @ variances + fixed, TINY)
+    return np.asarray(variances)
+
+
+def derive_experience(
+    scenes: Mapping[str, Levelled], sockets: float, known: Mapping[str, Array] | None = None
+) -> Experience:
+    """Determine the common parts of the mesh uncertainty from scenes that were solved on several levels.
+
+    Parameters
+    ----------
+    scenes
+        Contact loads on each mesh level, for each scene.
+    sockets
+        Standard deviation due to the cut of the sockets [% of the mean load], from a separate run.
+    known
+        For each scene: errors of the coarsest level near free faces (`error_near_faces`), which have an uncertainty of
+        their own and are subtracted, (n, 4) [% of the mean load].
+
+    Returns
+    -------
+    Experience
+        Parts of the mesh uncertainty for other scenes.
+
+    Raises
+    ------
+    ValueError
+        If there is no scene with one loaded flank of the screw, or none with both.
+    """
+    shifts, errors = list[float](), (list[Array](), list[Array]())
+    for name, loads in scenes.items():
+        levels, finest = sorted(loads), max(loads)
+        both = both_flanks(loads[finest])
+        if both:
+            shifts += [float(_load_change(loads, a, b, finest).mean()) for a, b in pairwise(levels) if a >= PRODUCTION]
+        if levels[0] == min(LEVELS) and finest >= PRODUCTION:
+            held = known[name][loaded_on_any_level(loads)] if known and name in known else 0.0
+            errors[both].append(np.maximum(np.abs(_load_change(loads, levels[0], finest, finest)) - held, 0.0))
+    if not shifts or not all(errors):
+        raise ValueError("needs scenes with one and with both flanks of the screw loaded, solved on fine mesh levels")
+    common = float(np.sqrt(np.mean(np.square(shifts)) / 2.0))
+    return Experience(
+        sockets, common, (_covering_bound(errors[0], LEAST[0]), _covering_bound(errors[1], LEAST[1])), tuple(scenes)
+    )
+
+
+def _covering_bound(errors: Sequence[Array], least: float) -> float:
+    """Return the smallest bound that covers the share `SHARE` of all errors and ``least`` of the errors of each scene."""
+    return float(max(np.quantile(np.concatenate(errors), SHARE), *(np.quantile(of_scene, least) for of_scene in errors)))
+
+
+def save_experience(store: Path, known: Experience) -> None:
+    """Write the common parts of the mesh uncertainty (``known``) to the folder ``store`` of 3D runs; OSError on failure."""
+    replace_file(store / FILE, json.dumps(asdict(known), indent=1) + "\n")
+
+
+@cache
+def read_experience(store: Path) -> Experience:
+    """Read the parts of the mesh uncertainty that were determined from other scenes.
+
+    OSError, ValueError, KeyError or TypeError if the file in the folder ``store`` cannot be used.
+    """
+    data = json.loads((store / FILE).read_text(encoding="utf-8"))
+    one, both = (float(x) for x in data["single"])
+    return Experience(float(data["sockets"]), float(data["common"]), (one, both), tuple(data["scenes"]))
+
+
+LIP_FILE = "near_face.json"
+
+#: Distance [ball radii] beyond which a face has no influence; from the last measured distance it falls linearly to zero.
+AWAY = 3.0
+
+#: Distance by which the influence is extrapolated towards the face [ball radii]; closer to it no socket can be meshed.
+CLOSER = 0.25
+
+#: Approach [m] below which there is no load.
+NO_STIFFNESS = 1e-30
+
+#: Flanks of the nut that are pressed towards its low and its high face.
+TOWARDS = (2, 3)
+
+
+@dataclass(frozen=True)
+class LipCompliance:
+    """Compliance of the nut's lip between a contact and a free face, as a function of their distance."""
+
+    #: Distances from the face [ball radii], increasing.
+    radii: Array
+    #: Compliance of the lip times Young's modulus and ball radius, at these distances.
+    lip: Array
+    #: For each mesh level, the part of this compliance that the mesh neglects.
+    missing: dict[int, Array]
+
+    def at(self, radii: Array, level: int) -> tuple[Array, Array]:
+        """Return the compliance of the lip at distances from a face, and the part of it that a mesh level neglects.
+
+        ``radii``: distances over the ball radius. Both compliances are multiplied by Young's modulus E and ball radius r.
+        """
+        missing = self.missing[min(max(level, 1), max(self.missing))]
+        return np.interp(radii, self.radii, self.lip), np.interp(radii, self.radii, missing)
+
+
+@cache
+def read_lip(store: Path) -> LipCompliance:
+    """Read the compliance of the lip between a contact and a free face of the nut from the folder ``store``.
+
+    It was computed for one scene on all mesh levels. The part that a level neglects is multiplied by the largest ratio of
+    any other scene to this one. Values are extrapolated from the two smallest distances towards the face, and fall to zero
+    beyond the largest distance. OSError, ValueError or KeyError if the file is missing or damaged.
+    """
+    rows = json.loads((store / LIP_FILE).read_text(encoding="utf-8"))
+    first = [row for row in rows if row["scene"] == rows[0]["scene"]]
+    radii = np.array([row["radii"] for row in first])
+    step = CLOSER / (radii[1] - radii[0])
+
+    def with_extrapolated_ends(values: list[float]) -> Array:
+        return np.array([values[0] + step * (values[0] - values[1]), *values, 0.0])
+
+    missing = {int(k): [row["missing"][k] for row in first] for k in first[0]["missing"]}
+    spread = max(row["missing"]["1"] / np.interp(row["radii"], radii, missing[1]) for row in rows)
+    places = np.array([radii[0] - CLOSER, *radii, AWAY])
+    return LipCompliance(
+        places,
+        with_extrapolated_ends([row["lip"] for row in first]),
+        {k: spread * with_extrapolated_ends(values) for k, values in missing.items()},
+    )
+
+
+def excess_near_faces(scene: Scene, load: Array, level: int) -> Array:
+    """Return by how much contact loads near free faces of the nut are at most too high on a mesh level, (n, 4) [N].
+
+    ``load``: contact loads (n, 4) [N] of the level.
+    """
+    from rollbench.hifi.meshing.settings import hertz_units
+
+    out = np.zeros_like(load)
+    if scene.solid.nut != "elastic" or scene.track.lead == 0.0:
+        return out
+    r, held = scene.balls.radius, solid_dimensions(scene).nut_held
+    z, half = ball_layout(scene).z - scene.nut.position, scene.nut.length / 2.0
+    soft = [2.0 / 3.0 * unit.approach for unit in hertz_units(scene)]
+    known, unit = read_lip(shipped_store()), 1.0 / (scene.nut.material.youngs_modulus * r)
+    for side, face, away in ((TOWARDS[0], "left face", half + z), (TOWARDS[1], "right face", half - z)):
+        if held in (face, "both faces"):
+            continue
+        lip, missing = (unit * x for x in known.at(away / r, level))
+        for flank in (side, 3 - side):
+            force = load[:, flank]
+            springs = (soft[side] + soft[3 - side]) * np.cbrt(force) ** 2  # force times their tangent
+            added = force**2 * missing / np.maximum(springs + lip * force, NO_STIFFNESS)
+            out[:, flank] = np.maximum(out[:, flank], added)
+    return out
+
+
+def error_near_faces(scene: Scene, load: Array, level: int) -> Array:
+    """Return the largest errors of the contact loads on a mesh level due to free faces of the nut, (n, 4) [N].
+
+    ``load``: contact loads (n, 4) [N] of the level. If equilibrium fixes the sum of the loads, contacts far from the faces
+    have errors, too.
+    """
+    excess = excess_near_faces(scene, load, level)
+    if both_flanks(load) or not excess.any():
+        return excess
+    stiffness = load**STIFFNESS
+    return np.asarray(excess + excess.sum(axis=0) * stiffness / np.maximum(stiffness.sum(axis=0), NO_STIFFNESS))
+
 
 #: Number of the finest levels from which the uncertainty is estimated. Coarser levels say little about the finest.
 FITTED = 4
@@ -34,7 +416,7 @@ class Reference:
     load: Array
     #: Uncertainty of the loads due to mesh and incomplete convergence, (n, 4) [N]; zero for contacts without load.
     uncertainty: Array
-    #: Parts of the uncertainty due to the mesh.
+    #: Uncertainty of the loads due to the mesh, with its parts.
     parts: GridParts
     #: Number of contacts that are loaded in the nominal screw; 0: not known.
     contacts: int = 0
@@ -44,7 +426,7 @@ class Reference:
     stated: str = ""
     #: Other contact quantities in a user's file, (n, 4) in SI.
     further: Mapping[str, Array] = field(default_factory=dict)
-    #: Part of the uncertainty due to a free face of the nut near the contact, (n, 4) [N] (`compare.reference.grid_parts`).
+    #: Part of the uncertainty due to a free face of the nut near the contact, (n, 4) [N].
     beside_face: Array | None = None
 
     @property
@@ -69,7 +451,7 @@ class Reference:
 
     @property
     def unsettled(self) -> str:
-        """Text with the status of each run that did not fully converge; empty if all converged."""
+        """Text with mesh level and status of each 3D run that did not fully converge; empty if all converged."""
         return "; ".join(f"level {run.level} {run.status}" for run in self.runs if run.moving > 0.0)
 
 
@@ -113,7 +495,7 @@ def reference_from_runs(name: str, scene: Scene, runs: tuple[Run, ...], contacts
         Loads of the finest run with their uncertainty.
     """
     loads = {run.level: run.load for run in runs}
-    grid, best = parts(loads, grid_parts.read_experience(shipped_store())), runs[-1]
+    grid, best = parts(loads, read_experience(shipped_store())), runs[-1]
     bars = 0.01 * mean_load(best.load) * grid.bars(loads) if grid.bar else np.zeros_like(best.load)
     lips = excess_near_faces(scene, best.load, best.level)
     beside = error_near_faces(scene, best.load, best.level) if grid.by_experience else lips

@@ -20,10 +20,9 @@ from rollbench.compare.errors import InputError
 from rollbench.compare.quantities import count_of
 from rollbench.compare.reference import parallel
 from rollbench.compare.reference.computing import compute_with_bodies, stores_bodies
-from rollbench.compare.reference.levels import LEVELS, PRODUCTION, SOURCE_LEVEL
+from rollbench.compare.reference.levels import LEVELS, PRODUCTION, SOURCE_LEVEL, VARIANTS
 from rollbench.compare.reference.store import Run, bodies_path, load_run, path_in, save
 from rollbench.compare.reference.tasks import Solvable, Task, groups, set_ups
-from rollbench.compare.reference.variants import VARIANTS
 from rollbench.compare.running import available_GB, cores, duration, output_closed
 from rollbench.meshes.cache import StageDone
 from rollbench.meshes.condensed import CondensedBodies
@@ -55,7 +54,7 @@ STAGES = ("meshes", "patches", "shaft section", "screw", "nut", "ball", "contact
 
 @dataclass(frozen=True)
 class Expected:
-    """Expected run time and memory of a task of the 3D reference."""
+    """Expected computing time and memory of a task of the 3D reference."""
 
     #: Time of each stage [s].
     stages: dict[str, float]
@@ -69,7 +68,7 @@ class Expected:
 
 
 def expected_cost(task: Task) -> Expected:
-    """Estimate run time and memory of a task of the 3D reference from its mesh level and number of contacts."""
+    """Estimate computing time and memory of a task of the 3D reference from its mesh level and number of contacts."""
     by_bodies = [len(up.sides) * up.bodies.ball_count for up in set_ups(task.scenes, task.level)]
     contacts = sum(by_bodies)
     times = len(task.scenes) * (6 if task.ablate else 1)
@@ -84,7 +83,7 @@ def expected_cost(task: Task) -> Expected:
 
 
 def need_memory(tasks: Sequence[Task], workers: int) -> float:
-    """Estimate the peak memory of tasks of the 3D reference that run in parallel.
+    """Estimate the peak memory of tasks of the 3D reference that run in parallel, and check that it is free.
 
     Parameters
     ----------
@@ -163,7 +162,7 @@ HEARTBEAT = 20.0
 
 @dataclass(frozen=True)
 class Engine:
-    """Settings that determine where runs are computed: on this machine or a cluster, number of processes, cache folder."""
+    """Settings of where 3D runs are computed: on this machine or a cluster, number of processes, cache folder."""
 
     #: ``joblib``: processes on this machine; ``dask``: a cluster.
     backend: str = "joblib"
@@ -183,7 +182,7 @@ class Engine:
 
 
 def first_here(jobs: Sequence[parallel.Job], engine: Engine, what: str, step: Step) -> Iterator[tuple[int, Any]]:
-    """Run independent jobs, in other processes only if they take long enough, and yield number and result of each.
+    """Run independent jobs, in other processes only if that saves time, and yield number and result of each.
 
     With several workers, the first two jobs run in this process. The time of the second job, for which all modules are
     loaded, shows whether the remaining jobs would take longer than starting other processes; if not, they run here, too.
@@ -227,7 +226,7 @@ def plan(
 ) -> list[Task]:
     """List the tasks of the 3D reference for a mesh study, in the order in which they are computed.
 
-    The coarsest level of every geometry comes first; the other tasks follow by decreasing run time.
+    The coarsest level of every geometry comes first; the other tasks follow by decreasing computing time.
 
     Parameters
     ----------
@@ -260,7 +259,11 @@ def plan(
 
 
 def missing_runs(tasks: Sequence[Task], stores: Sequence[Path]) -> list[Task]:
-    """Return the tasks that are still to be computed, reduced to the scenes without a run (or bodies) in any folder."""
+    """Return the tasks whose runs are not stored yet, reduced to the scenes without a stored run.
+
+    ``stores``: folders that are searched. A task whose condensed screw and nut are required but not stored is returned
+    as a whole.
+    """
     left = []
     for task in tasks:
         runs = [load_run(scene, task.level, task.variant, stores) for scene in task.scenes]
@@ -310,7 +313,10 @@ def compute_and_store(
 
 
 def keep(store: Path, task: Task, runs: Sequence[Run], bodies: CondensedBodies | None) -> None:
-    """Write the usable runs of a task and its condensed bodies to a folder; InputError if they cannot be written."""
+    """Write the runs of a task whose loads can be used, and its condensed screw and nut, to the folder ``store``.
+
+    ``bodies``: condensed screw and nut; None: none are stored. InputError if a file cannot be written.
+    """
     for run, scene in zip(runs, task.scenes, strict=True):
         if run.answers:
             save(store, scene, run)
@@ -334,7 +340,7 @@ def ensure(
     fresh: bool = False,
     stored: Callable[[Task], None] = lambda _: None,
 ) -> list[Run]:
-    """Compute and store those runs of tasks that are not stored yet.
+    """Compute and store the runs of 3D reference tasks that are not stored yet.
 
     Parameters
     ----------
@@ -428,7 +434,11 @@ def ensure(
 
 
 def _announced(left: Sequence[Task], stored: int, store: Path, workers: int, *, here: bool) -> str:
-    """Return the message that announces number, expected time and memory of tasks; InputError if memory is too small."""
+    """Return the message that announces number, expected time and memory of the tasks to compute.
+
+    ``left``: the tasks; ``stored``: number of tasks whose runs are stored already; ``store``: folder of new runs;
+    ``here``: whether they run on this machine. InputError if its memory is too small.
+    """
     kept = f", {stored} are stored" if stored > 0 else ""
     head = f"3D reference: {count_of(len(left), 'set-up')} to compute{kept}"
     if not here:

@@ -1,11 +1,21 @@
-"""Mesh levels of the 3D reference and of rolling contacts; each level refines all settings of the previous one."""
+"""Mesh levels of the 3D reference and of rolling contacts, and variants of the 3D reference.
+
+Each level refines all settings of the previous one. Each variant changes one modelling or numerical choice. Mesh settings
+are varied on the finest level, all other choices on the coarsest.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from typing import Any
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+from typing import Any, Literal
+
+import numpy as np
 
 from rollbench.compare import files
+from rollbench.meshes.parts import Scene
+from rollbench.meshes.solid import Dimensions, groove_depths, solid_dimensions
 
 #: Ball radius [m] for which the lengths in the settings are stated; for other radii they are scaled in proportion.
 BALL = 2.778e-3
@@ -24,7 +34,7 @@ def _settings(keys: Mapping[str, Any]) -> dict[str, Any]:
 #: The growth of the patches' cells and the numbers of modes follow. The plane mesh of the shaft's cross-section is the same
 #: on all levels; its error is below 0.04 % in bending (tests/unit/hifi/test_helical_section.py).
 LEVELS: dict[int, dict[str, Any]] = {int(level): _settings(keys) for level, keys in _TABLES["level"].items()}
-#: Finer values of single settings of the finest level (`compare.reference.variants`).
+#: Finer values of single settings of the finest level (`VARIANTS`).
 BEYOND: dict[str, Any] = _settings(_TABLES["beyond"])
 #: Level 0 is the mesh of Lin's thesis: first-order tetrahedra, 0.08 mm around every contact, 5 mm elsewhere (made of split
 #: second-order ones of twice the size). It is not part of a convergence study.
@@ -44,7 +54,7 @@ HALF_SPACE, FINITE = "half-space", "finite"
 _RATIOS = ("b_over_h", "growth")
 
 
-def scaled(level: int, ball: float, refined: Sequence[str] = ()) -> dict[str, Any]:
+def scaled_settings(level: int, ball: float, refined: Sequence[str] = ()) -> dict[str, Any]:
     """Return the mesh settings of a level, with lengths scaled to a ball radius [m].
 
     ``refined``: names of settings whose finer values are used (`BEYOND`).
@@ -58,3 +68,191 @@ def scaled(level: int, ball: float, refined: Sequence[str] = ()) -> dict[str, An
         return tuple(x * ratio for x in value) if name.endswith("sizes") else value
 
     return {name: for_ball(name, value) for name, value in settings.items()}
+
+
+Change = Callable[[Scene], Scene]
+#: Kind of a choice. "modelling": an idealisation, or a dimension that Lin's thesis does not print; "numerical": a choice of
+#: method or mesh; "scene": another boundary condition, which the scene must state.
+Kind = Literal["modelling", "numerical", "scene"]
+#: Bound on the axial-torsional coupling of a grooved shaft: its twist by an axial force over the geometric mean of both
+#: compliances (`hifi.shaft.section.Homogenised.coupling`, tests/unit/hifi/test_helical_section.py). The beams beyond the 3D
+#: part of the shaft neglect this coupling.
+COUPLING = 0.02
+
+
+@dataclass(frozen=True)
+class Variant:
+    """Variant of the 3D reference with one changed modelling or numerical choice."""
+
+    #: Description of the change.
+    label: str
+    #: Choice that is changed; of several variants of one choice, the largest effect counts.
+    choice: str
+    #: Kind of the choice.
+    kind: Kind
+    #: Function that changes the scene.
+    change: Change
+    #: Mesh settings taken from `BEYOND`, on the finest level.
+    refined: tuple[str, ...] = ()
+
+    @property
+    def level(self) -> int:
+        """Mesh level on which the variant is computed."""
+        return PRODUCTION if self.refined else min(LEVELS)
+
+
+@dataclass(frozen=True)
+class NotVaried:
+    """Modelling choice of the 3D reference whose effect is not computed by any variant."""
+
+    #: Name of the choice.
+    choice: str
+    #: Reason why it is not varied.
+    reason: str
+
+
+def unchanged_scene(scene: Scene) -> Scene:
+    """Return the scene unchanged, for variants that differ only in the mesh."""
+    return scene
+
+
+def solid(**changes: Any) -> Change:
+    """Return a function that copies a scene with changed fields of ``scene.solid``, which only the 3D model uses.
+
+    ``changes``: new values by name of the field.
+    """
+    return lambda scene: replace(scene, solid=replace(scene.solid, **changes))
+
+
+def scale_dimension(name: str, take: Callable[[Dimensions], float], factor: float, shift: float = 0.0) -> Change:
+    """Return a function that copies a scene with one dimension of the 3D model changed.
+
+    ``name``: field of ``scene.solid``; ``take``: function that returns the present dimension [m], which is multiplied by
+    ``factor`` and increased by ``shift`` [m].
+    """
+    return lambda scene: solid(**{name: take(solid_dimensions(scene)) * factor + shift})(scene)
+
+
+def lengthen_3d_shaft(leads: float) -> Change:
+    """Return a function that copies a scene with the 3D part of its shaft lengthened on each side by a number of leads."""
+    return lambda scene: scale_dimension("shaft", lambda d: d.shaft, 1.0, leads * abs(scene.track.lead))(scene)
+
+
+def fix_half_of_face(half: Literal["inner", "outer"]) -> Change:
+    """Return a function that copies a scene with the nut fixed only at the inner or outer half of its fixed face.
+
+    For a flanged nut it is the half of the flange's seat. The function raises ValueError if the nut is not fixed at one
+    face.
+    """
+
+    def fix_half(scene: Scene) -> Scene:
+        face, flange = solid_dimensions(scene).nut_held, scene.nut.flange
+        if flange is not None and face.startswith("flange"):
+            low, high = flange.seat
+            seat = (low, 0.5 * (low + high)) if half == "inner" else (0.5 * (low + high), high)
+            return replace(scene, nut=replace(scene.nut, flange=replace(flange, seat=seat)))
+        if face not in ("left face", "right face"):
+            raise ValueError(f"the nut is fixed at its {face}, not at one face")
+        return solid(nut_held=f"{face}, {half} half")(scene)
+
+    return fix_half
+
+
+def plain_shaft(scene: Scene) -> Scene:
+    """Return a copy of the scene whose shaft is plain beyond its 3D part, with the diameter of the lands."""
+    return solid(shaft_diameter=scene.screw.outer_diameter)(scene)
+
+
+def ends_in_plain_shaft(scene: Scene) -> Scene:
+    """Return a copy of the scene whose groove ends at half the length of the shaft's 3D part, before a plain shaft."""
+    return plain_shaft(scale_dimension("shaft", lambda d: d.shaft, 0.5)(scene))
+
+
+def with_twisted_supports(scene: Scene) -> Scene:
+    """Return a copy of the scene whose supports are rotated by the twist that the axial-torsional coupling would cause.
+
+    The 3D reference neglects this coupling beyond the 3D part of the shaft. Between a support and the nut at the distance
+    L, the shaft would twist by |c| F L / sqrt(EA GJ) under the sum F of the axial loads. EA and GJ are those of a plain
+    shaft with the pitch radius less the groove radius, which twists more than the grooved shaft, or with the radius of the
+    groove's bottom if that core is thinner than the bore.
+    """
+    e = scene.screw.material
+    core = scene.track.pitch_radius - scene.screw.groove_radius
+    if core <= scene.screw.bore / 2.0:
+        core = scene.track.pitch_radius - groove_depths(scene)[0]
+    area = np.pi * (core**2 - (scene.screw.bore / 2.0) ** 2)
+    polar = 0.5 * np.pi * (core**4 - (scene.screw.bore / 2.0) ** 4)
+    force = sum(abs(load.force[2]) for load in scene.loads)
+    rate = COUPLING * force / float(np.sqrt(e.youngs_modulus * area * e.shear_modulus * polar))
+
+    def rotated_freedom(freedom: tuple[str, float], at: float) -> tuple[str, float]:
+        return (freedom[0], freedom[1] + rate * abs(at - scene.nut.position)) if freedom[0] == "rz" else freedom
+
+    supports = tuple(replace(s, fixed=tuple(rotated_freedom(f, s.at) for f in s.fixed)) for s in scene.supports)
+    return replace(scene, supports=supports)
+
+
+LANDS, HOLE, WIDTH = "radius of the nut's lands", "hole along the meshed screw", "width of the nut's held face"
+LENGTH, PHASE = "length of the 3D stretch of shaft", "phase of the junction along the helix"
+FILLED = "ends of the nut's groove, return gap"
+GROOVE_END, TWIST = "where the screw's groove ends", "axial-torsional coupling of the shaft beyond"
+SHARED, MODES, FIXING = "set-up shared with other scenes", "modes per patch", "where the nut is held"
+
+
+def mesh_refinement_variant(label: str, choice: str, *refined: str) -> Variant:
+    """Return a variant on the finest mesh level with finer values of the mesh settings ``refined``.
+
+    ``label``: description of the variant; ``choice``: numerical choice that it varies.
+    """
+    return Variant(label, choice, "numerical", unchanged_scene, refined)
+
+
+_shaft, _land = (
+    partial(scale_dimension, "shaft", lambda d: d.shaft),
+    partial(scale_dimension, "nut_inner_diameter", lambda d: 2.0 * d.land),
+)
+_hole = scale_dimension("hole_diameter", lambda d: 2.0 * d.hole, 0.5)
+_width = "nut held at the {} half of its face's width"
+_filled = "nut's groove filled from two ball diameters beyond its outermost balls on"
+_alone = "the scene alone: sockets on flanks that touch, contact grid by its own load"
+
+VARIANTS: dict[str, Variant] = {
+    "base": Variant(_alone, SHARED, "numerical", unchanged_scene),
+    "junction": Variant("3D shaft 20 mm longer on each side", LENGTH, "modelling", _shaft(1.0, 20e-3)),
+    "junction-short": Variant("3D shaft of half the length", LENGTH, "modelling", _shaft(0.5)),
+    "junction-phase": Variant("3D shaft half a lead longer on each side", PHASE, "modelling", lengthen_3d_shaft(0.5)),
+    "land": Variant("nut lands 0.6 mm narrower in diameter", LANDS, "modelling", _land(1.0, -0.6e-3)),
+    "land-wide": Variant("nut lands 0.6 mm wider in diameter", LANDS, "modelling", _land(1.0, 0.6e-3)),
+    "hole": Variant("hole along the screw of half the diameter", HOLE, "modelling", _hole),
+    "held-outer": Variant(_width.format("outer"), WIDTH, "modelling", fix_half_of_face("outer")),
+    "held-inner": Variant(_width.format("inner"), WIDTH, "modelling", fix_half_of_face("inner")),
+    "nut-filled": Variant(_filled, FILLED, "modelling", solid(nut_groove="loaded")),
+    "shaft-plain": Variant("shaft beyond the 3D stretch plain, of the lands' diameter", GROOVE_END, "scene", plain_shaft),
+    "runout": Variant("groove of the screw ends at half the 3D stretch", GROOVE_END, "scene", ends_in_plain_shaft),
+    "finer-contact": mesh_refinement_variant(
+        "cells of the contact, 4.2 for 3.2 per semi-axis", "contact's cells", "b_over_h"
+    ),
+    "finer-patch": mesh_refinement_variant("growth of a patch's cells, 1.5 for 1.62", "patch's cells", "growth"),
+    "finer-own": mesh_refinement_variant(
+        "sockets and cells of the submodels of one contact", "submodels", "own_cuts", "own_sizes", "own_ball_sizes"
+    ),
+    "finer-bodies": mesh_refinement_variant("cells of screw and nut", "coarse bodies", "fine", "coarse"),
+    "finer-sockets": mesh_refinement_variant("sockets of the bodies cut 4 x 3 x 4 for 3 x 2 x 3", "coarse sockets", "cuts"),
+    "modes": mesh_refinement_variant("28 modes per patch for 14", MODES, "modes"),
+    "finer-ball": mesh_refinement_variant("cells and modes of the ball", "ball", "ball_fine", "ball_coarse", "ball_modes"),
+    "finer-cell": mesh_refinement_variant("cells of the shaft's cut ends", "cut ends of the shaft", "cell"),
+    "nut-right": Variant("nut held at its right face", FIXING, "scene", solid(nut_held="right face")),
+    "nut-outer": Variant("nut held by its outer surface", FIXING, "scene", solid(nut_held="outer surface")),
+}
+
+#: Choices that the modelling uncertainty does not include.
+NOT_VARIED = (
+    NotVaried(
+        "deflectors and return tubes of the nut",
+        "between loaded turns the groove runs on; what fills it there or pierces the wall is not meshed, nor are wipers "
+        "and their counterbores",
+    ),
+    NotVaried("chamfers and run-in of the lands", "edges of lands and faces are sharp"),
+    NotVaried("stiffness of what holds the nut and the screw", "held nodes do not move; a housing would"),
+    NotVaried("friction, large strains, contact of the second order in ball over groove radius", "left out of the model"),
+)

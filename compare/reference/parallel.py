@@ -104,9 +104,10 @@ def as_done(
 def _run_in_workers(
     calls: list[tuple[Callable[..., Any], Sequence[Any]]], backend: str, scheduler: str | None, workers: int, wait: float
 ) -> Generator[tuple[int, Any], None, None]:
-    """Run jobs in other processes or on a cluster, and yield number and result of each.
+    """Run jobs in other processes or on a cluster, and yield number (from 0) and result of each.
 
-    The exception of a job is raised here.
+    ``calls``: function and arguments of each job; ``workers``: number of simultaneous jobs (0: as many as the cluster has
+    workers); ``wait``: time to wait for a worker [s]. The exception of a job is raised here.
     """
     asked = [(number, __version__, *call) for number, call in enumerate(calls)]
     answers = _on_cluster(asked, scheduler, workers, wait) if backend == "dask" else _in_processes(asked, workers)
@@ -148,7 +149,11 @@ def _run_job(number: int, version: str, function: Callable[..., Any], arguments:
 
 
 def _in_processes(asked: Sequence[Asked], workers: int) -> Generator[Answer, None, None]:
-    """Run jobs in processes of this machine, and yield replies as they arrive; closing cancels the remaining jobs."""
+    """Run jobs in processes of this machine, and yield their replies as they arrive.
+
+    ``asked``: requests to the processes; ``workers``: number of processes. Closing the generator cancels the remaining
+    jobs.
+    """
     from joblib import Parallel, delayed
     from joblib.externals.loky.process_executor import BrokenProcessPool
 
@@ -170,8 +175,9 @@ def _in_processes(asked: Sequence[Asked], workers: int) -> Generator[Answer, Non
 def _on_cluster(asked: Sequence[Asked], scheduler: str | None, workers: int, wait: float) -> Generator[Answer, None, None]:
     """Run jobs on a Dask cluster, and yield the workers' replies as they arrive; closing cancels the remaining jobs.
 
-    The scheduler gets all jobs at once, or as many as may run at the same time. It assigns them to workers as these join,
-    and a cluster with adaptive size knows the amount of work.
+    ``asked``: requests to the workers; ``wait``: time to wait for a worker [s]. The scheduler gets all jobs at once, or as
+    many as may run at the same time. It assigns them to workers as these join, and a cluster with adaptive size knows the
+    amount of work.
     """
     with _cluster(scheduler, workers) as client:
         from distributed import KilledWorker, as_completed
@@ -206,8 +212,8 @@ def _on_cluster(asked: Sequence[Asked], scheduler: str | None, workers: int, wai
 def _check_cluster(client: Any, place: str, wait: float) -> Iterator[None]:
     """Check once per iteration that a cluster has workers and its scheduler answers.
 
-    InputError if no worker joins within ``wait`` seconds, at the beginning or after the last one was lost, or if the
-    scheduler no longer answers.
+    ``client``: Dask client of the cluster; ``place``: address of the scheduler, for messages. InputError if no worker joins
+    within ``wait`` seconds, at the beginning or after the last one was lost, or if the scheduler no longer answers.
     """
     alone, silent, had_workers = 0.0, 0.0, False
     while True:
@@ -235,12 +241,12 @@ def _check_cluster(client: Any, place: str, wait: float) -> Iterator[None]:
 
 
 def _no_cluster(place: str, reason: str, advice: str) -> InputError:
-    """Return an ArgumentError for a scheduler that cannot be used."""
+    """Return the ArgumentError for a cluster that cannot be used; ``place``: address of its scheduler."""
     return ArgumentError("scheduler", f"{place}: {reason}", "a scheduler with workers", advice)
 
 
 def _lost_cluster_error(reason: str) -> InputError:
-    """Return an ArgumentError for a cluster whose scheduler or workers were lost while jobs ran."""
+    """Return the ArgumentError for a cluster whose scheduler or workers were lost while jobs ran."""
     return ArgumentError("scheduler", reason, "a scheduler with workers", AGAIN)
 
 
@@ -325,13 +331,13 @@ def _cluster(scheduler: str | None, workers: int) -> Iterator[Any]:
 
 
 def _other_version(value: str, version: str) -> InputError:
-    """Return an ArgumentError for workers with another version of this program."""
+    """Return the ArgumentError for cluster workers with another rollbench version; ``version``: the required version."""
     advice = f"install version {version} where the workers run"
     return ArgumentError("scheduler", value, f"workers of rollbench {version}", advice)
 
 
 def _scheduler_answers(scheduler: str) -> bool:
-    """Return whether the scheduler at an address accepts a connection."""
+    """Return whether a Dask scheduler at the address ``scheduler`` (such as tcp://host:8786) accepts a connection."""
     try:
         asyncio.run(asyncio.wait_for(_greet(scheduler), PATIENCE))
     except Exception:  # any error of a closed connection

@@ -36,13 +36,13 @@ LARGEST, DEEPEST = 8_000_000, 8
 
 
 def sealed(data: Mapping[str, Any]) -> str:
-    """Return the text of a run's file: its data as JSON with a checksum, each row of numbers on a line of its own."""
+    """Return the text of a stored run's file: its data as JSON with a checksum, one line for each row of an array."""
     whole = {**data, "checksum": checksum(data)}
     return json.dumps(whole, separators=(",", ":")).replace("],[", "],\n[") + "\n"
 
 
 def unsealed(path: Path) -> dict[str, Any]:
-    """Read the data of a run's file and verify its checksum.
+    """Read the data of a stored run from its file, and verify the checksum.
 
     Parameters
     ----------
@@ -73,7 +73,7 @@ def checksum(data: Mapping[str, Any]) -> str:
 
 
 def _parsed(path: Path) -> dict[str, Any]:
-    """Return the JSON object in a run's file; ValueError if the file is too large, too deeply nested or no object."""
+    """Return the JSON object in a stored run's file; ValueError if it is too large, too deeply nested or no object."""
     if not path.is_file():
         raise ValueError("the path is not a regular file")
     with open(path, "rb") as file:
@@ -97,7 +97,7 @@ SOLVERS = ("hifi", "lowfi", "meshes")
 
 @dataclass(frozen=True)
 class Measured:
-    """Conditions under which run times were measured: program version, sources and machine.
+    """Conditions under which computing times were measured: program version, sources and machine.
 
     Sources and machine are empty in runs of versions before 0.15.
     """
@@ -121,9 +121,9 @@ def measuring_conditions() -> Measured:
 
 
 def one_run(times: Iterable[Measured]) -> Measured | None:
-    """Return the conditions under which all of several run times were measured; ValueError if they differ.
+    """Return the conditions under which all of several computing times were measured; ValueError if they differ.
 
-    ``times``: the conditions of each run time; None is returned if there are none.
+    ``times``: the conditions of each measurement; None is returned if there are none.
     """
     found = set(times)
     if len(found) > 1:
@@ -132,9 +132,9 @@ def one_run(times: Iterable[Measured]) -> Measured | None:
 
 
 def most_of(times: Iterable[Measured]) -> Measured | None:
-    """Return the conditions under which most of several run times were measured; None without run times.
+    """Return the conditions under which most of several computing times were measured; None without any.
 
-    ``times``: the conditions of each run time.
+    ``times``: the conditions of each measurement.
     """
     common = Counter(times).most_common(1)
     return common[0][0] if common else None
@@ -201,7 +201,7 @@ class Run:
     centreline: Array
     #: Contact loads without one ingredient of the model, by its name.
     without: dict[str, Array]
-    #: Run times of the solutions in ``without`` [s].
+    #: Computing times of the solutions in ``without`` [s].
     without_seconds: dict[str, float]
     #: Flanks that were meshed.
     sides: tuple[int, ...]
@@ -209,7 +209,7 @@ class Run:
     unknowns: int
     #: Time of each stage of the set-up [s].
     stages: dict[str, float]
-    #: Time to solve the load case [s].
+    #: Computing time of the load case on the finished set-up [s].
     solve_seconds: float
     #: Peak memory of set-up and load cases so far [MB]; None: not measured.
     peak_MB: float | None
@@ -286,11 +286,11 @@ def key_of(
     variant
         Modelling variant.
     settings
-        Mesh settings, in numbers.
+        Mesh settings by name, as stored with the run.
     sides
-        Flanks that were meshed.
+        Numbers of the flanks that were meshed: 0 to 3 for SL, SR, NL, NR.
     programs
-        Versions of the programs; None: those installed.
+        Versions of gmsh and scikit-fem by name; None: those installed.
 
     Returns
     -------
@@ -307,14 +307,21 @@ def key_of(
 def bodies_key(
     scene: Scene, settings: Mapping[str, Any], sides: Sequence[int], programs: Mapping[str, str] | None = None
 ) -> str:
-    """Return the content key of condensed bodies: a hash of parts, mesh settings, flanks, program versions and `BODIES`."""
+    """Return the content key of condensed screw and nut: a hash of everything that affects their stiffness.
+
+    These are the geometry of the parts, the mesh settings, the numbers of the meshed flanks (``sides``), the versions of
+    gmsh and scikit-fem (``programs``; None: those installed), `SCHEMA` and `BODIES`.
+    """
     return digest(SCHEMA, BODIES, geometry_digest(scene), *_meshed(scene, settings, sides, programs))[:16]
 
 
 def _meshed(
     scene: Scene, settings: Mapping[str, Any], sides: Sequence[int], programs: Mapping[str, str] | None
 ) -> tuple[object, ...]:
-    """Return the parts of a content key that describe a mesh: dimensions, settings, flanks, program versions."""
+    """Return the parts of a content key that describe a mesh: dimensions, settings, flanks, program versions.
+
+    ``sides``: numbers of the meshed flanks; ``programs``: versions of gmsh and scikit-fem; None: those installed.
+    """
     made_by = versions() if programs is None else {name: programs.get(name, "") for name in PROGRAMS}
     dims = solid_dimensions(scene)
     low, high = dims.ends(scene)
@@ -341,14 +348,14 @@ def bodies_path(store: Path, scene: Scene, run: Run) -> Path:
 
 
 def _stem(name: str, level: int, variant: str) -> str:
-    """Return the beginning of a run's file name, before its key."""
+    """Return the beginning of a stored run's file name, before its content key: scene, mesh level and variant."""
     return f"{name}-level{level}-{variant}-" if variant else f"{name}-level{level}-"
 
 
 def save(store: Path, scene: Solvable, run: Run) -> Path:
-    """Write a run to the folder ``store``, completely or not at all, and return its path.
+    """Write a run of a scene to the folder ``store``, completely or not at all, and return the file's path.
 
-    ValueError for a run that did not converge.
+    ValueError for a run whose contact loads cannot be used because it did not converge.
     """
     if not run.answers:
         raise ValueError(f"a run that did not converge cannot be a reference: {run.status}")
@@ -405,7 +412,7 @@ def load_run(scene: Solvable, level: int, variant: str = "", stores: Sequence[Pa
 
 
 def files_of(store: Path, scene: Solvable, level: int, variant: str = "") -> list[Path]:
-    """Return the files in the folder ``store`` whose key is that of the scene on a mesh level and variant.
+    """Return the files of stored runs in the folder ``store`` whose content key fits a scene, mesh level and variant.
 
     Files with the scene's name come first.
     """
@@ -439,7 +446,7 @@ class _Mesh(NamedTuple):
 
 
 def _mesh_of(path: Path) -> _Mesh | None:
-    """Return mesh settings, flanks and versions from a run's file; None if the file cannot be read."""
+    """Return mesh settings, meshed flanks and program versions from a stored run's file; None if it cannot be read."""
     try:
         return _known_mesh(path, path.stat().st_mtime_ns)
     except OSError:
@@ -448,9 +455,9 @@ def _mesh_of(path: Path) -> _Mesh | None:
 
 @lru_cache(maxsize=100_000)
 def _known_mesh(path: Path, _changed: int) -> _Mesh | None:
-    """Return mesh settings, flanks and versions from a run's file; None if it is damaged.
+    """Return mesh settings, meshed flanks and program versions from a stored run's file; None if it is damaged.
 
-    Cached by the file's time of change ``_changed`` [ns].
+    The result is cached by the path and the file's time of change ``_changed`` [ns].
     """
     try:
         run = unsealed(path)
@@ -462,14 +469,17 @@ def _known_mesh(path: Path, _changed: int) -> _Mesh | None:
 
 
 def _sort_key(installed: Mapping[str, str], run: Run) -> tuple[float, ...]:
-    """Return the key by which runs are sorted: installed versions first, then fine contact cells, then large patches."""
+    """Return the key that sorts stored runs: installed program versions first, then fine contact cells, large patches.
+
+    ``installed``: installed versions of gmsh and scikit-fem by name.
+    """
     other = any(run.versions.get(name) != version for name, version in installed.items())
     each = run.settings.get("sets", (run.settings,))
     return (other, *(x for mesh in each for x in mesh["semi"]), *(-x for mesh in each for x in mesh["reach"]))
 
 
 def read_run(path: Path, scene: Solvable, level: int, variant: str) -> Run | None:
-    """Read a run of a scene from a file.
+    """Read a stored run of a scene on a mesh level, with a modelling variant ("": none), from a file.
 
     None if the file is damaged, is of another mesh level or variant, or its name does not contain the content key.
     """
@@ -488,5 +498,5 @@ def read_run(path: Path, scene: Solvable, level: int, variant: str) -> Run | Non
 
 
 def _array(rows: list[list[float | None]]) -> Array:
-    """Return rows from JSON as an array; None becomes nan."""
+    """Return rows of numbers from JSON as an array; None becomes nan."""
     return np.array([[np.nan if x is None else x for x in row] for row in rows], dtype=float)

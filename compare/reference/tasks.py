@@ -14,8 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from rollbench.compare.errors import ArgumentError, InputError, Refusal
-from rollbench.compare.reference.levels import LEVELS, SOURCE_LEVEL, scaled
-from rollbench.compare.reference.variants import VARIANTS
+from rollbench.compare.reference.levels import LEVELS, SOURCE_LEVEL, VARIANTS, scaled_settings
 from rollbench.meshes.axis import Assembly
 from rollbench.meshes.parts import Scene
 from rollbench.meshes.record_keys import Fields, canonical
@@ -32,11 +31,11 @@ _SIZED = ("semi", "reach", "sides")
 
 @dataclass(frozen=True)
 class SetUp:
-    """Bodies, meshed flanks and mesh settings of a nut or bearing row, or of several equal rows on one shaft."""
+    """What is meshed for a nut or bearing row, or for several equal rows on one shaft: bodies, flanks and mesh settings."""
 
     #: Nut or row as a scene; if the shaft has several, axial positions are relative to the row.
     bodies: Scene
-    #: Flanks that are meshed.
+    #: Numbers of the meshed flanks: 0 to 3 for SL, SR, NL, NR.
     sides: tuple[int, ...]
     #: Mesh settings.
     settings: Settings
@@ -50,20 +49,20 @@ def stations(*cases: Solvable) -> tuple[float, ...]:
 
 
 def balls_of(described: Solvable) -> list[slice]:
-    """Return the slice of each set of balls in arrays with the balls of all sets on the shaft."""
+    """Return for each set of balls the slice of its balls in an array with the balls of all sets on the shaft."""
     sets = [described] if isinstance(described, Scene) else [s.parts for s in described.sets if isinstance(s.parts, Scene)]
     ends = np.cumsum([0, *(scene.ball_count for scene in sets)])
     return [slice(int(a), int(b)) for a, b in pairwise(ends)]
 
 
 def refused(described: Solvable, error: ValueError) -> Refusal:
-    """Return a Refusal for a scene that the 3D reference cannot solve, with the reason in ``error``."""
+    """Return the Refusal to raise for a scene that the 3D reference cannot solve; ``error`` states the reason."""
     advice = "change the named dimension or key, or use a low-order model"
     return Refusal(described.name, "3D reference", str(error), advice)
 
 
 def _bodies(case: Solvable) -> list[Scene]:
-    """Return the bodies to be meshed of each nut or bearing row; Refusal for a row without a 3D model."""
+    """Return each nut or bearing row of a load case as a scene to be meshed; Refusal for a row without a 3D model."""
     if isinstance(case, Scene):
         return [case]
     from rollbench.hifi.several_sets import meshed_bodies
@@ -77,8 +76,8 @@ def _bodies(case: Solvable) -> list[Scene]:
 def _expected(case: Solvable, bodies: Sequence[Scene]) -> tuple[ExpectedContacts, ...]:
     """Return the expected contact loads and angles of each set of balls, from which mesh sizes are chosen.
 
-    For a set without load, a tenth of the mean contact load of the other sets is assumed. Refusal if the loads cannot be
-    estimated.
+    ``case``: load case; ``bodies``: nut or bearing rows to be meshed, as scenes.     For a set without load, a tenth of the
+    mean contact load of the other sets is assumed. Refusal if the loads cannot be estimated.
     """
     from rollbench.hifi.meshing.settings import contacts_under_assumed_load, expected_by_set, expected_contacts
 
@@ -97,12 +96,17 @@ def _expected(case: Solvable, bodies: Sequence[Scene]) -> tuple[ExpectedContacts
 
 
 def _pressed(expected: Sequence[ExpectedContacts]) -> tuple[int, ...]:
-    """Return the numbers of all flanks that may carry load, and of the flanks on the opposite side of the ball."""
+    """Return the sorted numbers of all flanks that may carry load, and of the flanks on the opposite side of the ball.
+
+    Flanks 0 to 3 are SL, SR, NL, NR; ``expected``: expected contacts of every load case.
+    """
     return tuple(sorted({side for e in expected for touching in e.sides() for side in (touching, 3 - touching)}))
 
 
 def needed_sides(scene: Scene) -> tuple[int, ...]:
     """Return the numbers of a scene's flanks that must be meshed: those that may carry load, and the opposite ones.
+
+    Flanks 0 to 3 are SL, SR, NL, NR.
 
     Refusal if the low-order estimate of the contact loads finds no equilibrium.
     """
@@ -119,12 +123,12 @@ def set_ups(cases: Sequence[Solvable], level: int, variant: str = "") -> tuple[S
     level
         Mesh level.
     variant
-        Modelling variant.
+        Name of the modelling variant in `VARIANTS`; empty: none.
 
     Returns
     -------
     tuple of SetUp
-        One for each nut or bearing row that differs from the others.
+        One for each nut or bearing row that differs from the others in bodies or loaded flanks.
 
     Raises
     ------
@@ -142,7 +146,7 @@ def set_ups(cases: Sequence[Solvable], level: int, variant: str = "") -> tuple[S
         shared.setdefault((body, _pressed(expected[k])), []).append(k)
     out = []
     for (body, sides), sets in shared.items():
-        sizes = scaled(level, body.balls.radius, VARIANTS[variant].refined if variant else ())
+        sizes = scaled_settings(level, body.balls.radius, VARIANTS[variant].refined if variant else ())
         semi, reach = (
             [round_up_lengths(getattr(e, name)()) for k in sets for e in expected[k]] for name in ("semi", "reach")
         )
@@ -154,20 +158,25 @@ def set_ups(cases: Sequence[Solvable], level: int, variant: str = "") -> tuple[S
 
 
 def settings_of(scenes: Sequence[Scene], level: int, variant: str = "") -> Settings:
-    """Return the mesh settings for scenes of one geometry on a mesh level; errors as in `set_ups`."""
+    """Return the mesh settings for scenes of one geometry on a mesh level, with a variant ("": none); see `set_ups`."""
     return set_ups(scenes, level, variant)[0].settings
 
 
 def settings_to_store(ups: Sequence[SetUp]) -> dict[str, Any]:
-    """Return the mesh settings to store with a run: cells per semi-axis of a contact, and the settings of each row."""
+    """Return the mesh settings to store with a run of several nuts or bearing rows on one shaft.
+
+    ``ups``: bodies, flanks and settings of what was meshed. Returned are ``b_over_h``: cells per semi-axis of a contact;
+    ``sets``: mesh settings and meshed flanks of each row.
+    """
     by_set = {k: asdict(up.settings) | {"sides": up.sides} for up in ups for k in up.sets}
     return {"b_over_h": ups[0].settings.b_over_h, "sets": tuple(by_set[k] for k in sorted(by_set))}
 
 
 def meshes_suit(scene: Solvable, level: int, variant: str, settings: Mapping[str, Any], sides: Sequence[int]) -> bool:
-    """Return whether the meshes of a stored run suit a scene.
+    """Return whether the meshes of a stored run are fine and large enough for a scene on a mesh level and variant.
 
-    They do if cells are fine enough, patches large enough, and all flanks that may carry load are meshed.
+    ``settings``: mesh settings of the stored run; ``sides``: numbers of its meshed flanks. The meshes suit the scene if
+    cells are fine enough, patches large enough, and all flanks that may carry load are meshed.
     """
     changed = VARIANTS[variant].change(scene) if variant and isinstance(scene, Scene) else scene
     try:
@@ -179,7 +188,11 @@ def meshes_suit(scene: Solvable, level: int, variant: str, settings: Mapping[str
 
 
 def _serves(meshed: Mapping[str, Any], wanted: Mapping[str, Any]) -> bool:
-    """Return whether the settings of a stored mesh are as fine and as large as the ``wanted`` ones, and equal otherwise."""
+    """Return whether a stored mesh can replace a required one, by the mesh settings of both.
+
+    Its contact cells must be at least as fine, its patches as large, all required flanks meshed, and all other settings
+    equal.
+    """
     from rollbench.hifi.meshing.settings import Settings
 
     def settings_that_must_agree(mesh: Mapping[str, Any]) -> str:
@@ -207,7 +220,7 @@ def relevant_to_statics(assembly: Assembly, unsaid: Mapping[str, Any]) -> Assemb
 
 
 def geometry_of(scene: Solvable) -> tuple[Any, ...]:
-    """Return the fields of a scene that must be equal in scenes that share meshes."""
+    """Return the fields of a scene (geometry, materials of its bodies) that must be equal in scenes that share meshes."""
     if isinstance(scene, Assembly):
         each = (
             (s.parts if not isinstance(s.parts, Scene) else geometry_of(s.parts), s.position, s.carrier) for s in scene.sets

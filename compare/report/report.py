@@ -117,13 +117,13 @@ def save_uncertainty_experience(stores: Sequence[Path]) -> None:
     from rollbench.compare.models import uncertainty
     from rollbench.compare.models.modelling import VARIED, combine_effects, varied
     from rollbench.compare.models.study import Study
-    from rollbench.compare.reference import grid_parts
+    from rollbench.compare.reference import estimate
     from rollbench.compare.sections.u_val import experience
 
     study = Study(stores)
     known = experience(study)
     if known is not None:
-        grid_parts.save_experience(stores[0], known)
+        estimate.save_experience(stores[0], known)
     modelling = [combine_effects(study.scene(name), varied(study.scene(name), stores)) for name in VARIED]
     if all(modelling):
         uncertainty.save_choices(

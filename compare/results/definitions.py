@@ -9,8 +9,7 @@ from typing import NamedTuple
 
 from rollbench.compare.gate.verdict import Verdict
 from rollbench.compare.models.answers import AxisAnswers, LoadAnswers
-from rollbench.compare.models.drive import AxisDrive, SetDrive
-from rollbench.compare.models.load_cases import CycleResults, Lives
+from rollbench.compare.models.load_cases import AxisDrive, CycleResults, Lives, SetDrive
 from rollbench.compare.models.loading import LiftOff, LoadPath, LoadTaker, Preload
 from rollbench.compare.models.model_form import ModelForm
 from rollbench.compare.models.uncertainty import LoadUncertainty

@@ -10,8 +10,7 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from rollbench.compare.measure import error_percent
-from rollbench.compare.models.drive import AxisDrive
-from rollbench.compare.models.load_cases import CycleResults, Solved, SolvedAxis
+from rollbench.compare.models.load_cases import AxisDrive, CycleResults, Solved, SolvedAxis
 from rollbench.compare.models.loading import COMPONENTS, NOTHING, LiftOff, LoadPath, Preload
 from rollbench.compare.models.model_form import ModelForm
 from rollbench.compare.quantities import heading_of, range_text, shown

@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from rollbench.compare.models import loading
-    from rollbench.compare.models.drive import AxisDrive
+    from rollbench.compare.models.load_cases import AxisDrive
     from rollbench.compare.models.model_form import ModelForm
     from rollbench.lowfi.bearings.rib import RibContact
     from rollbench.lowfi.bearings.roller_torque import RollerTorque

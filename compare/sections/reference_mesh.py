@@ -13,9 +13,8 @@ from rollbench.compare.models.modelling import REFINED, UNSEEN, VARIED, varied
 from rollbench.compare.models.study import Study
 from rollbench.compare.models.uncertainty import SHARED, beside_face
 from rollbench.compare.reference.estimate import Reference, uncertainty_percent
-from rollbench.compare.reference.levels import LEVELS, SOURCE_LEVEL, SOURCE_MESH
+from rollbench.compare.reference.levels import LEVELS, NOT_VARIED, SOURCE_LEVEL, SOURCE_MESH, VARIANTS
 from rollbench.compare.reference.store import Measured, Run, load_run, most_of
-from rollbench.compare.reference.variants import NOT_VARIED, VARIANTS
 from rollbench.compare.sections.curves import study_figure
 from rollbench.compare.sections.reference import case_studies, modelling_uncertainties
 from rollbench.compare.sections.u_val import MANY, UncertaintyTest, coverage, share_of

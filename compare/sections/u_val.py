@@ -2,7 +2,7 @@
 
 u_val is the validation uncertainty of ASME V&V 20: mesh, modelling choices and input tolerances combined. The mesh
 uncertainty of a coarser level is tested by a finer level. It follows from the mesh levels of the scene and from data of all
-other scenes (`compare.reference.grid_parts`); for the test these data are derived again without the scene and without
+other scenes (`compare.reference.estimate`); for the test these data are derived again without the scene and without
 scenes that share its parts. Randomly drawn screws (chosen and computed by ``tests/judging_levels.py``), and levels finer
 than those of the mesh study, are stored as loads only: they are used for tests, not as reference.
 """
@@ -33,7 +33,7 @@ from rollbench.compare.models.uncertainty import (
     scatter,
     validated_error,
 )
-from rollbench.compare.reference.grid_parts import (
+from rollbench.compare.reference.estimate import (
     Experience,
     Levelled,
     derive_experience,

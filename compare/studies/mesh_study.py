@@ -15,13 +15,11 @@ from rollbench.compare.measure import error_percent, load_error
 from rollbench.compare.models.comparison import Referenced, stored_references
 from rollbench.compare.models.modelling import base_run
 from rollbench.compare.reference.convergence import grid_convergence, pooled_grid_uncertainty
-from rollbench.compare.reference.estimate import FITTED, Reference, reference_from_runs
-from rollbench.compare.reference.grid_parts import parts, read_experience
+from rollbench.compare.reference.estimate import FITTED, Reference, parts, read_experience, reference_from_runs
 from rollbench.compare.reference.jobs import Engine, all_variants, ensure, plan
-from rollbench.compare.reference.levels import ADVISED, LEVELS
+from rollbench.compare.reference.levels import ADVISED, LEVELS, VARIANTS
 from rollbench.compare.reference.store import Run, load_run, measuring_conditions, shipped_store
 from rollbench.compare.reference.tasks import Solvable, Task
-from rollbench.compare.reference.variants import VARIANTS
 from rollbench.compare.results.comparison import model_label, unconverged_error
 from rollbench.lowfi.statics.nominal import nominal_contacts
 from rollbench.meshes.axis import Assembly

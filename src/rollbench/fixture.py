@@ -2,12 +2,92 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import pytest
 
 if TYPE_CHECKING:
-    from rollbench.compare.gate.pytest_plugin import Rollbench
+    from rollbench.compare.gate.verdict import Verdict
+
+
+class Rollbench:
+    """Value of the pytest fixture ``rollbench``, by which a user's test judges a scene against its 3D reference.
+
+    Parameters
+    ----------
+    root
+        Folder of the test file, to which paths are relative.
+    """
+
+    def __init__(self, root: Path) -> None:
+        """Store the folder of the test file."""
+        self.root = root
+
+    def check(
+        self,
+        scene: str | Path,
+        *,
+        max_error: float | None = None,
+        model: str = "",
+        loads: str | Path | None = None,
+        values: str | Path | None = None,
+        limits: Mapping[str, float] | None = None,
+        reference: str | Path | None = None,
+        strict: bool = False,
+        levels: int | None = None,
+        stored: str | Path | None = None,
+        store: str | Path = "rollbench-reference",
+        compute: bool = True,
+    ) -> list[Verdict]:
+        """Judge a scene by the gate, and fail the test unless every verdict is "pass".
+
+        The test also fails if a verdict is "undecided" or "not covered", and if an argument or a file is not valid.
+
+        Parameters
+        ----------
+        scene
+            Path of a scene file, relative to the folder of the test file, or name of a shipped scene.
+        max_error, model, loads, values, limits, reference, strict, levels, store, compute
+            As for `rollbench.check`; paths are relative to the folder of the test file.
+        stored
+            Folder with stored runs of the 3D reference, used in addition to the shipped runs; no run is computed.
+
+        Returns
+        -------
+        list of Verdict
+            Verdicts on the scene, all "pass".
+        """
+        from rollbench.compare.errors import InputError
+        from rollbench.compare.gate.user import check_scenes, gate_request
+        from rollbench.compare.reference.jobs import Engine
+        from rollbench.compare.scenes import catalogue
+        from rollbench.meshes.cache import default_root
+
+        try:
+            request = gate_request(
+                model=model,
+                loads=None if loads is None else self.root / loads,
+                values=None if values is None else self.root / values,
+                max_error=max_error,
+                limits=[f"{name}={number}" for name, number in (limits or {}).items()],
+                reference=None if reference is None else self.root / reference,
+                strict=strict,
+                levels=levels,
+                store=self.root / store,
+                stored=None if stored is None else self.root / stored,
+                compute=compute,
+            )
+            name = str(scene)
+            path = name if name in catalogue.scene_names() else str(self.root / scene)
+            verdicts = check_scenes([catalogue.scene(path)], request, Engine(cache=default_root()), lambda _: None)
+        except InputError as error:
+            pytest.fail(str(error), pytrace=False)
+        bad = [v.line() for v in verdicts if v.word != "pass"]
+        if bad:
+            pytest.fail("\n".join(bad), pytrace=False)
+        return verdicts
 
 
 @pytest.fixture
@@ -16,6 +96,4 @@ def rollbench(request: pytest.FixtureRequest) -> Rollbench:
 
     Paths of scene files are relative to the test file.
     """
-    from rollbench.compare.gate.pytest_plugin import Rollbench
-
     return Rollbench(request.path.parent)

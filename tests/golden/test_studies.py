@@ -20,7 +20,7 @@ from rollbench.compare.models import applicability, loading, model_form, modelli
 from rollbench.compare.models.comparison import REFERENCED, from_result
 from rollbench.compare.models.registry import MODELS, Options, run_model
 from rollbench.compare.models.study import Study, with_balls, with_groove
-from rollbench.compare.reference import convergence, grid_parts, levels, tasks, variants
+from rollbench.compare.reference import convergence, estimate, levels, tasks
 from rollbench.compare.scenes import catalogue
 from rollbench.compare.studies import mesh_study
 
@@ -56,7 +56,9 @@ def grids():
         for fit in (convergence.fit_searched_order(y, h, weighted), convergence.fit_given_order(y, h, 1.5, weighted))
     ]
     mixed = convergence.fit_fixed_orders(y, h, both=True)
-    settings = [levels.scaled(level, 3e-3, refined) for level in levels.LEVELS for refined in ((), ("cuts", "fine"))]
+    settings = [
+        levels.scaled_settings(level, 3e-3, refined) for level in levels.LEVELS for refined in ((), ("cuts", "fine"))
+    ]
     return {
         "own": observed,
         "pooled": pooled,
@@ -107,7 +109,7 @@ def uncertainties():
 
 def faces():
     return [
-        [grid_parts.excess_near_faces(scene, load, 1), grid_parts.error_near_faces(scene, load, 1)]
+        [estimate.excess_near_faces(scene, load, 1), estimate.error_near_faces(scene, load, 1)]
         for scene in (STUDY().scene("unseen-flange"), STUDY().scene("lin-case1"))
         for load in [STUDY().reference(scene.name).load]
     ]
@@ -118,13 +120,13 @@ def varied():
     out = []
     for name in ("lin-case3", "unseen-flange"):
         scene = STUDY().scene(name)
-        for key, variant in variants.VARIANTS.items():
+        for key, variant in levels.VARIANTS.items():
             try:
                 changed = variant.change(scene)
             except ValueError:
                 continue
             out += [changed, vars(tasks.settings_of([scene], variant.level, key))]
-        out += [variants.with_twisted_supports(scene), with_balls(scene, 9), with_groove(scene, 0.54)]
+        out += [levels.with_twisted_supports(scene), with_balls(scene, 9), with_groove(scene, 0.54)]
     return out
 
 

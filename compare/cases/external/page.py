@@ -25,9 +25,7 @@ from rollbench.compare.models.modelling import UNSEEN
 from rollbench.compare.models.registry import DEFAULT, Options
 from rollbench.compare.models.study import Study
 from rollbench.compare.printed import entry
-from rollbench.compare.reference import grid_parts
-from rollbench.compare.reference.estimate import Reference
-from rollbench.compare.reference.grid_parts import error_near_faces
+from rollbench.compare.reference.estimate import Reference, error_near_faces, parts, read_experience
 from rollbench.compare.reference.store import shipped_store
 from rollbench.compare.scenes.template import RIM, THICK
 from rollbench.compare.sections.verdicts import printed_table
@@ -362,7 +360,7 @@ def runs_by_level(scene: str, held: str) -> dict[int, dict[str, Any]]:
 def mesh_percent(scene: Scene, loads: Mapping[int, Array]) -> float:
     """Return the largest mesh uncertainty of any contact load [% of the mean load], on the finest given mesh level.
 
-    It is the sum of two parts: the 95 % uncertainty by `grid_parts`, estimated from other scenes if only one level is
+    It is the sum of two parts: the 95 % uncertainty by `compare.reference.estimate`, estimated from other scenes if only one level is
     given, and the error near a free face.
 
     Parameters
@@ -373,7 +371,7 @@ def mesh_percent(scene: Scene, loads: Mapping[int, Array]) -> float:
         Contact loads (n, 4) [N] of n balls in 3D, by mesh level.
     """
     level, mean = max(loads), mean_load(loads[max(loads)])
-    bars = 0.01 * mean * grid_parts.parts(loads, grid_parts.read_experience(shipped_store())).bars(loads)
+    bars = 0.01 * mean * parts(loads, read_experience(shipped_store())).bars(loads)
     return float(error_percent((bars + error_near_faces(scene, loads[level], level)).max(), 0.0, mean))
 
 

@@ -15,8 +15,8 @@ import numpy as np
 from rollbench.compare import quantities
 from rollbench.compare.errors import ArgumentError, InputError
 from rollbench.compare.models.answers import AxisAnswers, solve_sets
-from rollbench.compare.models.drive import axis_drive
 from rollbench.compare.models.friction_sums import friction_sums_json
+from rollbench.compare.models.load_cases import axis_drive
 from rollbench.compare.models.registry import Options, run_model
 from rollbench.compare.quantities import number, range_text
 from rollbench.compare.scenes import catalogue

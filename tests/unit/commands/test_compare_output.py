@@ -13,8 +13,8 @@ from rollbench.compare.models.comparison import Loads, compared_models, options_
 from rollbench.compare.models.model_form import estimate, shipped_points
 from rollbench.compare.models.registry import MODELS, run_model
 from rollbench.compare.models.uncertainty import ChoiceEffects, LoadUncertainty
-from rollbench.compare.reference import grid_parts, store
-from rollbench.compare.reference.estimate import Reference, reference
+from rollbench.compare.reference import store
+from rollbench.compare.reference.estimate import GridParts, Reference, reference
 from rollbench.compare.results import compared as found_by
 from rollbench.compare.scenes import catalogue
 from rollbench.lowfi.rating.rigidity import axial_force
@@ -36,7 +36,7 @@ def case():
     scene = catalogue.scene("lin-case1")
     exact = loads(scene, "3D reference", 1.0)
     runs = (SimpleNamespace(level=1, moving=0.0),)
-    found = Reference(scene.name, runs, exact.load, np.where(exact.load > 0.0, 0.5, 0.0), grid_parts.GridParts(0.2))
+    found = Reference(scene.name, runs, exact.load, np.where(exact.load > 0.0, 0.5, 0.0), GridParts(0.2))
     models = [
         found_by.model_errors(scene, loads(scene, name, f), found)
         for name, f in (("refined", 1.01), ("lin-source-partition", 0.9))

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from rollbench.compare import errors
-from rollbench.compare.reference import estimate, grid_parts
+from rollbench.compare.reference import estimate
 from rollbench.compare.studies.crosscheck import study as crosscheck_study
 from rollbench.compare.studies.crosscheck.deck import DeckOptions
 from rollbench.compare.studies.crosscheck.results import (
@@ -94,7 +94,7 @@ def ours(loads: list[np.ndarray]) -> estimate.Reference:
     """A reference of runs with these loads."""
 
     runs = tuple(SimpleNamespace(level=k, load=x) for k, x in enumerate(loads, start=1))
-    return estimate.Reference("two-balls", runs, loads[-1], np.full((2, 4), 2.0), grid_parts.GridParts(1.0))
+    return estimate.Reference("two-balls", runs, loads[-1], np.full((2, 4), 2.0), estimate.GridParts(1.0))
 
 
 def test_what_calculix_prints_is_read_and_a_deck_known_by_what_it_says():

@@ -7,7 +7,7 @@ import pytest
 
 from rollbench.compare.errors import InputError
 from rollbench.compare.gate import judged as judging
-from rollbench.compare.gate.given_files import GivenValue, read_values
+from rollbench.compare.gate.judged import GivenValue, read_values
 from rollbench.compare.gate.user import check_scenes, gate_request
 from rollbench.compare.gate.verdict import LARGEST, Verdict, not_judged
 from rollbench.compare.models import loading, uncertainty

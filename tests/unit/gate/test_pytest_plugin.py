@@ -9,8 +9,8 @@ from importlib import import_module
 import pytest
 from tests.copies import ROOT
 
-from rollbench.compare.gate.pytest_plugin import Rollbench
 from rollbench.compare.scenes.catalogue import scene_text
+from rollbench.fixture import Rollbench
 
 
 def test_a_scene_that_passes_and_one_that_does_not(tmp_path) -> None:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from rollbench.compare.errors import InputError
-from rollbench.compare.gate.given_files import read_values
+from rollbench.compare.gate.judged import read_values
 from rollbench.compare.gate.user import read_reference
 from rollbench.compare.models.loads_file import read_loads
 from rollbench.compare.scenes import catalogue

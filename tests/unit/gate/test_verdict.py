@@ -9,7 +9,7 @@ import pytest
 from rollbench.compare.gate.gate import GateRow
 from rollbench.compare.gate.verdict import CODES, LARGEST, ONE_LEVEL, RMS, Limits, decide, judge, worst_verdict
 from rollbench.compare.models.comparison import RULE
-from rollbench.compare.reference import estimate, grid_parts
+from rollbench.compare.reference import estimate
 
 LOAD = np.array([[100.0, 0.0, 0.0, 100.0], [100.0, 0.0, 0.0, 100.0]])
 
@@ -20,7 +20,7 @@ def reference(uncertainty: float | None, load: np.ndarray = LOAD) -> estimate.Re
     levels = (1,) if uncertainty is None else (1, 2)
     runs = tuple(SimpleNamespace(level=k, load=load, moving=0.0) for k in levels)
     bar = 0.3 if uncertainty is None else uncertainty
-    parts = grid_parts.GridParts(bar) if uncertainty is None else grid_parts.GridParts(bar, bar / 2.0, 0.0, 0.0, 0.0)
+    parts = estimate.GridParts(bar) if uncertainty is None else estimate.GridParts(bar, bar / 2.0, 0.0, 0.0, 0.0)
     return estimate.Reference("mine", runs, load, np.where(load > 0.0, bar, 0.0), parts)
 
 

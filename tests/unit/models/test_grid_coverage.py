@@ -8,7 +8,7 @@ from scipy.optimize import nnls
 from tests.judging_levels import COUNT, chosen, name_of
 
 from rollbench.compare.models import answers, modelling, study, uncertainty
-from rollbench.compare.reference import grid_parts, store
+from rollbench.compare.reference import estimate, store
 from rollbench.compare.reference.levels import ADVISED, LEVELS
 from rollbench.compare.scenes import scene_file
 from rollbench.compare.sections import u_val
@@ -44,7 +44,7 @@ def alone(levels: tuple[int, ...]) -> np.ndarray:
     rows = []
     for loads in u_val.loads_by_level(STUDY).values():
         if set(levels) <= set(loads):
-            y = np.array([loads[k][grid_parts.loaded_on_any_level(loads)] for k in levels])
+            y = np.array([loads[k][estimate.loaded_on_any_level(loads)] for k in levels])
             changes = np.array([((y[a] - y[b]) ** 2).mean() for a, b in pairs])
             rows.append(changes / changes.mean())
     found = np.mean(rows, axis=0)
@@ -87,7 +87,7 @@ def test_drawn_judges_are_those_of_the_rule() -> None:
     assert set(scenes) == set(known) == {name for name, levels in loads.items() if set(levels) == {1, 2, 3}}
     for name, scene in scenes.items():
         assert scene == scene_file.scene_of_text(scene_text(SEED, known[name]), f"{name}.toml")
-    assert {grid_parts.both_flanks(levels[3]) for name, levels in loads.items() if name in scenes} == {False, True}
+    assert {estimate.both_flanks(levels[3]) for name, levels in loads.items() if name in scenes} == {False, True}
 
 
 def test_a_single_level_s_bar_is_what_experience_says() -> None:
@@ -99,7 +99,7 @@ def test_a_single_level_s_bar_is_what_experience_says() -> None:
 
 
 def test_the_shipped_records_are_those_of_the_shipped_runs() -> None:
-    kept, found = grid_parts.read_experience(store.shipped_store()), u_val.experience(STUDY)
+    kept, found = estimate.read_experience(store.shipped_store()), u_val.experience(STUDY)
     assert (found.sockets, found.common, *found.single) == pytest.approx(
         (kept.sockets, kept.common, *kept.single), rel=1e-6
     )

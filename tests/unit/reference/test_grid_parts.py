@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from rollbench.compare.reference.grid_parts import (
+from rollbench.compare.reference.estimate import (
     COVER,
     Experience,
     both_flanks,

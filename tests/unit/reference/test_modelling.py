@@ -10,8 +10,8 @@ from tests.reference_records import run_of
 
 from rollbench.compare.models.modelling import combine_effects, effect, modelling_percent, varied
 from rollbench.compare.models.registry import DEFAULT, Options, run_model
+from rollbench.compare.reference.levels import COUPLING, HOLE, LANDS, LENGTH, fix_half_of_face, with_twisted_supports
 from rollbench.compare.reference.store import save
-from rollbench.compare.reference.variants import COUPLING, HOLE, LANDS, LENGTH, fix_half_of_face, with_twisted_supports
 from rollbench.compare.scenes import catalogue
 from rollbench.hifi.condensation import nut_transform
 from rollbench.meshes import parts, solid

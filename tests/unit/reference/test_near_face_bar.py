@@ -11,7 +11,7 @@ from tests.near_face import CASES, measured, scene_of
 from rollbench.compare.models.study import Study
 from rollbench.compare.models.uncertainty import beside_face, total
 from rollbench.compare.quantities import as_json
-from rollbench.compare.reference.grid_parts import AWAY, LIP_FILE, error_near_faces, excess_near_faces, read_lip
+from rollbench.compare.reference.estimate import AWAY, LIP_FILE, error_near_faces, excess_near_faces, read_lip
 from rollbench.compare.reference.store import shipped_store
 from rollbench.compare.scenes import catalogue
 from rollbench.hifi.meshing.settings import hertz_units

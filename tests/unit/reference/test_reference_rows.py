@@ -10,7 +10,7 @@ from rollbench.compare.gate import gate
 from rollbench.compare.models import comparison
 from rollbench.compare.models.registry import MODELS
 from rollbench.compare.models.study import Study
-from rollbench.compare.reference import grid_parts, store
+from rollbench.compare.reference import estimate, store
 from rollbench.compare.reference.estimate import Reference, reference, reference_from_runs
 from rollbench.compare.reference.levels import LEVELS, STUDIED
 from rollbench.compare.scenes import catalogue
@@ -172,10 +172,10 @@ def test_two_levels_give_parts_and_one_experience(tmp_path) -> None:
     finer = coarse.copy()
     finer[0, 0] += 8.0
     store.save(tmp_path, scene, run_of("lin-case1", 1, coarse))
-    one, known = reference(scene, (tmp_path,)), grid_parts.read_experience(store.shipped_store())
+    one, known = reference(scene, (tmp_path,)), estimate.read_experience(store.shipped_store())
     assert one.parts.by_experience
     assert one.uncertainty[0, 0] == pytest.approx(
-        known.single[0] + grid_parts.error_near_faces(scene, coarse, 1)[0, 0]
+        known.single[0] + estimate.error_near_faces(scene, coarse, 1)[0, 0]
     )  # of 100 N
     assert one.uncertainty[0, 1] == 0.0
     assert accuracy_sentence(one).startswith("Enough: level 1 for ")

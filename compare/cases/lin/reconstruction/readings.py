@@ -47,10 +47,9 @@ from rollbench.compare.measure import error_percent, load_error, mean_load
 from rollbench.compare.models.study import Study
 from rollbench.compare.printed import value_of
 from rollbench.compare.reference.computing import compute_runs
-from rollbench.compare.reference.levels import SOURCE_LEVEL
+from rollbench.compare.reference.levels import SOURCE_LEVEL, ends_in_plain_shaft, scale_dimension, solid
 from rollbench.compare.reference.store import Run, load_run, save
 from rollbench.compare.reference.tasks import Task
-from rollbench.compare.reference.variants import ends_in_plain_shaft, scaled, solid
 from rollbench.compare.scenes import catalogue
 from rollbench.lowfi.statics.contacts import error_free_hertz
 from rollbench.meshes.arrays import Array
@@ -182,10 +181,15 @@ SOLID = (
     ),
     Interpretation("right", HELD, "right face", change=solid(nut_held="right face"), by_text="its left end holds the nut"),
     Interpretation(
-        "narrow", LAND, "0.6 mm narrower", change=scaled("nut_inner_diameter", lambda d: 2.0 * d.land, 1.0, -0.6e-3)
+        "narrow",
+        LAND,
+        "0.6 mm narrower",
+        change=scale_dimension("nut_inner_diameter", lambda d: 2.0 * d.land, 1.0, -0.6e-3),
     ),
-    Interpretation("wide", LAND, "0.6 mm wider", change=scaled("nut_inner_diameter", lambda d: 2.0 * d.land, 1.0, 0.6e-3)),
-    Interpretation("hole", HOLE, "half as wide", change=scaled("hole_diameter", lambda d: 2.0 * d.hole, 0.5)),
+    Interpretation(
+        "wide", LAND, "0.6 mm wider", change=scale_dimension("nut_inner_diameter", lambda d: 2.0 * d.land, 1.0, 0.6e-3)
+    ),
+    Interpretation("hole", HOLE, "half as wide", change=scale_dimension("hole_diameter", lambda d: 2.0 * d.hole, 0.5)),
     Interpretation("filled", ENDS, "filled beyond the balls", change=solid(nut_groove="loaded")),
     Interpretation("tetrahedra", MESH, "first-order tetrahedra of 0.08 mm", level=SOURCE_LEVEL),
     Interpretation(

@@ -11,7 +11,7 @@ from rollbench.compare.cases.external.evidence import scene_name
 from rollbench.compare.measure import load_error, mean_load
 from rollbench.compare.models.registry import Options, run_model
 from rollbench.compare.models.study import Study
-from rollbench.compare.reference import grid_parts
+from rollbench.compare.reference import estimate
 from rollbench.compare.reference.store import shipped_store
 from rollbench.compare.scenes import catalogue
 from rollbench.hifi.condensation import points_in_bolt_circles
@@ -87,10 +87,10 @@ def test_rows_of_3d_have_the_uncertainty_of_their_meshes(monkeypatch: pytest.Mon
     stored = [*stored_ways(), *finer(stored_ways(), 0.02)]
     rows = fixation_rows(monkeypatch, stored)
     bars = {(row["by"], row["held"]): row["mesh"] for row in rows if row["mesh"] is not None}
-    known = grid_parts.read_experience(shipped_store())
+    known = estimate.read_experience(shipped_store())
     assert bars["3D, level 1", holding.WHOLE] == pytest.approx(known.single[0] + 1.0)  # 0.4 N of a mean of 40 N
     both = {x["level"]: holding.stored_contact_loads(x) for x in stored if x["held"] == holding.WHOLE}
-    bar = grid_parts.parts(both, known).bars(both).max()
+    bar = estimate.parts(both, known).bars(both).max()
     assert bars["3D, level 2", holding.WHOLE] == pytest.approx(bar + 0.4 / mean_load(both[2]) * 100.0, rel=1e-9)
     assert bars["3D, level 2", holding.WHOLE] > bars["3D, level 2", "left face"]
     words = holding.mesh_uncertainty_sentence(rows)
