@@ -1,4 +1,4 @@
-"""Text and tables that the terminal shows for solved scenes, load curves, and load cases of a duty cycle."""
+"""Text and tables that the terminal shows for solved scenes, load cases, load curves and tables over parameters."""
 
 from __future__ import annotations
 
@@ -23,8 +23,17 @@ from rollbench.compare.results.scene_json import (
     sides_json,
 )
 from rollbench.compare.results.side_by_side import NUMBERS, Alternative, SideBySide
+from rollbench.compare.results.table import ERROR_OF, Table, TableRow
 from rollbench.compare.scenes.duty_cycle import DutyCycle
-from rollbench.compare.text.printing import Column, aligned_table, listed_table, plain_table, ruled_table, text_width
+from rollbench.compare.text.printing import (
+    Column,
+    aligned_table,
+    listed_table,
+    plain_table,
+    ruled_table,
+    split_to_width,
+    text_width,
+)
 from rollbench.lowfi.rating.contacts import RACES
 from rollbench.lowfi.statics.nominal import nominal_contacts
 from rollbench.lowfi.statics.result import AxisResult, Equilibrium, SolverReport, by_freedoms
@@ -349,3 +358,51 @@ def case_rows(cases: Sequence[dict[str, Any]]) -> Iterator[dict[str, Any]]:
         row |= {heading: None if group is None else group[key] for heading, key, group in groups}
         worth = one["model_form"]
         yield row | {"expected error %": None if worth is None else worth["largest_percent_of_mean"]}
+
+
+#: Largest number of different reasons for missing results that are printed.
+REASONS = 5
+
+
+def table_parts(found: Table) -> list[Any]:
+    """Return the table of quantities with expected errors, then lines on the combinations without results."""
+    return [*split_to_width(aligned_table(_table_rows(found)), text_width()), "", *_summary_lines(found)]
+
+
+def _table_rows(found: Table) -> list[dict[str, Any]]:
+    """Return the rows of the table by headings: values of the varied parameters, quantities, and their expected errors."""
+    named, rows = quantities(TableRow), []
+    for row, place in zip(found.rows, found.places, strict=True):
+        shown: dict[str, Any] = {f"{x.key} {x.unit}".rstrip(): place[x.column] for x in found.over}
+        for key, field in ERROR_OF.items():
+            value = named[key].value(row)
+            shown[f"{named[key].label} {named[key].unit}"] = value
+            if field != "load_error":
+                shown[f"{named[key].label} ± %"] = None if value is None else _round_percent(getattr(row, field))
+        rows.append(shown | {"loads ± %": _round_percent(row.load_error)})
+    return rows
+
+
+def _round_percent(percent: float | None) -> float | None:
+    """Round an error [%] to two significant digits; None stays None."""
+    return None if percent is None else float(f"{percent:.2g}")
+
+
+def _summary_lines(found: Table) -> Iterator[str]:
+    """Yield lines on the number of combinations with results, on failures, and on errors that cannot be estimated."""
+    matrix = any(row.stiffness is not None for row in found.rows)
+    further = "; ±: error to expect" if any(row.load_error is not None for row in found.rows) else ""
+    further += "; --json and --out have the 6 x 6 stiffness" if matrix else ""
+    yield f"{found.converged} of {len(found.rows)} rows have results{further}"
+    yield from failure_words(found)
+    yield from dict.fromkeys(f"expected error not known: {row.error_words}" for row in found.rows if row.error_words)
+
+
+def failure_words(found: Table) -> Iterator[str]:
+    """Yield a line for each of the first reasons for missing results, with the parameter values concerned."""
+    reasons = list(found.failures.items())
+    for reason, places in reasons[:REASONS]:
+        others = f" and {count_of(len(places) - 1, 'further row')}" if places[1:] else ""
+        yield f"{places[0]}{others}: {reason}"
+    if reasons[REASONS:]:
+        yield f"{count_of(len(reasons) - REASONS, 'further reason')}: see the status of the rows"
