@@ -324,8 +324,10 @@ def _prepare_loading(
 ) -> tuple[Callable[[float], Scene | Assembly], Vector, float | str, float]:
     """Return a function that applies one load of the curve to the scene, and what that load is.
 
-    The further values are the direction of the force, its place (axial position [m] or housing), and the force [N] for a
-    load of 1, which is not 1 N if the loads are factors.
+    Returns, in this order: the function, which gets a force [N] or load factor and returns the scene under this load; the
+    unit vector of the force; the axial position [m] or housing on which it acts; and the force [N] for a load of 1, which
+    is not 1 N if the loads are factors. ``course``: range of loads. Raises ArgumentError if the range does not fit the
+    scene.
     """
     several = isinstance(scene, Assembly)
     at: float | str = _default_loaded_point(scene) if isinstance(scene, Assembly) else scene.nut.position
@@ -360,7 +362,10 @@ def _prepare_loading(
 
 
 def _default_loaded_point(assembly: Assembly) -> float | str:
-    """Return the axial position [m] or housing for which the scene asks the stiffness, or on which its first load acts."""
+    """Return the axial position [m] or housing for which the scene asks the stiffness, or on which its first load acts.
+
+    ``assembly``: shaft with several nuts or bearings.
+    """
     from rollbench.lowfi.statics.axis.system import reported_location  # imports the solver of several nuts and bearings
 
     return reported_location(assembly)
@@ -381,9 +386,11 @@ def _largest_load(loads: Any) -> float:
 def _lash_of_curve(
     course: LoadRange, moved: Callable[[float], float], top: float
 ) -> tuple[tuple[float, float] | None, str]:
-    """Return the displacements [m] at both ends of the backlash, and an empty text; None and the reason if not defined.
+    """Return the displacements [m] at the lower and upper end of the backlash, and an empty text.
 
-    ``moved``: function that returns the displacement [m] under a load. ``top``: largest absolute load.
+    If the backlash is not defined, returns None and a text with the reason. ``course``: range of loads. ``moved``: function
+    that returns the displacement [m] under a load. ``top``: largest absolute load. The end of the backlash is extrapolated
+    from vanishing loads; ends closer than the accuracy of this are made equal.
     """
     if not course.values[0] < 0.0 < course.values[-1]:
         return None, "all loads have the same sign"
@@ -401,9 +408,10 @@ def _lash_of_curve(
 
 
 def _chord_stiffness(end: CurvePoint, edge: float) -> float | None:
-    """Return the secant stiffness [N/m] from the end of the backlash, at the displacement ``edge`` [m], to the curve's end.
+    """Return the secant stiffness [N/m] between one end of the backlash and the curve's last point on that side.
 
-    None if there is no equilibrium at the curve's end.
+    ``end``: last point of the curve. ``edge``: displacement at the end of the backlash [m]. Returns None if there is no
+    equilibrium at the curve's last point.
     """
     moved = None if end.displacement is None else end.displacement - edge
     return end.load / moved if moved else None

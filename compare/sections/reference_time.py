@@ -248,7 +248,10 @@ def models_with_bodies(name: str, found: Reference, study: Study) -> list[tuple[
 
 
 def reference_runs(name: str, found: Reference, study: Study) -> list[Run]:
-    """Return the stored runs of a scene's 3D reference: on the mesh of Lin's thesis, if stored, and on its mesh levels."""
+    """Return the stored runs of a scene's 3D reference: that on the mesh of Lin's thesis, if stored, then the mesh levels.
+
+    ``name``: name of the scene. ``found``: its 3D reference on the mesh levels.
+    """
     source = load_run(study.scene(name), SOURCE_LEVEL, stores=study.stores)
     return [*(() if source is None else (source,)), *found.runs]
 

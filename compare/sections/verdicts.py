@@ -157,8 +157,8 @@ def total_text(rows: Sequence[Evidence]) -> str:
 def kinds_table(rows: Sequence[Evidence]) -> Table:
     """Return the table that counts the printed numbers and claims by kind and verdict.
 
-    Kinds are computed numbers, claims in words, arithmetic on printed numbers, and zeros by symmetry. ``rows``: printed
-    numbers and claims with their verdicts.
+    Kinds are computed numbers, claims in words, arithmetic on printed numbers, zeros by symmetry, and inputs. ``rows``:
+    printed numbers and claims with their verdicts.
     """
     tally = Counter((r.printed.kind, r.verdict) for r in rows)
     cells: list[Row] = [
