@@ -42,7 +42,7 @@ NOT_SETTLED = 5
 
 
 def exit_code(references: Iterable[Reference]) -> int:
-    """Return exit code `NOT_SETTLED` if loads of a reference did not converge with mesh refinement, otherwise 0."""
+    """Return the exit code for references: `NOT_SETTLED` if loads did not converge with mesh refinement, otherwise 0."""
     return NOT_SETTLED if any(reference.unsettled for reference in references) else 0
 
 
@@ -156,20 +156,29 @@ def run_compare(
 
 
 def contact_loads_table(scene: Scene, models: Sequence[ComparedLoads], reference: Reference) -> Any:
-    """Return a table, for the terminal, of the contact loads of models and reference at every contact of a scene."""
+    """Return a table, for the terminal, of the contact loads of models and reference at every contact of a scene.
+
+    ``models``: loads of models and coarser meshes.
+    """
     listed = [{k.removesuffix("_N"): v for k, v in [*row.items()][1:]} for row in contact_rows(scene, models, reference)]
     return aligned_table(listed, ".2f", f"{scene.name}: contact loads / N")
 
 
 def together_lines(cycle: DutyCycle, each: ByCase) -> list[str]:
-    """Return lines for the terminal with the largest error and the life of each nut or bearing over a duty cycle."""
+    """Return lines for the terminal with the largest error and the life of each nut or bearing over a duty cycle.
+
+    ``each``: comparisons, by the name of the load case and the name of the nut or bearing.
+    """
     from rollbench.compare.results.comparison import together_json
 
     return [line for data in together_json(cycle, each) for line in ("", _answer_line(data))]
 
 
 def _answer_line(data: dict[str, Any]) -> str:
-    """Return a sentence on a model's largest error and its life over a duty cycle."""
+    """Return a sentence on a model's largest error and its life over a duty cycle.
+
+    ``data``: JSON summary of the comparison over all load cases, for one nut or bearing.
+    """
     lives, off = data["life_million_revolutions"], data["life_error_percent"]
     life = "no life over the duty cycle"
     if off is not None:
@@ -247,9 +256,10 @@ def compare(
 def run_rolling_compare(
     scenes: Sequence[KindScene], levels: tuple[int, ...] | None, store: Path, engine: Engine, *, fresh: bool, bodies: str
 ) -> Answer:
-    """Compare the low-order models of friction with the 3D model of rolling contact.
+    """Compare the low-order models of friction with the 3D model of rolling contact, and return a table for each scene.
 
-    ``levels``: mesh levels of the 3D model; None for all.
+    ``levels``: mesh levels of the 3D model; None: all. ``store``: folder of its stored runs. ``fresh``: compute stored runs
+    again. ``bodies``: "half-space", or "finite" for bodies of finite size.
     """
     from rollbench.compare.studies.rolling.study import rolling_comparison, without_infinity
 
@@ -260,8 +270,9 @@ def run_rolling_compare(
 
 
 def rolling_scenes(names: Sequence[str], bodies: str, means_nothing: Mapping[str, bool]) -> list[KindScene]:
-    """Return the scenes if ``rollbench friction`` solves all of them only, or an empty list for whole screws and bearings.
+    """Return the scenes if all of them are scenes of friction; an empty list if all are whole screws and bearings.
 
+    ``names``: names or files of the scenes. ``bodies``: bodies of the 3D model, "half-space" or "finite".
     ``means_nothing``: arguments that have no effect on scenes of friction, each with whether it was used. Raises InputError
     for a mix of both sorts of scene, an unknown value of ``bodies``, finite bodies with whole screws, and for such an
     argument.
@@ -295,7 +306,10 @@ MODEL_COLUMNS = ("model", "max err %", "at", "RMS %", "gate %", "max N", "mean N
 
 
 def start_lines(whole: Compared) -> list[str]:
-    """Return a line that states from which position displacements are measured; no line if it is the nominal position."""
+    """Return a line that states from which position displacements are measured; no line if it is the nominal position.
+
+    ``whole``: the comparison.
+    """
     if not whole.start:
         return []
     return [
@@ -325,14 +339,18 @@ def _error_cells(b: ComparedLoads) -> list[str]:
 
 
 def models_table(models: Sequence[ComparedLoads], itself: ComparedLoads) -> RenderableType:
-    """Return the table of models and coarser meshes with their errors, the reference ``itself`` in the first row."""
+    """Return the table of models and coarser meshes with their errors; the reference is in the first row.
+
+    ``models``: loads and errors of models and coarser meshes. ``itself``: loads of the reference.
+    """
     return plain_table(MODEL_COLUMNS, map(_error_cells, (itself, *models)), MODEL_COLUMNS[:1])
 
 
 def older_times(models: Sequence[ComparedLoads], itself: ComparedLoads) -> list[str]:
     """Return lines with the computing times of stored runs, and with which version and computer they were measured.
 
-    The table of models has only times that were measured now.
+    ``models``: results of models and coarser meshes. ``itself``: results of the reference. The table of models has only
+    times that were measured now.
     """
     by_stamp: dict[str, list[str]] = {}
     for b in (itself, *models):
@@ -342,7 +360,10 @@ def older_times(models: Sequence[ComparedLoads], itself: ComparedLoads) -> list[
 
 
 def contact_rows(scene: Scene, models: Sequence[ComparedLoads], reference: Reference) -> list[dict[str, Any]]:
-    """Return a row for each loaded contact: load of the reference, its uncertainty, and loads of the models [N]."""
+    """Return a row for each loaded contact: load of the reference, its uncertainty, and loads of the models [N].
+
+    ``models``: loads of models and coarser meshes, (n, 4) [N] each.
+    """
     import numpy as np
 
     from rollbench.meshes.parts import SIDES
@@ -358,7 +379,10 @@ def contact_rows(scene: Scene, models: Sequence[ComparedLoads], reference: Refer
 
 
 def load_figure(name: str, models: Sequence[ComparedLoads], reference: Reference) -> Figure:
-    """Return the figure of contact loads over the ball number, with a panel for each loaded groove flank of the screw."""
+    """Return the figure of contact loads over the ball number, with a panel for each loaded groove flank of the screw.
+
+    ``name``: file name of the figure. ``models``: loads of models and coarser meshes, of which only the models are drawn.
+    """
     from rollbench.compare.models.registry import is_model
     from rollbench.compare.results.compared import OURS
     from rollbench.compare.sections.curves import load_curve, load_panel
@@ -376,7 +400,10 @@ def load_figure(name: str, models: Sequence[ComparedLoads], reference: Reference
 
 
 def write_files(scene: Scene, models: Sequence[ComparedLoads], reference: Reference, store: Path) -> str:
-    """Write the loads of all contacts (CSV) and their figure (SVG) to a folder; return a line that names both files."""
+    """Write the loads of all contacts (CSV) and their figure (SVG) to the folder ``store``.
+
+    ``models``: loads of models and coarser meshes. Returns a line that names both files.
+    """
     from rollbench.compare.files import write_csv, write_figure
 
     rows = contact_rows(scene, models, reference)
@@ -402,7 +429,10 @@ ROLLING_COLUMNS = (
 
 
 def rolling_table(name: str, rows: Sequence[RollingRow]) -> Any:
-    """Return the table that compares the low-order model of rolling contact with the 3D model and with printed values."""
+    """Return the table that compares the low-order model of rolling contact with the 3D model and with printed values.
+
+    ``name``: name of the scene. ``rows``: values of one quantity each by all models.
+    """
     from rollbench.compare.studies.rolling.rows import UNSTATED
     from rollbench.compare.studies.rolling.study import without_infinity
 

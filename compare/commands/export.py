@@ -425,7 +425,10 @@ def stored_crosscheck_results(folder: Path, scene: Scene) -> CrossData:
 
 
 def _reference_of_scene(scene: Scene, store: Path, engine: Engine) -> Reference:
-    """Return the 3D reference of a scene, computed if no run is stored; InputError if no run converged."""
+    """Return the 3D reference of a scene, computed if no run is stored.
+
+    ``store``: folder of stored runs. ``engine``: engine that computes missing runs. Raises InputError if no run converged.
+    """
     from rollbench.compare.reference.estimate import reference
     from rollbench.compare.reference.jobs import ensure, plan
     from rollbench.compare.reference.levels import LEVELS
@@ -443,7 +446,10 @@ def _reference_of_scene(scene: Scene, store: Path, engine: Engine) -> Reference:
 
 
 def _loads_table(scene: Scene, rows: Sequence[ContactRow]) -> Any:
-    """Return the table that compares the loads of every contact by CalculiX and by the 3D reference."""
+    """Return the table that compares the loads of every contact by CalculiX and by the 3D reference.
+
+    ``rows``: loads, errors and uncertainties of one contact each.
+    """
     from rollbench.compare.studies.crosscheck.results import COLUMNS
 
     heads = {c.key: "\n".join((*c.label.split(", "), *([c.unit] if c.unit else ()))) for c in COLUMNS}

@@ -95,7 +95,11 @@ def run_solve(name: str, choices: Choices) -> Answer:
 
 
 def _options_of_case(choices: Choices, name: str) -> Choices:
-    """Return the options for the load case ``name``; the name is added to that of the file for the stiffness matrix."""
+    """Return the options for one load case.
+
+    ``name``: name of the case, which is added to the file name for the stiffness matrix, so that each case has its own
+    file.
+    """
 
     def named(path: Path | None) -> Path | None:
         return None if path is None else path.with_stem(f"{path.stem}-{name}")
@@ -133,7 +137,8 @@ def _write_loads(path: Path, solved: Sequence[Solved | SolvedAxis], names: Seque
 def _check_parts(scene: Scene | Assembly, choices: Choices, station: float) -> None:
     """Raise InputError if options do not suit the scene.
 
-    The axial position ``station`` [m] must lie on the screw or shaft; some options exist for a single nut or bearing only.
+    ``station``: axial position of the requested stiffness [m], which must lie on the screw or shaft. Some options exist for
+    a single nut or bearing only.
     """
     from rollbench.meshes.axis import Assembly
 
@@ -197,7 +202,8 @@ def _check_choices(choices: Choices) -> tuple[str, float]:
 def _write_files(one: Solved | SolvedAxis, tangent: Tangent | None, choices: Choices) -> list[str]:
     """Write the stiffness matrix to the file that the user asked for; return a line that names the file, if any.
 
-    Raises InputError if a degree of freedom is fixed, so that the matrix has no finite stiffness there.
+    ``one``: solution of a load case. ``tangent``: its stiffness at the requested axial position. Raises InputError if a
+    degree of freedom is fixed, so that the matrix has no finite stiffness there.
     """
     import numpy as np
 
@@ -217,7 +223,11 @@ def _write_files(one: Solved | SolvedAxis, tangent: Tangent | None, choices: Cho
 
 
 def _requested_stiffness(one: Solved | SolvedAxis, tangent: Tangent | None) -> tuple[Array | None, str]:
-    """Return the stiffness matrix (6, 6) [N, m, rad] that the user asked for, or None, and a text on where it acts."""
+    """Return the stiffness matrix (6, 6) [N, m, rad] that the user asked for, and a text on where it acts.
+
+    ``one``: solution of a load case. ``tangent``: stiffness of a single nut at the requested axial position. The matrix is
+    None if there is none.
+    """
     from rollbench.compare.models.load_cases import SolvedAxis
 
     if isinstance(one, SolvedAxis):
@@ -409,7 +419,11 @@ def run_ensemble_command(
 
 
 def _statistics_table(title: str, headings: Mapping[str, str], rows: Mapping[str, dict[str, Any] | None]) -> Any:
-    """Return the table with the mean, scatter and quantiles of each output; outputs without statistics are left out."""
+    """Return the table with the mean, scatter and quantiles of each output over the specimens.
+
+    ``headings``: name of each output in the table, by its key. ``rows``: statistics of each output by its key; those of
+    None are left out.
+    """
     table = []
     for key, stats in rows.items():
         if stats is None:
@@ -448,7 +462,10 @@ def ensemble_table(members: Members, *, balls: bool = False) -> list[Any]:
 
 
 def _bands_table(data: dict[str, Any], width: float) -> Any:
-    """Return the table with quantiles of every contact load over the specimens; ``width``: their sampling error [N]."""
+    """Return the table with quantiles of every contact load over the specimens.
+
+    ``data``: JSON results of the specimens. ``width``: sampling error of the quantiles [N].
+    """
     keys = [key for key in (data["balls"][0] if data["balls"] else ()) if key != "quantile_0.5_N"]
     rows = ([v if isinstance(v := row[key], str) else f"{v:.4g}" for key in keys] for row in data["balls"])
     headings = (key.removesuffix("_N").replace("_", " ") for key in keys)
@@ -471,7 +488,10 @@ def check_matrix(path: Path) -> None:
 
 
 def write_stiffness(path: Path, matrix: Array, words: str) -> None:
-    """Write a stiffness matrix (6, 6) in the format that the suffix of the file names, with ``words`` as comment."""
+    """Write a stiffness matrix (6, 6) [N, m, rad] in the format that the suffix of the file names, .mtx or .dmig.
+
+    ``words``: comment in the file.
+    """
     from rollbench.compare.files import replace_file
 
     comment = re.sub(r"[^ -~]", "?", f"rollbench: {words}; ux uy uz rx ry rz; N, m, rad")
@@ -519,7 +539,10 @@ def write_curve(path: Path, curve: LoadCurve) -> list[str]:
 
 
 def curve_figure(curve: LoadCurve, rows: list[dict[str, Any]]) -> Figure:
-    """Return the figure of a load curve, with a panel over the load for each quantity that has values."""
+    """Return the figure of a load curve, with a panel over the load for each quantity that has values.
+
+    ``rows``: points of the curve as JSON values.
+    """
     from rollbench.reports.content import Figure, Panel, Series
 
     labels = {

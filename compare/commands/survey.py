@@ -97,7 +97,10 @@ def run_survey(models: Sequence[str], count: int, max_error: float, out: Path, w
 
 
 def _survey_tables(data: Mapping[str, Any], models: Sequence[str]) -> Iterator[Any]:
-    """Yield the sentences and tables on the errors of the models over all screws, for the terminal."""
+    """Yield the sentences and tables on the errors of the models over all screws, for the terminal.
+
+    ``data``: JSON results of the models on every screw. ``models``: names of the judged models.
+    """
     from rollbench.compare.models.programs import title_of
     from rollbench.compare.studies.survey_models import WORST, median_errors_by_kind
 
@@ -135,7 +138,10 @@ def _survey_tables(data: Mapping[str, Any], models: Sequence[str]) -> Iterator[A
 
 
 def run_screw(number: int, out: Path) -> Answer:
-    """Write the random screw ``number`` as a scene file, and its reference loads; InputError as `write_screw`."""
+    """Write a randomly drawn screw as a scene file, and its reference loads as a CSV file, to the folder ``out``.
+
+    ``number``: number of the screw. Raises InputError as `write_screw`.
+    """
     from rollbench.compare.studies.survey_models import write_screw
 
     text, loads = write_screw(number, out)
@@ -154,7 +160,10 @@ def run_stability() -> Answer:
 
 
 def _stability_tables(rows: Sequence[Attempt], bad: Sequence[Attempt]) -> Iterator[RenderableType]:
-    """Yield the table of outcomes by case and solver, the counts of each solver, and a line for each failure ``bad``."""
+    """Yield the table of outcomes by case and solver, the counts of each solver, and a line for each failure.
+
+    ``rows``: outcomes of every solver on every case. ``bad``: those that are not as expected.
+    """
     from rollbench.compare.studies.extremes import FORMULATIONS, count_outcomes, rows_by_case
 
     words = ("case", *FORMULATIONS)

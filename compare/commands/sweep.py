@@ -75,7 +75,8 @@ def sweep(
 def run_sweep(sweep: Sweep, out: Path, engine: Engine) -> Answer:
     """Solve all samples that are not stored yet, and write and return the summary; exit code 1 if no sample converged.
 
-    Raises InputError as `run_samples`.
+    ``sweep``: scene, varied parameters and design of the samples. ``out``: folder of samples and summary. ``engine``:
+    solves the samples. Raises InputError as `run_samples`.
     """
     from rollbench.compare.files import why_no_figure
     from rollbench.compare.studies.sweep.summary import solve_sweep
@@ -105,7 +106,10 @@ def sweep_tables(keys: Sequence[Vary], found: Mapping[str, Any]) -> list[Any]:
 
 
 def _effects_table(keys: Sequence[Vary], found: Mapping[str, Any]) -> Any:
-    """Return the table of the effect of each parameter on the largest load, with first-order and total Sobol indices."""
+    """Return the table of the effect of each parameter on the largest load, with first-order and total Sobol indices.
+
+    ``keys``: varied parameters. ``found``: summary of the sweep.
+    """
     from rollbench.compare.studies.sweep.sample import MAIN
 
     indices = found["indices"].get("outputs", {}).get(MAIN)
@@ -122,7 +126,10 @@ def _effects_table(keys: Sequence[Vary], found: Mapping[str, Any]) -> Any:
 
 
 def _interval_text(row: Mapping[str, float], kind: str) -> str:
-    """Return a Sobol index with its confidence interval as text; ``kind``: "first" or "total"."""
+    """Return a Sobol index with its confidence interval as text.
+
+    ``row``: indices of one parameter with the ends of their intervals. ``kind``: "first" or "total".
+    """
     return f"{row[kind]:.3f} ({row[f'{kind}_low']:.3f} to {row[f'{kind}_high']:.3f})"
 
 

@@ -58,7 +58,10 @@ class Layout:
         return [names for _, names in self.rows]
 
     def stem(self, what: str = "") -> str:
-        """Return the file name of this table in the report, without ending; ``what``, a text, is appended to the name."""
+        """Return the file name of this table in the report, without ending.
+
+        ``what``: text such as "compared" that is appended to the name.
+        """
         return "-".join(filter(None, (self.case, self.number, what)))
 
     @property

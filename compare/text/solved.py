@@ -122,7 +122,7 @@ def closing_lines(
 def solver_lines(s: SolverReport, measured: str = "") -> list[str]:
     """Return a line on solver, iterations and size of the system; only the time if the solution was not attempted.
 
-    ``measured``: text on the discretisation error.
+    ``s``: record of the solver. ``measured``: text on the discretisation error, which is added to the line.
     """
     if not math.isfinite(s.residual):
         return [f"solver: the scene was rejected before a solution was attempted, in {s.seconds:.3g} s"]
@@ -206,7 +206,10 @@ def _text_of_value(value: Any) -> str:
 
 
 def _balance_lines(e: Equilibrium, *, several: bool) -> list[str]:
-    """Return lines on the residuals of the force and moment balance; ``several``: whether a shaft has several bearings."""
+    """Return lines on the residuals of the force and moment balance.
+
+    ``e``: the residuals. ``several``: whether the scene is a shaft with several nuts or bearings.
+    """
     sums = f"force {e.force_residual:.1e}, moment {e.moment_residual:.1e}"
     if several:
         return [f"balance of the shaft: {sums} (relative)"]
@@ -245,7 +248,10 @@ def _ball_tables(one: Solved) -> list[RenderableType]:
 
 
 def stiffness_lines(tangent: Tangent) -> list[RenderableType]:
-    """Return the text and the table that show the 6 x 6 stiffness at a cross-section of the screw, in N, m and rad."""
+    """Return the text and the table that show the 6 x 6 stiffness at a cross-section of the screw, in N, m and rad.
+
+    ``tangent``: the stiffness, with its axial position; without a solution, the text states the reason.
+    """
     if tangent.status != "converged":
         return [f"stiffness at {1e3 * tangent.station:.6g} mm: {tangent.status}"]
     rows = ((name, *(f"{x:.4g}" for x in row)) for name, row in zip(FREEDOMS, tangent.matrix, strict=True))
@@ -257,7 +263,10 @@ def stiffness_lines(tangent: Tangent) -> list[RenderableType]:
 
 
 def _set_tables(one: SolvedAxis, *, balls: bool, stiffness: bool) -> list[Any]:
-    """Return the tables of nuts, bearings and housings and, if asked for, of balls, rollers and the stiffness."""
+    """Return the tables and lines on nuts, bearings and housings of a shaft.
+
+    ``balls``: also the tables of balls and rollers. ``stiffness``: also the stiffness of the shaft.
+    """
     result, rows = one.result, set_rows(one)
     if not rows:
         return []
@@ -333,7 +342,12 @@ def cases_table(
     details: bool = False,
     stiffness: bool = False,
 ) -> list[Any]:
-    """Return the texts and tables for a duty cycle: results over all load cases, a table of cases, then each case."""
+    """Return the texts and tables for a duty cycle: results over all load cases, a table of cases, then each case.
+
+    ``solved``: solution of each case. ``whole``: extremes and lives over all cases. ``tangents``: for each case, the
+    stiffness at the axial position that the user asked for; empty if none. ``balls``, ``details``, ``stiffness``: see
+    `case_table`.
+    """
     data = cases_json(cycle, solved, whole)
     parts: list[Any] = [f"{cycle.name}, model {data['model']}: {count_of(len(solved), 'load case')}, {data['status']}", ""]
     parts += [as_text(together_rows(whole), text_width()), ""]
@@ -351,7 +365,10 @@ def cases_table(
 
 
 def case_rows(cases: Sequence[dict[str, Any]]) -> Iterator[dict[str, Any]]:
-    """Yield a table row, by headings, for each load case in the JSON list ``cases``."""
+    """Yield a table row for each load case, by the headings of the table.
+
+    ``cases``: JSON results of each load case.
+    """
     for one in cases:
         row: dict[str, Any] = {"case": one["case"], "share": one["share"]}
         groups = ((heading, key, one["summary"].get(group)) for heading, group, key in COLUMNS)
@@ -365,12 +382,18 @@ REASONS = 5
 
 
 def table_parts(found: Table) -> list[Any]:
-    """Return the table of quantities with expected errors, then lines on the combinations without results."""
+    """Return what the terminal shows of a table over scene parameters, as texts and tables.
+
+    These are the table of quantities with their expected errors, then lines on the combinations of values without results.
+    """
     return [*split_to_width(aligned_table(_table_rows(found)), text_width()), "", *_summary_lines(found)]
 
 
 def _table_rows(found: Table) -> list[dict[str, Any]]:
-    """Return the rows of the table by headings: values of the varied parameters, quantities, and their expected errors."""
+    """Return the rows of a table over scene parameters, by headings.
+
+    A row has the values of the varied parameters, the quantities, and their expected errors.
+    """
     named, rows = quantities(TableRow), []
     for row, place in zip(found.rows, found.places, strict=True):
         shown: dict[str, Any] = {f"{x.key} {x.unit}".rstrip(): place[x.column] for x in found.over}
@@ -389,7 +412,10 @@ def _round_percent(percent: float | None) -> float | None:
 
 
 def _summary_lines(found: Table) -> Iterator[str]:
-    """Yield lines on the number of combinations with results, on failures, and on errors that cannot be estimated."""
+    """Yield lines on the number of combinations with results, on failures, and on errors that cannot be estimated.
+
+    ``found``: table over scene parameters.
+    """
     matrix = any(row.stiffness is not None for row in found.rows)
     further = "; ±: error to expect" if any(row.load_error is not None for row in found.rows) else ""
     further += "; --json and --out have the 6 x 6 stiffness" if matrix else ""
@@ -399,7 +425,10 @@ def _summary_lines(found: Table) -> Iterator[str]:
 
 
 def failure_words(found: Table) -> Iterator[str]:
-    """Yield a line for each of the first reasons for missing results, with the parameter values concerned."""
+    """Yield a line for each of the first `REASONS` reasons for missing results, with the parameter values concerned.
+
+    ``found``: table over scene parameters.
+    """
     reasons = list(found.failures.items())
     for reason, places in reasons[:REASONS]:
         others = f" and {count_of(len(places) - 1, 'further row')}" if places[1:] else ""
