@@ -54,7 +54,8 @@ def read_load_range(text: str) -> LoadRange:
     Parameters
     ----------
     text
-        ``LOW:HIGH``, optionally followed by the number of points, direction and place; see `rollbench.load_curve`.
+        ``LOW:HIGH``, optionally followed by the number of points, the direction, and the axial position or housing; see
+        `rollbench.load_curve`.
 
     Returns
     -------
@@ -102,8 +103,8 @@ def read_load_range(text: str) -> LoadRange:
         allowed = f"LOW below HIGH, and 2 to {MOST} points"
         raise ArgumentError("curve", units.toml_text(text), allowed, f"write {FORM}")
     if factors and (direction != AXES["z"] or at is not None):
-        allowed = "a direction or place only for forces with a unit, since factors keep direction and place of the loads"
-        raise ArgumentError("curve", units.toml_text(text), allowed, "leave out direction and place, or write forces")
+        allowed = "a direction or position only for forces with a unit, because factors change neither"
+        raise ArgumentError("curve", units.toml_text(text), allowed, "leave out direction and position, or write forces")
     return LoadRange(tuple(np.linspace(low, high, points).tolist()), factors, direction, at)
 
 
@@ -225,7 +226,7 @@ def load_curve(scene: Scene | Assembly, course: LoadRange, model: str = "", opti
     """Solve a scene over a range of loads, for displacement, stiffness and backlash.
 
     Forces replace the scene's loads. They act at the nut's centre, or for several nuts or bearings on one shaft where the
-    scene's loads act, unless ``course`` states another place. Factors multiply all loads of the scene; the curve is then
+    scene's loads act, unless ``course`` states another point. Factors multiply all loads of the scene; the curve is then
     plotted over the first of these loads.
 
     Parameters
