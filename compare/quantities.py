@@ -13,7 +13,7 @@ from functools import cache, reduce
 from typing import Any, NamedTuple
 
 from rollbench.meshes.quantity import Stated, stated_in
-from rollbench.reports.quantity import Quantity
+from rollbench.reports.content import Quantity
 
 
 class Unit(NamedTuple):

@@ -138,7 +138,7 @@ def typeset_text(text: str) -> str:
 
 
 def filled_table(table: Table) -> tuple[list[Quantity], list[str]]:
-    """Return the columns of a table that have a value in at least one row, and the headings of the empty columns."""
+    """Return the columns of a table that have a value in at least one row, and the headings of its empty columns."""
     empty = [
         c for c in table.columns if table.rows and all(_plain_text(row.get(c.key)) in (None, "") for row in table.rows)
     ]

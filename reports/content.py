@@ -5,7 +5,7 @@ The code that runs the models fills them; other modules of this package turn the
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -14,7 +14,6 @@ from numpy.typing import NDArray
 
 from rollbench.meshes.axis import Assembly, RollerRow
 from rollbench.meshes.parts import Scene
-from rollbench.reports.quantity import Quantity as Quantity
 
 #: Value of one cell of a table; None for an empty cell.
 Cell = str | float | int | bool | None
@@ -22,6 +21,25 @@ Cell = str | float | int | bool | None
 Numbers = Sequence[float] | NDArray[np.float64]
 #: Several values per node or element, as nested lists or an array.
 Rows = Sequence[Sequence[float]] | NDArray[np.float64] | NDArray[np.int64]
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """Column of a report's table: the quantity it shows, with heading, unit and number format.
+
+    On a web page, the values of columns with the keys ``class`` and ``verdict`` are shown as coloured labels.
+    """
+
+    #: Key under which a row of the table stores the value.
+    key: str
+    #: Heading of the column, without unit.
+    label: str
+    #: Unit of the values; empty for texts and plain numbers.
+    unit: str = ""
+    #: Number format: ``"g4"`` for 4 significant digits, ``"s"`` for text, or a format of Python such as ``".2f"``.
+    format: str = "g4"
+    #: Function that returns the value for a record from which a row of the table is made.
+    value: Callable[[Any], Any] = field(default=lambda _: None, compare=False)
 
 
 #: Row of a table: the value of each column. A column that holds texts may be given by its heading alone, as a string.

@@ -50,7 +50,7 @@ def draw_field(picture: FieldPicture, path: str | Path) -> None:
 
 
 def part_grid(part: MeshPart) -> Any:
-    """Return a finite-element mesh with its values at the nodes as a grid of pyvista, in mm."""
+    """Return a finite-element mesh as an unstructured grid of pyvista, in mm, with its values at the nodes as "values"."""
     import pyvista
 
     cells = np.asarray(part.cells, dtype=np.int64)[:, VTK[part.kind][1]]
@@ -61,7 +61,10 @@ def part_grid(part: MeshPart) -> Any:
 
 
 def grid_surface(grid: Any) -> Any:
-    """Return the outer surface of a mesh as triangles; a face of a second-order element becomes four or eight triangles."""
+    """Return the outer surface of a mesh as triangles; a face of a second-order element becomes four or eight triangles.
+
+    ``grid``: mesh, as an unstructured grid of pyvista. The surface is a triangle mesh of pyvista.
+    """
     import pyvista
     from vtkmodules.vtkFiltersGeometry import vtkDataSetSurfaceFilter
 
@@ -85,7 +88,7 @@ def _keep_visible_cells(part: MeshPart, picture: FieldPicture) -> Any:
 def _add_skin(plotter: Any, part: MeshPart, picture: FieldPicture, look: dict[str, Any]) -> None:
     """Draw the surface of a mesh, opened by the picture's cutting planes, with the element edges if the mesh shows them.
 
-    look: colour settings for pyvista.
+    ``plotter``: plotter of pyvista, to which it is added. ``look``: colour settings for pyvista.
     """
     grid = _keep_visible_cells(part, picture)
     if not grid.n_cells:
@@ -100,7 +103,7 @@ def _add_skin(plotter: Any, part: MeshPart, picture: FieldPicture, look: dict[st
 def _add_section(plotter: Any, part: MeshPart, picture: FieldPicture, look: dict[str, Any]) -> None:
     """Draw the plane section through a mesh, with the element edges or the outline slightly in front of the plane.
 
-    look: colour settings for pyvista.
+    ``plotter``: plotter of pyvista, to which it is added. ``look``: colour settings for pyvista.
     """
     origin, normal = (np.asarray(v, float) for v in picture.cuts[0])
     plane, grid = {"normal": normal, "origin": MM * origin}, part_grid(part)
@@ -169,7 +172,8 @@ def _render_scene(picture: FieldPicture, path: str) -> None:
 def _compose_picture(picture: FieldPicture, image: Any, limits: tuple[float, float] | None, path: str) -> None:
     """Add texts, scale bar and colour scale to the drawn image, and write it as a PNG file with few colours.
 
-    image: pixels drawn by pyvista; limits: ends of the colour scale, None without a scale.
+    ``image``: pixels drawn by pyvista, (rows, columns, 3). ``limits``: ends of the colour scale; None: no scale. ``path``:
+    file to write.
     """
     import matplotlib
     from matplotlib.backends.backend_agg import FigureCanvasAgg

@@ -130,7 +130,8 @@ def move_apart(heights: Sequence[float], gap: float, low: float, high: float) ->
 def place_texts(axes: Any, series: Sequence[Series]) -> None:
     """Write the texts of the data points in two columns, left and right of all points, with a thin line to each point.
 
-    The range of the abscissa is extended until the texts have room.
+    ``axes``: axes of matplotlib in which the curves ``series`` are already drawn. The range of the abscissa is extended
+    until the texts have room.
     """
     points = [(x, y, text) for s in series for x, y, text in zip(s.x, s.y, s.texts, strict=False) if text]
     if not points:
@@ -167,7 +168,8 @@ def place_texts(axes: Any, series: Sequence[Series]) -> None:
 def _place_labels(axes: Any, points: Sequence[tuple[float, float, str]]) -> tuple[NDArray[np.float64], float, float]:
     """Return the positions (n, 2) of data points within a panel, and the panel's width and height [1/72 inch].
 
-    points: abscissa, ordinate and text of each point.
+    ``axes``: axes of matplotlib. ``points``: abscissa, ordinate and text of each point. Positions are measured from the
+    panel's lower left corner.
     """
     scale, box = 72.0 / axes.figure.dpi, axes.get_window_extent()
     place = axes.transData.transform([(x, y) for x, y, _ in points]) - (box.x0, box.y0)
@@ -177,8 +179,9 @@ def _place_labels(axes: Any, points: Sequence[tuple[float, float, str]]) -> tupl
 def _widen_axes(axes: Any, at: NDArray[np.float64], room: NDArray[np.float64], left: NDArray[np.bool_]) -> None:
     """Extend the range of the abscissa until labels on the left and on the right of the data have room.
 
-    at: positions on the abscissa beside which labels are written; room: width of the labels there; both as fractions of the
-    panel's width. left: whether the labels are on the left of the position.
+    ``axes``: axes of matplotlib. ``at``: positions on the abscissa next to which labels are written. ``room``: width of the
+    labels there. Both are fractions of the panel's width, in arrays of equal length. ``left``: whether the labels are on
+    the left of the position.
     """
     scale = axes.xaxis.get_transform()
     low, high = scale.transform(np.asarray(axes.get_xlim(), float))
@@ -195,7 +198,7 @@ def _widen_axes(axes: Any, at: NDArray[np.float64], room: NDArray[np.float64], l
 def own_style(name: str) -> Iterator[None]:
     """Apply the report's matplotlib settings inside a ``with`` block, independent of the user's own settings.
 
-    name: name of the figure, from which matplotlib derives the identifiers in the SVG.
+    ``name``: name of the figure, from which matplotlib derives the identifiers in the SVG.
     """
     with matplotlib.rc_context():
         matplotlib.rcdefaults()
@@ -297,7 +300,8 @@ def draw_figure_and_canvas(figure: Figure) -> tuple[str, Canvas]:
 def draw_map(item: PressureMap) -> str:
     """Return an SVG document with pressure contours of one to four contacts and the contact ellipse of each.
 
-    The contours are embedded as an image, the axes and texts as vector graphics.
+    ``item``: pressures and labels of the figure. The contours are embedded as an image, the axes and texts as vector
+    graphics.
     """
     columns = max(1, min(item.columns, len(item.panels)))
     rows = math.ceil(len(item.panels) / columns)
@@ -330,14 +334,18 @@ def draw_map(item: PressureMap) -> str:
 
 
 def _write_svg(svg: str, name: str) -> str:
-    """Return an SVG document for a web page: with identifiers unique to this figure, common fonts, and um written as µm."""
+    """Return an SVG document for a web page: with identifiers unique to this figure, common fonts, and um written as µm.
+
+    ``svg``: document that matplotlib wrote. ``name``: name of the figure. No file is written.
+    """
     return re.sub(r">[^<]+<", lambda text: micro_sign(text[0]), _prefix_identifiers(svg, name))
 
 
 def _draw_contours(axes: Any, panel: PressurePanel, levels: Any, item: PressureMap) -> Any:
-    """Draw the pressure contours of one contact with nodes, arrows and the contact ellipse; return the contours.
+    """Draw the pressure contours of one contact with nodes, arrows and the contact ellipse.
 
-    levels: pressures at which contours are drawn, common to all contacts of the figure ``item``.
+    ``axes``: axes of matplotlib. ``levels``: pressures at which contours are drawn, common to all contacts of the figure
+    ``item``, which has the labels of the legend. Returns the contours, for the colour scale.
     """
     x, y = np.asarray(panel.x, float), np.asarray(panel.y, float)
     filled = axes.tricontourf(x, y, np.asarray(panel.values, float), levels=levels, cmap=COLOURS)
@@ -364,7 +372,10 @@ def _draw_contours(axes: Any, panel: PressurePanel, levels: Any, item: PressureM
 
 
 def _style_numbers(panels: Sequence[Panel]) -> list[dict[str, int]]:
-    """Return, for each panel, the number of the colour and marker of each curve's label; the same label has one number."""
+    """Return, for each panel, a number for the label of each curve, which determines its colour, marker and line style.
+
+    A label that occurs in several panels has the same number in all of them.
+    """
     labels = [list(dict.fromkeys(series.label for series in panel.series)) for panel in panels]
     count = Counter(label for names in labels for label in names)
     fixed = {label: number for number, label in enumerate(label for label in count if count[label] > 1)}
@@ -384,7 +395,8 @@ def _same_labels(panels: Sequence[Panel]) -> bool:
 def _draw_panel(axes: Any, panel: Panel, order: dict[str, int], *, steep: bool = False) -> None:
     """Draw the curves, axis labels and scales of one panel.
 
-    order: number of the colour and marker of each label; steep: whether names along the abscissa are written steeply.
+    ``axes``: axes of matplotlib. ``order``: number of the colour and marker of each label. ``steep``: whether names along
+    the abscissa are written steeply.
     """
     for series in panel.series:
         _draw_series(axes, series, order[series.label])
@@ -424,9 +436,10 @@ def _draw_panel(axes: Any, panel: Panel, order: dict[str, int], *, steep: bool =
 
 
 def _draw_series(axes: Any, series: Series, number: int) -> None:
-    """Draw one curve, band or histogram with the colour, marker and line style of its number.
+    """Draw one curve, band, histogram or bar chart with the colour, marker and line style of its number.
 
-    Raises ValueError if the number of texts, names or error bars differs from the number of points.
+    ``axes``: axes of matplotlib. Raises ValueError if the number of texts, names or error bars differs from the number of
+    points.
     """
     bars = zip(("lower error bars", "upper error bars"), series.bars or (), strict=False)
     for what, values in (("texts", series.texts), ("names", series.names), *bars):
@@ -477,7 +490,8 @@ def _draw_series(axes: Any, series: Series, number: int) -> None:
 def _scale_log(axes: Any, axis: Any, name: str, positive: Any) -> None:
     """Make an axis logarithmic; ranges below two decades have labels at 1, 2 and 5, and long ranges at powers of ten.
 
-    name: ``"x"`` or ``"y"``; positive: the positive data along the axis.
+    ``axes``: axes of matplotlib. ``axis``: its axis called ``name``, "x" or "y". ``positive``: the positive data along this
+    axis.
     """
     getattr(axes, f"set_{name}scale")("log", nonpositive="mask")
     low, high = float(np.min(positive)), float(np.max(positive))
@@ -500,7 +514,10 @@ def _power_label(value: float) -> str:
 
 
 def _include_zero(axes: Any, y: Any) -> None:
-    """Extend the range of the ordinate to zero; if values y lie on both sides of zero, draw a line there instead."""
+    """Extend the range of the ordinate to zero; if there are values on both sides of zero, draw a line there instead.
+
+    ``axes``: axes of matplotlib. ``y``: ordinates of all data in the panel.
+    """
     finite = y[np.isfinite(y)]
     if finite.size and np.min(finite) < 0.0 < np.max(finite):
         axes.axhline(0.0, color=_FRAME, linewidth=0.9, zorder=1.2)
@@ -513,7 +530,8 @@ def _include_zero(axes: Any, y: Any) -> None:
 def _legend_below(axes: Any, columns: int, lower: float = 0.0) -> int:
     """Draw the legend of a panel below its abscissa; return its number of rows, 0 without a legend.
 
-    columns: largest number of columns of the legend; lower: additional distance from the abscissa [inches].
+    ``axes``: axes of matplotlib. ``columns``: largest number of columns of the legend. ``lower``: additional distance from
+    the abscissa [inches].
     """
     handles, labels = axes.get_legend_handles_labels()
     if not labels or (len(labels) == 1 and labels[0] == axes.get_ylabel()):
@@ -535,7 +553,10 @@ def _legend_below(axes: Any, columns: int, lower: float = 0.0) -> int:
 
 
 def _prefix_identifiers(svg: str, name: str) -> str:
-    """Return the SVG document with the figure's name in front of every identifier, and with common web fonts."""
+    """Return an SVG document with the figure's name in front of every identifier, and with common web fonts.
+
+    ``svg``: document that matplotlib wrote. ``name``: name of the figure.
+    """
     prefix = re.sub(r"[^A-Za-z0-9_-]", "-", f"fig-{name}-")
     svg = re.sub(r'(\bid="|href="#|url\(#)', lambda match: match.group(0) + prefix, svg)
     return svg.replace("'DejaVu Sans'", FONTS)

@@ -32,7 +32,7 @@ def write_manifest(folder: Path, origin: Mapping[str, Any]) -> None:
 
 
 def page_text(path: Path) -> str:
-    """Return the text of one file in a report's folder.
+    """Return the text of one file in a report's folder, which must not be larger than `LARGEST`.
 
     Raises OSError if the file is missing, and ValueError, which describes the file, if it is no regular file or is too
     large.
@@ -53,7 +53,7 @@ def parse_manifest(text: str) -> Any:
 
 
 def all_texts(found: object) -> bool:
-    """Return whether this part of a manifest is a mapping whose values are all texts."""
+    """Return whether a part of a manifest, as read from its JSON, is a mapping whose values are all texts."""
     return isinstance(found, dict) and all(isinstance(value, str) for value in found.values())
 
 

@@ -136,7 +136,7 @@ def _item_places(report: Report) -> dict[str, str]:
 
 
 def _item_kind(item: Item) -> str:
-    """Return ``table`` or ``figure``, with which the HTML anchor of this item of a section begins."""
+    """Return "table" or "figure", the word with which the HTML anchor of this item of a section begins."""
     return "table" if isinstance(item, Table) else "figure"
 
 
@@ -148,7 +148,8 @@ def _write_text(path: Path, text: str) -> None:
 def _render_page(page: Page, number: int, total: int, writer: _Writer) -> dict[str, Any]:
     """Write the figures and tables of one page to files, and return the page's data for its template.
 
-    number, total: position of the page among all pages, for the line of progress.
+    ``number``, ``total``: number of the page, from 1, and number of pages, for the line of progress. Entries of the search
+    index are added to ``writer``.
     """
     writer.say(f"report: [{number}/{total}] {page.title}")
     file = f"{page.name}.html"
@@ -181,7 +182,10 @@ def page_headline(conclusion: str, title: str) -> tuple[str, str]:
 
 
 def _section_data(section: Section, file: str, writer: _Writer) -> dict[str, Any]:
-    """Write the figures and tables of one section to files, and return the section's data for the template of its page."""
+    """Write the figures and tables of one section to files, and return the section's data for the template of its page.
+
+    ``file``: file name of the page. Entries of the search index are added to ``writer``.
+    """
     items = [_render_item(item, file, writer) for item in section.items]
     words = [p for item in section.items if isinstance(item, Text) for p in item.paragraphs]
     writer.entries.append(_contents_entry(section.title, f"{file}#section-{section.name}", "section", " ".join(words)))
@@ -196,15 +200,18 @@ def _section_data(section: Section, file: str, writer: _Writer) -> dict[str, Any
 
 
 def _contents_entry(title: str, place: str, under: str, text: str) -> dict[str, str]:
-    """Return one entry of the search index, with short keys: title, link target ``place``, location, and searched text.
+    """Return one entry of the search index; its keys are t (title), h (link target), s (location) and x (searched text).
 
-    under: location in words, for example "table NAME, SECTION".
+    ``place``: link target. ``under``: location in words, such as "table NAME, SECTION".
     """
     return {"t": micro_sign(title), "h": place, "s": under, "x": micro_sign(re.sub(r"\s+", " ", text))[:KNOWN]}
 
 
 def _searchable_text(record: Any) -> str:
-    """Return the text by which the search finds a table (headings, note, texts of cells) or a figure (caption)."""
+    """Return the text by which the search finds a table (headings, note, texts of cells) or a figure (caption).
+
+    ``record``: the table or figure.
+    """
     if not isinstance(record, Table):
         return str(record.caption)
     texts = [str(row[c.key]) for row in record.rows for c in record.columns if isinstance(row.get(c.key), str)]
@@ -228,7 +235,7 @@ def _render_summary(summary: Summary, writer: _Writer) -> dict[str, Any]:
 def _render_item(item: Item, page: str, writer: _Writer) -> dict[str, Any]:
     """Write one table or figure to its files, and return its data for the template; a text is returned as it is.
 
-    page: file name of the page that contains the item.
+    ``page``: file name of the page that contains the item. ``writer``: has the folder of the report.
     """
     if isinstance(item, Text):
         return {"kind": "text", "text": item}
@@ -256,8 +263,8 @@ def _render_item(item: Item, page: str, writer: _Writer) -> dict[str, Any]:
 def _render_picture(item: LoadedScrew | FieldPicture, name: str, back: str, writer: _Writer) -> dict[str, Any]:
     """Write a 3D picture to the file ``name``, and return its data for the template.
 
-    If the picture cannot be drawn, the data contain the reason instead. back: link from the picture's own 3D page to the
-    report.
+    ``back``: link from the picture's own 3D page to the report. ``writer``: has the folder of the report. If the picture
+    cannot be drawn, the data contain the reason instead.
     """
     path = writer.folder / name
     try:
@@ -290,7 +297,8 @@ def inline_svg(svg: str) -> Markup:
 def table_view(table: Table, folder: Path) -> dict[str, Any]:
     """Write the CSV file of a table, and return the table's data for the template.
 
-    The data omit empty columns and say whether the table is folded, because it is long, or set in a narrower font.
+    ``folder``: folder of the report. The data omit empty columns and say whether the table is folded, because it is long,
+    or set in a narrower font.
     """
     write_csv(table, folder / "tables" / f"{table.name}.csv")
     shown, empty = filled_table(table)

@@ -92,8 +92,8 @@ class _Grooves:
     def surface(self, phi: Array, z: Array, land: float) -> Array:
         """Return the radius [m] of the grooved surface at azimuth phi [rad] and axial position z [m].
 
-        land: radius between the grooves [m]. The surface is that of the screw if it is smaller than the pitch radius, and
-        that of the nut otherwise.
+        ``land``: radius between the grooves [m]. The surface is that of the screw if this radius is smaller than the pitch
+        radius, and that of the nut otherwise.
         """
         depth = self.depth(phi, z)
         if land < self.track_radius:
@@ -117,8 +117,8 @@ def ball_radius(scene: Scene) -> float:
 def _surface_grid(grooves: _Grooves, phi: Array, ends: tuple[float, float], step: float) -> tuple[Array, Array]:
     """Return azimuths [rad] and axial positions [m] of a grid on a grooved cylinder, each (rows, columns).
 
-    The grid lines follow the helix, so that groove edges are sharp. phi: azimuths of the rows [rad]; ends: axial range [m];
-    step: axial distance of the grid lines [m].
+    The grid lines follow the helix, so that groove edges are sharp. ``phi``: azimuths of the rows [rad]. ``ends``: axial
+    range [m]. ``step``: axial distance of the grid lines [m].
     """
     rise = grooves.slope * (phi - phi[0])
     low, high = ends[0] - max(rise.max(), 0.0), ends[1] - min(rise.min(), 0.0)
@@ -128,7 +128,10 @@ def _surface_grid(grooves: _Grooves, phi: Array, ends: tuple[float, float], step
 
 
 def _pyvista_surface(grid: Grid) -> Any:
-    """Return a surface as a triangle mesh of pyvista, in mm; grid: radius, azimuth and axial position of its points."""
+    """Return a surface as a triangle mesh of pyvista, in mm.
+
+    ``grid``: radius [m], azimuth [rad] and axial position [m] of its points.
+    """
     import pyvista
 
     sheet = pyvista.StructuredGrid(*(np.ascontiguousarray(1e3 * x)[..., None] for x in to_cartesian(grid)))
@@ -174,7 +177,7 @@ def _shaft_surfaces(scene: Scene, coarse: float = 1.0, reach: float = 0.8) -> li
 def _nut_surfaces(scene: Scene, coarse: float = 1.0) -> tuple[list[Grid], list[Grid]]:
     """Return the surfaces of the half of the nut that lies behind the screw, and its two cut faces.
 
-    coarse: step of the grid, as a multiple of the step used in a picture.
+    ``coarse``: step of the grid, as a multiple of the step used in a picture.
     """
     grooves = _groove_profiles(scene)
     bore = 2.0 * scene.track.pitch_radius - scene.screw.outer_diameter / 2.0
@@ -213,8 +216,8 @@ def view_direction() -> Array:
 def scene_grids(scene: Scene, coarse: float, reach: float) -> dict[str, list[Grid]]:
     """Return the surfaces of the screw, of the opened nut and of the nut's cut faces, by their colour.
 
-    coarse: step of the grid, as a multiple of the step used in a picture; reach: length of screw that is drawn on each side
-    of the nut's centre, in nut lengths.
+    ``coarse``: step of the grid, as a multiple of the step used in a picture. ``reach``: length of screw that is drawn on
+    each side of the nut's centre, in nut lengths.
     """
     body, cuts = _nut_surfaces(scene, coarse)
     return {STEEL: _shaft_surfaces(scene, coarse, reach), _NUT: body, _CUT: cuts}
@@ -257,7 +260,10 @@ def _round_scale(low: float, high: float) -> tuple[float, float, int]:
 
 
 def _add_balls(plotter: Any, picture: LoadedScrew) -> None:
-    """Draw the balls with colours by their largest contact load, unloaded balls white, and the colour scale."""
+    """Draw the balls with colours by their largest contact load, unloaded balls white, and the colour scale.
+
+    ``plotter``: plotter of pyvista, to which they are added. ``picture``: geometry and loads.
+    """
     import pyvista
 
     centres = 1e3 * ball_layout(picture.scene).centre
@@ -299,8 +305,8 @@ def _add_balls(plotter: Any, picture: LoadedScrew) -> None:
 def _load_arrows(picture: LoadedScrew) -> Iterator[tuple[Any, str]]:
     """Yield the arrows of the contact forces on the balls with their colour: first from the screw, then from the nut.
 
-    The arrows end at the contacts, and their lengths are proportional to the forces. Only contacts on the open side of the
-    nut have an arrow.
+    The arrows are a mesh of pyvista, in mm. They end at the contacts, and their lengths are proportional to the forces.
+    Only contacts on the open side of the nut have an arrow.
     """
     import pyvista
 
@@ -321,7 +327,10 @@ def _load_arrows(picture: LoadedScrew) -> Iterator[tuple[Any, str]]:
 
 
 def _add_forces(plotter: Any, picture: LoadedScrew) -> None:
-    """Draw the arrows of the contact forces on the balls, and the legend of their colours."""
+    """Draw the arrows of the contact forces on the balls, and the legend of their colours.
+
+    ``plotter``: plotter of pyvista, to which they are added. ``picture``: geometry and contact forces.
+    """
     size = np.linalg.norm(picture.contact_forces, axis=1)
     if not np.any(size > 0.0):
         return

@@ -102,7 +102,10 @@ def render_page(page: ScenePage) -> str:
 
 
 def _data_block(name: str, content: str = "") -> str:
-    """Return the HTML script element with the identifier ``name`` that contains the JSON text ``content``."""
+    """Return the HTML script element with the identifier ``name`` that contains the JSON text ``content``.
+
+    The page's data are read back from these elements, see `read_page`.
+    """
     return f'<script type="application/json" id="{name}">{content}</script>'
 
 
@@ -124,9 +127,9 @@ def _draw_item(item: Figure | Sketch) -> Markup:
 
 
 def _embed_picture(item: LoadedScrew | None) -> tuple[str, str]:
-    """Draw the 3D picture of a page; return it as a base64 text and, if it cannot be drawn, the reason as a second text.
+    """Draw the 3D picture of a page, and return it as a base64 text; a second text states the reason if it cannot be drawn.
 
-    One of the two texts is always empty; both are if there is no picture.
+    One of the two texts is empty. Both are empty if ``item`` is None, for a page without a picture.
     """
     if item is None:
         return "", ""

@@ -105,7 +105,10 @@ def drawn_faces(scene: Scene) -> tuple[float, float]:
 
 
 def _draw_shaft(scene: Scene, scale: _Scale) -> Iterator[str]:
-    """Yield the SVG elements of the shaft: outline, bore, break lines of shortened ends, and axis."""
+    """Yield the SVG elements of the shaft: outline, bore, break lines of shortened ends, and axis.
+
+    ``scale``: conversion from positions on the shaft to pixels.
+    """
     radius = scene.screw.outer_diameter / 2.0
     x0, x1 = scale.x(0.0), scale.x(scene.screw.length)
     yield _rectangle(x0, scale.y(radius), x1 - x0, 2.0 * (scale.middle - scale.y(radius)), SHAFT)
@@ -129,7 +132,10 @@ def _draw_shaft(scene: Scene, scale: _Scale) -> Iterator[str]:
 
 
 def _draw_nut(scene: Scene, scale: _Scale) -> Iterator[str]:
-    """Yield the SVG elements of the nut in section: body, flange, hatching where it is fixed, and its dimension line."""
+    """Yield the SVG elements of the nut in section: body, flange, hatching where it is fixed, and its dimension line.
+
+    ``scale``: conversion from positions on the shaft to pixels.
+    """
     ends = drawn_faces(scene)
     low, high = map(scale.x, ends)
     held, outside = _fixed_nut_faces(scene, *ends)
@@ -155,13 +161,20 @@ def _draw_nut(scene: Scene, scale: _Scale) -> Iterator[str]:
 
 
 def _hatch_lines(x: float, top: float, foot: float, side: float) -> Iterator[str]:
-    """Yield hatching lines beside a fixed vertical edge, on its left (side = -1) or right (side = 1); lengths in pixels."""
+    """Yield the SVG elements of the hatching beside a fixed vertical edge.
+
+    ``x``: abscissa of the edge. ``top``, ``foot``: ordinates of its ends; all in pixels. ``side``: -1 for hatching on the
+    left of the edge, 1 on the right.
+    """
     for k in range(int((foot - top) // 5.0) + 1):
         yield _line_element(x, top + 5.0 * k, x + 5.0 * side, top + 5.0 * k + 5.0)
 
 
 def _draw_balls(scene: Scene, scale: _Scale) -> Iterator[str]:
-    """Yield the SVG elements of the balls, seen from the side; balls behind the shaft's axis are pale."""
+    """Yield the SVG elements of the balls, seen from the side; balls behind the shaft's axis are pale.
+
+    ``scale``: conversion from positions on the shaft to pixels.
+    """
     for height, front, z in sorted(ball_layout(scene).centre.tolist(), key=lambda centre: centre[1]):
         radius = scale.per_metre * scene.balls.radius
         pale = "" if front >= 0.0 else ' opacity="0.45"'
@@ -172,7 +185,8 @@ def _draw_balls(scene: Scene, scale: _Scale) -> Iterator[str]:
 def _draw_acting_loads(scene: Scene, scale: _Scale, below: float) -> Iterator[str]:
     """Yield the SVG elements of supports and loads with their labels, and of the shaft's dimension line.
 
-    Supports and loads that the nut would hide are drawn beside it. below: ordinate of the dimension line [pixels].
+    ``scale``: conversion from positions on the shaft to pixels. ``below``: ordinate below all parts [pixels], from which
+    the dimension line is placed. Supports and loads that the nut would hide are drawn beside it.
     """
     edge = scale.y(-scene.screw.outer_diameter / 2.0)
     x0, x1 = scale.x(0.0), scale.x(scene.screw.length)
@@ -214,7 +228,8 @@ def _draw_acting_loads(scene: Scene, scale: _Scale, below: float) -> Iterator[st
 def _fixed_nut_faces(scene: Scene, low: float, high: float) -> tuple[list[tuple[float, float, float]], bool]:
     """Return the annular faces at which the nut is fixed, and whether its outer surface is fixed instead.
 
-    A face is given by its axial position, inner and outer radius [m]. low, high: axial positions of the nut's faces [m].
+    A face is given by its axial position, inner and outer radius [m]. ``low``, ``high``: axial positions of the nut's faces
+    [m].
     """
     solid = solid_dimensions(scene)
     if solid.nut_held.startswith("outer surface"):
@@ -226,7 +241,10 @@ def _fixed_nut_faces(scene: Scene, low: float, high: float) -> tuple[list[tuple[
 
 
 def _support_texts(fixed: tuple[tuple[str, float], ...]) -> Iterator[str]:
-    """Yield the labels of a support: its fixed degrees of freedom, and its prescribed displacements and rotations."""
+    """Yield the labels of a support: its fixed degrees of freedom, and its prescribed displacements and rotations.
+
+    ``fixed``: pairs of degree of freedom (ux to rz) and prescribed value [m, rad]; 0 means fixed.
+    """
     held = " ".join(freedom for freedom, value in fixed if value == 0.0)
     if held:
         yield f"fixes {held}"

@@ -33,7 +33,10 @@ MM = 1e3
 
 
 def view_page(view: View, back: str = "") -> str:
-    """Return the HTML page that shows a solved scene in 3D; back: target of a link back to the report, empty for none."""
+    """Return the HTML page that shows a solved scene in 3D.
+
+    ``view``: data of the scene. ``back``: target of a link back to the report; empty: no link.
+    """
     link = f' <a href="{escape(back)}">back</a>' if back else ""
     filled = {
         "TITLE": escape(view.title),
@@ -61,9 +64,9 @@ def view_fragment(view: View) -> str:
 
 
 def view_block(name: str, data: Any) -> str:
-    """Return an HTML script element that contains data as JSON; <, > and & are escaped, so that no text can end it.
+    """Return an HTML script element that contains data as JSON.
 
-    name: HTML identifier of the element.
+    ``name``: HTML identifier of the element. The characters <, > and & are escaped, so that no text can end the element.
     """
     text = json.dumps(data, sort_keys=True, separators=(",", ":"))
     for sign in "<>&":
@@ -84,8 +87,8 @@ def _view_sight() -> dict[str, list[float]]:
 def _case_data(case: CaseView, surfaces: dict[str, int]) -> dict[str, Any]:
     """Return the data of one load case for the script of the 3D viewer.
 
-    surfaces: number of each surface drawn so far, by its JSON text; new surfaces are added, and load cases share equal
-    ones.
+    ``surfaces``: number of each surface drawn so far, by its JSON text. New surfaces are added to it, and load cases share
+    equal ones.
     """
     drawn = [s for one in case.sets for s in _case_surfaces(one, case.shaft is not None)]
     if case.shaft is not None:
@@ -97,7 +100,8 @@ def _case_data(case: CaseView, surfaces: dict[str, int]) -> dict[str, Any]:
 def _case_surfaces(one: SetView, shared: bool) -> list[dict[str, Any]]:
     """Return the surfaces of one nut or bearing row, and of the part of the shaft in it, for the 3D viewer.
 
-    shared: whether the shaft carries several rows; the parts of the shaft between them are then drawn by `_plain_shaft`.
+    ``shared``: whether the shaft carries several nuts or bearing rows; the parts of the shaft between them are then drawn
+    by `_plain_shaft`.
     """
     if isinstance(one.parts, RollerRow):
         return [_cone_surface(one.parts, one.position, _cone_apex(one.thrust))]
@@ -109,7 +113,7 @@ def _case_surfaces(one: SetView, shared: bool) -> list[dict[str, Any]]:
 def _pack_grid(grid: scene3d.Grid, tint: str) -> dict[str, Any]:
     """Return a surface for the 3D viewer, with its coordinates [mm] coded as 16-bit integers between their extremes.
 
-    tint: colour of the surface.
+    ``grid``: radius [m], azimuth [rad] and axial position [m] of its points. ``tint``: colour of the surface.
     """
     points = MM * np.stack(scene3d.to_cartesian(grid), axis=-1)
     low, high = points.min(axis=(0, 1)), points.max(axis=(0, 1))
@@ -149,9 +153,9 @@ def _plain_shaft(shaft: Assembly) -> list[dict[str, Any]]:
 
 
 def _shaft_stretch(s: RollingSet, parts: Scene, length: float) -> tuple[float, float]:
-    """Return the axial positions [m] between which the shaft is drawn together with the nut or bearing row ``s``.
+    """Return the axial positions [m] between which the shaft is drawn together with a nut or bearing row.
 
-    parts: geometry of the row; length: length of the shaft [m].
+    ``s``: the nut or bearing row. ``parts``: its geometry. ``length``: length of the shaft [m].
     """
     half = (NUT if parts.track.lead else RING) * parts.nut.length
     return max(0.0, s.position - half), min(length, s.position + half)
@@ -182,14 +186,17 @@ def _set_data(one: SetView) -> dict[str, Any]:
 
 
 def _cone_apex(thrust: str) -> float:
-    """Return the direction along z in which the apex of tapered rollers lies: 1 if they carry thrust in +z, else -1."""
+    """Return the direction along z in which the apex of tapered rollers lies: 1 if they carry thrust in +z, else -1.
+
+    ``thrust``: direction of the axial load that the row can carry, "+z" or "-z".
+    """
     return 1.0 if thrust == "+z" else -1.0
 
 
 def _cone_surface(row: RollerRow, position: float, sign: float) -> dict[str, Any]:
     """Return the surface of the cone (inner ring) of a tapered roller row, without ribs, for the 3D viewer.
 
-    position: axial position of the row [m]; sign: direction along z in which the apex lies.
+    ``position``: axial position of the row [m]. ``sign``: direction along z in which the apex lies, 1 or -1.
     """
     reach, angle = 0.5 * row.diameter / np.sin(row.roller_angle), row.cup_angle - 2.0 * row.roller_angle
     apex = position + sign * reach * np.cos(row.cup_angle)
@@ -201,7 +208,7 @@ def _cone_surface(row: RollerRow, position: float, sign: float) -> dict[str, Any
 def _roller_surfaces(row: RollerRow, position: float, sign: float) -> dict[str, Any]:
     """Return the positions [mm] and axes of all rollers of a row, and the outline of one roller [mm], for the 3D viewer.
 
-    position: axial position of the row [m]; sign: direction along z in which the apex of the rollers lies.
+    ``position``: axial position of the row [m]. ``sign``: direction along z in which the apex of the rollers lies, 1 or -1.
     """
     reach = 0.5 * row.diameter / np.sin(row.roller_angle)  # from the apex to the middle of the contact line with the cup
     azimuth = row.phase + 2.0 * np.pi * np.arange(row.count) / row.count

@@ -163,7 +163,11 @@ def time_models(names: Sequence[str], store: Path | None, *, long: bool) -> Iter
 
 
 def timed_jobs_of_scene(scene: str, points: Sequence[TimePoint]) -> Iterator[Job]:
-    """Yield the measured computing times of a scene by models and mesh levels, with their errors."""
+    """Yield the measured computing times of a scene by models and mesh levels, with their errors.
+
+    ``scene``: name of the scene. ``points``: errors and times of all models and mesh levels; those without a time are left
+    out.
+    """
     from rollbench.compare.studies.run_times import Job
 
     for p in points:

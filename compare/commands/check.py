@@ -66,7 +66,11 @@ class Files:
 
 
 def run_check(names: Sequence[str], request: GateRequest, engine: Engine, files: Files) -> Answer:
-    """Judge scenes against their references, and return the verdicts; the exit code is that of the worst verdict."""
+    """Judge scenes against their references, and return the verdicts; the exit code is that of the worst verdict.
+
+    ``names``: names or files of the scenes. ``request``: values to judge, limits and reference. ``engine``: computes
+    missing runs of the 3D reference. ``files``: files for the verdicts. Raises InputError if two scenes have the same name.
+    """
     from rollbench.compare.gate.publish import outcome_of_verdict
     from rollbench.compare.gate.verdict import CODES
     from rollbench.compare.results.base import as_text
@@ -99,7 +103,10 @@ def run_check(names: Sequence[str], request: GateRequest, engine: Engine, files:
 
 
 def run_gate(study: Study, max_error: float) -> list[GateRow]:
-    """Run all checks of the data shipped with rollbench, and return a row for each; ``max_error`` is in per cent."""
+    """Run all checks of the data shipped with rollbench, and return a row for each.
+
+    ``max_error``: largest permitted error of contact loads [%].
+    """
     from rollbench.compare.gate.gate import (
         band_rows,
         closed_form_rows,

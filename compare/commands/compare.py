@@ -20,17 +20,21 @@ from rollbench.compare.commands.terminal import (
 )
 from rollbench.compare.errors import ArgumentError
 from rollbench.compare.running import need_packages, on_terminal
-from rollbench.compare.text.printing import Answer, aligned_table, print_answer, text_width
+from rollbench.compare.text.printing import Answer, aligned_table, cell, plain_table, print_answer, ruled_table, text_width
 
 if TYPE_CHECKING:
+    from rich.console import RenderableType
+
     from rollbench.compare.models.comparison import Referenced
     from rollbench.compare.reference.estimate import Reference
     from rollbench.compare.reference.jobs import Engine
-    from rollbench.compare.results.compared import ComparedLoads
+    from rollbench.compare.results.compared import Compared, ComparedLoads
     from rollbench.compare.results.comparison import ByCase
     from rollbench.compare.scenes.duty_cycle import DutyCycle
     from rollbench.compare.scenes.friction_kinds.common import KindScene
+    from rollbench.compare.studies.rolling.rows import RollingRow
     from rollbench.meshes.parts import Scene
+    from rollbench.reports.content import Figure
 
 
 #: Exit code if loads of a reference did not converge with mesh refinement.
@@ -38,7 +42,7 @@ NOT_SETTLED = 5
 
 
 def exit_code(references: Iterable[Reference]) -> int:
-    """Return exit code `NOT_SETTLED` if loads of a reference did not converge with mesh refinement, otherwise 0."""
+    """Return the exit code for references: `NOT_SETTLED` if loads did not converge with mesh refinement, otherwise 0."""
     return NOT_SETTLED if any(reference.unsettled for reference in references) else 0
 
 
@@ -81,8 +85,6 @@ def run_compare(
     uncertainty. ``reference``: file of the user that replaces the 3D reference. Raises Refusal if no run of a scene
     converged.
     """
-    from rollbench.compare.commands.compare_output import models_table as compared_table
-    from rollbench.compare.commands.compare_output import older_times, start_lines, write_files
     from rollbench.compare.models.comparison import RULE, compared_models, comparison_rows, finest_bodies
     from rollbench.compare.results.base import as_text, with_schema
     from rollbench.compare.results.compared import answer_rows, answers_json, comparison_verdict
@@ -117,7 +119,7 @@ def run_compare(
             )
             warned = []
             headings, answers = answer_rows(whole)
-            yield from (as_text(answers, text_width(), headings), "", compared_table(whole.models, whole.itself), "")
+            yield from (as_text(answers, text_width(), headings), "", models_table(whole.models, whole.itself), "")
             if verbose:
                 yield from (whole.total.text, f"rule of rollbench check: {RULE}")
                 yield from (*start_lines(whole), *older_times(whole.models, whole.itself))
@@ -154,22 +156,29 @@ def run_compare(
 
 
 def contact_loads_table(scene: Scene, models: Sequence[ComparedLoads], reference: Reference) -> Any:
-    """Return a table, for the terminal, of the contact loads of models and reference at every contact of a scene."""
-    from rollbench.compare.commands.compare_output import contact_rows
+    """Return a table, for the terminal, of the contact loads of models and reference at every contact of a scene.
 
+    ``models``: loads of models and coarser meshes.
+    """
     listed = [{k.removesuffix("_N"): v for k, v in [*row.items()][1:]} for row in contact_rows(scene, models, reference)]
     return aligned_table(listed, ".2f", f"{scene.name}: contact loads / N")
 
 
 def together_lines(cycle: DutyCycle, each: ByCase) -> list[str]:
-    """Return lines for the terminal with the largest error and the life of each nut or bearing over a duty cycle."""
+    """Return lines for the terminal with the largest error and the life of each nut or bearing over a duty cycle.
+
+    ``each``: comparisons, by the name of the load case and the name of the nut or bearing.
+    """
     from rollbench.compare.results.comparison import together_json
 
     return [line for data in together_json(cycle, each) for line in ("", _answer_line(data))]
 
 
 def _answer_line(data: dict[str, Any]) -> str:
-    """Return a sentence on a model's largest error and its life over a duty cycle."""
+    """Return a sentence on a model's largest error and its life over a duty cycle.
+
+    ``data``: JSON summary of the comparison over all load cases, for one nut or bearing.
+    """
     lives, off = data["life_million_revolutions"], data["life_error_percent"]
     life = "no life over the duty cycle"
     if off is not None:
@@ -247,11 +256,11 @@ def compare(
 def run_rolling_compare(
     scenes: Sequence[KindScene], levels: tuple[int, ...] | None, store: Path, engine: Engine, *, fresh: bool, bodies: str
 ) -> Answer:
-    """Compare the low-order models of friction with the 3D model of rolling contact.
+    """Compare the low-order models of friction with the 3D model of rolling contact, and return a table for each scene.
 
-    ``levels``: mesh levels of the 3D model; None for all.
+    ``levels``: mesh levels of the 3D model; None: all. ``store``: folder of its stored runs. ``fresh``: compute stored runs
+    again. ``bodies``: "half-space", or "finite" for bodies of finite size.
     """
-    from rollbench.compare.commands.compare_output import rolling_table
     from rollbench.compare.studies.rolling.rows import rolling_comparison, without_infinity
 
     rows = rolling_comparison(scenes, levels, store, engine, fresh=fresh, bodies=bodies)
@@ -261,8 +270,9 @@ def run_rolling_compare(
 
 
 def rolling_scenes(names: Sequence[str], bodies: str, means_nothing: Mapping[str, bool]) -> list[KindScene]:
-    """Return the scenes if ``rollbench friction`` solves all of them only, or an empty list for whole screws and bearings.
+    """Return the scenes if all of them are scenes of friction; an empty list if all are whole screws and bearings.
 
+    ``names``: names or files of the scenes. ``bodies``: bodies of the 3D model, "half-space" or "finite".
     ``means_nothing``: arguments that have no effect on scenes of friction, each with whether it was used. Raises InputError
     for a mix of both sorts of scene, an unknown value of ``bodies``, finite bodies with whole screws, and for such an
     argument.
@@ -289,3 +299,151 @@ def rolling_scenes(names: Sequence[str], bodies: str, means_nothing: Mapping[str
         advice = "leave it out: it would change nothing"
         raise ArgumentError(argument, "this option for scenes of friction", "only for whole screws and bearings", advice)
     return rolling
+
+
+#: Headings of the table of models.
+MODEL_COLUMNS = ("model", "max err %", "at", "RMS %", "gate %", "max N", "mean N", "MPa", "uz um", "s")
+
+
+def start_lines(whole: Compared) -> list[str]:
+    """Return a line that states from which position displacements are measured; no line if it is the nominal position.
+
+    ``whole``: the comparison.
+    """
+    if not whole.start:
+        return []
+    return [
+        f"displacements of models and reference are measured from the position without loads, which is "
+        f"{1e6 * whole.start:.3g} um from the nominal position by the model {whole.judged_model.title}"
+    ]
+
+
+def _error_cells(b: ComparedLoads) -> list[str]:
+    """Return the cells of the table of models for one model or the reference, in the order of `MODEL_COLUMNS`."""
+    import numpy as np
+
+    from rollbench.compare.measure import mean_load
+
+    e, loads = b.error, b.answer.load[b.answer.load > 0.0]
+    at = "" if e is None else f"{e.ball} {e.side}".strip()
+    errors = () if e is None else (f"{e.max_percent:.2f}", at, f"{e.rms_percent:.2f}", f"{b.by_gate:.2f}")
+    return [
+        b.title,
+        *(errors or [""] * 4),
+        f"{loads.max(initial=0.0):.1f}",
+        f"{mean_load(loads, b.contacts):.1f}",
+        f"{1e-6 * b.pressure:.0f}",
+        f"{1e6 * b.displacement:.3f}" if np.isfinite(b.displacement) else "–",
+        "" if not b.answer.seconds or b.answer.measured else f"{b.answer.seconds:.{0 if b.answer.seconds >= 10.0 else 2}f}",
+    ]
+
+
+def models_table(models: Sequence[ComparedLoads], itself: ComparedLoads) -> RenderableType:
+    """Return the table of models and coarser meshes with their errors; the reference is in the first row.
+
+    ``models``: loads and errors of models and coarser meshes. ``itself``: loads of the reference.
+    """
+    return plain_table(MODEL_COLUMNS, map(_error_cells, (itself, *models)), MODEL_COLUMNS[:1])
+
+
+def older_times(models: Sequence[ComparedLoads], itself: ComparedLoads) -> list[str]:
+    """Return lines with the computing times of stored runs, and with which version and computer they were measured.
+
+    ``models``: results of models and coarser meshes. ``itself``: results of the reference. The table of models has only
+    times that were measured now.
+    """
+    by_stamp: dict[str, list[str]] = {}
+    for b in (itself, *models):
+        if b.answer.seconds and b.answer.measured:
+            by_stamp.setdefault(b.answer.measured, []).append(f"{b.title} {b.answer.seconds:.0f} s")
+    return [f"stored times, measured with {stamp}: {', '.join(times)}" for stamp, times in by_stamp.items()]
+
+
+def contact_rows(scene: Scene, models: Sequence[ComparedLoads], reference: Reference) -> list[dict[str, Any]]:
+    """Return a row for each loaded contact: load of the reference, its uncertainty, and loads of the models [N].
+
+    ``models``: loads of models and coarser meshes, (n, 4) [N] each.
+    """
+    import numpy as np
+
+    from rollbench.meshes.parts import SIDES
+
+    rows = []
+    loaded = (reference.load > 0.0) | np.any([b.answer.load > 0.0 for b in models], axis=0)
+    for i, s in zip(*np.nonzero(loaded), strict=True):
+        row: dict[str, Any] = {"scene": scene.name, "ball": int(i) + 1, "side": SIDES[int(s)]}
+        row |= {"reference_N": float(reference.load[i, s])}
+        row |= {"uncertainty_N": float(reference.uncertainty[i, s])}
+        rows.append(row | {f"{b.title}_N": float(b.answer.load[i, s]) for b in models})
+    return rows
+
+
+def load_figure(name: str, models: Sequence[ComparedLoads], reference: Reference) -> Figure:
+    """Return the figure of contact loads over the ball number, with a panel for each loaded groove flank of the screw.
+
+    ``name``: file name of the figure. ``models``: loads of models and coarser meshes, of which only the models are drawn.
+    """
+    from rollbench.compare.models.registry import is_model
+    from rollbench.compare.results.compared import OURS
+    from rollbench.compare.sections.curves import load_curve, load_panel
+    from rollbench.meshes.parts import SIDES
+    from rollbench.reports.content import Figure
+
+    panels = []
+    for s in (0, 1):
+        if not (reference.load[:, s] > 0.0).any():
+            continue
+        series = [load_curve(reference.label, reference, s, emphasis=True, bar=reference.uncertainty)]
+        series += [load_curve(b.title, b.answer, s, "line") for b in models if b.label == OURS or is_model(b.label)]
+        panels.append(load_panel(f"screw's flank {SIDES[s]}", *series))
+    return Figure(name, "Contact loads: prediction and reference", panels)
+
+
+def write_files(scene: Scene, models: Sequence[ComparedLoads], reference: Reference, store: Path) -> str:
+    """Write the loads of all contacts (CSV) and their figure (SVG) to the folder ``store``.
+
+    ``models``: loads of models and coarser meshes. Returns a line that names both files.
+    """
+    from rollbench.compare.files import write_csv, write_figure
+
+    rows = contact_rows(scene, models, reference)
+    stem = store / f"{scene.name}-compare"
+    write_csv(Path(f"{stem}.csv"), rows)
+    figure = write_figure(Path(f"{stem}.svg"), load_figure("compare-loads", models, reference))
+    return f"wrote {stem}.csv (every contact) and {figure}"
+
+
+#: Columns of the table of rolling contact after the quantity: attribute of a row, heading, number format.
+ROLLING_COLUMNS = (
+    ("low", "low-order", ".5g"),
+    ("reference", "3D", ".5g"),
+    ("uncertainty", "+-", ".2g"),
+    ("error_percent", "error %", ".2f"),
+    ("uncertainty_percent", "+- %", ".2f"),
+    ("printed", "printed", ".5g"),
+    ("printed_ansys", "ANSYS", ".5g"),
+    ("flat", "3D flat", ".5g"),
+    ("rigid", "3D rigid", ".5g"),
+    ("half_space", "3D half space", ".5g"),
+)
+
+
+def rolling_table(name: str, rows: Sequence[RollingRow]) -> Any:
+    """Return the table that compares the low-order model of rolling contact with the 3D model and with printed values.
+
+    ``name``: name of the scene. ``rows``: values of one quantity each by all models.
+    """
+    from rollbench.compare.studies.rolling.rows import UNSTATED
+    from rollbench.compare.studies.rolling.rows import without_infinity
+
+    state = f" ({rows[0].load_state} load state{UNSTATED})" if rows[0].load_state else ""
+    title = f"{name}{state}: low-order model against the 3D model of rolling"
+    known = [without_infinity({key: getattr(r, key) for key, *_ in ROLLING_COLUMNS}) for r in rows]
+    cells = (
+        [f"{r.quantity} [{r.unit}]", *(cell(x[key], form) for key, _, form in ROLLING_COLUMNS)]
+        for r, x in zip(rows, known, strict=True)
+    )
+    table = ruled_table(title, ["quantity", *(heading for _, heading, _ in ROLLING_COLUMNS)], cells, ["quantity"])
+    table.caption = f"time of the low-order model: {1e3 * rows[0].low_seconds:.2f} ms, measured now; of the 3D model on "
+    table.caption += f"the finest grid: {rows[0].seconds:.2f} s, measured with {rows[0].measured_with}"
+    return table

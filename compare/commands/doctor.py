@@ -85,7 +85,8 @@ def run_doctor(store: Path) -> Answer:
 def _report_finding(name: str, found: str, lack: str, cost: str, advice: str, without: State = "missing") -> Check:
     """Return the result of a check: "ok" with the text ``found``, or, if ``lack`` is not empty, the state ``without``.
 
-    ``lack``: what is missing. ``cost``: effect if it is missing. ``advice``: remedy.
+    ``name``: name of the check. ``lack``: what is missing or wrong; empty: nothing. ``cost``: effect of this. ``advice``:
+    remedy.
     """
     return Check(name, without, lack, cost, advice) if lack else Check(name, "ok", found)
 
@@ -101,7 +102,10 @@ def _check_python() -> Iterator[Check]:
 
 
 def check_requirements() -> dict[str, str]:
-    """Return the oldest supported versions of the packages that rollbench needs, by name; empty if it is not installed."""
+    """Return the oldest supported version of each package that rollbench and its extras need, by name of the package.
+
+    The dictionary is empty if rollbench itself is not installed.
+    """
     from rollbench.meshes.libraries import EXTRA
 
     try:
@@ -189,7 +193,11 @@ def _check_folders(store: Path) -> Iterator[Check]:
 
 
 def _check_folder(name: str, folder: Path, cost: str, advice: str) -> Check:
-    """Return the check whether a folder can be written to and has enough free space; see `_report_finding`."""
+    """Return the check whether a folder can be written to and has at least `DISC_GB` of free space.
+
+    ``name``: name of the check. ``cost``: effect if it cannot be used. ``advice``: remedy. A folder that does not exist is
+    checked at its nearest existing parent.
+    """
     from rollbench.compare.errors import InputError
     from rollbench.compare.files import need_writable
 

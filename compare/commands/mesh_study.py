@@ -139,8 +139,9 @@ def run_mesh_study(
 def all_rollers(names: Sequence[str], means_nothing: Mapping[str, bool], where: ComputeOptions | None) -> bool:
     """Return whether all scenes have tapered roller bearings, for which `run_roller_study` is used.
 
-    Raises InputError if only some scenes have rollers, or if one of the options ``means_nothing`` was used, which have no
-    effect on rollers.
+    ``names``: names or files of the scenes. ``means_nothing``: options that have no effect on rollers, each with whether it
+    was used. ``where``: options for parallel runs, which have no effect either. Raises InputError if only some scenes have
+    rollers, or if one of these options was used with rollers.
     """
     from rollbench.compare.errors import ArgumentError
     from rollbench.compare.scenes import catalogue

@@ -37,7 +37,8 @@ def run_printed(sources: Sequence[str], only: Sequence[str], write: Path | None 
 def choose_entries(study: Study, sources: Sequence[str] = (), only: Sequence[str] = ()) -> list[Evidence]:
     """Return the chosen printed numbers and claims with their computed values, in the order of the tables.
 
-    ``study`` stores the computed values; the other arguments are those of `run_printed`.
+    ``study`` stores the computed values. ``sources``: names of publications; if empty, all. ``only``: names of printed
+    tables and entries ("table:key"); if empty, all of these publications. Raises InputError for an unknown name.
     """
     from rollbench.compare.case import every_case
     from rollbench.compare.evidence import computations, evidence
@@ -54,7 +55,10 @@ def choose_entries(study: Study, sources: Sequence[str] = (), only: Sequence[str
 
 
 def _check_known(argument: str, given: Sequence[str], names: Sequence[str]) -> None:
-    """Raise ArgumentError for the first name in ``given`` that is not in ``names``."""
+    """Raise ArgumentError, with similar names, for the first name in ``given`` that is not in ``names``.
+
+    ``argument``: name of the argument that is refused.
+    """
     from rollbench.compare.files import did_you_mean, similar_names
 
     for word in given:
@@ -65,7 +69,11 @@ def _check_known(argument: str, given: Sequence[str], names: Sequence[str]) -> N
 
 
 def printed_entries_json(rows: Sequence[Evidence], changed: Sequence[str]) -> dict[str, Any]:
-    """Return the judged entries as JSON, with counts of the verdicts, misprints, and numbers that are not compared."""
+    """Return the judged entries as JSON, with counts of the verdicts, misprints, and numbers that are not compared.
+
+    ``rows``: printed numbers and claims with their verdicts. ``changed``: texts on verdicts that differ from the expected
+    ones.
+    """
     from rollbench.compare.evidence import counts, misprints, numbers_left_out
 
     return {
@@ -102,7 +110,11 @@ def entry_json(e: Evidence) -> dict[str, Any]:
 
 
 def printed_entries_table(rows: Sequence[Evidence], changed: Sequence[str]) -> list[Any]:
-    """Return tables and lines for the terminal: verdicts by publication, all entries, and changed verdicts."""
+    """Return tables and lines for the terminal: verdicts by publication, all entries, and changed verdicts.
+
+    ``rows``: printed numbers and claims with their verdicts. ``changed``: texts on verdicts that differ from the expected
+    ones.
+    """
     from rich.table import Table
 
     from rollbench.compare.evidence import APART, counts, misprints, numbers_left_out, trust

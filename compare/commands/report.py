@@ -102,7 +102,10 @@ def report(
 
 
 def show_written_report(code: int, page: Path, wanted: bool) -> int:
-    """Show a page in the browser if ``wanted``, and return the exit code ``code`` unchanged."""
+    """Show a page in the browser if ``wanted``, and return the exit code ``code`` unchanged.
+
+    If this is wanted and the computer has no browser or no screen, a line says so.
+    """
     if wanted:
         screen = os.name == "nt" or sys.platform == "darwin" or any(map(os.environ.get, SCREENS))
         if not (screen and webbrowser.open(page.resolve().as_uri())):

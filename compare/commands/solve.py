@@ -1,7 +1,11 @@
-"""Command ``rollbench solve``: solves one scene, several side by side, a range of loads, or many specimens."""
+"""Command ``rollbench solve``: solves one scene, several side by side, a range of loads, or many specimens.
+
+It can also write the stiffness matrix for other programs, and the load curve.
+"""
 
 from __future__ import annotations
 
+import re
 import shlex
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -18,12 +22,14 @@ from rollbench.compare.text.printing import Answer, print_answer, ruled_table
 if TYPE_CHECKING:
     from rollbench.compare.models.load_cases import Solved, SolvedAxis
     from rollbench.compare.reference.jobs import Engine
+    from rollbench.compare.results.load_curve import LoadCurve
     from rollbench.compare.studies.members.members import Members
     from rollbench.lowfi.statics.result import StaticResult
     from rollbench.lowfi.statics.tangent import Tangent
     from rollbench.meshes.arrays import Array
     from rollbench.meshes.axis import Assembly
     from rollbench.meshes.parts import Scene
+    from rollbench.reports.content import Figure
 
 
 @dataclass(frozen=True)
@@ -89,7 +95,11 @@ def run_solve(name: str, choices: Choices) -> Answer:
 
 
 def _options_of_case(choices: Choices, name: str) -> Choices:
-    """Return the options for the load case ``name``; the name is added to that of the file for the stiffness matrix."""
+    """Return the options for one load case.
+
+    ``name``: name of the case, which is added to the file name for the stiffness matrix, so that each case has its own
+    file.
+    """
 
     def named(path: Path | None) -> Path | None:
         return None if path is None else path.with_stem(f"{path.stem}-{name}")
@@ -127,7 +137,8 @@ def _write_loads(path: Path, solved: Sequence[Solved | SolvedAxis], names: Seque
 def _check_parts(scene: Scene | Assembly, choices: Choices, station: float) -> None:
     """Raise InputError if options do not suit the scene.
 
-    The axial position ``station`` [m] must lie on the screw or shaft; some options exist for a single nut or bearing only.
+    ``station``: axial position of the requested stiffness [m], which must lie on the screw or shaft. Some options exist for
+    a single nut or bearing only.
     """
     from rollbench.meshes.axis import Assembly
 
@@ -174,8 +185,6 @@ def _check_choices(choices: Choices) -> tuple[str, float]:
         if not choices.stiffness_at:
             advice = "add `stiffness_at` with an axial position"
             raise ArgumentError("matrix", str(choices.matrix), "only with `stiffness_at`", advice)
-        from rollbench.compare.commands.solve_files import check_matrix
-
         check_matrix(choices.matrix)
     if choices.loads_csv is not None:
         from rollbench.compare.files import need_writable
@@ -193,7 +202,8 @@ def _check_choices(choices: Choices) -> tuple[str, float]:
 def _write_files(one: Solved | SolvedAxis, tangent: Tangent | None, choices: Choices) -> list[str]:
     """Write the stiffness matrix to the file that the user asked for; return a line that names the file, if any.
 
-    Raises InputError if a degree of freedom is fixed, so that the matrix has no finite stiffness there.
+    ``one``: solution of a load case. ``tangent``: its stiffness at the requested axial position. Raises InputError if a
+    degree of freedom is fixed, so that the matrix has no finite stiffness there.
     """
     import numpy as np
 
@@ -207,15 +217,17 @@ def _write_files(one: Solved | SolvedAxis, tangent: Tangent | None, choices: Cho
         allowed = "only if the shaft has no fixed degree of freedom there, whose stiffness would be infinite"
         raise ArgumentError("matrix", str(path), allowed, advice)
     if path is not None and K is not None:
-        from rollbench.compare.commands.solve_files import write_stiffness
-
         write_stiffness(path, K, f"tangent stiffness of {one.scene.name}, model {one.result.model}, {where}")
         lines.append(f"wrote {path}: the symmetric stiffness matrix in N, m and rad")
     return lines
 
 
 def _requested_stiffness(one: Solved | SolvedAxis, tangent: Tangent | None) -> tuple[Array | None, str]:
-    """Return the stiffness matrix (6, 6) [N, m, rad] that the user asked for, or None, and a text on where it acts."""
+    """Return the stiffness matrix (6, 6) [N, m, rad] that the user asked for, and a text on where it acts.
+
+    ``one``: solution of a load case. ``tangent``: stiffness of a single nut at the requested axial position. The matrix is
+    None if there is none.
+    """
     from rollbench.compare.models.load_cases import SolvedAxis
 
     if isinstance(one, SolvedAxis):
@@ -381,8 +393,6 @@ def run_curve(name: str, text: str, choices: Choices, csv_out: Path | None) -> A
         found = load_curve_of(catalogue.any_scene(name), text, model, options, name)
     lines = curve_lines(found, details=choices.verbose)
     if csv_out is not None:
-        from rollbench.compare.commands.solve_files import write_curve
-
         lines += write_curve(csv_out, found)
     return Answer(found.to_dict, lines, int(not found.converged or (choices.strict and bool(found.above))), folded=True)
 
@@ -409,7 +419,11 @@ def run_ensemble_command(
 
 
 def _statistics_table(title: str, headings: Mapping[str, str], rows: Mapping[str, dict[str, Any] | None]) -> Any:
-    """Return the table with the mean, scatter and quantiles of each output; outputs without statistics are left out."""
+    """Return the table with the mean, scatter and quantiles of each output over the specimens.
+
+    ``headings``: name of each output in the table, by its key. ``rows``: statistics of each output by its key; those of
+    None are left out.
+    """
     table = []
     for key, stats in rows.items():
         if stats is None:
@@ -448,9 +462,99 @@ def ensemble_table(members: Members, *, balls: bool = False) -> list[Any]:
 
 
 def _bands_table(data: dict[str, Any], width: float) -> Any:
-    """Return the table with quantiles of every contact load over the specimens; ``width``: their sampling error [N]."""
+    """Return the table with quantiles of every contact load over the specimens.
+
+    ``data``: JSON results of the specimens. ``width``: sampling error of the quantiles [N].
+    """
     keys = [key for key in (data["balls"][0] if data["balls"] else ()) if key != "quantile_0.5_N"]
     rows = ([v if isinstance(v := row[key], str) else f"{v:.4g}" for key in keys] for row in data["balls"])
     headings = (key.removesuffix("_N").replace("_", " ") for key in keys)
     title = f"contact loads / N over the specimens (sampling error of the quantiles: {width:.2g} N)"
     return ruled_table(title, headings, rows)
+
+
+#: Number of the grid point, and name of the matrix, in DMIG cards of Nastran.
+GRID, MATRIX_NAME = 1, "KNUT"
+
+
+def check_matrix(path: Path) -> None:
+    """Raise InputError if the suffix of a file for a stiffness matrix is unknown, or if the file cannot be written."""
+    from rollbench.compare.files import need_writable
+
+    if path.suffix.lower() not in (".mtx", ".dmig"):
+        allowed = "a name that ends in .mtx (Matrix Market) or .dmig (Nastran)"
+        raise ArgumentError("matrix", str(path), allowed, "change the suffix of the file")
+    need_writable(path)
+
+
+def write_stiffness(path: Path, matrix: Array, words: str) -> None:
+    """Write a stiffness matrix (6, 6) [N, m, rad] in the format that the suffix of the file names, .mtx or .dmig.
+
+    ``words``: comment in the file.
+    """
+    from rollbench.compare.files import replace_file
+
+    comment = re.sub(r"[^ -~]", "?", f"rollbench: {words}; ux uy uz rx ry rz; N, m, rad")
+    replace_file(path, matrix_market_text(matrix, comment) if path.suffix.lower() == ".mtx" else dmig_text(matrix, comment))
+
+
+def matrix_market_text(matrix: Array, comment: str) -> str:
+    """Return the text of a symmetric matrix in the Matrix Market format."""
+    import io
+
+    from scipy.io import mmwrite
+
+    stream = io.BytesIO()
+    mmwrite(stream, matrix, comment=comment, symmetry="symmetric", precision=16)
+    return stream.getvalue().decode("ascii")
+
+
+def dmig_text(matrix: Array, comment: str) -> str:
+    """Return the text of DMIG cards (Nastran) with a symmetric ``(6, 6)`` matrix at one grid point.
+
+    The cards have the lower triangle in double precision, in large fields of 16 columns.
+    """
+    lines = [f"$ {comment[i : i + 70]}" for i in range(0, len(comment), 70)]
+    lines.append(f"{'DMIG':<8}{MATRIX_NAME:<8}{0:>8}{6:>8}{2:>8}{0:>8}")
+    for column in range(6):
+        lines.append(f"{'DMIG*':<8}{MATRIX_NAME:<16}{GRID:>16}{column + 1:>16}{'':16}*")
+        for row in range(column, 6):
+            value = f"{matrix[row, column]:.9E}".replace("E", "D")
+            lines.append(f"{'*':<8}{GRID:>16}{row + 1:>16}{value:>16}{'':16}{'*' if row < 5 else ''}".rstrip())
+    return "\n".join(lines) + "\n"
+
+
+def write_curve(path: Path, curve: LoadCurve) -> list[str]:
+    """Write the points of a load curve (CSV) and its figure (SVG), and return a line that names both files.
+
+    InputError if a file cannot be written.
+    """
+    from rollbench.compare.files import write_csv, write_figure
+    from rollbench.compare.quantities import as_json
+
+    rows = [as_json(point) or {} for point in curve.points]
+    write_csv(path, rows)
+    picture = write_figure(path.with_suffix(".svg"), curve_figure(curve, rows))
+    return [f"wrote {path} and {picture}"]
+
+
+def curve_figure(curve: LoadCurve, rows: list[dict[str, Any]]) -> Figure:
+    """Return the figure of a load curve, with a panel over the load for each quantity that has values.
+
+    ``rows``: points of the curve as JSON values.
+    """
+    from rollbench.reports.content import Figure, Panel, Series
+
+    labels = {
+        "displacement_um": "displacement / µm",
+        "stiffness_N_per_um": "tangent stiffness / (N/µm)",
+        "largest_load_N": "largest contact load / N",
+        "friction_torque_Nmm": "friction torque / (N mm)",
+    }
+    panels = []
+    for column, label in labels.items():
+        known = [(1e-3 * row["load_N"], row[column]) for row in rows if row[column] is not None]
+        if known:
+            x, y = zip(*known, strict=True)
+            panels.append(Panel(label.split(" /")[0], "load / kN", label, [Series(curve.scene, x, y)], zero=True))
+    return Figure("load-curve", f"{curve.scene} over its load", panels)

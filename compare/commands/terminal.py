@@ -92,9 +92,10 @@ class ComputeOptions:
 
 
 def engine_of(where: ComputeOptions | None, here: int | None = None) -> Engine:
-    """Return the engine that computes runs where the user's options ask for it; InputError for unusable certificates.
+    """Return the engine that computes runs where the user's options ask for it.
 
-    ``here``: number of parallel runs on this computer, unless the user states it.
+    ``where``: options; None: this computer. ``here``: number of parallel runs on this computer, unless the options state
+    it. Raises InputError for certificates that cannot be used.
     """
     from rollbench.compare.reference.jobs import Engine
     from rollbench.compare.reference.parallel import use_tls

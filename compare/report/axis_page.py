@@ -95,7 +95,10 @@ def verdict_sentence(result: AxisResult, answers: AxisAnswers) -> str:
 
 
 def _sets_table(one: SolvedAxis) -> list[Table]:
-    """Return the table of force and stiffness of each nut or bearing and, if computed, the stiffness of the whole shaft."""
+    """Return the table of force and stiffness of each nut or bearing, and the stiffness of the whole shaft if computed.
+
+    ``one``: the solved shaft.
+    """
     result = one.result
     rows: list[Row] = [
         {Quantity(head, head, "", "s" if head == "set" else "g4"): text for head, text in row.items()}
@@ -114,7 +117,10 @@ def _sets_table(one: SolvedAxis) -> list[Table]:
 
 
 def _contacts_table(result: AxisResult) -> Iterator[Table]:
-    """Yield the table of all loaded ball contacts and that of all rollers, each if there are any."""
+    """Yield the table of all loaded ball contacts and that of all rollers, each if there are any.
+
+    ``result``: solution of a shaft with several nuts or bearings.
+    """
     names = [s.of.name for s in result.sets]
     rows: list[Row] = [
         {

@@ -81,7 +81,10 @@ class Standing:
 
 
 def model_family(point: TimePoint) -> str:
-    """Return the family of the model that a point of error and run time belongs to; all 3D meshes form one family."""
+    """Return the family of the model whose error and run time on a scene are given; all 3D meshes form one family.
+
+    The families are those of `FAMILIES`; a model of no family is its own, under its label.
+    """
     if point.kind != "model":
         return SOLID
     return next((family for family, names in FAMILIES if point.name in names), point.label)
@@ -90,15 +93,16 @@ def model_family(point: TimePoint) -> str:
 def error_or_uncertainty(point: TimePoint) -> float:
     """Return the largest error of a model or mesh on a scene [% of the mean load].
 
-    For the finest mesh level, which is the reference, its grid uncertainty is returned.
+    ``point``: its errors and run time. For the finest mesh level, which is the reference, its grid uncertainty is returned.
     """
     return point.high if point.error == 0.0 and point.high is not None else point.error
 
 
 def by_gate(point: TimePoint) -> Largest:
-    """Return the largest error of a model or mesh on a scene by the gate's rule [%], with the ends of its uncertainty.
+    """Return the largest error of a model or mesh on a scene as ``rollbench check`` (the gate) judges it [%].
 
-    For the finest mesh level, which is the reference, the error is replaced by its grid uncertainty.
+    ``point``: its errors and run time. The error has the ends of its range due to the grid uncertainty. For the finest mesh
+    level, which is the reference, the error is replaced by its grid uncertainty.
     """
     return replace(point.gate, error=point.gate.high) if point.gate.error == 0.0 else point.gate
 
@@ -120,7 +124,10 @@ def median_errors(points: Mapping[str, Sequence[TimePoint]]) -> list[Standing]:
 
 
 def _median_error_of(label: str, group: Sequence[tuple[str, TimePoint]]) -> Standing:
-    """Return errors and run time of one model or mesh level; ``group`` has its points with the names of their scenes."""
+    """Return medians and maxima over the scenes of errors and run time of one model or mesh level.
+
+    ``label``: its name in tables. ``group``: names of the scenes, each with errors and run time of the model on it.
+    """
     first = group[0][1]
     errors = [error_or_uncertainty(p) for _, p in group]
     k = int(np.argmax(errors))
@@ -145,7 +152,8 @@ def _median_error_of(label: str, group: Sequence[tuple[str, TimePoint]]) -> Stan
 def pareto_front(found: Sequence[Standing]) -> list[Standing]:
     """Return the Pareto-optimal models and mesh levels, fastest first.
 
-    No other model or mesh level has both a smaller median error by the gate's rule and a shorter cold start.
+    ``found``: errors and run times of all models and mesh levels. No other one has both a smaller median error by the
+    gate's rule and a shorter cold start.
     """
     best: list[Standing] = []
     for one in sorted((s for s in found if s.cold is not None), key=lambda s: (s.cold, s.gate.error)):
@@ -215,7 +223,10 @@ def screw_panel(screws: Mapping[str, Array]) -> Panel:
 
 
 def further_figure(points: Mapping[str, Sequence[TimePoint]]) -> Figure:
-    """Draw the largest error of each model and mesh level over the time of a further load case of the same scene."""
+    """Draw the largest error of each model and mesh level over the time of a further load case of the same scene.
+
+    ``points``: errors and run times of each model and mesh level, by scene.
+    """
     warm = {name: [replace(p, cold=p.warm) for p in several if p.warm is not None] for name, several in points.items()}
     panel = _time_panel(warm, median_errors(warm), "run time of a further load case / s", all_names=True)
     return Figure(
@@ -228,13 +239,19 @@ def further_figure(points: Mapping[str, Sequence[TimePoint]]) -> Figure:
 
 
 def screw_errors(points: Sequence[Point]) -> dict[str, Array]:
-    """Return the sorted largest errors on all compared screws [% of the mean load], by model, without bearings."""
+    """Return the sorted largest errors on all compared screws [% of the mean load], by model, without bearings.
+
+    ``points``: errors of one model on one scene each.
+    """
     of_screws = [p for p in points if p.features["lead"] > 0.0]
     return {model: np.sort([p.percent for p in of_screws if p.model == model]) for model in KINDS}
 
 
 def gate_errors(points: Sequence[Point]) -> dict[str, Array]:
-    """Return the largest errors on all compared screws by the gate's rule [%], by model, without bearings."""
+    """Return the largest errors on all compared screws by the gate's rule [%], by model, without bearings.
+
+    ``points``: errors of one model on one scene each. The gate is ``rollbench check``.
+    """
     known = [(p.model, p.gate_percent) for p in points if p.features["lead"] > 0.0 and p.gate_percent is not None]
     return {model: np.array([error for name, error in known if name == model]) for model in KINDS}
 
@@ -247,9 +264,9 @@ def _time_panel(
     Parameters
     ----------
     points
-        Error and run time of each model and mesh level, by scene.
+        Errors and run times of each model and mesh level, by scene; the field ``cold`` is the drawn time [s].
     found
-        Medians of each model and mesh level.
+        Medians over the scenes of each model and mesh level.
     label
         Label of the time axis.
     all_names
@@ -297,7 +314,10 @@ def _time_panel(
 
 
 def _is_drawn(point: TimePoint, family: str) -> bool:
-    """Return whether a point of error and run time is drawn with a family of models: it converged and has an error."""
+    """Return whether the error of a model on a scene is drawn with a family of models.
+
+    It is drawn if the model is of this family, converged, and has an error above zero.
+    """
     return point.status == "converged" and error_or_uncertainty(point) > 0.0 and model_family(point) == family
 
 
@@ -416,7 +436,10 @@ LIMITS = (
 
 
 def models_figure(found: Sequence[Standing]) -> Figure:
-    """Draw the largest error of each model and mesh level: bar for the median over the scenes, marker for the maximum."""
+    """Draw the largest error of each model and mesh level: bar for the median over the scenes, marker for the maximum.
+
+    ``found``: errors of each model and mesh level over the shipped scenes.
+    """
     rows = [float(k) for k in range(1, len(found) + 1)]
     series = (
         Series("median over the scenes", [s.median for s in found], rows, "bars"),
@@ -438,7 +461,10 @@ def models_figure(found: Sequence[Standing]) -> Figure:
 
 
 def standing_table(found: Sequence[Standing]) -> Table:
-    """Return the table of errors and run times of each model and mesh level over the shipped scenes."""
+    """Return the table of errors and run times of each model and mesh level over the shipped scenes.
+
+    ``found``: errors and run times of each model and mesh level.
+    """
     rows: list[Row] = [
         {
             "name": s.name,
@@ -466,7 +492,10 @@ def standing_table(found: Sequence[Standing]) -> Table:
 
 
 def make_section(study: Study, step: Callable[[str], None]) -> Section:
-    """Return the first section of the report: summary of errors, coverage and limits, with the main figures and tables."""
+    """Return the first section of the report: summary of errors, coverage and limits, with the main figures and tables.
+
+    ``step`` is called with each line of progress.
+    """
     step("error against run time, every model and mesh on every scene")
     points = study.once(all_points, step)
     title = "Errors of each model and mesh level on the shipped scenes"
@@ -492,9 +521,10 @@ def make_section(study: Study, step: Callable[[str], None]) -> Section:
 
 
 def largest_total(study: Study, found: Mapping[str, Reference]) -> float | None:
-    """Return the largest total uncertainty of the 3D reference among the case studies [%]; None without case studies.
+    """Return the largest total uncertainty of the 3D reference among the case studies [% of the mean load].
 
-    It combines the uncertainties by mesh, modelling choices and input tolerances.
+    It combines the uncertainties by mesh, modelling choices and input tolerances. ``found``: 3D reference of each scene, by
+    name of the scene. Returns None if no case study is among them.
     """
     totals = [total(study.scene(name), ref).percent for name, ref in found.items() if name in REFERENCED]
     return max(totals, default=None)
@@ -549,14 +579,20 @@ def quantity_table(study: Study) -> Table:
 
 
 def gate_word(study: Study, rung: Rung) -> str:
-    """Return the gate's verdict, at its default limit, on a model's contact loads on a scene, such as "pass"."""
+    """Return the verdict of ``rollbench check``, at its default limit, on a model's contact loads on a scene.
+
+    ``rung``: solution of the scene by the model. The verdict is "pass", "fail" or "undecided".
+    """
     reference = study.reference(rung.scene)
     assert reference is not None  # a rung stands against one
     return judge(rung.model, rung.result.load, reference, Limits())[0].word
 
 
 def contact_figure(study: Study, found: Mapping[str, Reference]) -> Figure:
-    """Draw the computed load over the reference load of every contact of every scene, both divided by the mean load."""
+    """Draw the computed load over the reference load of every contact of every scene, both divided by the mean load.
+
+    ``found``: 3D reference of each scene, by name of the scene.
+    """
     series = []
     for model in KINDS:
         x, y, names = [], [], []

@@ -118,7 +118,10 @@ PLACED = (
 
 
 def _with_cases() -> tuple[ReportPart, ...]:
-    """Return all parts of the report in the order of the pages: those of `PLACED`, and pages of further publications."""
+    """Return all parts of the report in the order of the pages: those of `PLACED`, and pages of further publications.
+
+    A publication whose page is not among those of `PLACED` gets a part of its own.
+    """
     placed = {part.page for part in PLACED}
     cases = (case for case in every_case() if case.page and case.name not in placed)
     added = [ReportPart(case.name, case.name, case.page, package=case.package) for case in cases]
@@ -145,7 +148,10 @@ def arrange_pages(by_name: Mapping[str, Sequence[Section]]) -> list[Page]:
 
 
 def first_sentence(sections: Sequence[Section]) -> str:
-    """Return the summary sentence of a page: the first conclusion of its sections, else the number of each verdict."""
+    """Return the summary sentence of a page: the first conclusion of its sections, else the number of each verdict.
+
+    ``sections``: sections of the page. The sentence is empty if no section has a conclusion or a table of verdicts.
+    """
     text = next((section.conclusion for section in sections if section.conclusion), "")
     if text:
         return text
@@ -218,7 +224,10 @@ def parts_that_can_run(
 
 
 def missing_features(sections: Iterable[Section]) -> list[LeftOut]:
-    """Return the entry on 3D pictures if they cannot be drawn on this machine; an empty list if nothing is missing."""
+    """Return the entry on 3D pictures if they cannot be drawn on this machine; an empty list if nothing is missing.
+
+    ``sections``: sections of the report, which may contain 3D pictures.
+    """
     left = []
     if any(isinstance(item, LoadedScrew | FieldPicture) for section in sections for item in section.items) and (
         why := drawing_fault()
@@ -257,7 +266,8 @@ class LiveCheck:
 def live_check(stores: Sequence[Path] | None, step: Callable[[str], None]) -> LiveCheck | None:
     """Recompute one shipped run of the 3D reference without cache, and compare its contact loads with the stored ones.
 
-    Returns None if the run is not stored.
+    ``stores``: folders with runs of the 3D reference; None: the runs shipped with rollbench. ``step`` is called with each
+    line of progress. Returns None if the run is not stored.
     """
     scene = catalogue.scene(CHECKED)
     stored = load_run(scene, LEVEL, stores=stores)

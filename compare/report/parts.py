@@ -29,7 +29,10 @@ def scene_text(name: str) -> str:
 
 
 def notes_section(result: StaticResult | AxisResult, warnings: Sequence[str] = ()) -> Section:
-    """Return the section on warnings, assumptions and neglected effects of a solution."""
+    """Return the section on warnings, assumptions and neglected effects of a solution.
+
+    ``warnings``: further warnings, which are listed before those of the solution.
+    """
     items: list[Text | Table | Figure] = []
     warned = (*warnings, *result.warnings)
     for head, lines in (("Warning", warned), ("Assumption", result.assumed), ("Neglected", result.left_out)):
@@ -63,7 +66,7 @@ def answers_table(rows: Sequence[AnswerRow], title: str, note: str = "") -> Tabl
 
 
 def source_code_hash() -> dict[str, str]:
-    """Return the SHA-256 of the program's source code, by the name under which a page states it."""
+    """Return the SHA-256 of the program's source code, under the name by which a page states it, as a dictionary."""
     return {SOURCES: sources_hash()}
 
 

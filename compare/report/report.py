@@ -61,10 +61,13 @@ def report_provenance() -> dict[str, str]:
 
 
 class Progress:
-    """Printer of progress lines for a report: the section being made, its steps, and the elapsed time."""
+    """Printer of progress lines for a report: number and name of the section that is made, its steps, the elapsed time."""
 
     def __init__(self, total: int, say: Step) -> None:
-        """Start the clock and the count of sections, of which there are ``total``; ``say`` is called with each line."""
+        """Start the clock and the count of sections.
+
+        ``total``: number of sections. ``say``: function that prints a line.
+        """
         self.total, self.count, self.say = total, 0, say
         self.start = perf_counter()
 
@@ -74,12 +77,16 @@ class Progress:
         self.say(f"[{self.count}/{self.total}] {name} ({perf_counter() - self.start:.1f} s)")
 
     def step(self, text: str) -> None:
-        """Print a line, indented, on a step within the present section."""
+        """Print a line, indented, on a step within the section that is being made."""
         self.say(f"      {text}")
 
 
 def compute_references(study: Study, engine: Engine, step: Step, *, fresh: bool = False) -> None:
-    """Compute the runs of the 3D reference that the report needs and that are not stored; all of them if ``fresh``."""
+    """Compute the runs of the 3D reference that the report needs and that are not stored.
+
+    ``engine``: engine that computes the runs. ``step`` is called with each line of progress. ``fresh``: whether stored runs
+    are computed again. The runs are written to the study's first folder of stored runs; nothing is done if it has none.
+    """
     from rollbench.compare.models.comparison import REFERENCED
     from rollbench.compare.models.modelling import REFINED, VARIED
     from rollbench.compare.reference.jobs import all_variants, ensure, expected_cost, plan, refinements
@@ -112,7 +119,7 @@ def save_uncertainty_experience(stores: Sequence[Path]) -> None:
     """Store the two parts of the uncertainty of the 3D reference that are estimated from all compared scenes.
 
     One is the part of the discretisation uncertainty that the mesh levels of a single scene do not show; the other is due
-    to modelling choices. Both are written to the first of the stores (folders of runs).
+    to modelling choices. ``stores``: folders of runs, to the first of which both are written.
     """
     from rollbench.compare.models import uncertainty
     from rollbench.compare.models.modelling import VARIED, combine_effects, varied
@@ -143,7 +150,10 @@ def requested_parts(only: Sequence[str], *, quick: bool = False) -> list[ReportP
 
 
 def parts_of_case_page(name: str) -> list[ReportPart]:
-    """Return the parts of the report's page on a publication, such as "lin"; InputError if there is no such page."""
+    """Return the parts of the report's page on a publication.
+
+    ``name``: name of the publication's case, such as "lin". Raises InputError if it has no page.
+    """
     with_page = [case.name for case in every_case() if case.page]
     if name not in with_page:
         raise ArgumentError("source", f'"{name}"', ", ".join(with_page), "choose a publication that has a page")
@@ -153,7 +163,7 @@ def parts_of_case_page(name: str) -> list[ReportPart]:
 def save_model_form(study: Study) -> None:
     """Store the errors of the models against the 3D reference, from which ``rollbench solve`` estimates its errors.
 
-    They are written to the first store (folder of runs) of the study.
+    They are written to the study's first folder of stored runs.
     """
     from rollbench.compare.models.applicability import save_descriptors
     from rollbench.compare.models.model_form import save_points
@@ -166,7 +176,10 @@ def save_model_form(study: Study) -> None:
 
 
 def _make_part(part: ReportPart, step: Step, study: Study) -> Sequence[Section]:
-    """Return the sections of one part of the report; for the part "ladder" also store the errors of the models."""
+    """Return the sections of one part of the report; for the part "ladder" also store the errors of the models.
+
+    ``step`` is called with each line of progress.
+    """
     path, _, function = part.module.partition(":")
     module = import_module(f"{part.package}.{path}")
     usual = (
@@ -181,7 +194,7 @@ def _make_part(part: ReportPart, step: Step, study: Study) -> Sequence[Section]:
 def _make_in_worker(
     parts: Sequence[ReportPart], tables: Sequence[str], given: tuple[Any, ...], say: Step, *, keeping: bool
 ) -> tuple[dict[str, Sequence[Section]], Study]:
-    """Make sections of the report in a worker process; return them by part, with the scenes and evidence they used.
+    """Make sections of the report in a worker process.
 
     Parameters
     ----------
@@ -195,6 +208,11 @@ def _make_in_worker(
         Called with each line of progress.
     keeping
         Whether compliance data of bodies are stored on disk, as on the command line.
+
+    Returns
+    -------
+    dict, Study
+        Sections by the name of their part, and a study with the scenes and evidence that they used.
     """
     if keeping:
         cache.switch_on()
@@ -379,7 +397,10 @@ def make_report(
 
 
 def require_single_scene(names: Sequence[str], **given: Any) -> None:
-    """Raise InputError if there is no scene, or if an argument that needs a single scene is used with several."""
+    """Raise InputError if there is no scene, or if an argument that needs a single scene is used with several.
+
+    ``names``: names or files of the scenes. ``given``: values of such arguments by their names; None: not used.
+    """
     if not names:
         allowed, advice = "at least one name or file of a scene", "name a scene"
         raise ArgumentError("scene", "an empty list", allowed, advice)

@@ -59,7 +59,10 @@ SKETCH = "Screw, nut and balls of the scene, to scale near the nut; hatched: sur
 
 @contextmanager
 def writing_to_folder(out: Path) -> Iterator[None]:
-    """Turn errors on writing to the folder ``out`` into InputError; also raise it if the folder holds foreign files."""
+    """Turn errors on writing to the folder ``out`` inside the ``with`` block into InputError.
+
+    InputError is also raised, before the block, if the folder contains files that do not belong to a report.
+    """
     from rollbench.reports.pages import check_target
 
     try:
@@ -105,7 +108,11 @@ def make_page(name: str, stores: Sequence[Path], file: Path | None = None) -> Sc
 
 
 def _page_of_cases(name: str, cycle: DutyCycle, stores: Sequence[Path], file: Path | None) -> ScenePage:
-    """Return the page of the load case with the highest pressure, preceded by the results of all cases together."""
+    """Return the page of the load case with the highest pressure, preceded by the results of all cases together.
+
+    ``name``: name or file of the scene. ``stores``: folders with stored runs of the 3D reference. ``file``: file with
+    contact loads that replaces the 3D reference. Raises Refusal if no load case converges and loads a contact.
+    """
     solved = [solve_any(case.scene, default_model(case.scene), Options()) for case in cycle.cases]
     names = [case.name for case in cycle.cases]
     whole = cycle_results(cycle, solved)
@@ -144,7 +151,12 @@ def _page_of_cases(name: str, cycle: DutyCycle, stores: Sequence[Path], file: Pa
 def _page_of_scene(
     name: str, scene: Scene, stores: Sequence[Path], file: Path | None = None, case: str | None = None
 ) -> ScenePage:
-    """Return the page on the results of one load case of a scene with one set of balls."""
+    """Return the page on the results of one load case of a scene with one set of balls.
+
+    ``name``: name or file of the scene. ``stores``: folders with stored runs of the 3D reference. ``file``: file with
+    contact loads that replaces the 3D reference. ``case``: name of the load case, to which the rows of the file are
+    restricted. Raises Refusal if the scene has no solution.
+    """
     study, warnings = Study(stores, scenes={scene.name: scene}), list[str]()
 
     given = None if file is None else references_from_file(file, scene, warnings.append, case=case)[0].found
@@ -205,7 +217,10 @@ class ReferenceComparison:
 
 
 def compare_with_reference(given: Reference, result: StaticResult) -> ReferenceComparison:
-    """Compare the computed contact loads with those of the user's reference file."""
+    """Compare the computed contact loads with those of the user's reference file.
+
+    ``given``: contact loads of the file. ``result``: the solution.
+    """
     error = load_error(result.load, given.load, given.contacts)
     return ReferenceComparison(error, uncertainty_percent(given), given.stated)
 
@@ -251,7 +266,10 @@ def verdict_sentence(
 
 
 def _loads_section(scene: Scene, result: StaticResult, references: Sequence[Reference]) -> Section:
-    """Return the section on loads and pressures of all contacts, next to the loads of the references."""
+    """Return the section on loads and pressures of all contacts, next to the loads of the references.
+
+    ``references``: the user's reference file and the stored 3D reference, as far as they exist.
+    """
     panels = []
     pressure = 1e-6 * own_hertz(scene, specimen(scene, ball_layout(scene), result.member)).pressure(result.load)
     for s, side in enumerate(SIDES[:2]):
@@ -279,7 +297,10 @@ def _loads_section(scene: Scene, result: StaticResult, references: Sequence[Refe
 
 
 def _stiffness_section(answers: Answers, tangent: Tangent) -> Section:
-    """Return the section on stiffness: axial rigidities by ISO 3408-4 and by the model, and the 6 x 6 tangent stiffness."""
+    """Return the section on stiffness: axial rigidities by ISO 3408-4 and by the model, and the 6 x 6 tangent stiffness.
+
+    ``answers``: results derived from the contact loads. ``tangent``: stiffness of the screw at the nut's centre.
+    """
     three = answers.rigidities
     names = (
         "contacts alone (R_b/t), formula at the nominal contact angle",
@@ -321,6 +342,9 @@ def _error_section(
 
     It shows the errors measured against references with their validation uncertainty u_val, the error to expect, and
     whether the scene lies in the range of the scenes that were compared with the 3D reference.
+
+    ``worth``: error to expect. ``judged``: errors measured against the stored 3D reference; empty without one.
+    ``reference``: this reference. ``given``: comparison with the user's reference file; None: no file.
     """
     items: list[Text | Table | Figure] = []
     if given is not None:
@@ -367,7 +391,10 @@ def _picture_of_scene(scene: Scene, result: StaticResult) -> LoadedScrew:
 
 
 def _hash_files(scene: Scene, reference: Reference | None, stores: Sequence[Path]) -> dict[str, str]:
-    """Return the SHA-256 of the program's code, the data of the error estimate and the reference runs, by file name."""
+    """Return the SHA-256 of the program's code, the data of the error estimate and the reference runs, by file name.
+
+    ``reference``: 3D reference whose runs were used; None: none. ``stores``: folders in which its runs are looked up.
+    """
     paths = [shipped_store() / FILE]
     for run in () if reference is None else reference.runs:
         paths += [p for store in stores if (p := path_in(store, scene, run)).exists()][:1]
@@ -375,7 +402,11 @@ def _hash_files(scene: Scene, reference: Reference | None, stores: Sequence[Path
 
 
 def _scene_provenance(name: str, scene: Scene, text: str, reference: Reference | None, file: Path | None) -> dict[str, str]:
-    """Return what the page states on its origin: scene file, versions, date, and the reference runs that were used."""
+    """Return what the page states on its origin: scene file, versions, date, and the reference runs that were used.
+
+    ``name``: name or file of the scene. ``text``: its TOML text. ``reference``: 3D reference; None: not stored. ``file``:
+    the user's file of contact loads; None: no file.
+    """
     out = page_provenance(name, scene, text, DEFAULT)
     if reference is not None:
         runs = "; ".join(
@@ -397,7 +428,8 @@ PLAY = (-10e-6, -5e-6, -2e-6, 0.0, 2e-6)
 def friction_section(scene: Scene, result: StaticResult, options: Options) -> Section | None:
     """Return the section on friction: torque, losses by contact and cause, and effects of coefficient and play.
 
-    Returns None if the scene has no friction coefficient.
+    ``result``: static solution without friction. ``options``: options of the model. Returns None if the scene has no
+    friction coefficient.
     """
     if scene.friction is None:
         return None
@@ -449,7 +481,7 @@ def friction_section(scene: Scene, result: StaticResult, options: Options) -> Se
 
 
 def _time_of_one_turn(scene: Scene, motion: Motion) -> Time:
-    """Return the time span over which friction is computed: that of the scene, or the time of one turn.
+    """Return the time span over which friction is computed: that of the scene or, if it states none, the time of one turn.
 
     For a bearing (no lead) it is the time in which the ball pattern repeats, one ball pitch.
     """
@@ -458,7 +490,10 @@ def _time_of_one_turn(scene: Scene, motion: Motion) -> Time:
 
 
 def _torque_over_turn(run: TransientRun) -> list[Panel]:
-    """Return the panel of friction torque over angle, total and of the grooves alone; empty if the run did not start."""
+    """Return the panel of friction torque over the angle of rotation, of all contacts and of those with the grooves.
+
+    ``run``: friction over time. The list is empty if the computation over time did not start.
+    """
     h = run.history
     if not h.begun:
         return []
@@ -471,7 +506,10 @@ def _torque_over_turn(run: TransientRun) -> list[Panel]:
 
 
 def _torque_over_coefficient(solved: StaticallySolved, result: StaticResult) -> Panel:
-    """Return the panel of friction torque over the friction coefficient, with the scene's value marked."""
+    """Return the panel of friction torque over the friction coefficient, with the scene's value marked.
+
+    ``solved``: the scene with its friction. ``result``: its static solution under the loads.
+    """
     given = solved.friction
     values = np.geomspace(*MEASURED, 7)
     torques = [1e3 * solved.torque(result, replace(given, screw=mu, nut=mu, balls=None)) for mu in values]
@@ -482,7 +520,10 @@ def _torque_over_coefficient(solved: StaticallySolved, result: StaticResult) -> 
 
 
 def _torque_over_play(solved: StaticallySolved) -> Panel:
-    """Return the panel of friction torque over a change of the radius of all balls, which changes the play."""
+    """Return the panel of friction torque over a change of the radius of all balls, which changes the play.
+
+    ``solved``: the scene with its friction. The static equilibrium is solved again for each radius.
+    """
     scene, torques = solved.scene, []
     for play in PLAY:
         balls = replace(scene.errors.balls, oversize=scene.errors.balls.oversize + play)

@@ -157,7 +157,10 @@ def number_rows(labels: Sequence[str], pages: Sequence[ScenePage]) -> list[Row]:
 
 
 def _group_rank(key: tuple[str, str]) -> int:
-    """Return the position of a result's group in `GROUPS`, by which rows are sorted; unknown groups come last."""
+    """Return the position of a result's group in `GROUPS`, by which rows are sorted; unknown groups come last.
+
+    ``key``: name of the group and key of the result.
+    """
     groups = [split_unit(group)[0] for group in GROUPS]
     return groups.index(key[0]) if key[0] in groups else len(groups)
 
@@ -165,7 +168,7 @@ def _group_rank(key: tuple[str, str]) -> int:
 def _numbers_of_summary(summary: Mapping[str, Any], group: str = "") -> Iterator[tuple[tuple[str, str], float]]:
     """Yield the numbers in the summary of a scene's JSON results, each as ((group, key), value).
 
-    ``group`` replaces the name of the group, if it is not empty.
+    ``group``: name that replaces those of the groups; empty: the groups keep their names.
     """
     for name in GROUPS:
         table = summary.get(name)

@@ -39,7 +39,10 @@ BINS, NEAR = 24, 2.0
 
 
 def survey_section(study: Study, step: Callable[[str], None]) -> Section:
-    """Return the section on randomly drawn catalogue screws: histogram of errors, errors near nut faces, all screws."""
+    """Return the section on randomly drawn catalogue screws: histogram of errors, errors near nut faces, all screws.
+
+    ``step`` is called with each line of progress.
+    """
     step("stored results of the randomly drawn screws")
     every = survey.shipped_survey()["scenes"]
     scenes = survey.known_screws()
@@ -237,7 +240,8 @@ def _unseen_screws_items(first: list[dict[str, Any]], further: list[dict[str, An
 def _face_distances_and_errors(scenes: Sequence[Mapping[str, Any]], model: str) -> Array:
     """Return the distance of the outermost ball from a nut face and a model's largest error, for each random screw.
 
-    Shape (n, 2); distances in ball radii, errors in per cent of the mean load.
+    ``scenes``: stored results of the screws. ``model``: name of the model. The array is (n, 2): distance [ball radii], and
+    error [% of the mean load].
     """
     rows = [
         (min(r["low_face_radii"], r["high_face_radii"]), found["largest_percent"])
@@ -270,13 +274,19 @@ def survey_figure(scenes: Sequence[Mapping[str, Any]]) -> Figure:
 
 
 def _median_errors_near_faces(errors: Array) -> str:
-    """Return as text the median error of screws whose outermost ball is near a nut face, and that of the others."""
+    """Return as text the median error of screws whose outermost ball is near a nut face, and that of the others.
+
+    ``errors``: distance of the outermost ball [ball radii] and largest error [% of the mean load] of each screw, (n, 2).
+    """
     near = errors[:, 0] < NEAR
     return " and ".join(f"{np.median(errors[one, 1]):.2g} %" for one in (near, ~near) if one.any())
 
 
 def make_section(study: Study, step: Callable[[str], None]) -> Section:  # noqa: ARG001 - every section takes the study
-    """Return the section on numerical stability: which formulations solve each stiff or extreme scene."""
+    """Return the section on numerical stability: which formulations solve each stiff or extreme scene.
+
+    ``study`` is not used. ``step`` is called with each line of progress.
+    """
 
     def progress(done: int, total: int, case: str) -> None:
         if done % 10 == 0 or done == total:

@@ -35,7 +35,8 @@ Tables = Mapping[str, list[dict[str, str]]]
 def read_tables(report: Path) -> Tables:
     """Read all tables of a report from its CSV files, and return their rows by name of the table.
 
-    Raises InputError for a folder that does not contain a report.
+    ``report``: folder of the report. A row has the text of each cell by the heading of its column. Raises InputError for a
+    folder that does not contain a report, or a damaged file.
     """
     if not (report / "index.html").is_file() or not (report / "tables").is_dir():
         advice = "write a report to compare with: rollbench report"
@@ -55,8 +56,8 @@ def read_tables(report: Path) -> Tables:
 def moved_tables(old: Tables, new: Tables) -> Iterator[str]:
     """Yield a line of text for each difference between the tables of two reports.
 
-    Rows are matched by the texts of their cells, or by their position if the texts differ. Measured run times and memory
-    are not compared.
+    ``old``, ``new``: rows of each table, by name of the table. Rows are matched by the texts of their cells, or by their
+    position if the texts differ. Measured run times and memory are not compared.
     """
     for name in dict.fromkeys((*old, *new)):
         if name not in old or name not in new:
@@ -69,7 +70,10 @@ def moved_tables(old: Tables, new: Tables) -> Iterator[str]:
 
 
 def _table_differences(old: Sequence[dict[str, str]], new: Sequence[dict[str, str]]) -> Iterator[str]:
-    """Yield a line of text for each difference between the old and the new version of a table."""
+    """Yield a line of text for each difference between the old and the new version of a table.
+
+    ``old``, ``new``: rows of the table, with the text of each cell by the heading of its column.
+    """
     before, after = _rows_by_text(old), _rows_by_text(new)
     if before.keys() != after.keys() and len(old) == len(new):
         before, after = ({f"row {k + 1}": row for k, row in enumerate(rows)} for rows in (old, new))
@@ -101,7 +105,10 @@ def _number_or_text(text: str) -> float | None:
 
 
 def _cell_difference(where: str, old: str | None, new: str | None) -> Iterator[str]:
-    """Yield a line of text if the old and the new version of a cell differ by more than round-off."""
+    """Yield a line of text if the old and the new text of a cell differ, numbers by more than the tolerance `SAME`.
+
+    ``where``: row and column of the cell, for the line. A text of None means that the column does not exist.
+    """
     if old == new:
         return
     if old is None or new is None:
@@ -149,7 +156,8 @@ def report_folder(report: Path) -> Path:
 def check_report_hashes(report: Path, stores: Sequence[Path]) -> Iterator[HashCheck]:
     """Compare every hash in a report's manifest, of its files and inputs, with the hash computed now.
 
-    Files that the manifest does not name are also yielded. Raises InputError for a damaged manifest.
+    ``report``: folder or first page of the report. ``stores``: folders with runs of the 3D reference. Files that the
+    manifest does not name are also yielded. Raises InputError for a damaged manifest.
     """
     folder = report_folder(report)
     try:
@@ -165,9 +173,10 @@ def check_report_hashes(report: Path, stores: Sequence[Path]) -> Iterator[HashCh
 
 
 def read_first_page(report: Path) -> tuple[str, dict[str, Any]]:
-    """Read a page written by `rollbench report SCENE`, and return its HTML text and its data blocks.
+    """Read a page written by `rollbench report SCENE`.
 
-    ``report`` is the path of the page or of its folder. Raises InputError for a file that is no such page.
+    ``report`` is the path of the page or of its folder. Returns the HTML text, and manifest, scene file and results by the
+    names "manifest", "scene" and "results". Raises InputError for a file that is no such page.
     """
     path = report / "index.html" if report.is_dir() else report
     try:
@@ -179,7 +188,11 @@ def read_first_page(report: Path) -> tuple[str, dict[str, Any]]:
 
 
 def check_page_hashes(html: str, blocks: dict[str, Any], stores: Sequence[Path]) -> Iterator[HashCheck]:
-    """Compare every hash in a page's manifest (page, scene, results, code, stored runs) with the hash computed now."""
+    """Compare every hash in a page's manifest (page, scene, results, code, stored runs) with the hash computed now.
+
+    ``html``: text of the page. ``blocks``: its manifest, scene file and results by these names. ``stores``: folders with
+    runs of the 3D reference.
+    """
     manifest = blocks["manifest"]
     carried = {
         "page": sha256(without_manifest(html)),
@@ -195,7 +208,8 @@ def check_page_hashes(html: str, blocks: dict[str, Any], stores: Sequence[Path])
 def run_verify(report: Path, store: Path) -> Answer:
     """Check all hashes of a report or page, and return lines for the terminal and the exit code, 1 if any hash differs.
 
-    Raises InputError for a file without manifest.
+    ``report``: folder or first page of the report. ``store``: folder with runs of the 3D reference, used besides the
+    shipped runs. Raises InputError for a file without manifest.
     """
     stores = (store, shipped_store(), report_folder(report))  # the last one: pages of several scenes
     whole = (report_folder(report) / FILE).is_file()
@@ -264,7 +278,10 @@ def _results_without_times(results: dict[str, Any]) -> dict[str, Any]:
 
 
 def result_differences(old: Any, new: Any, path: str = "") -> Iterator[str]:
-    """Yield a line of text for each difference between two JSON results; numbers that differ by round-off are equal."""
+    """Yield a line of text for each difference between two JSON results; numbers that differ by round-off are equal.
+
+    ``path``: keys that lead to the compared values, joined by dots, for the lines.
+    """
     if isinstance(old, dict) and isinstance(new, dict):
         for key in dict.fromkeys((*old, *new)):
             yield from result_differences(old.get(key), new.get(key), f"{path}.{key}" if path else str(key))

@@ -75,7 +75,10 @@ def as_text(rows: Sequence[Sequence[str]], width: int, headings: Sequence[str] =
 
 
 def _is_number(rows: Sequence[Sequence[str]], headings: Sequence[str], k: int) -> bool:
-    """Return whether column ``k`` of a table contains numbers, and so is right-aligned."""
+    """Return whether column ``k`` of a table contains numbers, and so is right-aligned.
+
+    ``rows``: texts of each row, one for each heading. The first column and the columns of units and notes are left-aligned.
+    """
     return k > 0 and headings[k] not in ("unit", "note") and any(re.match(r"[+-]?\d", row[k]) for row in rows)
 
 
@@ -106,7 +109,7 @@ def as_html(rows: Sequence[Sequence[str]], headings: Sequence[str] = HEADINGS) -
 
 
 def with_schema(data: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the JSON values of a result with the version number of the format added as the first key, ``schema``."""
+    """Return the JSON values ``data`` of a result, with the version number of the format added as first key, ``schema``."""
     return {"schema": SCHEMA, **data}
 
 
@@ -259,7 +262,10 @@ class Record(ABC):
         return as_html(self.table(), self.headings) + "".join(f"<p>{html.escape(note)}</p>" for note in self._notes)
 
     def _at(self, path: str) -> JSON:
-        """Return the JSON value under keys joined by dots; a KeyError lists the available keys."""
+        """Return the JSON value at the keys ``path``, joined by dots; an empty path gives all values.
+
+        Raises KeyError, with the available keys, if a key does not exist.
+        """
         value: JSON = self.to_dict()
         for key in path.split(".") if path else ():
             if not isinstance(value, dict) or key not in value:
@@ -283,9 +289,9 @@ def deprecated(what: str, instead: str) -> None:
 
 
 def _flatten_record(value: JSON, name: str, of_all: str = "") -> Iterator[tuple[str, JSON, str]]:
-    """Yield the name, value and unit of every single value inside a JSON value; None and lists of records are left out.
+    """Yield (name, value, unit) of every single value inside a JSON value; None and lists of records are left out.
 
-    ``name``: name of the whole, put before each name. ``of_all``: unit of the values whose key does not end with one.
+    ``name``: words put before the name of each value. ``of_all``: unit of the values whose key does not end with a unit.
     """
     if isinstance(value, dict):
         for key, inner in value.items():

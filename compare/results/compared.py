@@ -46,7 +46,7 @@ OURS = "stored 3D reference"
 
 @dataclass(frozen=True)
 class ComparedLoads:
-    """Results of one model, of a coarser mesh or of the reference itself in a comparison, with the errors of the loads."""
+    """Contact loads of one model, of a coarser mesh or of the reference, with their errors and the results that follow."""
 
     #: Contact loads and displacements.
     answer: Loads
@@ -89,11 +89,11 @@ def model_errors(
     scene
         Scene with a single nut or bearing.
     answer
-        Contact loads of a model or of the reference.
+        Contact loads and displacements of a model or of the reference.
     ref
         The reference; None: no errors are computed.
     start
-        Axial displacement of the screw without loads [m]; it is subtracted from the displacement.
+        Axial displacement of the screw in the scene without external loads [m]; it is subtracted from the displacement.
     contacts
         Number of contacts that are loaded in the screw without geometric errors; None: computed from the scene.
 
@@ -142,7 +142,7 @@ def compared(
     of: SetOfAssembly | None = None,
     ours: Reference | None = None,
 ) -> Compared:
-    """Compare models with a reference, and also the reference's coarser meshes and the mesh of the publication.
+    """Compare models with a reference; the reference's coarser meshes and the mesh of the publication are compared too.
 
     Parameters
     ----------
@@ -151,13 +151,13 @@ def compared(
     models
         Models to compare.
     reference
-        The reference.
+        The reference: contact loads of the 3D finite-element model, or of a user's file.
     stores
         Folders with runs of the 3D reference.
     of
         The nut or bearing on a shaft with several that ``scene`` represents; None if the scene has only one.
     ours
-        Stored 3D reference that is compared too if ``reference`` comes from a user; otherwise None.
+        Stored 3D reference that is compared too if ``reference`` comes from a user's file; otherwise None.
 
     Returns
     -------
@@ -190,20 +190,30 @@ def compared(
 
 
 def solve_and_compare(model: Model, scene: Scene, reference: Reference, stores: Sequence[Path]) -> SetSolution:
-    """Solve a scene with a single nut or bearing by a low-order model, once with and once without its external loads."""
+    """Solve a scene with a single nut or bearing by a low-order model, once with and once without its external loads.
+
+    ``reference``: 3D reference whose condensed bodies a model may need. ``stores``: folders with runs of the 3D reference.
+    The time of the solution with loads is measured.
+    """
     result, seconds = solve_and_time(model, scene, reference, stores)
     bare = solve_scaled(scene, 0.0, model.name, options_for(model, scene, reference, stores, "interpreted"))
     return SetSolution(result, bare, seconds, scene)
 
 
 def points_of_other_scenes(reference: Reference) -> list[Point]:
-    """Return the points from which expected errors are estimated, without those of the reference's own scene."""
+    """Return the errors on compared scenes from which expected errors are estimated, without those of the same scene.
+
+    ``reference``: reference of the scene whose errors are left out.
+    """
     own = {reference.scene, *(run.scene for run in reference.runs)}
     return [point for point in shipped_points() if point.scene not in own]
 
 
 def loads_and_rigidities(b: ComparedLoads) -> dict[str, Any]:
-    """Return as JSON the loads of a model or the reference, and the rigidity, pressure and life that follow from them."""
+    """Return as JSON the loads of a model or the reference, and the rigidity, pressure and life that follow from them.
+
+    ``b``: the loads. Forces are in N, displacements in um, rigidities in N/um.
+    """
     stiff = b.force / b.displacement if b.displacement * b.force > 0.0 else None
     axial = as_json(
         Axial(b.force, b.displacement, stiff),
@@ -216,7 +226,10 @@ def loads_and_rigidities(b: ComparedLoads) -> dict[str, Any]:
 
 
 def answers_json(whole: Compared, reference: Reference) -> dict[str, Any]:
-    """Return a comparison as JSON: verdict, mesh levels and uncertainty of the reference, errors, and all results."""
+    """Return a comparison as JSON: verdict, mesh levels and uncertainty of the reference, errors, and all results.
+
+    ``whole``: the comparison of models with ``reference``.
+    """
     error, expected = whole.judged_model.error, whole.expected
     return {
         "scene": reference.scene,
@@ -234,12 +247,15 @@ def answers_json(whole: Compared, reference: Reference) -> dict[str, Any]:
 
 
 def is_finest_reference_run(answer: Loads, reference: Reference) -> bool:
-    """Return whether loads are those of the reference's finest run, with which all others are compared."""
+    """Return whether contact loads are those of the reference's finest run, against which all errors are computed."""
     return answer.model == f"3D level {reference.best.level}"
 
 
 def levels_text(reference: Reference, total: LoadUncertainty) -> str:
-    """Return a text on the uncertainty and the mesh levels of the reference, or what a user's reference file states."""
+    """Return a text on the uncertainty and the mesh levels of the reference.
+
+    ``total``: uncertainty of the comparison. For a reference from a user's file, the text is what the file states.
+    """
     if reference.stated:
         return total.stated
     levels = ", ".join(str(run.level) for run in reference.runs)
@@ -249,7 +265,10 @@ def levels_text(reference: Reference, total: LoadUncertainty) -> str:
 
 
 def comparison_verdict(whole: Compared, reference: Reference) -> str:
-    """Return one sentence on a comparison: measured and expected error of the judged model, and the uncertainty."""
+    """Return one sentence on a comparison: measured and expected error of the judged model, and the uncertainty.
+
+    ``whole``: the comparison of models with ``reference``.
+    """
     b, worth, e = whole.judged_model, whole.expected, whole.judged_model.error
     off = expected = ""
     if e is not None:

@@ -259,7 +259,11 @@ def make_comparison(described: Described, pairs: Pairs, warnings: Sequence[str])
 
 
 def _combine_sets(name: str, described: Described | None, pairs: Pairs, warnings: Sequence[str]) -> Comparison:
-    """Combine the comparisons of all nuts and bearings of a scene with one load case."""
+    """Combine the comparisons of all nuts and bearings of a scene with one load case.
+
+    ``name``: name of the scene or load case. ``described``: the scene; None for one of several load cases. ``pairs``:
+    reference and comparison of each nut or bearing.
+    """
     first, whole = pairs[0]
     if first.of is None:
         return _single_set_comparison(name, first, whole, described, warnings)
@@ -276,7 +280,11 @@ def _combine_sets(name: str, described: Described | None, pairs: Pairs, warnings
 def _single_set_comparison(
     name: str, one: Referenced, whole: Compared, described: Described | None, warnings: Sequence[str]
 ) -> Comparison:
-    """Convert the comparison ``whole`` of one nut or bearing with its reference ``one`` to the record that users get."""
+    """Convert the comparison of one nut or bearing with its reference to the record that users get.
+
+    ``name``: name of the comparison. ``one``: the reference. ``whole``: the comparison. ``described``: the scene; None for
+    a load case, or for one of several nuts or bearings.
+    """
     found, t = one.found, whole.total
     return Comparison(
         scene=name,
@@ -297,7 +305,7 @@ def _single_set_comparison(
 
 
 def _contact_loads_json(b: ComparedLoads) -> dict[str, Any]:
-    """Return the fields of a `Loads` record, by name, for a model or the reference."""
+    """Return the fields of a `Loads` record, by name, for the model or reference ``b``; angles are converted to radians."""
     life = b.found.life
     return {
         "name": b.label,
@@ -312,7 +320,7 @@ def _contact_loads_json(b: ComparedLoads) -> dict[str, Any]:
 
 
 def _model_json(b: ComparedLoads, one: Referenced) -> ModelLoads:
-    """Return the contact loads of a model with their errors against the reference."""
+    """Return the contact loads of the model ``b`` with their errors against the reference ``one``."""
     assert b.error is not None, "a model has errors"
     errors = np.asarray(error_percent(b.answer.load, one.found.load, one.found.mean))
     e = b.error
@@ -328,7 +336,10 @@ def _model_json(b: ComparedLoads, one: Referenced) -> ModelLoads:
 
 
 def _set_json(whole: Compared, one: Referenced) -> dict[str, Any]:
-    """Return the comparison of a single nut or bearing as a dictionary of JSON values."""
+    """Return the comparison of a single nut or bearing with its reference as a dictionary of JSON values.
+
+    ``whole``: the comparison. ``one``: the reference.
+    """
     found = one.found
     return {
         "scene": found.scene,
@@ -619,7 +630,7 @@ class CycleSummary:
 
 
 def together_json(cycle: DutyCycle, each: ByCase) -> list[dict[str, Any]]:
-    """Summarise a comparison over all load cases of a duty cycle.
+    """Summarise a comparison of models with the reference over all load cases of a duty cycle.
 
     Parameters
     ----------
@@ -638,7 +649,10 @@ def together_json(cycle: DutyCycle, each: ByCase) -> list[dict[str, Any]]:
 
 
 def _summary_json(cycle: DutyCycle, name: str, each: ByCase) -> dict[str, Any]:
-    """Return the JSON summary of a comparison over all load cases, for the nut or bearing called ``name``."""
+    """Return the JSON summary of a comparison over all load cases, for the nut or bearing called ``name``.
+
+    ``each``: comparisons, by the name of the load case and the name of the nut or bearing. Lives are in 10^6 revolutions.
+    """
     by_case = [(case, each[case.scene.name, name]) for case in cycle.cases]
     errors = [
         (whole.judged_model.error.max_percent, case.name) for case, whole in by_case if whole.judged_model.error is not None

@@ -518,7 +518,10 @@ def ensemble_from_json(data: Mapping[str, Any]) -> Ensemble:
 
 
 def _outputs_from_json(each: Mapping[str, Any]) -> dict[str, Statistics | None]:
-    """Convert the JSON statistics of outputs to records, by the output's name; None if an output has no statistics."""
+    """Convert the JSON statistics of outputs to records, by the output's name; None if an output has no statistics.
+
+    ``each``: JSON statistics by the output's name, such as the largest load.
+    """
     return {name: None if x is None else _statistics_from_json(x) for name, x in each.items()}
 
 
@@ -614,7 +617,10 @@ def survey_from_json(data: Mapping[str, Any]) -> Survey:
 
 
 def _statistics_from_json(x: Mapping[str, Any]) -> Statistics:
-    """Convert the JSON statistics of one output to a record."""
+    """Convert the JSON statistics of one output to a record.
+
+    Quantiles are read from the keys ``quantile_0.05`` etc. of a sweep, or from the list ``quantiles`` of an ensemble.
+    """
     quantiles = {float(k.removeprefix("quantile_")): v for k, v in x.items() if k.startswith("quantile_")}
     quantiles |= {float(one["level"]): one["value"] for one in x.get("quantiles", ())}
     return Statistics(**(from_json(Statistics, x) | {"quantiles": quantiles}))

@@ -55,7 +55,7 @@ class Table(NamedTuple):
     records: tuple[tuple[str, type], ...]
 
     def paths(self) -> Iterator[tuple[str, Stated]]:
-        """Yield the last part of the JSON path of every number in the table, with its definition."""
+        """Yield the end of the JSON path of every number in the table, such as ``loads.max_N``, with its definition."""
         for where, kind in self.records:
             for _, one in stated_in(kind):
                 if one.definition:
@@ -195,7 +195,7 @@ TABLES = (
 
 @cache
 def _known_definitions() -> tuple[tuple[re.Pattern[str], Stated], ...]:
-    """Return the pattern of the JSON path and the definition of every number in `TABLES`, in their order."""
+    """Return a pattern of the JSON path and the definition of every number in `TABLES`, in their order."""
     return tuple((_path_pattern(path), one) for table in TABLES for path, one in table.paths())
 
 

@@ -54,7 +54,8 @@ def read_load_range(text: str) -> LoadRange:
     Parameters
     ----------
     text
-        ``LOW:HIGH``, optionally followed by the number of points, direction and place; see `rollbench.load_curve`.
+        ``LOW:HIGH``, optionally followed by the number of points, the direction, and the axial position or housing; see
+        `rollbench.load_curve`.
 
     Returns
     -------
@@ -102,8 +103,8 @@ def read_load_range(text: str) -> LoadRange:
         allowed = f"LOW below HIGH, and 2 to {MOST} points"
         raise ArgumentError("curve", units.toml_text(text), allowed, f"write {FORM}")
     if factors and (direction != AXES["z"] or at is not None):
-        allowed = "a direction or place only for forces with a unit, since factors keep direction and place of the loads"
-        raise ArgumentError("curve", units.toml_text(text), allowed, "leave out direction and place, or write forces")
+        allowed = "a direction or position only for forces with a unit, because factors change neither"
+        raise ArgumentError("curve", units.toml_text(text), allowed, "leave out direction and position, or write forces")
     return LoadRange(tuple(np.linspace(low, high, points).tolist()), factors, direction, at)
 
 
@@ -225,7 +226,7 @@ def load_curve(scene: Scene | Assembly, course: LoadRange, model: str = "", opti
     """Solve a scene over a range of loads, for displacement, stiffness and backlash.
 
     Forces replace the scene's loads. They act at the nut's centre, or for several nuts or bearings on one shaft where the
-    scene's loads act, unless ``course`` states another place. Factors multiply all loads of the scene; the curve is then
+    scene's loads act, unless ``course`` states another point. Factors multiply all loads of the scene; the curve is then
     plotted over the first of these loads.
 
     Parameters
@@ -324,8 +325,10 @@ def _prepare_loading(
 ) -> tuple[Callable[[float], Scene | Assembly], Vector, float | str, float]:
     """Return a function that applies one load of the curve to the scene, and what that load is.
 
-    The further values are the direction of the force, its place (axial position [m] or housing), and the force [N] for a
-    load of 1, which is not 1 N if the loads are factors.
+    Returns, in this order: the function, which gets a force [N] or load factor and returns the scene under this load; the
+    unit vector of the force; the axial position [m] or housing on which it acts; and the force [N] for a load of 1, which
+    is not 1 N if the loads are factors. ``course``: range of loads. Raises ArgumentError if the range does not fit the
+    scene.
     """
     several = isinstance(scene, Assembly)
     at: float | str = _default_loaded_point(scene) if isinstance(scene, Assembly) else scene.nut.position
@@ -360,7 +363,10 @@ def _prepare_loading(
 
 
 def _default_loaded_point(assembly: Assembly) -> float | str:
-    """Return the axial position [m] or housing for which the scene asks the stiffness, or on which its first load acts."""
+    """Return the axial position [m] or housing for which the scene asks the stiffness, or on which its first load acts.
+
+    ``assembly``: shaft with several nuts or bearings.
+    """
     from rollbench.lowfi.statics.axis.system import reported_location  # imports the solver of several nuts and bearings
 
     return reported_location(assembly)
@@ -381,9 +387,11 @@ def _largest_load(loads: Any) -> float:
 def _lash_of_curve(
     course: LoadRange, moved: Callable[[float], float], top: float
 ) -> tuple[tuple[float, float] | None, str]:
-    """Return the displacements [m] at both ends of the backlash, and an empty text; None and the reason if not defined.
+    """Return the displacements [m] at the lower and upper end of the backlash, and an empty text.
 
-    ``moved``: function that returns the displacement [m] under a load. ``top``: largest absolute load.
+    If the backlash is not defined, returns None and a text with the reason. ``course``: range of loads. ``moved``: function
+    that returns the displacement [m] under a load. ``top``: largest absolute load. The end of the backlash is extrapolated
+    from vanishing loads; ends closer than the accuracy of this are made equal.
     """
     if not course.values[0] < 0.0 < course.values[-1]:
         return None, "all loads have the same sign"
@@ -401,9 +409,10 @@ def _lash_of_curve(
 
 
 def _chord_stiffness(end: CurvePoint, edge: float) -> float | None:
-    """Return the secant stiffness [N/m] from the end of the backlash, at the displacement ``edge`` [m], to the curve's end.
+    """Return the secant stiffness [N/m] between one end of the backlash and the curve's last point on that side.
 
-    None if there is no equilibrium at the curve's end.
+    ``end``: last point of the curve. ``edge``: displacement at the end of the backlash [m]. Returns None if there is no
+    equilibrium at the curve's last point.
     """
     moved = None if end.displacement is None else end.displacement - edge
     return end.load / moved if moved else None

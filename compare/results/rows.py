@@ -176,7 +176,11 @@ def compared_rows(
 
 
 def _tables_by_name(data: Mapping[str, Any]) -> Iterator[tuple[type, Mapping[str, Any], list[tuple[str, Stated]]]]:
-    """Yield for each of `GROUPS` its record, its values in the summary (empty if missing), and its quantities by key."""
+    """Yield for each of `GROUPS` its record class, its values in the JSON summary, and its quantities.
+
+    ``data``: JSON summary of a scene. The values are a mapping, empty if the summary does not contain the group. The
+    quantities are pairs of JSON key and definition.
+    """
     for group, kind in GROUPS:
         table = data.get(group) if group else data
         stated = [(x.key.removeprefix("torque."), x) for _, x in stated_in(kind)]
@@ -187,13 +191,19 @@ def _tables_by_name(data: Mapping[str, Any]) -> Iterator[tuple[type, Mapping[str
 
 
 def _name_of_table(x: Stated) -> tuple[str, str]:
-    """Return the name and the unit of a quantity as the tables show them."""
+    """Return the name and the unit of a quantity as the table of results shows them.
+
+    ``x``: definition of the quantity.
+    """
     name, unit = heading_of(x)
     return name, unit.replace("million revolutions", "1e6 rev")
 
 
 def _value_at(table: Mapping[str, Any], key: str) -> Any:
-    """Return the value at a key; a dot in the key leads into an inner table. Returns ... if there is no such key."""
+    """Return the value at a key of a JSON table; a dot in the key leads into an inner table.
+
+    Returns ``...`` (Ellipsis) if there is no such key.
+    """
     value: Any = table
     for name in key.split("."):
         value = value.get(name, ...) if isinstance(value, Mapping) else ...
@@ -201,7 +211,11 @@ def _value_at(table: Mapping[str, Any], key: str) -> Any:
 
 
 def _answer_row(table: Mapping[str, Any], key: str, x: Stated, worth: ModelForm | None, mean: float | None) -> Row | None:
-    """Return the table row of the quantity ``x``, whose value is at ``key``; None if a row cannot show its value."""
+    """Return the row of one quantity in the table of results; None if a row cannot show its value.
+
+    ``table``: JSON values of the quantity's group. ``key``: key of its value. ``x``: its definition. ``worth``: errors to
+    expect; None if they are not known. ``mean``: mean contact load [N].
+    """
     value = _value_at(table, key)
     if value in (None, ..., ""):
         return None
@@ -222,9 +236,11 @@ def _answer_row(table: Mapping[str, Any], key: str, x: Stated, worth: ModelForm 
 def _expected_error(
     value: float, expected: tuple[str, float], worth: ModelForm | None, mean: float | None
 ) -> tuple[float | None, str]:
-    """Return the expected error of a value, in its unit and as text in per cent; None and an empty text if not known.
+    """Return the expected error of a value, in the unit of the value and as text in per cent.
 
-    ``expected``: field of `ModelForm` with the error, and the factor on it. ``mean``: mean contact load [N].
+    ``expected``: field of `ModelForm` with the error in per cent, and the factor on it. ``worth``: errors to expect; None
+    if they are not known. ``mean``: mean contact load [N], which some errors are relative to. Returns None and an empty
+    text if the error is not known.
     """
     field, times = expected
     percent = getattr(worth, field) if worth is not None and field else None
@@ -236,7 +252,10 @@ def _expected_error(
 
 
 def _note_from_template(table: Mapping[str, Any], template: str) -> str:
-    """Return a note whose placeholders are replaced by values of the table; empty if one of them has no value."""
+    """Return the note ``template`` with its placeholders replaced by values of the table; empty if one has no value.
+
+    ``table``: JSON values by key.
+    """
     known = {key: shown(x) if isinstance(x, float) else x for key, x in table.items() if x is not None}
     values = {key: x.rstrip("0").rstrip(".") if isinstance(x, str) and "." in x else x for key, x in known.items()}
     try:
@@ -246,7 +265,10 @@ def _note_from_template(table: Mapping[str, Any], template: str) -> str:
 
 
 def _reasons_without_value(data: Mapping[str, Any], kind: type) -> Iterator[Row]:
-    """Yield rows that state why the quantities of the record class ``kind`` have no value."""
+    """Yield rows that state why the quantities of the record class ``kind`` have no value.
+
+    ``data``: JSON summary of the scene.
+    """
     preload, lost, drive = (data.get(key) or {} for key in ("preload", "contact_lost", "drive"))
     if kind is LoadSums and "loads" in data and data["loads"] is None:
         yield Row("contact loads", "none", note="no contact carries load")
@@ -267,7 +289,10 @@ def _reasons_without_value(data: Mapping[str, Any], kind: type) -> Iterator[Row]
 
 
 def _support_rows(path: LoadPath | None) -> Iterator[Row]:
-    """Yield a row for each support and each component of the external load of which the support carries a part."""
+    """Yield a row for each support and each component of the external load of which the support carries a part.
+
+    ``path``: parts of the external load that each support carries; None: no rows.
+    """
     if path is None:
         return
     for taker in path.takers:

@@ -36,7 +36,7 @@ LOST_BY = 100.0
 
 
 def per_side(row: Array) -> dict[str, float | None]:
-    """Return four values as a dictionary, by the names of the groove flanks SL, SR, NL, NR."""
+    """Return four values as a dictionary, by the names of the groove flanks SL, SR, NL, NR; None for a value of nan."""
     return {side: number(value) for side, value in zip(SIDES, row, strict=True)}
 
 
@@ -247,7 +247,10 @@ class CentrelinePoint:
 
 
 def sides_json(load: Array) -> dict[str, Any]:
-    """Return the `SideSums` of every groove flank with a loaded contact as JSON; ``load``: contact loads (n, 4) [N]."""
+    """Return the load summary (`SideSums`) of every groove flank with a loaded contact as JSON, by name of the flank.
+
+    ``load``: contact loads of n balls, (n, 4) [N].
+    """
     out = {}
     for side, values in zip(SIDES, load.T, strict=True):
         loaded = values[values > 0.0]
@@ -260,8 +263,8 @@ def sides_json(load: Array) -> dict[str, Any]:
 def loads_json(load: Array, contacts: int = 0) -> dict[str, Any] | None:
     """Return the summary of the contact loads of balls as JSON (`LoadSums`); None if no contact is loaded.
 
-    ``load``: contact loads, (n, 4) [N]. ``contacts``: number by which their sum is divided for the mean load, see
-    `compare.measure.mean_load`.
+    ``load``: contact loads of n balls on the four flanks, (n, 4) [N]. ``contacts``: number by which their sum is divided
+    for the mean load; 0: the number of loaded contacts.
     """
     loaded = load > 0.0
     if not loaded.any():
@@ -283,18 +286,29 @@ def roller_loads_json(load: Array) -> dict[str, Any] | None:
 
 
 def stiffness_json(station: float | None, status: str, matrix: Array) -> dict[str, Any] | None:
-    """Return a stiffness (6, 6) [N/m, N/rad, N m/rad] at an axial position [m] as JSON; null in fixed freedoms."""
+    """Return a stiffness matrix as JSON, with null in fixed degrees of freedom.
+
+    ``station``: axial position on the shaft [m]. ``status``: status of the solution. ``matrix``: stiffness, (6, 6) [N/m,
+    N/rad, N m/rad].
+    """
     return as_json(StiffnessAt(station, str(status), FREEDOMS, matrix))
 
 
 def life_json(life: Life | None, speed: float | None) -> dict[str, Any] | None:
-    """Return a rating life as JSON, also in hours if the speed [rad/s] is known; None if there is no life."""
+    """Return a rating life as JSON, also in hours if the speed is known; None if there is no life.
+
+    ``speed``: speed of rotation [rad/s]; None if it is not known.
+    """
     data = as_json(life)
     return data | {"L10_hours": number(life.hours(speed))} if data is not None and life and speed else data
 
 
 def contacts_json(answers: LoadAnswers | RollerAnswers, motion: Motion | None = None) -> dict[str, Any]:
-    """Return worst contact, static safety, life, load ratings and (for balls) ellipse truncation as JSON."""
+    """Return worst contact, static safety, life, load ratings and (for balls) ellipse truncation as JSON.
+
+    ``answers``: results from the contact loads of one nut or bearing. ``motion``: motion whose speed gives the life in
+    hours.
+    """
     if isinstance(answers, RollerAnswers):
         safety = as_json(answers.safety, "permanent_over_diameter", "allowed_over_diameter")
         data = (as_json(answers) or {}) | {"static_safety": safety, "rating_refused": None}
@@ -306,7 +320,7 @@ def contacts_json(answers: LoadAnswers | RollerAnswers, motion: Motion | None = 
 def answers_json(one: Solved) -> dict[str, Any]:
     """Return all results of a single nut or bearing as JSON, which is empty if there is no equilibrium.
 
-    Forces are in N, displacements in um, rigidities in N/um.
+    ``one``: the solved scene. Forces are in N, displacements in um, rigidities in N/um.
     """
     scene, answers = one.scene, one.answers
     if answers is None:
@@ -345,7 +359,10 @@ def torque_by_palmgren(parts: Scene, thrust: float) -> LoadTorque:
 
 
 def starting_torque_json(s: SetResult, answers: SetAnswers) -> dict[str, Any] | None:
-    """Return the starting torque of a preloaded ball bearing as JSON; None unless it carries thrust in one direction."""
+    """Return the starting torque of a preloaded ball bearing as JSON; None unless it carries thrust in one direction.
+
+    ``s``: solution of the bearing. ``answers``: its parts and its preload.
+    """
     parts, preload = answers.parts, answers.preload
     one_way = s.of.kind == "bearing" and s.of.thrust in ("+z", "-z")
     if not isinstance(parts, Scene) or not one_way or not (preload and preload.axial):
@@ -354,7 +371,11 @@ def starting_torque_json(s: SetResult, answers: SetAnswers) -> dict[str, Any] | 
 
 
 def set_json(s: SetResult, answers: SetAnswers | None, motion: Motion | None) -> dict[str, Any]:
-    """Return the JSON summary of one nut or bearing out of several on a shaft; empty without equilibrium."""
+    """Return the JSON summary of one nut or bearing out of several on a shaft; empty without equilibrium.
+
+    ``s``: its solution. ``answers``: results from its contact loads; None: only the loads on each flank are returned.
+    ``motion``: motion whose speed gives the life in hours.
+    """
     if not np.isfinite(s.loads).all():
         return {}
     data: dict[str, Any] = {} if s.balls is None else {"sides": sides_json(s.balls.load)}
@@ -379,8 +400,8 @@ def axis_stiffness_json(result: AxisResult) -> dict[str, Any] | None:
 def axis_summary_json(one: SolvedAxis) -> dict[str, Any]:
     """Return the JSON summary of several nuts or bearings on one shaft.
 
-    The summary has the loads on each groove flank, the axial force, displacement and rigidities, and the results of the nut
-    or bearing that has the worst contact.
+    ``one``: the solved shaft. The summary has the loads on each groove flank, the axial force, displacement and rigidities,
+    and the results of the nut or bearing that has the worst contact.
     """
     result, answers = one.result, one.answers
     if not result.converged:
@@ -461,7 +482,7 @@ def case_json(one: Solved | SolvedAxis, tangent: Tangent | None = None) -> dict[
 def expected_json(m: ModelForm | None, key: str) -> dict[str, float | None]:
     """Return the expected errors [%] of displacement, rigidity and pressure by name; None if no error can be estimated.
 
-    ``key``: template of the names, such as ``expected_{}_error_percent``.
+    ``m``: the errors to expect. ``key``: template of the names, such as ``expected_{}_error_percent``.
     """
     errors = {
         name: None if m is None else getattr(m, f"{name}_percent") for name in ("displacement", "rigidity", "pressure")
@@ -470,7 +491,10 @@ def expected_json(m: ModelForm | None, key: str) -> dict[str, float | None]:
 
 
 def discretisation_percent(scene: Scene, result: StaticResult) -> float | None:
-    """Return the error from the beam's discretisation [% of the mean contact load]; None if it was not estimated."""
+    """Return the error of the contact loads from the division of the beam into elements [% of the mean contact load].
+
+    Returns None if this error was not estimated.
+    """
     change = result.solver.discretisation
     if change is None:
         return None
@@ -478,7 +502,10 @@ def discretisation_percent(scene: Scene, result: StaticResult) -> float | None:
 
 
 def ball_rows(scene: Scene, balls: StaticResult) -> list[dict[str, Any]]:
-    """Return a JSON row for every ball: number from 1, position, loads, contact angles and pressures."""
+    """Return a JSON row for every ball: number from 1, position, loads, contact angles and pressures.
+
+    ``scene``: the nut or bearing. ``balls``: its solution.
+    """
     pressure = contact_pressures(scene, balls)
     rows = zip(balls.azimuth, balls.z, balls.load, balls.contact_angle, pressure, strict=True)
     return [as_json(BallRow(i, *row)) or {} for i, row in enumerate(rows, 1)]
@@ -542,7 +569,10 @@ def load_case_keys(cycle: DutyCycle, case: LoadCase) -> dict[str, Any]:
 
 
 def together_json(whole: CycleResults) -> dict[str, Any]:
-    """Return as JSON the extremes over all load cases and the lives over the duty cycle, or the reason for no life."""
+    """Return as JSON the extremes over all load cases and the lives over the duty cycle, or the reason for no life.
+
+    ``whole``: extremes and lives over all load cases. With several nuts or bearings, ``sets`` has the lives of each.
+    """
     several = len(whole.lives) != 1
     data = (as_json(whole, *([] if several else ["life_set", "axis_life"])) or {}) | _lives_json(whole.least, whole.speed)
     each = ({"name": lives.set} | _lives_json(lives, whole.speed) for lives in whole.lives)
@@ -550,5 +580,8 @@ def together_json(whole: CycleResults) -> dict[str, Any]:
 
 
 def _lives_json(lives: Lives, speed: float | None) -> dict[str, Any]:
-    """Return as JSON the lives of one nut or bearing over a duty cycle; ``speed``: mean speed [rad/s]."""
+    """Return as JSON the lives of one nut or bearing over a duty cycle, by the standards for which there is a life.
+
+    ``speed``: mean speed [rad/s], for the life in hours; None if it is not known.
+    """
     return {"life": life_json(lives.life, speed), **(as_json(lives) or {})}

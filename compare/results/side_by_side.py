@@ -189,7 +189,11 @@ def side_by_side_of(results: Sequence[Result], names: Sequence[str]) -> SideBySi
 
 
 def _alternative_from_result(whole: Result, name: str) -> Alternative:
-    """Return those results of a scene that are compared side by side, under the name ``name``."""
+    """Return those results of a scene that are compared side by side.
+
+    ``whole``: results of the scene; of a duty cycle, the first load case is used, and the life over all cases. ``name``:
+    name under which the scene is listed.
+    """
     first = next(iter(whole.cases.values()), whole)
     K, worst, life, system = first.stiffness, first.worst, whole.life, whole.axis_life
     running, starting, inertia = _torques_and_inertia(first)

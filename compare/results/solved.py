@@ -385,7 +385,10 @@ class Result(Record, Balls):
         return figure
 
     def _panels(self, case: str) -> Sequence[tuple[str, Array]]:
-        """Return title and contact loads (n, 4) [N] for each panel of `plot`; ``case`` is added to the titles."""
+        """Return title and contact loads (n, 4) [N] of each panel of `plot`: one for each nut or bearing and load case.
+
+        ``case``: text on the load case that is added to the titles.
+        """
         if self.cases:
             return [panel for name, one in self.cases.items() for panel in one._panels(f", case {name}")]
         several = {f", {name}": one.loads for name, one in self.sets.items()}
@@ -532,7 +535,11 @@ def make_result(
 
 
 def _load_case_result(one: Solved | SolvedAxis, tangent: Tangent | None, at_nut: Tangent | None) -> Result:
-    """Convert the solver's record of one load case to a result."""
+    """Convert the solver's record of one load case to a result.
+
+    ``tangent``: stiffness at the axial position that the user asked for. ``at_nut``: stiffness at the nut's centre. Both
+    are None if they were not computed.
+    """
     found = one.result
     head = Result(
         scene=one.scene.name,
@@ -550,7 +557,12 @@ def _load_case_result(one: Solved | SolvedAxis, tangent: Tangent | None, at_nut:
 
 
 def _fill_in_single_set(head: Result, one: Solved, tangent: Tangent | None, at_nut: Tangent | None) -> Result:
-    """Return ``head`` with the results of a scene that has a single nut or bearing filled in."""
+    """Return the result ``head`` of a scene with a single nut or bearing, with all quantities filled in.
+
+    ``one``: record of the solver. ``tangent``: stiffness at the axial position that the user asked for. ``at_nut``:
+    stiffness at the nut's centre. Both are None if they were not computed. Without equilibrium only the positions of the
+    balls are filled in.
+    """
     answers = one.answers
     balls = _ball_rows(one.scene, one.result, solved=answers is not None)
     if answers is None:
@@ -577,7 +589,10 @@ def _fill_in_single_set(head: Result, one: Solved, tangent: Tangent | None, at_n
 
 
 def _fill_in_axis(head: Result, one: SolvedAxis) -> Result:
-    """Return ``head`` with the results of several nuts or bearings on one shaft filled in."""
+    """Return the result ``head`` of a shaft with several nuts or bearings, with all quantities filled in.
+
+    ``one``: record of the solver. Without equilibrium only the names and positions of the nuts and bearings are filled in.
+    """
     found, answers = one.result, one.answers
     speed = None if one.scene.motion is None else one.scene.motion.speed
     each = [None] * len(found.sets) if answers is None else [*answers.sets]
@@ -608,7 +623,11 @@ def _fill_in_axis(head: Result, one: SolvedAxis) -> Result:
 
 
 def _set_result(s: SolvedSet, answers: SetAnswers | None, speed: float | None) -> SetResult:
-    """Convert the solver's record of one nut or bearing on a shaft to a result."""
+    """Convert the solver's record of one nut or bearing on a shaft to a result.
+
+    ``answers``: results from its contact loads; None if there is no equilibrium. ``speed``: speed of rotation [rad/s], for
+    the running time of the life; None if it is not known.
+    """
     known = answers is not None
     balls = (
         _ball_rows(answers.parts, s.balls, solved=True)
@@ -636,7 +655,10 @@ def _set_result(s: SolvedSet, answers: SetAnswers | None, speed: float | None) -
 
 
 def _ball_rows(scene: Scene, found: StaticResult, *, solved: bool) -> Balls:
-    """Return positions, loads, angles and pressures of the balls of a nut or bearing; only positions unless ``solved``."""
+    """Return positions, loads, angles and pressures of the balls of a nut or bearing.
+
+    ``found``: its solution. ``solved``: whether there is an equilibrium; if not, only the positions are returned.
+    """
     if not solved:
         return Balls(azimuth=found.azimuth, z=found.z)
     angles = np.where(found.load > 0.0, found.contact_angle, np.nan)
@@ -645,7 +667,10 @@ def _ball_rows(scene: Scene, found: StaticResult, *, solved: bool) -> Balls:
 
 
 def _worst_contact(name: str, answers: LoadAnswers | RollerAnswers) -> WorstContact | None:
-    """Return the contact with the highest pressure in the nut or bearing called ``name``; None if no contact is loaded."""
+    """Return the contact with the highest pressure in one nut or bearing; None if no contact is loaded.
+
+    ``name``: name of the nut or bearing. ``answers``: results from its contact loads.
+    """
     w, safety = answers.worst, answers.safety
     if w is None or safety is None:
         return None
@@ -655,7 +680,10 @@ def _worst_contact(name: str, answers: LoadAnswers | RollerAnswers) -> WorstCont
 
 
 def _life_result(known: rating.Life | None, speed: float | None) -> Life | None:
-    """Convert a computed life to the record that users get, with the running time at ``speed``; None without a life."""
+    """Convert a computed life to the record that users get; None without a life.
+
+    ``speed``: speed of rotation [rad/s], for the running time until the end of the life; None if it is not known.
+    """
     if known is None:
         return None
     seconds = 3600.0 * known.hours(speed) if speed else None
@@ -687,7 +715,10 @@ def expected_error(m: ModelForm | None) -> ExpectedError | None:
 
 
 def _contact_columns(one: Balls) -> dict[str, Array | list[str]]:
-    """Return the columns of `Result.columns` for the balls of one nut or bearing; empty if there are no loads."""
+    """Return the columns of `Result.columns` for the balls of one nut or bearing; empty if there are no loads.
+
+    The names of the columns end with their SI units.
+    """
     if one.azimuth is None or one.z is None or one.loads is None or one.angles is None or one.pressure is None:
         return {}
     out: dict[str, Array | list[str]] = {"ball": np.arange(1.0, one.z.size + 1), "azimuth_rad": one.azimuth, "z_m": one.z}
@@ -697,7 +728,11 @@ def _contact_columns(one: Balls) -> dict[str, Array | list[str]]:
 
 
 def _stack_arrays(key: str, each: Mapping[str, Mapping[str, Array | list[str]]]) -> dict[str, Array | list[str]]:
-    """Stack the columns of several nuts, bearings or load cases; a new first column, ``key``, has their names."""
+    """Stack the columns of several nuts, bearings or load cases; a new first column has their names.
+
+    ``key``: name of the first column. ``each``: columns by their name, by name of the nut, bearing or load case. Those
+    without columns are left out.
+    """
     known = {name: columns for name, columns in each.items() if columns}
     names = [name for name, columns in known.items() for _ in columns["ball"]]
     out: dict[str, Array | list[str]] = {key: names} if known else {}

@@ -217,7 +217,10 @@ class Table(Data):
 
 
 def _flatten_row(row: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
-    """Yield keys and single values of the JSON of a row; the stiffness gives 36 values, an inner table one for each key."""
+    """Yield the keys and single values of one row of the table's JSON.
+
+    The stiffness gives 36 values, with keys such as ``K_ux_ry``; an inner table gives one for each of its keys.
+    """
     for key, value in row.items():
         if key == "stiffness":
             matrix = [[None] * 6] * 6 if value is None else value

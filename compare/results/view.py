@@ -65,7 +65,11 @@ def make_view(
 
 
 def _view_case(name: str, one: Solved | SolvedAxis, stores: Sequence[Path] | None, given: Reference | None) -> CaseView:
-    """Return the data of the load case ``name`` for the 3D view; see `make_view` for the other arguments."""
+    """Return the data of one load case for the 3D view.
+
+    ``name``: name of the load case. ``one``: its solution. ``stores``: folders with runs of the 3D reference. ``given``:
+    reference of the user that replaces the stored runs; None: no such reference.
+    """
     if isinstance(one, Solved):
         known = given or reference(one.scene, stores)
         expected = None if one.expected is None or one.expected.percent is None else 0.01 * one.expected.percent
@@ -96,8 +100,9 @@ def _view_balls(
 ) -> SetView:
     """Return the data of one ball nut or ball bearing for the 3D view.
 
-    ``found``: its solution. ``solved``: whether there is an equilibrium. ``known``: its 3D reference. ``expected``: error
-    to expect of the contact loads [N].
+    ``name``, ``kind``: its name, and the text "ball nut" or "bearing". ``position``: its axial position [m]. ``found``: its
+    solution. ``solved``: whether there is an equilibrium. ``known``: its 3D reference. ``expected``: error to expect of the
+    contact loads [N].
     """
     closer = closer_than_perfect(parts, found.member)
     if not solved:
@@ -122,11 +127,11 @@ def _view_balls(
 
 
 def closer_than_perfect(scene: Scene, member: int = 0) -> Array:
-    """Return by how much geometric errors bring each ball closer to its groove flanks, (n, 4) [m].
+    """Return by how much geometric errors reduce the distance of each ball from its groove flanks, (n, 4) [m].
 
-    The distance is measured along the nominal contact normal n: delta = (r_B - r_B0) - ((c - c_0) n + rho - r_G0), with
-    ball radius r_B, groove centre c, and groove radius rho at the nominal contact angle; nominal values have a 0. The
-    formula is of first order in the errors.
+    ``member``: number of the specimen with its random errors. The distance is measured along the nominal contact normal n:
+    delta = (r_B - r_B0) - ((c - c_0) n + rho - r_G0), with ball radius r_B, groove centre c, and groove radius rho at the
+    nominal contact angle; nominal values have a 0. The formula is of first order in the errors.
     """
     drawn, beta = specimen(scene, ball_layout(scene), member), scene.track.contact_angle
     normal = np.array(SIDE_SIGNS) * np.array([np.cos(beta), np.sin(beta)])

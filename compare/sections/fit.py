@@ -96,7 +96,10 @@ class ModelErrors:
 
 
 def errors_by_quantity(points: Sequence[Point]) -> list[ModelErrors]:
-    """Return the absolute errors of every model in every compared quantity; ``points``: errors scene by scene."""
+    """Return the absolute errors of every model in every compared quantity.
+
+    ``points``: errors of one model on one scene each.
+    """
     found = []
     for model in dict.fromkeys(p.model for p in points):
         for key in NAMES:
@@ -109,7 +112,8 @@ def errors_by_quantity(points: Sequence[Point]) -> list[ModelErrors]:
 def fitness_sentence(found: Sequence[ModelErrors]) -> str:
     """Return the sentence that states for which quantities the default model is accurate enough, and Lin's model is not.
 
-    Accurate enough: on at least 95 % of the compared scenes the error is within the gate's limit.
+    A model is accurate enough if its error is within the gate's limit on at least 95 % of the compared scenes. ``found``:
+    errors by model and quantity.
     """
     good = [NAMES[x.key] for x in found if x.model == DEFAULT and x.good]
     bad = [NAMES[x.key] for x in found if x.model == "lin" and x.good is False]
@@ -125,7 +129,10 @@ def _join_names(names: Sequence[str]) -> str:
 
 
 def make_section(study: Study, step: Callable[[str], None]) -> Section:  # noqa: ARG001 - every section takes the study
-    """Return the section on the quantities for which each model is accurate enough."""
+    """Return the section on the quantities for which each model is accurate enough.
+
+    ``study`` is not used. ``step`` is called with each line of progress.
+    """
     step("all compared scenes")
     found = errors_by_quantity(shipped_points())
     note = (
@@ -202,5 +209,8 @@ def _descriptor_label(d: Descriptor) -> str:
 
 
 def range_items(study: Study) -> tuple[Table | Figure, ...]:  # noqa: ARG001 - as every part of a section
-    """Return table and figure of the range of compared scenes, without marking a scene."""
+    """Return table and figure of the range of compared scenes, without marking a scene.
+
+    ``study`` is not used.
+    """
     return range_table(), range_figure()

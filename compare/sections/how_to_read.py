@@ -82,13 +82,19 @@ def explain_one_row(study: Study) -> str:
 
 
 def make_section(study: Study, step: Callable[[str], None]) -> Section:
-    """Return the section that explains the terms of the report, with one example."""
+    """Return the section that explains the terms of the report, with one example.
+
+    ``step`` is called with each line of progress.
+    """
     step("example of an error and its uncertainty")
     return Section("how-to-read", "How to read this report", (Text((explain_one_row(study),)), Text(TERMS, bullets=True)))
 
 
 def collect_assumptions(study: Study) -> list[dict[str, Cell]]:
-    """Return the assumptions that scenes make where a publication leaves an input open, each with its scenes."""
+    """Return table rows of the assumptions that scenes make where a publication leaves an input open.
+
+    Each row has the text of the assumption ("assumed") and the names of the scenes that make it ("scenes").
+    """
     by_text: dict[str, list[str]] = {}
     for name, scene in study.used.items():
         for sentence in scene.assumed:
@@ -101,12 +107,18 @@ def collect_assumptions(study: Study) -> list[dict[str, Cell]]:
 
 
 def _explain_verdict(f: Evidence) -> str:
-    """Return the explanation of the verdict on a printed number: the remark on its computed value, else the printed one."""
+    """Return the explanation of the verdict on a printed number: the remark on its computed value, else the printed one.
+
+    ``f``: printed number with its computed value and verdict.
+    """
     return f.words if f.words and f.agrees is not None else f.printed.remark
 
 
 def numbers_not_reproduced(found: Sequence[Evidence]) -> list[Row]:
-    """Return the rows of printed numbers that are contradicted, or that the text of the publication does not determine."""
+    """Return the rows of printed numbers that are contradicted, or that the text of the publication does not determine.
+
+    ``found``: printed numbers with their computed values and verdicts.
+    """
     return [
         {
             Quantity("entry", "printed number or claim", "", "s"): p.claim or f"{p.label}: {p.printed} {p.unit}",
@@ -122,7 +134,10 @@ def numbers_not_reproduced(found: Sequence[Evidence]) -> list[Row]:
 
 
 def notes_section(study: Study, step: Callable[[str], None]) -> Section:
-    """Return the section on assumptions of the scenes and of the models, and on numbers that are not reproduced."""
+    """Return the section on assumptions of the scenes and of the models, and on numbers that are not reproduced.
+
+    ``step`` is called with each line of progress.
+    """
     step("assumptions, and numbers that are not reproduced")
     return Section(
         "notes",

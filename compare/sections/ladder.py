@@ -54,9 +54,9 @@ class ChoiceEffect:
 
 
 def vary_choices(study: Study, name: str) -> Iterator[ChoiceEffect]:
-    """Yield the errors of the refined model on a scene, unchanged and with each of its modelling choices changed.
+    """Yield the effect on contact loads of each modelling choice of the refined model, first of none, on one scene.
 
-    Yields nothing for a scene without a stored 3D reference.
+    ``name``: name of the scene. Yields nothing for a scene without a stored 3D reference.
     """
     scene, reference = study.scene(name), study.reference(name)
     if reference is None:
@@ -70,7 +70,10 @@ def vary_choices(study: Study, name: str) -> Iterator[ChoiceEffect]:
 
 
 def ladder_table(rungs: Sequence[Rung]) -> Table:
-    """Return the table of the errors of every model, from the simplest to the refined one, on every scene."""
+    """Return the table of the errors of every model, from the simplest to the refined one, on every scene.
+
+    ``rungs``: solution of each scene by each model, with its errors against the 3D reference.
+    """
     rows: list[Row] = [
         {
             "scene": r.scene,
@@ -95,7 +98,10 @@ def ladder_table(rungs: Sequence[Rung]) -> Table:
 
 
 def ladder_figure(rungs: Sequence[Rung]) -> Figure:
-    """Draw the largest and the RMS error of each model: a line for every scene, and one for the median of the scenes."""
+    """Draw the largest and the RMS error of each model: a line for every scene, and one for the median of the scenes.
+
+    ``rungs``: solution of each scene by each model, with its errors against the 3D reference.
+    """
     order = [m.name for m in RUNGS]
     scenes = list(dict.fromkeys(r.scene for r in rungs))
 
@@ -123,7 +129,10 @@ def ladder_figure(rungs: Sequence[Rung]) -> Figure:
 
 
 def choices_table(study: Study, step: Callable[[str], None]) -> Table:
-    """Return the table of the effect of each modelling choice of the refined model, changed one at a time."""
+    """Return the table of the effect of each modelling choice of the refined model, changed one at a time on three scenes.
+
+    ``step`` is called with each line of progress.
+    """
     rows: list[Row] = []
     for name in VARIED:
         step(f"choices of the refined model varied on {name}")
@@ -147,7 +156,10 @@ def choices_table(study: Study, step: Callable[[str], None]) -> Table:
 
 
 def shares_table(study: Study) -> Table:
-    """Return the table of how much the simplification of screw and nut contributes to the refined model's error."""
+    """Return the table of how much the simplified screw and nut contribute to the refined model's error.
+
+    For each scene, the model is also solved with the compliance of screw, nut or both taken from the 3D reference.
+    """
     found = study.once(errors_by_replaced_body)
     names: dict[tuple[str, ...], str] = {(): "none", ("screw",): "screw", ("nut",): "nut", PARTS: "both"}
     rows: list[Row] = []
@@ -170,7 +182,10 @@ def shares_table(study: Study) -> Table:
 
 
 def estimate_items(study: Study, rungs: Sequence[Rung]) -> list[Table | Figure]:
-    """Return table and figure that test the expected error: estimated for each screw from all others, and measured."""
+    """Return table and figure that test the error to expect: it is estimated for each screw from all others, and measured.
+
+    ``rungs``: solution of each scene by each model, with its errors against the 3D reference.
+    """
     rows = left_out_one(study, rungs)
     lines: list[Row] = []
     panels = []
@@ -223,7 +238,10 @@ def estimate_items(study: Study, rungs: Sequence[Rung]) -> list[Table | Figure]:
 
 
 def largest_errors_sentence(rungs: Sequence[Rung]) -> str:
-    """Return the sentence on the largest errors of each model, on case studies and on screws not used in development."""
+    """Return the sentence on the largest errors of each model, on case studies and on screws not used in development.
+
+    ``rungs``: solution of each scene by each model, with its errors against the 3D reference.
+    """
     words = []
     for label, names in (("case studies", REFERENCED), ("screws not used in development", UNSEEN)):
         for model in ("lin", "refined", "condensed"):
@@ -238,7 +256,10 @@ def largest_errors_sentence(rungs: Sequence[Rung]) -> str:
 
 
 def make_section(study: Study, step: Callable[[str], None]) -> Section:
-    """Return the section on the sequence of models from Lin's to the refined one, with the errors of each."""
+    """Return the section on the sequence of models from Lin's to the refined one, with the errors of each.
+
+    ``step`` is called with each line of progress.
+    """
     step("every model on every scene with a 3D reference")
     rungs = study.once(ladder)
     title = "Errors of the models from Lin's model to the refined one"

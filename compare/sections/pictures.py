@@ -49,7 +49,11 @@ MM, MPA = 1e3, 1e-6
 
 
 def pressure_panel(name: str, found: ContactPressure) -> PressurePanel:
-    """Return the map of nodal pressures of one contact, with the contact ellipse by Hertz; ``name`` names the contact."""
+    """Return the map of nodal pressures of one contact, with the contact ellipse by Hertz.
+
+    ``name``: title of the map, such as "ball 5, SL". ``found``: pressures at the nodes of the contact, with Hertz's
+    solution.
+    """
     h = found.hertz
     return PressurePanel(
         name,
@@ -102,7 +106,10 @@ def pressure_profiles_figure(found: dict[str, ContactPressure]) -> Figure:
 
 
 def step_along(found: ContactPressure) -> float:
-    """Return the mean distance of neighbouring nodes of a contact patch along the groove [m]."""
+    """Return the mean distance of neighbouring nodes of a contact patch along the groove [m].
+
+    ``found``: pressures of the contact, with the positions of its nodes.
+    """
     assert found.shape is not None
     return float(np.abs(np.diff(found.along.reshape(found.shape), axis=1)).mean())
 
@@ -186,7 +193,11 @@ class Stresses:
 
 
 def solve_pictured(study: Study, step: Step) -> Solved:
-    """Solve the scene of the pictures on the coarsest mesh level with two flanks, and choose its most loaded ball."""
+    """Solve the scene of the pictures by the 3D reference on the coarsest mesh level, and choose its most loaded ball.
+
+    Two flanks are meshed, SL and NR. ``step`` is called with each line of progress. Raises RuntimeError if the solution
+    does not converge.
+    """
     from rollbench.hifi.fields import contact_forces
     from rollbench.hifi.meshing.part_meshes import mesh_parts
     from rollbench.hifi.reference import solve_reference
@@ -208,7 +219,10 @@ def solve_pictured(study: Study, step: Step) -> Solved:
 
 
 def compute_stresses(solved: Solved, step: Step) -> Stresses:
-    """Compute the stress fields around the ball that is drawn, in screw, nut, ball and their fine patches."""
+    """Compute the stress fields around the ball that is drawn, in screw, nut, ball and their fine patches.
+
+    ``solved``: solution of the scene under its loads. ``step`` is called with each line of progress.
+    """
     from rollbench.hifi.fields import ball_fields, coarse_field, groove_patch_field, nut_displacement, screw_displacement
 
     step("displacements and stresses around the ball")
@@ -229,7 +243,10 @@ def compute_stresses(solved: Solved, step: Step) -> Stresses:
 
 
 def groove_frame(solved: Solved) -> tuple[Array, Array, Array]:
-    """Return the unit vectors of the groove's cross-section at azimuth 0: radial, along the track, and across it."""
+    """Return unit vectors (3,) of the groove's cross-section at azimuth 0: radial, along the groove, and normal to both.
+
+    The screw's axis is z. The groove rises along the axis with the lead angle.
+    """
     alpha = solved.setup.map.alpha
     return (
         np.array([1.0, 0.0, 0.0]),
@@ -268,7 +285,10 @@ def keep_used_nodes(points: Array, cells: Index, kind: str, colour: str) -> Mesh
 
 
 def mesh_overview(solved: Solved) -> FieldPicture:
-    """Return the picture of the meshes of the screw and half of the nut, with the fine patches at all contacts."""
+    """Return the picture of the meshes of the screw and half of the nut, with the fine patches at all contacts.
+
+    ``solved``: solution of the scene on the coarsest mesh level.
+    """
     from rollbench.hifi.fields import mesh_groove_patch
     from rollbench.hifi.meshing.part_meshes import body_kind, rotation_about_z
 
@@ -307,9 +327,10 @@ def mesh_overview(solved: Solved) -> FieldPicture:
 
 
 def _pieces_around_ball(found: Stresses, *, values: bool) -> tuple[MeshPart, ...]:
-    """Return the meshes of screw, nut, ball and patches around the ball, as parts to be drawn.
+    """Return the meshes of screw, nut, ball and fine patches around the ball, as parts to be drawn.
 
-    With ``values`` they are coloured by the von Mises stress [MPa]; otherwise the edges of their cells are drawn.
+    ``found``: their stress fields. With ``values`` the parts are coloured by the von Mises stress [MPa]; otherwise the
+    edges of their cells are drawn.
     """
 
     def coloured(piece: SolidField, colour: str) -> MeshPart:
@@ -330,8 +351,9 @@ def section_picture(
 ) -> FieldPicture:
     """Return the picture of the mesh in the groove's cross-section through the ball; the screw is below, the nut above.
 
-    With ``side`` (index of a flank) only the contact with that flank is shown, enlarged. ``height`` is that of the shown
-    region [m].
+    ``solved``: solution of the scene. ``found``: meshes and stresses around the ball. ``name``: file name of the picture.
+    ``height``: height of the shown region [m]. ``side``: index in SL, SR, NL, NR of the flank whose contact alone is shown,
+    enlarged; None: the whole ball is shown.
     """
     x3, y3, _ = groove_frame(solved)
     m = solved.setup.map
@@ -355,7 +377,10 @@ def section_picture(
 
 
 def contact_picture(solved: Solved, found: Stresses) -> FieldPicture:
-    """Return the picture of the mesh of the screw's groove around one contact, seen from the ball along the normal."""
+    """Return the picture of the mesh of the screw's groove around one contact, seen from the ball along the normal.
+
+    ``solved``: solution of the scene. ``found``: meshes and stresses around the ball. The contact is that with flank SL.
+    """
     x3, y3, _ = groove_frame(solved)
     point, b = contact_point(solved, 0), solved.setup.map.ball
     normal = point - np.array([solved.setup.map.R, 0.0, 0.0])
@@ -380,7 +405,10 @@ def contact_picture(solved: Solved, found: Stresses) -> FieldPicture:
 
 
 def ball_picture(solved: Solved, found: Stresses) -> FieldPicture:
-    """Return the picture of the mesh of a ball with its fine patches, with the contact with the screw in front."""
+    """Return the picture of the mesh of a ball with its fine patches, with the contact with the screw in front.
+
+    ``solved``: solution of the scene. ``found``: meshes and stresses around the ball.
+    """
     x3, y3, _ = groove_frame(solved)
     m = solved.setup.map
     centre = np.array([m.R, 0.0, 0.0])
@@ -405,10 +433,11 @@ def ball_picture(solved: Solved, found: Stresses) -> FieldPicture:
 
 
 def solve_contact_pressures(study: Study, name: str) -> tuple[int, dict[str, ContactPressure]]:
-    """Compute the contact pressures of one ball on a fine mesh, and return its index and the pressures by flank.
+    """Compute the contact pressures of one ball on a fine mesh.
 
     The ball is pressed by its contact loads in the stored 3D reference, or by those of the default model if none is stored.
-    The ball is the one whose least loaded contact carries the largest load.
+    The ball is the one whose least loaded contact carries the largest load. ``name``: name of the scene. Returns the index
+    of the ball, from 0, and the pressures by name of the contact, such as "ball 5, SL".
     """
     from rollbench.hifi.fields import ball_contact_pressures
 
@@ -449,7 +478,10 @@ def loaded_balls_picture(solved: Solved) -> LoadedScrew:
 
 
 def stress_caption(solved: Solved, found: Stresses) -> str:
-    """Return the caption with the largest von Mises stresses near the screw contact, by the 3D reference and by Hertz."""
+    """Return the caption with the largest von Mises stresses near the screw contact, by the 3D reference and by Hertz.
+
+    ``solved``: solution of the scene. ``found``: stress fields around the ball.
+    """
     from rollbench.hifi.fields import contact_pressure, hertz_von_mises
 
     setup = solved.setup
@@ -468,7 +500,7 @@ def stress_caption(solved: Solved, found: Stresses) -> str:
 def pressure_map(name: str, title: str, found: dict[str, ContactPressure], caption: str) -> PressureMap:
     """Return the pressure maps of all contacts of one ball, with the contact ellipses by Hertz.
 
-    ``found`` has the pressures by name of the contact.
+    ``name``: file name of the figure. ``found``: pressures by name of the contact, such as "ball 5, SL".
     """
     panels = tuple(pressure_panel(contact, x) for contact, x in found.items())
     axes = "across the groove / mm", "along the groove / mm", "pressure / MPa"
@@ -476,7 +508,10 @@ def pressure_map(name: str, title: str, found: dict[str, ContactPressure], capti
 
 
 def make_section(study: Study, step: Step) -> Section:
-    """Return the section with pictures of the meshes, pressures, stresses and contact loads of the 3D reference."""
+    """Return the section with pictures of the meshes, pressures, stresses and contact loads of the 3D reference.
+
+    ``step`` is called with each line of progress.
+    """
     solved = solve_pictured(study, step)
     found = compute_stresses(solved, step)
     ball, b = f"ball {solved.ball + 1}", solved.setup.map.ball

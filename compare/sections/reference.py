@@ -47,21 +47,28 @@ def modelling_uncertainties(study: Study) -> dict[str, Modelling]:
 
 
 def _compute_modelling_uncertainty(study: Study) -> dict[str, Modelling]:
-    """Compute the modelling uncertainty of every scene in `VARIED` from stored runs; scenes without them are left out."""
+    """Compute the modelling uncertainty of every scene in `VARIED` from stored runs, by name of the scene.
+
+    Scenes without stored runs with varied modelling choices are left out.
+    """
     scenes = [study.scene(name) for name in VARIED]
     found = {scene.name: combine_effects(scene, varied(scene, study.stores)) for scene in scenes}
     return {name: m for name, m in found.items() if m is not None}
 
 
 def solve_by_model(study: Study, name: str, model: str) -> Loads:
-    """Return contact loads and displacements of a scene by a low-order model; ``name`` and ``model`` are their names."""
+    """Return contact loads and displacements of a scene by a low-order model.
+
+    ``name``: name of the scene. ``model``: name of the model.
+    """
     return from_result(study.solve(name, model))
 
 
 def error_table(study: Study, found: References) -> Table:
     """Return the table of errors against the finest level of the 3D reference, for each scene.
 
-    It lists the low-order models, the mesh of Lin's thesis, and coarser mesh levels.
+    It lists the low-order models, the mesh of Lin's thesis, and coarser mesh levels. ``found``: 3D reference of each scene,
+    by name of the scene.
     """
     rows: list[Row] = []
     modelled = modelling_uncertainties(study)
@@ -133,7 +140,10 @@ def _error_row(
 
 
 def load_tables(study: Study, found: References) -> list[Table]:
-    """Return a table for each scene with the load of every contact by every model, and its contact angle."""
+    """Return a table for each scene with the load of every contact by every model, and its contact angle.
+
+    ``found``: 3D reference of each scene, by name of the scene.
+    """
     out = []
     for name, ref in found.items():
         scene = study.scene(name)
@@ -169,7 +179,10 @@ def _number_or_none(value: Any) -> float | None:
 
 
 def line_table(study: Study, found: References) -> Table:
-    """Return the table of displacements of the screw's centreline along its length, by refined model and 3D reference."""
+    """Return the table of displacements of the screw's centreline along its length, by refined model and 3D reference.
+
+    ``found``: 3D reference of each scene, by name of the scene.
+    """
     rows: list[Row] = []
     for name, ref in found.items():
         low = solve_by_model(study, name, "refined")
@@ -190,7 +203,11 @@ def line_table(study: Study, found: References) -> Table:
 
 
 def load_figures(study: Study, found: References) -> list[Figure]:
-    """Draw the contact loads of each scene by all models, with the uncertainty of the 3D reference as a band."""
+    """Draw the contact loads of each scene by all models, with the uncertainty of the 3D reference as a band.
+
+    ``found``: 3D reference of each scene, by name of the scene. There is one figure for each scene, with a panel for each
+    flank.
+    """
     out = []
     for name, ref in found.items():
         scene = study.scene(name)
@@ -213,7 +230,10 @@ def load_figures(study: Study, found: References) -> list[Figure]:
 
 
 def line_figure(study: Study, found: References) -> Figure:
-    """Draw the lateral displacement of the screw's centreline over its length, by refined model and 3D reference."""
+    """Draw the lateral displacement of the screw's centreline over its length, by refined model and 3D reference.
+
+    ``found``: 3D reference of each scene, by name of the scene.
+    """
     panels = []
     for name, ref in found.items():
         low = solve_by_model(study, name, "refined")
@@ -226,7 +246,10 @@ def line_figure(study: Study, found: References) -> Figure:
 
 
 def gate_text(found: References, study: Study) -> str:
-    """Return the paragraph on the errors of Lin's model by the gate's rule: largest error, contacts beyond the limit."""
+    """Return the paragraph on the errors of Lin's model by the gate's rule: largest error, contacts beyond the limit.
+
+    The gate is ``rollbench check``. ``found``: 3D reference of each scene, by name of the scene.
+    """
     worst = []
     for name, ref in found.items():
         points = gate_points(name, ref, LIMIT, study.solve(name, "lin").load)
@@ -246,7 +269,8 @@ def gate_text(found: References, study: Study) -> str:
 def rigid_nut_error(study: Study, name: str, ball: int, side: str) -> float | None:
     """Return the error of Lin's model on one contact against a 3D reference with a rigid nut [% of the contact's load].
 
-    Lin's model has a rigid nut, so this error excludes the effect of nut elasticity. Returns None if no such run is stored.
+    ``name``: name of the scene. ``ball``: number of the ball, from 1. ``side``: flank (SL, SR, NL or NR). Lin's model has a
+    rigid nut, so this error excludes the effect of nut elasticity. Returns None if no such run is stored.
     """
     run = load_run(study.scene(name), min(LEVELS), stores=study.stores)
     if run is None or "elastic nut" not in run.without:
@@ -257,7 +281,10 @@ def rigid_nut_error(study: Study, name: str, ball: int, side: str) -> float | No
 
 
 def exceedance_table(found: References, study: Study) -> Table:
-    """Return the table of contacts on which Lin's model exceeds the gate's limit, with the known cause of each error."""
+    """Return the table of contacts on which Lin's model exceeds the gate's limit, with the known cause of each error.
+
+    The gate is ``rollbench check``. ``found``: 3D reference of each scene, by name of the scene.
+    """
     causes = {(x.scene, x.ball, x.side): x.cause for x in known_exceedances()}
     rows: list[Row] = []
     for name, ref in found.items():
@@ -282,7 +309,10 @@ def exceedance_table(found: References, study: Study) -> Table:
 
 
 def make_section(study: Study, step: Callable[[str], None]) -> Section:
-    """Return the section that compares the low-order models with the 3D reference on the case studies."""
+    """Return the section that compares the low-order models with the 3D reference on the case studies.
+
+    ``step`` is called with each line of progress.
+    """
     step("low-order models against the 3D reference")
     found = case_studies(study)
     title = "Contact loads by the low-order models and by the 3D reference"

@@ -26,7 +26,10 @@ References = Mapping[str, Reference]
 
 
 def _load_change_cells(error: LoadError, form: str = ".2f") -> Row:
-    """Return the table cells on the load changes that a modelling or numerical choice causes: largest, RMS, and ball."""
+    """Return the table cells on the load changes that a modelling or numerical choice causes: largest, RMS, and ball.
+
+    ``error``: the load changes. ``form``: number format of the first two cells.
+    """
     return {
         Quantity("max", "largest change of a load", "% of mean", form): error.max_percent,
         Quantity("rms", "RMS change of the loads", "% of mean", form): error.rms_percent,
@@ -42,7 +45,7 @@ def _refines_one_choice(variant: str) -> bool:
 def level_table(study: Study, found: References) -> Table:
     """Return the table of the mesh levels of every scene: unknowns, times, load changes to finer levels, mesh quality.
 
-    ``found`` has the 3D reference of each scene.
+    ``found``: 3D reference of each scene, by name of the scene.
     """
     rows: list[Row] = []
     common = most_of(run.measured for ref in found.values() for run in ref.runs)
@@ -93,7 +96,10 @@ def level_table(study: Study, found: References) -> Table:
 
 
 def convergence_table(found: References) -> Table:
-    """Return the table of the mesh uncertainty of contact loads in every scene, with its contributions."""
+    """Return the table of the mesh uncertainty of contact loads in every scene, with its contributions.
+
+    ``found``: 3D reference of each scene, by name of the scene.
+    """
     rows: list[Row] = []
     for name, ref in found.items():
         p = ref.parts
@@ -170,7 +176,10 @@ def coverage_table(study: Study) -> Table | None:
 
 
 def _coverage_row(name: str, group: Sequence[UncertaintyTest]) -> dict[str, Cell]:
-    """Return the row of `coverage_table` for one scene, or for several scenes with medians over them."""
+    """Return the row of `coverage_table` for one scene, or for several scenes with medians over them.
+
+    ``name``: text in the first cell. ``group``: tests of the mesh uncertainty of the scene or scenes, on all levels.
+    """
     row: dict[str, Cell] = {"scene": name, "contacts": sum(h.contacts for h in group if h.level == min(LEVELS))}
     row["judge"] = ", ".join(map(str, sorted({h.judge for h in group})))
     for k in sorted({h.level for h in group}):
@@ -197,12 +206,18 @@ def shared_text(study: Study) -> str:
 
 
 def _measured_times_sentence(common: Measured | None) -> str:
-    """Return the sentence that states by which measurement the run times of a table were obtained."""
+    """Return the sentence on the conditions under which the run times of a table were measured.
+
+    ``common``: program version and machine of most runs; times of other runs are left out of the table.
+    """
     return f"Times were measured with {common}; times from other measurements are left out."
 
 
 def stage_table(found: References) -> Table:
-    """Return the table of the time of each stage of the run on the finest mesh level, by scene."""
+    """Return the table of the time of each stage of the run on the finest mesh level, by scene.
+
+    ``found``: 3D reference of each scene, by name of the scene.
+    """
     rows: list[dict[str, Cell]] = []
     common = most_of(ref.best.measured for ref in found.values())
     for name, ref in found.items():
@@ -219,7 +234,10 @@ def stage_table(found: References) -> Table:
 
 
 def study_items(study: Study, found: References) -> list[Table | Figure]:
-    """Return the table and figure of the mesh study of every scene that was solved on at least two mesh levels."""
+    """Return the table and figure of the mesh study of every scene that was solved on at least two mesh levels.
+
+    ``found``: 3D reference of each scene, by name of the scene.
+    """
     out: list[Table | Figure] = []
     for name in found:
         ref = reference_from_stored_runs(study.scene(name), study.stores)
@@ -252,7 +270,10 @@ KINDS = {"modelling": "modelling", "numerical": "numerical", "scene": "of the sc
 
 
 def spread_table(study: Study) -> Table | None:
-    """Return the table of the load changes caused by modelling choices of the 3D reference; None if no run is stored."""
+    """Return the table of the load changes caused by modelling choices of the 3D reference; None if no run is stored.
+
+    It also has the error of Lin's model against the 3D reference with each changed choice.
+    """
     rows: list[Row] = []
     for name in VARIED:
         scene = study.scene(name)
@@ -365,7 +386,7 @@ INGREDIENTS: dict[str, tuple[str, tuple[str, ...]]] = {
 
 
 def _scenes_without_ingredients(study: Study) -> Iterator[tuple[str, Run, StaticResult]]:
-    """Yield each case study that was also solved with effects of the 3D reference left out, one at a time.
+    """Yield the case studies for which runs of the 3D reference are stored that leave out one of its effects at a time.
 
     Yields the name of the scene, its run on the coarsest mesh level, and the solution by Lin's model.
     """
@@ -425,7 +446,10 @@ def ablation_text(study: Study) -> str:
 
 
 def mesh_uncertainty_sentence(found: References) -> str:
-    """Return the sentence on the range of mesh uncertainties of the finest mesh levels; empty without a reference."""
+    """Return the sentence on the range of mesh uncertainties of the finest mesh levels; empty without a reference.
+
+    ``found``: 3D reference of each scene, by name of the scene.
+    """
     bars = [uncertainty_percent(ref) for ref in found.values()]
     if not bars:
         return ""
@@ -437,7 +461,10 @@ def mesh_uncertainty_sentence(found: References) -> str:
 
 
 def make_section(study: Study, step: Callable[[str], None]) -> Section:
-    """Return the section on the uncertainty of the 3D reference: by mesh, by modelling choices, and of left-out effects."""
+    """Return the section on the uncertainty of the 3D reference: by mesh, by modelling choices, and of left-out effects.
+
+    ``step`` is called with each line of progress.
+    """
     step("mesh levels, mesh study, modelling choices, left-out effects")
     found, everything = case_studies(study), study.references((*REFERENCED, *UNSEEN))
     text = [

@@ -121,11 +121,11 @@ def error_range(value: Array, found: Reference, scale: Array) -> Largest:
     Parameters
     ----------
     value
-        Contact loads, (n, 4) [N].
+        Contact loads of n balls on the four groove flanks, (n, 4) [N].
     found
-        Reference loads with their uncertainty.
+        Contact loads of the 3D reference with their uncertainty.
     scale
-        Loads by which errors are divided, (n, 4) [N].
+        Load by which the error of each contact is divided, (n, 4) [N], such as the mean load for all contacts.
 
     Returns
     -------
@@ -138,7 +138,12 @@ def error_range(value: Array, found: Reference, scale: Array) -> Largest:
 
 
 def errors_against_reference(value: Array, found: Reference) -> dict[str, Any]:
-    """Return the errors of contact loads (n, 4) [N] against the 3D reference, by the fields of a `TimePoint`."""
+    """Return the errors of contact loads against the 3D reference, as keyword arguments of a `TimePoint`.
+
+    ``value``: contact loads of n balls on the four groove flanks, (n, 4) [N]. ``found``: the 3D reference. The values of
+    the dictionary are the largest and the RMS error with the range of the largest one [% of the mean load] (error, rms,
+    low, high), and the largest error by the gate's rule (gate).
+    """
     e = load_error(value, found.load, found.contacts)
     of_mean = error_range(value, found, np.full(value.shape, found.mean))
     gate = error_range(value, found, gate_scale(found.load, found.mean))
@@ -146,9 +151,9 @@ def errors_against_reference(value: Array, found: Reference) -> dict[str, Any]:
 
 
 def warm_seconds(model: Model, scene: Scene, options: Options) -> float:
-    """Return the time of a further solution [s], when body compliances and compiled kernels are ready.
+    """Return the time in which a model solves a scene again [s], when body compliances and compiled kernels are ready.
 
-    It is the median of `WARM_CALLS` solutions.
+    It is the median of `WARM_CALLS` solutions, after one that is not timed.
     """
     spent = []
     for _ in range(WARM_CALLS + 1):
@@ -159,18 +164,24 @@ def warm_seconds(model: Model, scene: Scene, options: Options) -> float:
 
 
 def measure_run_times(study: Study, names: Sequence[str], step: Step, *, levels: bool) -> Kept:
-    """Measure the cold and warm run times of all models on the named scenes.
+    """Measure the times in which all models solve the named scenes: in a new process (cold) and in a running one (warm).
 
     Parameters
     ----------
     study
-        Study that gives scenes and references.
+        Study that gives scenes and 3D references.
     names
         Names of the scenes.
     step
         Called with each line of progress.
     levels
-        Whether mesh levels of the 3D reference are timed too, and the first solution with interpreted and compiled kernels.
+        Whether the mesh levels of the 3D reference are timed too, and the first solution of `FIRST` with interpreted and
+        with compiled kernels.
+
+    Returns
+    -------
+    Kept
+        Measured times, with program version, machine and date.
     """
     times, cold_levels, first = {}, [], {}
     for name, found in study.references(names).items():
@@ -190,7 +201,10 @@ def measure_run_times(study: Study, names: Sequence[str], step: Step, *, levels:
 
 
 def measure_commands(step: Step) -> Kept:
-    """Measure the run times of the commands in `COMMANDS`, each started with an empty home directory, without caches."""
+    """Measure the run times of the commands in `COMMANDS`, each started with an empty home directory, without caches.
+
+    ``step`` is called with each line of progress.
+    """
     commands = []
     for command in COMMANDS:
         step(f"{command}, with an empty home directory")
@@ -201,8 +215,9 @@ def measure_commands(step: Step) -> Kept:
 def measuring_run(study: Study, step: Step) -> Kept | None:
     """Return the run times that a report shows: the stored ones or, for a timed study, newly measured ones.
 
-    New measurements time every model and mesh level on every compared scene (about an hour) and are written to the first
-    store. A quick study times the models only, and stores nothing. Returns None if no times are stored.
+    A new measurement times every model and mesh level on every compared scene (about an hour) and is written to the study's
+    first folder of stored runs. A quick study times the models only, and stores nothing. Returns None if the study is not
+    timed and no times are stored. ``step`` is called with each line of progress.
     """
     if not study.timed:
         return load_times((*(study.stores or ()), shipped_store()))
@@ -213,12 +228,19 @@ def measuring_run(study: Study, step: Step) -> Kept | None:
 
 
 def compared_scenes(study: Study) -> dict[str, Reference]:
-    """Return the 3D references of all compared scenes by name; in a quick study, only those of the case studies."""
+    """Return the 3D reference of every compared scene, by the scene's name.
+
+    These are the case studies and, unless the study is quick, the scenes that were chosen before they were solved in 3D.
+    """
     return study.references(REFERENCED if study.quick else (*REFERENCED, *UNSEEN))
 
 
 def models_with_bodies(name: str, found: Reference, study: Study) -> list[tuple[Model, Path | None]]:
-    """Return the models that can describe a scene, each with the file of condensed bodies that it needs, or None."""
+    """Return the models that can describe a scene, each with the file of condensed bodies that it needs, or None.
+
+    ``name``: name of the scene. ``found``: its 3D reference, whose finest run supplies the condensed bodies. The model
+    "condensed" is left out if there is no such file.
+    """
     scene, bodies = study.scene(name), finest_bodies(study.scene(name), found, study.stores)
     further = [m for m in MODELS.values() if not m.compared and m.suits(scene)]
     every = [(m, bodies if m.name == "condensed" else None) for m in (*suitable_models(scene), *further)]
@@ -226,7 +248,10 @@ def models_with_bodies(name: str, found: Reference, study: Study) -> list[tuple[
 
 
 def reference_runs(name: str, found: Reference, study: Study) -> list[Run]:
-    """Return the stored runs of a scene's 3D reference: on the mesh of Lin's thesis, if stored, and on its mesh levels."""
+    """Return the stored runs of a scene's 3D reference: that on the mesh of Lin's thesis, if stored, then the mesh levels.
+
+    ``name``: name of the scene. ``found``: its 3D reference on the mesh levels.
+    """
     source = load_run(study.scene(name), SOURCE_LEVEL, stores=study.stores)
     return [*(() if source is None else (source,)), *found.runs]
 
@@ -278,9 +303,10 @@ def time_points(name: str, found: Reference, study: Study, step: Step) -> list[T
 
 
 def _solve_scene(name: str, model: Model, study: Study, bodies: Path | None) -> StaticResult:
-    """Return the solution of a model on a scene.
+    """Return the solution of a scene by a low-order model.
 
-    With condensed bodies, the solution already computed for the section "ladder" is used if there is one.
+    ``bodies``: file of condensed bodies that the model needs; None: no file. With condensed bodies, the solution already
+    computed for the report section "ladder" is used if there is one.
     """
     if bodies is None:
         return study.solve(name, model.name)
@@ -296,9 +322,9 @@ def time_table(points: Mapping[str, Sequence[TimePoint]], measured: str = "") ->
     Parameters
     ----------
     points
-        Errors and run times by scene.
+        Errors and run times of models and mesh levels, by name of the scene.
     measured
-        Sentence on the conditions of the time measurement.
+        Sentence on the conditions of the time measurement, which ends the note below the table.
     """
     rows: list[Row] = [
         {
@@ -333,7 +359,10 @@ def time_table(points: Mapping[str, Sequence[TimePoint]], measured: str = "") ->
 
 
 def compile_table(kept: Kept) -> Table:
-    """Return the table of run times of a new process on one scene, with interpreted and with compiled kernels."""
+    """Return the table of run times in a new process on the scene `FIRST`, with interpreted and with compiled kernels.
+
+    ``kept``: measured run times.
+    """
     rows: list[Row] = [
         {
             "model": MODELS[name].label,
@@ -355,7 +384,10 @@ def compile_table(kept: Kept) -> Table:
 
 
 def typed_table(kept: Kept) -> Table:
-    """Return the table of waiting times of commands that are started with an empty home directory, without caches."""
+    """Return the table of waiting times of commands that are started with an empty home directory, without caches.
+
+    ``kept``: measured run times.
+    """
     rows: list[Row] = [
         {
             Quantity("command", "command", "", "s"): c.command,
@@ -381,7 +413,10 @@ def typed_table(kept: Kept) -> Table:
 
 
 def level_table(kept: Kept) -> Table:
-    """Return the table of run times of each mesh level of the 3D reference on a scene without stored meshes or parts."""
+    """Return the table of run times of each mesh level of the 3D reference on a scene without stored meshes or parts.
+
+    ``kept``: measured run times.
+    """
     rows: list[Row] = [
         {
             "scene": c.scene,
@@ -408,7 +443,11 @@ def level_table(kept: Kept) -> Table:
 
 
 def cost_tables(costs: SetUpCosts) -> list[Table]:
-    """Return two tables on set-ups of the 3D reference: processor time by stage, and effects of cheaper variants."""
+    """Return two tables on the set-up of the 3D reference: its processor time by stage, and the effect of cheaper variants.
+
+    ``costs``: measured processor times, and for each cheaper variant of the set-up the time that it saves and the load
+    change that it causes.
+    """
     measured = f"Measured with {Measured(costs.version, machine=costs.machine)}, {costs.date}, by tests/set_up_costs.py."
     rows: list[Row] = [
         {
@@ -449,7 +488,7 @@ def cost_tables(costs: SetUpCosts) -> list[Table]:
 
 
 def _costliest_stages(level: ColdLevelTime) -> str:
-    """Return the stages that take most of a set-up's time, with their seconds, as text."""
+    """Return as text the `DEAREST` stages that take most time in the set-up of a mesh level, each with its seconds."""
     if level.stages is None:
         return "not measured"
     stages = sorted(level.stages.items(), key=lambda stage: -stage[1])
@@ -457,10 +496,10 @@ def _costliest_stages(level: ColdLevelTime) -> str:
 
 
 def speed_table(points: Mapping[str, Sequence[TimePoint]]) -> Table:
-    """Return the table of the ratio of run times of the 3D reference (finest mesh level) and Lin's model, by scene.
+    """Return the table of run times of the 3D reference on its finest mesh level, divided by those of Lin's model.
 
-    The ratio is given for a new process up to the loads, and for a further load case of a known geometry. Raises
-    ValueError if the times come from several measurements.
+    The ratio is given for each scene, for a new process up to the loads and for a further load case of a known geometry.
+    ``points``: errors and run times by name of the scene. Raises ValueError if the times come from several measurements.
     """
     rows: list[Row] = []
     for scene, several in points.items():
@@ -485,7 +524,11 @@ def speed_table(points: Mapping[str, Sequence[TimePoint]]) -> Table:
 
 
 def time_panel(scene: str, of_scene: Sequence[TimePoint]) -> Panel:
-    """Return the panel of the largest error over the time of a cold start on one scene, with the error's range."""
+    """Return the panel of the largest error over the time of a cold start on one scene, with the error's range as bars.
+
+    ``scene``: name of the scene, the title of the panel. ``of_scene``: errors and run times of all models and mesh levels
+    on it. Only converged solutions with a measured time are drawn.
+    """
 
     def series(label: str, points: Sequence[TimePoint], style: str, *, emphasis: bool = False) -> Series:
         low = [max(p.low, FLOOR) for p in points if p.low is not None]
@@ -507,7 +550,8 @@ def time_panel(scene: str, of_scene: Sequence[TimePoint]) -> Panel:
 def time_figures(points: Mapping[str, Sequence[TimePoint]]) -> list[Figure]:
     """Draw the error over run time, in one figure for each group of scenes.
 
-    The groups are the case studies without preload, those with preload, and the screws not used in development.
+    The groups are the case studies without preload, those with preload, and the screws not used in development. ``points``:
+    errors and run times by name of the scene.
     """
     caption = (
         "Errors against the finest mesh level of the 3D reference; bars: range due to its grid uncertainty. Errors below "
@@ -532,9 +576,9 @@ def time_figures(points: Mapping[str, Sequence[TimePoint]]) -> list[Figure]:
 
 
 def all_points(study: Study, step: Step) -> dict[str, list[TimePoint]]:
-    """Return errors and run times of all models and mesh levels on all compared scenes, by scene.
+    """Return errors and run times of all models and mesh levels on all compared scenes, by name of the scene.
 
-    Raises ValueError if the times come from several measurements.
+    ``step`` is called with each line of progress. Raises ValueError if the times come from several measurements.
     """
     study.once(ladder)  # its solutions are used here too
     points = {name: time_points(name, ref, study, step) for name, ref in compared_scenes(study).items()}
@@ -543,7 +587,10 @@ def all_points(study: Study, step: Step) -> dict[str, list[TimePoint]]:
 
 
 def when_measured(study: Study, step: Step) -> str:
-    """Return a sentence on the conditions of the time measurement: program version, machine and date."""
+    """Return a sentence on the conditions of the time measurement: program version, machine and date.
+
+    The sentence is "No run times are stored." if there are none. ``step`` is called with each line of progress.
+    """
     kept = study.once(measuring_run, step)
     return "No run times are stored." if kept is None else str(kept)
 
@@ -551,7 +598,8 @@ def when_measured(study: Study, step: Step) -> str:
 def time_items(study: Study, step: Step) -> list[Table | Figure]:
     """Return the tables and figures of the section on run times.
 
-    In a quick study, the tables on new processes, mesh levels, commands and set-ups are left out.
+    In a quick study, the tables on new processes, mesh levels, commands and set-ups are left out. ``step`` is called with
+    each line of progress.
     """
     points, kept = study.once(all_points, step), study.once(measuring_run, step)
     items: list[Table | Figure] = [time_table(points, when_measured(study, step))]

@@ -20,7 +20,10 @@ from rollbench.reports.content import Figure, Quantity, Row, Section, Sketch, Ta
 
 
 def sketch_scene(scene: Scene, name: str, title: str) -> Sketch:
-    """Return the sketch of a scene, with a caption on the inputs that the drawing does not show."""
+    """Return the sketch of a scene, with a caption on the inputs that the drawing does not show.
+
+    ``name``: file name of the sketch. ``title``: title of the sketch.
+    """
     return Sketch(name, title, scene, describe_inputs(scene))
 
 
@@ -62,7 +65,10 @@ Judged = Mapping[tuple[str, str], Validated]
 
 
 def make_section(study: Study, step: Callable[[str], None]) -> Section:
-    """Return the section with a data sheet for every compared scene; the cases of Lin's thesis come first."""
+    """Return the section with a data sheet for every compared scene; the cases of Lin's thesis come first.
+
+    ``step`` is called with each line of progress.
+    """
     step("a data sheet for every scene with a 3D reference")
     found = study.references((*REFERENCED, *UNSEEN))
     title = "Geometry, loads and errors of each compared scene"
@@ -78,7 +84,10 @@ def make_section(study: Study, step: Callable[[str], None]) -> Section:
 
 
 def errors_by_model(study: Study, name: str) -> Judged:
-    """Return the error of every model in every quantity on a scene, with its uncertainty, by model and quantity."""
+    """Return the error of every model in every quantity on a scene, with its uncertainty.
+
+    ``name``: name of the scene. The keys are pairs of model and quantity.
+    """
     return {
         (model, quantity.name): one
         for model in MODELS
@@ -90,7 +99,7 @@ def errors_by_model(study: Study, name: str) -> Judged:
 def largest_errors_sentence(judged: Mapping[str, Judged]) -> str:
     """Return the sentence on the largest contact-load error of each model: on all scenes, and by kind of scene.
 
-    ``judged`` has the errors of each scene.
+    ``judged``: errors by name of the scene, then by model and quantity.
     """
     kinds = (
         ("case studies of Lin's thesis", REFERENCED),
@@ -109,14 +118,20 @@ def largest_errors_sentence(judged: Mapping[str, Judged]) -> str:
 
 
 def _largest_error_text(judged: Mapping[str, Judged], model: str) -> str:
-    """Return the largest contact-load error of a model over several scenes as text, with the name of the scene."""
+    """Return the largest contact-load error of a model over several scenes as text, with the name of the scene.
+
+    ``judged``: errors by name of the scene, then by model and quantity.
+    """
     errors = {name: abs(v[model, CONTACTS].error) for name, v in judged.items()}
     name = max(errors, key=errors.__getitem__)
     return f"{errors[name]:.1f} % by {model} ({name})"
 
 
 def data_sheet(study: Study, name: str, reference: Reference, judged: Judged) -> Sequence[Text | Sketch | Table | Figure]:
-    """Return the items of one scene's data sheet: verdict and uncertainty, sketch with inputs, table of results."""
+    """Return the items of one scene's data sheet: verdict and uncertainty, sketch with inputs, table of results.
+
+    ``name``: name of the scene. ``reference``: its 3D reference. ``judged``: errors on this scene, by model and quantity.
+    """
     scene = study.scene(name)
     gate = gate_verdicts(study, name, reference)
     words = (verdict_sentence(gate), uncertainty_sentence(reference, judged[DEFAULT, CONTACTS]))
@@ -132,12 +147,18 @@ WORDS = {"pass": "passes", "fail": "fails", "undecided": "is undecided at"}
 
 
 def gate_verdicts(study: Study, name: str, reference: Reference) -> dict[str, Verdict]:
-    """Return the gate's verdict on the contact loads of each model on a scene, by name of the model."""
+    """Return the verdict of the gate (``rollbench check``) on the contact loads of each model on a scene, by model.
+
+    ``name``: name of the scene. ``reference``: its 3D reference.
+    """
     return {model: by_gate(model, study.solve(name, model).load, reference, Limits())[0] for model in MODELS}
 
 
 def verdict_sentence(found: Mapping[str, Verdict]) -> str:
-    """Return the sentence on the gate's verdict on each model, with error and number of the decisive contact."""
+    """Return the sentence on the gate's verdict on each model, with error and number of the decisive contact.
+
+    ``found``: verdicts of ``rollbench check`` on the contact loads, by model.
+    """
     sentences = [
         f"{model} {WORDS[v.word]} the gate's {LIMIT:g} %: {_signed_text(v.error or 0.0)} % on ball {v.ball} {v.flank}"
         for model, v in found.items()
@@ -151,7 +172,10 @@ def _signed_text(value: float) -> str:
 
 
 def uncertainty_sentence(reference: Reference, bounds: Validated) -> str:
-    """Return the sentence on the uncertainty of a scene's contact-load errors, by mesh, choices and input tolerances."""
+    """Return the sentence on the uncertainty of a scene's contact-load errors, by mesh, choices and input tolerances.
+
+    ``reference``: 3D reference of the scene. ``bounds``: error of the default model with these uncertainties.
+    """
     levels = ", ".join(str(run.level) for run in reference.runs)
     parts = [("mesh", bounds.grid), ("modelling choices", bounds.choices), ("input tolerances", bounds.inputs)]
     known = ", ".join(f"{name} {value:.2f}" for name, value in parts if np.isfinite(value))
@@ -162,7 +186,8 @@ def uncertainty_sentence(reference: Reference, bounds: Validated) -> str:
 def results_table(study: Study, scene: Scene, reference: Reference, judged: Judged, gate: Mapping[str, Verdict]) -> Table:
     """Return the table of a scene's data sheet: each quantity by the 3D reference and by the models, with their errors.
 
-    For contact loads only the errors are shown (by the gate's rule, and in per cent of the mean load), because the worst
+    ``judged``: errors by model and quantity. ``gate``: verdicts of ``rollbench check`` on the contact loads, by model. For
+    contact loads only the errors are shown (by the gate's rule, and in per cent of the mean load), because the worst
     contact differs from model to model.
     """
     answers = {"3D reference": from_run(reference.best, "")}

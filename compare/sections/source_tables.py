@@ -54,11 +54,14 @@ class Layout:
 
     @property
     def across(self) -> list[tuple[str, ...]]:
-        """Names of the printed numbers of the table, as rows of columns; an empty name for an empty cell."""
+        """Names of the printed numbers in each row of the table, in the order of its columns; empty for an empty cell."""
         return [names for _, names in self.rows]
 
     def stem(self, what: str = "") -> str:
-        """Return the file name of this table in the report, without ending; ``what`` is appended to it."""
+        """Return the file name of this table in the report, without ending.
+
+        ``what``: text such as "compared" that is appended to the name.
+        """
         return "-".join(filter(None, (self.case, self.number, what)))
 
     @property
@@ -74,7 +77,10 @@ class Layout:
 
 
 def read_layouts(case: Case) -> list[Layout]:
-    """Read the layouts of the printed tables of a publication, in order; InputError for an unknown printed number."""
+    """Read the layouts of the printed tables of a publication, in the order of its file ``layout.toml``.
+
+    ``case``: the publication. Raises InputError for an unknown printed number.
+    """
     path = case.folder / "layout.toml"
     return [_read_layout(case.name, str(path), one) for one in tomllib.loads(path.read_text("utf-8"))["table"]]
 
@@ -82,7 +88,8 @@ def read_layouts(case: Case) -> list[Layout]:
 def _read_layout(case: str, path: str, one: Mapping[str, Any]) -> Layout:
     """Return the layout of one printed table from its record in ``layout.toml``.
 
-    Raises InputError for the name of a printed number that does not exist.
+    ``case``: name of the publication's case. ``path``: path of the file, for error messages. ``one``: the record. Raises
+    InputError for the name of a printed number that does not exist.
     """
     rows = []
     for label, *keys in one["rows"]:
@@ -169,15 +176,19 @@ def table_in_printed_layout(layout: Layout, found: Mapping[str, Evidence], ours:
 
 
 def _printed_units(names: Iterable[str], found: Mapping[str, Evidence]) -> set[str]:
-    """Return the set of units of the named printed numbers; claims in words are left out."""
+    """Return the set of units of the named printed numbers; claims in words are left out.
+
+    ``found``: printed and computed values, by name of the printed number.
+    """
     return {found[name].printed.unit for name in names if name and not found[name].printed.claim}
 
 
 def computed_value_text(f: Evidence) -> str:
     """Return the computed value of a printed number as text, with as many decimals as the printed one.
 
-    The first of these values that exists: with an error of the publication repeated, correct, by the 3D reference. For a
-    claim in words the text states whether it holds.
+    ``f``: the printed number with its computed values. The text shows the first of these values that exists: computed with
+    the error of the publication repeated, correct, by the 3D reference. For a claim in words the text states whether it
+    holds.
     """
     if f.printed.claim:
         return "–" if f.holds is None else "holds" if f.holds else "does not hold"
@@ -248,7 +259,8 @@ def compared_table(
 def _compared_row(layout: Layout, f: Evidence, why: str) -> Row:
     """Return the row of one printed number: printed value, computed values, and their errors against it [%].
 
-    ``why`` is shown instead of a 3D value that does not exist.
+    ``f``: the printed number with its computed values. ``why``: text that is shown instead of a 3D value that does not
+    exist.
     """
     p, form = f.printed, f"g{layout.digits}"
     values = {"right": f.value, "faulty": f.as_printed, "reading": f.reading, "solid": f.reference}
@@ -386,7 +398,10 @@ def counts_by_place(found: Sequence[Evidence], name: str = "printed-by-table", *
 
 
 def _count_row(place: str, found: Sequence[Evidence]) -> Row:
-    """Return the row of `counts_by_place` for one table or section of a publication."""
+    """Return the row of `counts_by_place` for one table or section of a publication.
+
+    ``place``: text in the first cell. ``found``: printed numbers and claims of the table or section, with their verdicts.
+    """
     numbers = [f for f in found if not f.printed.claim]
     claims = [f for f in found if f.printed.claim]
     tally = Counter(f.verdict for f in numbers)

@@ -34,7 +34,10 @@ def stored_sweep() -> dict[str, Any]:
 
 
 def sweep_command(found: Mapping[str, Any]) -> str:
-    """Return the ``rollbench sweep`` command by which a summary of a sweep was computed."""
+    """Return the ``rollbench sweep`` command by which a summary of a sweep was computed.
+
+    ``found``: the summary, which contains scene, varied parameters and options.
+    """
     vary = "".join(f' --vary "{text}"' for text in found["vary"])
     options = "".join(f" --{name} {found[name]}" for name in ("samples", "method", "seed", "model"))
     return f"rollbench sweep {found['scene'].removesuffix('.toml')}{vary}{options}"
@@ -58,7 +61,8 @@ def _tolerance_name(row: Mapping[str, Cell]) -> str:
 def effect_rows(keys: Sequence[Vary], found: Mapping[str, Any]) -> list[dict[str, Cell]]:
     """Return the table rows on the effect of each tolerance on the largest contact load, largest total Sobol index first.
 
-    Each row has the varied range, the range of the mean largest load [N], and the first and total Sobol index.
+    ``keys``: varied tolerances with their ranges. ``found``: summary of the sweep. Each row has the varied range, the range
+    of the mean largest load [N], and the first and total Sobol index with their confidence intervals.
     """
     indices = found["indices"]["outputs"][MAIN]
     rows: list[dict[str, Cell]] = []
@@ -79,7 +83,10 @@ def effect_rows(keys: Sequence[Vary], found: Mapping[str, Any]) -> list[dict[str
 
 
 def make_section(study: Study, step: Callable[[str], None]) -> Section:
-    """Return the section on the effect of each tolerance on the largest contact load in case 3 of Lin's thesis."""
+    """Return the section on the effect of each tolerance on the largest contact load in case 3 of Lin's thesis.
+
+    ``study`` records that the scene is used. ``step`` is called with each line of progress.
+    """
     step("stored sweep of tolerances")
     found = stored_sweep()
     study.uses((found["scene"].removesuffix(".toml"),))

@@ -76,7 +76,10 @@ MANY = 40
 
 @dataclass(frozen=True)
 class UncertaintyTest:
-    """Test of the stated mesh uncertainty of one scene: number of loads that change by less than it on a finer level."""
+    """Test of the mesh uncertainty that is stated for the contact loads of one scene on one mesh level.
+
+    It counts the contacts whose load on a finer level differs by less than the stated uncertainty.
+    """
 
     #: Name of the scene.
     scene: str
@@ -95,7 +98,7 @@ class UncertaintyTest:
 
     @property
     def share(self) -> float:
-        """Share of contacts whose load changes by less than its uncertainty (0 to 1)."""
+        """Share (0 to 1) of contacts whose load differs from that on the finer level by less than its uncertainty."""
         return self.held / self.contacts
 
 
@@ -103,7 +106,8 @@ class UncertaintyTest:
 def loads_for_tests(store: Path) -> tuple[dict[str, dict[int, Array]], dict[str, Scene]]:
     """Return the contact loads that are stored for tests of the mesh uncertainty only, and the randomly drawn scenes.
 
-    The loads (n, 4) [N] are returned by scene and mesh level. Both results are empty if the store has no such file.
+    ``store``: folder with the file. Returns first the loads of n balls on the four flanks, (n, 4) [N], by name of the scene
+    and mesh level; then the randomly drawn scenes by name. Both are empty if the folder has no such file.
     """
     path = store / JUDGES
     data = json.loads(path.read_text(encoding="utf-8")) if path.exists() else {}
@@ -146,7 +150,7 @@ def socket_scatter(study: Study) -> float | None:
 def experience(study: Study) -> Experience | None:
     """Return the parameters of the mesh uncertainty that are estimated from all compared scenes; None if runs are missing.
 
-    They are needed where the mesh levels of a scene do not show a contribution.
+    They are used for contributions to the uncertainty that the mesh levels of a single scene do not show.
     """
     loads, sockets = loads_by_level(study), socket_scatter(study)
     return (
@@ -162,7 +166,10 @@ def _shipped_or_drawn_scene(study: Study, name: str) -> Scene:
 
 
 def _errors_near_faces(study: Study) -> dict[str, Array]:
-    """Return the errors of contact loads near free nut faces on mesh level 1, by scene: (n, 4) [% of the mean load]."""
+    """Return the errors of contact loads near free nut faces on mesh level 1, by name of the scene.
+
+    The errors are (n, 4) [% of the mean load], for n balls on the four flanks.
+    """
     first = min(LEVELS)
     return {
         name: error_percent(
@@ -199,7 +206,8 @@ def _coverage(study: Study) -> list[UncertaintyTest]:
 def _uncertainty_tests(study: Study, choose: Callable[[Levelled], list[tuple[int, ...]]]) -> list[UncertaintyTest]:
     """Test the mesh uncertainties of all scenes by their finest level.
 
-    ``choose`` returns, from the loads of a scene by level, the groups of levels whose uncertainty is tested.
+    ``choose`` gets the contact loads of a scene by mesh level, and returns the groups of levels from each of which an
+    uncertainty is estimated and tested. Returns an empty list if runs are missing.
     """
     scenes, sockets = loads_by_level(study), socket_scatter(study)
     if sockets is None or len(scenes) < len(UNSEEN):
@@ -217,6 +225,8 @@ def _uncertainty_test(
 ) -> UncertaintyTest:
     """Test the mesh uncertainty of one scene by the loads on its finest level.
 
+    The parameters of the uncertainty are derived without this scene and without scenes that share its parts.
+
     Parameters
     ----------
     scene
@@ -224,11 +234,11 @@ def _uncertainty_test(
     levels
         Mesh levels from which the tested uncertainty is estimated.
     scenes
-        Contact loads of all scenes, by level.
+        Contact loads (n, 4) [N] of all scenes, by name of the scene and mesh level.
     sockets
-        Standard deviation of loads due to the cut-outs for the fine patches [% of the mean load].
+        Standard deviation of contact loads due to the cut-outs for the fine patches [% of the mean load].
     beside
-        Errors of loads near free nut faces on level 1 [% of the mean load], by scene.
+        Errors of contact loads near free nut faces on level 1, (n, 4) [% of the mean load], by name of the scene.
     """
     name, level = scene.name, max(levels)
     family = SPOKEN_FOR.get(name, name)
@@ -244,7 +254,10 @@ def _uncertainty_test(
 
 
 def share_of(rows: Sequence[UncertaintyTest]) -> float:
-    """Return the share (0 to 1) of all contacts in several tests whose load changes by less than its uncertainty."""
+    """Return the share (0 to 1) of all contacts in several tests whose load changes by less than its uncertainty.
+
+    ``rows``: the tests, each of one scene and mesh level.
+    """
     return sum(h.held for h in rows) / sum(h.contacts for h in rows)
 
 
@@ -253,13 +266,19 @@ SHOWN = (DEFAULT, "lin")
 
 
 def validation_rows(study: Study, rungs: Sequence[Rung]) -> list[Validated]:
-    """Return error and validation uncertainty of every model, for each scene and quantity; ``rungs``: solutions."""
+    """Return error and validation uncertainty of every model, for each scene and quantity.
+
+    ``rungs``: solution of each scene by each model.
+    """
     found = [validated_error(study, r.scene, r.model, q, from_result(r.result)) for r in rungs for q in QUANTITIES]
     return [row for row in found if row is not None]
 
 
 def u_val_table(rows: Sequence[Validated]) -> Table:
-    """Return the table of the models' errors and of the validation uncertainty u_val, for each scene and quantity."""
+    """Return the table of the models' errors and of the validation uncertainty u_val, for each scene and quantity.
+
+    ``rows``: error and uncertainty by scene, model and quantity.
+    """
     cells: list[Row] = []
     for row in rows:
         if row.model not in SHOWN:
@@ -293,7 +312,10 @@ def u_val_table(rows: Sequence[Validated]) -> Table:
 
 
 def scatter_table(found: Sequence[Scatter]) -> Table:
-    """Return the table of bias and scatter of the errors, for each model and quantity, over all scenes."""
+    """Return the table of bias and scatter of the errors, for each model and quantity, over all scenes.
+
+    ``found``: bias and scatter by model and quantity.
+    """
     cells: list[Row] = [
         {
             "model": s.model,
@@ -316,7 +338,10 @@ def scatter_table(found: Sequence[Scatter]) -> Table:
 
 
 def scatter_figure(found: Sequence[Scatter]) -> Figure:
-    """Draw bias and scatter of the errors of each model, with a panel for each quantity."""
+    """Draw bias and scatter of the errors of each model, with a panel for each quantity.
+
+    ``found``: bias and scatter by model and quantity. Bars extend over two standard deviations to either side.
+    """
     panels = []
     order = [m.name for m in RUNGS]
     for quantity in dict.fromkeys(s.quantity for s in found):
@@ -332,7 +357,11 @@ def scatter_figure(found: Sequence[Scatter]) -> Figure:
 
 
 def bounds_table(study: Study, rungs: Sequence[Rung]) -> Table:
-    """Return the table of stated error bounds, and of how many values were within them."""
+    """Return the table of stated error bounds, with the number of values that lie within each.
+
+    The bounds are the largest error to expect of each model, and the mesh uncertainty of coarser levels. ``rungs``:
+    solution of each scene by each model.
+    """
     rows = left_out_one(study, rungs)
     counts = [
         (f"largest error to expect of the model {name}, estimated without the scene", held, total)
@@ -359,7 +388,10 @@ def bounds_table(study: Study, rungs: Sequence[Rung]) -> Table:
 
 
 def make_section(study: Study, step: Callable[[str], None]) -> Section:
-    """Return the section on validation uncertainty: errors with u_val, bias and scatter, and tests of stated bounds."""
+    """Return the section on validation uncertainty: errors with u_val, bias and scatter, and tests of stated bounds.
+
+    ``step`` is called with each line of progress.
+    """
     title = "Bias, scatter and uncertainty of the models"
     step("every model on every scene with a 3D reference")
     rungs = study.once(ladder)

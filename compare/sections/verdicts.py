@@ -62,7 +62,11 @@ def printed_table(
 
 
 def _verdict_columns(found: Sequence[Evidence], digits: int, place: bool) -> tuple[Quantity, ...]:
-    """Return the columns of `printed_table` that the listed numbers need."""
+    """Return the columns of `printed_table` that the listed numbers need.
+
+    ``found``: printed and computed values. ``digits``: number of significant digits of computed values. ``place``: whether
+    there is a column for the place in the publication.
+    """
     form = f"g{digits}"
     faulty, inferred = any(f.as_printed is not None for f in found), any(f.reading is not None for f in found)
     wanted = (
@@ -83,9 +87,10 @@ def _verdict_columns(found: Sequence[Evidence], digits: int, place: bool) -> tup
 
 
 def _verdict_cells(f: Evidence, usual: str, place: bool) -> dict[str, Cell]:
-    """Return the cells of `printed_table` for one printed number or claim.
+    """Return the cells of `printed_table` for one printed number or claim, by key of the column.
 
-    ``usual`` is the place in the publication of most numbers; ``place`` is as in `printed_table`.
+    ``f``: the printed number with its computed values. ``usual``: place in the publication of most numbers; a different
+    place is added to the label. ``place``: whether the table has a column for the place.
     """
     p = f.printed
     section = p.place.removeprefix("Lin (2019), ")
@@ -114,7 +119,11 @@ def shown_error(error: float | None) -> float | None:
 
 
 def _number_remarks(rows: Sequence[dict[str, Cell]]) -> list[str]:
-    """Replace remarks that are the same in several rows by a number, in place; return the numbered remarks."""
+    """Replace remarks that are the same in several rows of ``rows``, in place, by a number such as "remark 1".
+
+    Returns the replaced remarks, in the order of their numbers. `SHARED` is the number of rows above which a remark is
+    replaced.
+    """
     count = Counter(str(row["remark"]) for row in rows)
     common = [text for text, times in count.items() if text and times > SHARED]
     for row in rows:
@@ -134,7 +143,10 @@ INFERRED = (
 
 
 def total_text(rows: Sequence[Evidence]) -> str:
-    """Return the sentence on the number of printed numbers and claims by verdict, and on the kinds of reproduced ones."""
+    """Return the sentence on the number of printed numbers and claims by verdict, and on the kinds of reproduced ones.
+
+    ``rows``: printed numbers and claims with their verdicts.
+    """
     total = audited_counts(rows)[-1]
     kinds = Counter(r.printed.kind for r in rows if r.verdict == "reproduced")
     parts = " and ".join(f"{n} {PLURALS.get(KINDS[kind], KINDS[kind])}" for kind, n in kinds.most_common())
@@ -143,7 +155,11 @@ def total_text(rows: Sequence[Evidence]) -> str:
 
 
 def kinds_table(rows: Sequence[Evidence]) -> Table:
-    """Return the table that counts the printed numbers and claims by kind and verdict."""
+    """Return the table that counts the printed numbers and claims by kind and verdict.
+
+    Kinds are computed numbers, claims in words, arithmetic on printed numbers, zeros by symmetry, and inputs. ``rows``:
+    printed numbers and claims with their verdicts.
+    """
     tally = Counter((r.printed.kind, r.verdict) for r in rows)
     cells: list[Row] = [
         {
@@ -157,7 +173,10 @@ def kinds_table(rows: Sequence[Evidence]) -> Table:
 
 
 def make_section(study: Study, step: Callable[[str], None]) -> Section:
-    """Return the section that lists every printed number and claim with its computed value and verdict."""
+    """Return the section that lists every printed number and claim with its computed value and verdict.
+
+    ``step`` is called with each line of progress.
+    """
     step("every printed number and claim")
     audited = audit(study)
     tally: dict[tuple[str, str], int] = Counter((r.printed.cls, r.verdict) for r in audited)
@@ -195,7 +214,10 @@ def text_columns(*columns: tuple[str, str]) -> tuple[Quantity, ...]:
 
 
 def counts_table(rows: Sequence[Evidence]) -> Table:
-    """Return the table that counts the printed numbers and claims by publication and verdict."""
+    """Return the table that counts the printed numbers and claims by publication and verdict.
+
+    ``rows``: printed numbers and claims with their verdicts.
+    """
     headings = [(v, f"{v}, not judged" if v in APART else v) for v in VERDICTS]
     columns = text_columns(("source", "publication"), *headings, ("judged", "judged"), ("all", "all"))
     note = "Judged: all except inputs and identities, which do not test a model."
@@ -204,7 +226,10 @@ def counts_table(rows: Sequence[Evidence]) -> Table:
 
 
 def misprints_table(case: str = "") -> Table:
-    """Return the table of misprints and errors in one publication (``case`` is its name) or, without name, in all."""
+    """Return the table of misprints and errors in one publication or in all.
+
+    ``case``: name of the publication's case, such as "lin"; empty: all publications.
+    """
     columns = text_columns(
         *(() if case else (("source", "publication"),)),
         ("place", "place"),
@@ -224,7 +249,10 @@ def misprints_table(case: str = "") -> Table:
 
 
 def audit_section(study: Study, step: Callable[[str], None]) -> Section:
-    """Return the section on how many printed numbers of each publication are reproduced, with all misprints."""
+    """Return the section on how many printed numbers of each publication are reproduced, with all misprints.
+
+    ``step`` is called with each line of progress.
+    """
     step("every printed number and claim, by publication")
     rows = audit(study)
     words = [trust(row) for row in counts(rows)]

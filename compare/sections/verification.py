@@ -76,9 +76,10 @@ class Level:
 
 
 def time_level(label: str, run: HertzRun) -> Level:
-    """Add to the computation of a Hertz contact its errors against the closed form [%].
+    """Return the computation of a Hertz contact together with its errors against the closed form [%].
 
-    The error "semi-axes" is the larger one of the errors of both semi-axes.
+    ``label``: name of the mesh. ``run``: the computation. The error "semi-axes" is the larger one of the errors of both
+    semi-axes.
     """
     exact = run.exact
     values = run.approach, run.semi_x, run.semi_y, run.pole_pressure, run.pole_fitted
@@ -109,17 +110,26 @@ def time_levels(step: Callable[[str], None], wanted: Mapping[str, Sequence[float
 
 
 def production_run(found: Sequence[Level]) -> list[Level]:
-    """Return the computations on the production mesh, one for each Hertz contact."""
+    """Return the computations on the production mesh, one for each Hertz contact.
+
+    ``found``: computations on all meshes.
+    """
     return [one for one in found if (one.run.element, one.run.b_over_h) == PRODUCTION and one.label != SOURCE]
 
 
 def verdict_sentence(found: Sequence[Level]) -> list[str]:
-    """Return sentences on whether the production mesh meets its error targets, and on the errors of Lin's mesh."""
+    """Return sentences on whether the production mesh meets its error targets, and on the errors of Lin's mesh.
+
+    ``found``: computations of each Hertz contact on all meshes.
+    """
     return [*map(_meets_tolerance, production_run(found)), *(_source_errors(one) for one in found if one.label == SOURCE)]
 
 
 def _meets_tolerance(one: Level) -> str:
-    """Return the sentence that states the errors on the production mesh and whether they are within the targets."""
+    """Return the sentence that states the errors on the production mesh and whether they are within the targets.
+
+    ``one``: computation of one Hertz contact on the production mesh.
+    """
     missed = [name for name, most in TARGETS.items() if not abs(one.errors[name]) <= most]
     parts = [
         f"{name} {one.errors[name]:+.2f} % ({'NOT within' if name in missed else 'within'} {most} %)"
@@ -132,7 +142,10 @@ def _meets_tolerance(one: Level) -> str:
 
 
 def _source_errors(one: Level) -> str:
-    """Return the sentence that states the errors on the mesh of Lin's thesis."""
+    """Return the sentence that states the errors on the mesh of Lin's thesis.
+
+    ``one``: computation of one Hertz contact on that mesh.
+    """
     return (
         f"Job {one.run.job} on first-order tetrahedra of the size of Lin's thesis ({one.run.b_over_h:.1f} across the short "
         f"semi-axis): approach {one.errors['approach']:+.1f} %, semi-axes {one.errors['semi-axes']:+.1f} %, "
@@ -147,12 +160,18 @@ STAGES = {"mesh": "meshing"}
 
 
 def mesh_row(one: Level) -> Row:
-    """Return the first cells of a table row: job, mesh, and number b/h of cells across the short semi-axis."""
+    """Return the first cells of a table row: job, mesh, and number b/h of cells across the short semi-axis.
+
+    ``one``: computation of one Hertz contact on one mesh.
+    """
     return {"job": one.run.job, "mesh": one.label, Quantity("b_over_h", "b/h", "", ".1f"): one.run.b_over_h}
 
 
 def error_row(one: Level) -> Row:
-    """Return the row of the error table for one computation of a Hertz contact: mesh, size, time and errors [%]."""
+    """Return the row of the error table for one computation of a Hertz contact: mesh, size, time and errors [%].
+
+    ``one``: the computation.
+    """
     counts: Row = {
         "unknowns": one.run.unknowns,
         Quantity("contact_nodes", "contact nodes", "", "s"): one.run.contact_nodes,
@@ -163,7 +182,10 @@ def error_row(one: Level) -> Row:
 
 
 def value_rows(found: Sequence[Level]) -> list[Row]:
-    """Return the rows that compare the production mesh with Hertz: approach, semi-axes and pole pressure of each job."""
+    """Return the rows that compare the production mesh with Hertz: approach, semi-axes and pole pressure of each contact.
+
+    ``found``: computations on all meshes.
+    """
     rows: list[Row] = []
     quantities = (
         ("approach", "µm", 1e6, "approach"),
@@ -191,7 +213,11 @@ def value_rows(found: Sequence[Level]) -> list[Row]:
 
 
 def error_figure(found: Sequence[Level], job: str) -> Figure:
-    """Draw the errors of approach and pole pressure over the number of unknowns and over run time, all logarithmic."""
+    """Draw the errors of approach and pole pressure over the number of unknowns and over run time, all logarithmic.
+
+    ``found``: computations on all meshes. ``job``: name of the Hertz contact, "A" (ball on a flat) or "B" (ball in a
+    groove).
+    """
     panels = []
     for quantity in ("approach", "pole pressure"):
         for axis in ("unknowns", "seconds"):
@@ -220,19 +246,28 @@ def error_figure(found: Sequence[Level], job: str) -> Figure:
 
 
 def times_table(found: Sequence[Level]) -> Table:
-    """Return the table of the time of each stage (meshing, assembly and so on) for every computation [s]."""
+    """Return the table of the time of each stage (meshing, assembly and so on) for every computation [s].
+
+    ``found``: computations of each Hertz contact on all meshes.
+    """
     stages = {name: Quantity(f"{name}_seconds", STAGES.get(name, name), "s", "g2") for name in TIMES}
     rows = [mesh_row(one) | {stage: one.run.seconds[name] for name, stage in stages.items()} for one in found]
     return Table.of("verification-times", "Hertz contact in 3D: time of each stage of the computation", rows)
 
 
 def make_section(study: Study, step: Callable[[str], None]) -> Section:
-    """Return the section that verifies the contact elements of the 3D reference against Hertz theory."""
+    """Return the section that verifies the contact elements of the 3D reference against Hertz theory.
+
+    ``step`` is called with each line of progress.
+    """
     return hertz_section(time_levels(step, QUICK if study.quick else LEVELS))
 
 
 def hertz_section(found: Sequence[Level]) -> Section:
-    """Return the section that compares computed 3D contacts with Hertz theory; ``found``: the computations."""
+    """Return the section that compares computed 3D contacts with Hertz theory.
+
+    ``found``: computations of each Hertz contact on all meshes.
+    """
     job, mesh = JOBS["A"], f"{NAMES[PRODUCTION[0]]}, b/h = {PRODUCTION[1]:g}"
     text = (
         f"A ball of radius {1000.0 * BALL:g} mm (E = {1e-09 * job.young:g} GPa, nu = {job.poisson:g}, both bodies elastic) "
@@ -290,7 +325,10 @@ NUT = (
 
 
 def run_table(data: CrossData) -> Table:
-    """Return the table of the runs of CalculiX on one scene: mesh, contact stiffness, time and residual forces."""
+    """Return the table of the runs of CalculiX on one scene: mesh, contact stiffness, time and residual forces.
+
+    ``data``: stored results of CalculiX on the scene.
+    """
     rows: list[Row] = []
     base = {(mesh_identity(r), r.stiffness): r for r in data.runs if not r.nlgeom}
     for run in data.runs:
@@ -362,7 +400,8 @@ def contact_tables(data: CrossData, ours: Reference, limit: Extrapolation) -> li
 def crosscheck_section(study: Study, step: Callable[[str], None], folder: Path | None = None) -> Section:
     """Return the section that compares the 3D reference with CalculiX.
 
-    ``folder`` contains the stored results of CalculiX; None: the shipped results.
+    ``step`` is called with each line of progress. ``folder``: folder with the stored results of CalculiX; None: the results
+    shipped with rollbench.
     """
     items: list[Text | Table] = [Text((ABOUT, EXTRAPOLATED))]
     for name in STUDIES:

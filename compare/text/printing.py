@@ -40,7 +40,11 @@ class Answer:
 
 
 def print_answer(answer: Answer, as_json: bool = False) -> int:
-    """Print the output of a command on standard output, and return its exit code; OutputLost if it cannot be written."""
+    """Print the output of a command on standard output, and return its exit code.
+
+    ``as_json``: whether its data are printed as JSON, instead of its texts and tables. Raises OutputLost if standard output
+    cannot be written.
+    """
     clear_progress_line()
     if as_json:
         print_json(answer.data() if callable(answer.data) else answer.data)
@@ -68,7 +72,10 @@ def guard_standard_output() -> Iterator[None]:
 
 
 def print_json(value: Any) -> None:
-    """Print one JSON value on standard output; ValueError for a number that is not finite, OutputLost if not writable."""
+    """Print one JSON value on standard output, with an indent of two.
+
+    Raises ValueError for a number that is not finite, OutputLost if standard output cannot be written.
+    """
     text = json.dumps(value, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
     with guard_standard_output():
         sys.stdout.write(text)
@@ -92,7 +99,10 @@ def _print_parts(parts: Iterable[Any], *, folded: bool) -> None:
 
 
 def _show_table(table: Any, terminal: bool) -> None:
-    """Print a table of the package rich; on a terminal, it is split into tables that fit the width."""
+    """Print a table of the package rich; on a terminal, it is split into tables that fit the width.
+
+    ``terminal``: whether standard output is a terminal.
+    """
     from rich.console import Console
 
     console = Console(width=None if terminal else 160, soft_wrap=True, highlight=False, markup=False)
@@ -111,6 +121,8 @@ def text_width() -> int:
 
 def cell(value: Any, form: str) -> str:
     """Format a value as the text of a table cell; a number that is rounded to zero gets no minus sign.
+
+    ``form``: number format of Python, such as ".2f"; "s" for text. None becomes a dash, and a boolean "yes" or "no".
 
     Examples
     --------
@@ -215,10 +227,11 @@ def _column_widths(column: RichColumn, around: int) -> tuple[int, int]:
 def _table_part(
     table: Table, columns: Sequence[int], rows: Sequence[tuple[str, ...]], limits: Sequence[tuple[int, int]], width: int
 ) -> Table:
-    """Return a table with the ``columns`` (numbers) of another one, at most ``width`` characters wide.
+    """Return a table with some columns of another one, at most ``width`` characters wide.
 
-    Each column is wide enough for its words; the remaining width is given to the columns with the longest texts.
-    ``limits``: the two widths of each column, see `_column_widths`.
+    ``columns``: numbers of these columns, from 0. ``rows``: texts of all rows of the other table. ``limits``: for each of
+    its columns, the smallest width that breaks no word and the width at which no text is wrapped. The width that remains is
+    given to the columns with the longest texts.
     """
     from rich.table import Table as Made
 
@@ -256,7 +269,8 @@ def plain_table(
 def aligned_table(rows: Sequence[Mapping[str, Any]], digits: str = ".4g", title: str | None = None) -> Table:
     """Return a table without rules from rows of values, whose keys become the headings.
 
-    Columns without values are left out. ``digits``: format of numbers.
+    ``digits``: number format of Python for all numbers. ``title``: title of the table; None: no title. Columns without
+    values are left out; columns of texts are left-aligned.
     """
     kept = {k: k.replace("_", " ").replace("percent", "%") for k in rows[0] if any(row[k] is not None for row in rows)}
     left = [heading for key, heading in kept.items() if isinstance(rows[0][key], str)]
@@ -277,6 +291,9 @@ def _fill_table(headings: Iterable[str], rows: Iterable[Iterable[str]], left: Co
 
 
 def listed_table(title: str, columns: Sequence[Column], rows: Iterable[Mapping[str, Any]]) -> Table:
-    """Return a table with title and rules from rows of values; ``columns`` selects, names and formats the values."""
+    """Return a table with title and rules from rows of values.
+
+    ``columns``: key of the value, heading and number format of each shown column. ``rows``: values by key.
+    """
     texts = ([cell(row[name], form) for name, _, form in columns] for row in rows)
     return ruled_table(title, [heading for _, heading, _ in columns], texts)

@@ -1,4 +1,4 @@
-"""Text and tables that the terminal shows for solved scenes, load curves, and load cases of a duty cycle."""
+"""Text and tables that the terminal shows for solved scenes, load cases, load curves and tables over parameters."""
 
 from __future__ import annotations
 
@@ -24,8 +24,17 @@ from rollbench.compare.results.scene_json import (
     sides_json,
 )
 from rollbench.compare.results.side_by_side import NUMBERS, Alternative, SideBySide
+from rollbench.compare.results.table import ERROR_OF, Table, TableRow
 from rollbench.compare.scenes.duty_cycle import DutyCycle
-from rollbench.compare.text.printing import Column, aligned_table, listed_table, plain_table, ruled_table, text_width
+from rollbench.compare.text.printing import (
+    Column,
+    aligned_table,
+    listed_table,
+    plain_table,
+    ruled_table,
+    split_to_width,
+    text_width,
+)
 from rollbench.lowfi.rating.contacts import RACES
 from rollbench.lowfi.statics.nominal import nominal_contacts
 from rollbench.lowfi.statics.result import AxisResult, Equilibrium, SolverReport, by_freedoms
@@ -113,7 +122,7 @@ def closing_lines(
 def solver_lines(s: SolverReport, measured: str = "") -> list[str]:
     """Return a line on solver, iterations and size of the system; only the time if the solution was not attempted.
 
-    ``measured``: text on the discretisation error.
+    ``s``: record of the solver. ``measured``: text on the discretisation error, which is added to the line.
     """
     if not math.isfinite(s.residual):
         return [f"solver: the scene was rejected before a solution was attempted, in {s.seconds:.3g} s"]
@@ -197,7 +206,10 @@ def _text_of_value(value: Any) -> str:
 
 
 def _balance_lines(e: Equilibrium, *, several: bool) -> list[str]:
-    """Return lines on the residuals of the force and moment balance; ``several``: whether a shaft has several bearings."""
+    """Return lines on the residuals of the force and moment balance.
+
+    ``e``: the residuals. ``several``: whether the scene is a shaft with several nuts or bearings.
+    """
     sums = f"force {e.force_residual:.1e}, moment {e.moment_residual:.1e}"
     if several:
         return [f"balance of the shaft: {sums} (relative)"]
@@ -236,7 +248,10 @@ def _ball_tables(one: Solved) -> list[RenderableType]:
 
 
 def stiffness_lines(tangent: Tangent) -> list[RenderableType]:
-    """Return the text and the table that show the 6 x 6 stiffness at a cross-section of the screw, in N, m and rad."""
+    """Return the text and the table that show the 6 x 6 stiffness at a cross-section of the screw, in N, m and rad.
+
+    ``tangent``: the stiffness, with its axial position; without a solution, the text states the reason.
+    """
     if tangent.status != "converged":
         return [f"stiffness at {1e3 * tangent.station:.6g} mm: {tangent.status}"]
     rows = ((name, *(f"{x:.4g}" for x in row)) for name, row in zip(FREEDOMS, tangent.matrix, strict=True))
@@ -248,7 +263,10 @@ def stiffness_lines(tangent: Tangent) -> list[RenderableType]:
 
 
 def _set_tables(one: SolvedAxis, *, balls: bool, stiffness: bool) -> list[Any]:
-    """Return the tables of nuts, bearings and housings and, if asked for, of balls, rollers and the stiffness."""
+    """Return the tables and lines on nuts, bearings and housings of a shaft.
+
+    ``balls``: also the tables of balls and rollers. ``stiffness``: also the stiffness of the shaft.
+    """
     result, rows = one.result, set_rows(one)
     if not rows:
         return []
@@ -324,7 +342,12 @@ def cases_table(
     details: bool = False,
     stiffness: bool = False,
 ) -> list[Any]:
-    """Return the texts and tables for a duty cycle: results over all load cases, a table of cases, then each case."""
+    """Return the texts and tables for a duty cycle: results over all load cases, a table of cases, then each case.
+
+    ``solved``: solution of each case. ``whole``: extremes and lives over all cases. ``tangents``: for each case, the
+    stiffness at the axial position that the user asked for; empty if none. ``balls``, ``details``, ``stiffness``: see
+    `case_table`.
+    """
     data = cases_json(cycle, solved, whole)
     parts: list[Any] = [f"{cycle.name}, model {data['model']}: {count_of(len(solved), 'load case')}, {data['status']}", ""]
     parts += [as_text(together_rows(whole), text_width()), ""]
@@ -342,10 +365,73 @@ def cases_table(
 
 
 def case_rows(cases: Sequence[dict[str, Any]]) -> Iterator[dict[str, Any]]:
-    """Yield a table row, by headings, for each load case in the JSON list ``cases``."""
+    """Yield a table row for each load case, by the headings of the table.
+
+    ``cases``: JSON results of each load case.
+    """
     for one in cases:
         row: dict[str, Any] = {"case": one["case"], "share": one["share"]}
         groups = ((heading, key, one["summary"].get(group)) for heading, group, key in COLUMNS)
         row |= {heading: None if group is None else group[key] for heading, key, group in groups}
         worth = one["model_form"]
         yield row | {"expected error %": None if worth is None else worth["largest_percent_of_mean"]}
+
+
+#: Largest number of different reasons for missing results that are printed.
+REASONS = 5
+
+
+def table_parts(found: Table) -> list[Any]:
+    """Return what the terminal shows of a table over scene parameters, as texts and tables.
+
+    These are the table of quantities with their expected errors, then lines on the combinations of values without results.
+    """
+    return [*split_to_width(aligned_table(_table_rows(found)), text_width()), "", *_summary_lines(found)]
+
+
+def _table_rows(found: Table) -> list[dict[str, Any]]:
+    """Return the rows of a table over scene parameters, by headings.
+
+    A row has the values of the varied parameters, the quantities, and their expected errors.
+    """
+    named, rows = quantities(TableRow), []
+    for row, place in zip(found.rows, found.places, strict=True):
+        shown: dict[str, Any] = {f"{x.key} {x.unit}".rstrip(): place[x.column] for x in found.over}
+        for key, field in ERROR_OF.items():
+            value = named[key].value(row)
+            shown[f"{named[key].label} {named[key].unit}"] = value
+            if field != "load_error":
+                shown[f"{named[key].label} ± %"] = None if value is None else _round_percent(getattr(row, field))
+        rows.append(shown | {"loads ± %": _round_percent(row.load_error)})
+    return rows
+
+
+def _round_percent(percent: float | None) -> float | None:
+    """Round an error [%] to two significant digits; None stays None."""
+    return None if percent is None else float(f"{percent:.2g}")
+
+
+def _summary_lines(found: Table) -> Iterator[str]:
+    """Yield lines on the number of combinations with results, on failures, and on errors that cannot be estimated.
+
+    ``found``: table over scene parameters.
+    """
+    matrix = any(row.stiffness is not None for row in found.rows)
+    further = "; ±: error to expect" if any(row.load_error is not None for row in found.rows) else ""
+    further += "; --json and --out have the 6 x 6 stiffness" if matrix else ""
+    yield f"{found.converged} of {len(found.rows)} rows have results{further}"
+    yield from failure_words(found)
+    yield from dict.fromkeys(f"expected error not known: {row.error_words}" for row in found.rows if row.error_words)
+
+
+def failure_words(found: Table) -> Iterator[str]:
+    """Yield a line for each of the first `REASONS` reasons for missing results, with the parameter values concerned.
+
+    ``found``: table over scene parameters.
+    """
+    reasons = list(found.failures.items())
+    for reason, places in reasons[:REASONS]:
+        others = f" and {count_of(len(places) - 1, 'further row')}" if places[1:] else ""
+        yield f"{places[0]}{others}: {reason}"
+    if reasons[REASONS:]:
+        yield f"{count_of(len(reasons) - REASONS, 'further reason')}: see the status of the rows"

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from rollbench.compare.commands.stability import run_drawn
+from rollbench.compare.commands.survey import run_drawn
 from rollbench.compare.errors import InputError
 from rollbench.compare.reference.tasks import needed_sides, settings_of
 from rollbench.compare.scenes import scene_file

@@ -7,7 +7,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from rollbench.compare.commands import compare_output as output
+from rollbench.compare.commands import compare as output
 from rollbench.compare.errors import InputError
 from rollbench.compare.models.comparison import Loads, compared_models, options_for
 from rollbench.compare.models.model_form import estimate, shipped_points

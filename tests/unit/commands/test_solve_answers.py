@@ -12,7 +12,7 @@ import pytest
 from scipy.io import mmread
 from tests.processes import COMMAND, ran
 
-from rollbench.compare.commands.solve_files import dmig_text, matrix_market_text
+from rollbench.compare.commands.solve import dmig_text, matrix_market_text
 from rollbench.compare.errors import InputError, Refusal
 from rollbench.compare.models.answers import all_answers, tangent_stiffness_at
 from rollbench.compare.models.load_cases import Solved
