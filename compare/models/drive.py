@@ -9,8 +9,7 @@ from typing import Any
 from rollbench.compare.models.answers import AxisAnswers, RollerAnswers
 from rollbench.compare.models.registry import Options
 from rollbench.lowfi.bearings.axis import TorqueBudget, acceleration_torque, reflected_inertia, screw_inertia
-from rollbench.lowfi.bearings.roller_torque import roller_torque
-from rollbench.lowfi.bearings.torque import BallTorque, Band
+from rollbench.lowfi.bearings.torque import BallTorque, Band, roller_torque
 from rollbench.lowfi.rating import roller_life
 from rollbench.lowfi.rating.life import SLOPE, SystemLife, system_life
 from rollbench.lowfi.statics.result import AxisResult, SetResult

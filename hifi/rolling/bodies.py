@@ -43,7 +43,7 @@ from rollbench.hifi.rolling.contact_bodies import (
     mesh_whole_ball,
 )
 from rollbench.hifi.rolling.patch import SmoothKernel, monomials
-from rollbench.hifi.side_by_side import Job, compute_records
+from rollbench.hifi.setup import Job, compute_records
 from rollbench.meshes.arrays import Array, Index
 from rollbench.meshes.ball_body import build_ball
 from rollbench.meshes.cache import Cache

@@ -9,7 +9,7 @@ from scipy.special import beta, gamma
 
 from rollbench.lowfi.bearings import as_printed
 from rollbench.lowfi.bearings.axis import equilibrium, preloaded_rows
-from rollbench.lowfi.bearings.combined_load import (
+from rollbench.lowfi.bearings.tapered_roller import (
     combined_equilibrium,
     energy_and_derivatives,
     load_zone,
