@@ -504,9 +504,7 @@ def ball_contact_pressures(
     """
     sides = tuple(s for s in range(4) if loads[s] > 0.0)
     if not sides:
-        raise ValueError(
-            f"ball {ball + 1} carries no load, so that it has no contact pressure; allowed: a contact load > 0 N"
-        )
+        raise ValueError(f"ball {ball + 1} carries no load, so that it has no contact pressure; allowed: a load > 0 N")
     m, all_balls, dims = GrooveMap.of(scene), ball_layout(scene), solid_dimensions(scene)
     row = slice(ball, ball + 1)
     layout = BallLayout(*(getattr(all_balls, x.name)[row] for x in fields(BallLayout)))

@@ -607,8 +607,8 @@ def radial_and_axial_factors(alpha: float) -> tuple[float, float, float]:
         return 1.25 * tan(alpha), 1.25 * tan(alpha) * (1.0 - 2.0 / 3.0 * sin(alpha)), 1.0
     if angle < ANGLES[0] - 1e-9:
         raise ValueError(
-            f"the factors X and Y of ISO 281 got a contact angle of {angle:.4g} deg; allowed: at least 20 deg, because they "
-            "depend on the standard's factor f_0 below that"
+            f"the factors X and Y of ISO 281 got a contact angle of {angle:.4g} deg; allowed: at least 20 deg, because "
+            "they depend on the standard's factor f_0 below that"
         )
     e, X, Y = (float(np.interp(angle, ANGLES, values)) for values in (LIMITS, RADIAL_FACTORS, AXIAL_FACTORS))
     return e, X, Y
