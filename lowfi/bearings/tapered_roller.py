@@ -107,7 +107,7 @@ def load_zone(eps: float, exponent: float) -> LoadZone:
     4.3701
     """
     if not eps > 0.0:
-        raise ValueError("the load zone parameter eps must be above zero (1/2 for half of the circumference)")
+        raise ValueError(f"the load zone parameter got {eps:g}; allowed: above zero (1/2 for half of the circumference)")
     w = 0.5 / eps
     end = np.pi if w <= 0.5 else float(np.arccos(1.0 - 1.0 / w))
     psi = end * _PLACES
@@ -207,7 +207,7 @@ def energy_and_derivatives(bearing: TaperedBearing, displacement: Array) -> tupl
 
 
 def combined_equilibrium(bearing: TaperedBearing, axial: float, radial: float) -> CombinedState:
-    """Return the equilibrium of a bearing under thrust and radial load, by Newton's method on its convex energy.
+    """Solve for the equilibrium of a tapered roller bearing under thrust and radial load, by Newton's method on its energy.
 
     Parameters
     ----------
@@ -276,7 +276,9 @@ class ZoneState:
 
 
 def solve_by_load_zone(bearing: TaperedBearing, axial: float, radial: float) -> ZoneState:
-    """Return displacements and largest load by Smith's load-zone method, with exact integrals and exact line contact.
+    """Return displacements and largest roller load of a bearing by Smith's load-zone method.
+
+    The integrals over the load zone and the law of the line contact are exact.
 
     A power law distributes the load over the rollers, and the line contact of the most loaded roller gives its compression.
     The result is exact for pure thrust. Otherwise its accuracy depends on the exponent and on the number of rollers, taken
