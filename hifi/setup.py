@@ -67,7 +67,7 @@ class Setup:
     scene: Scene
     #: Map of the track.
     map: GrooveMap
-    #: Places of the balls.
+    #: Positions of the balls.
     layout: BallLayout
     #: Dimensions of the solid parts.
     dims: Dimensions
@@ -85,7 +85,7 @@ class Setup:
     ball: BallResponse
     #: Section of the shaft beyond the 3D stretch.
     section: ShaftSection
-    #: EquivalentBeam grooved shaft; None where it is not needed.
+    #: Uniform beam equivalent to the grooved shaft; None where it is not needed.
     homogenised: EquivalentBeam | None
     #: Degrees of freedom of the equivalent monolithic mesh.
     unknowns: int
@@ -115,7 +115,7 @@ class _StageRunner:
         self.others: dict[int, float] = {}
 
     def run(self, jobs: Sequence[Job], processes: int) -> list[Any]:
-        """Run jobs in several processes, and return their records in the order of the jobs.
+        """Compute the records of jobs in several processes, and return them in the order of the jobs.
 
         When the last job of a stage is done, the stage is reported with the time of its jobs. The attribute ``seconds``
         records the part of the elapsed time that belongs to each stage.
