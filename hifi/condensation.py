@@ -90,10 +90,10 @@ class SidePatches:
 def condense_side_arguments(
     scene: Scene, m: GrooveMap, dims: Dimensions, meshes: Meshes, side: int, settings: Settings
 ) -> SideArguments:
-    """Collect the arguments of `condense_side` for one flank of a ball screw or bearing.
+    """Return the arguments of `condense_side`, as a tuple in their order, for one flank of a ball screw or bearing.
 
     ``m``: geometry of the track; ``dims``: dimensions of the solid parts; ``meshes``: meshes of the parts; ``side``: flank
-    0 to 3. The result is the geometry of the track, the flank, the radii, the materials, the sockets and the mesh choices.
+    0 to 3; ``settings``: mesh choices.
     """
     part, inner = (scene.screw, dims.hole) if side < 2 else (scene.nut, dims.land)
     radii, materials = (inner, part.outer_diameter / 2.0), (part.material, scene.balls.material)
@@ -117,8 +117,8 @@ def condense_side(
     side : int
         Flank 0 to 3.
     radii : tuple[float, float]
-        Radii of the grooved body's plain surface on the side away from the groove (hole, or land), and of the other
-        one [m].
+        Inner and outer radius of the grooved body [m]: hole and outer radius of the screw, or land and outer radius of the
+        nut.
     materials : tuple[Material, Material]
         Materials of the grooved body and of the ball.
     sockets : Sockets
@@ -145,7 +145,8 @@ def condense_side(
     spread = float(np.abs(ball_normals - normals).max())
     if spread > 1e-9:
         raise ValueError(
-            f"the contact nodes of ball and groove do not match: their normals differ by {spread:.1e}, allowed are 1e-9"
+            f"the contact nodes of ball and groove do not match: their unit normals got a difference of {spread:.1e}; "
+            "allowed: up to 1e-9"
         )
     e, b = materials
     groove = condense_patch(
@@ -198,7 +199,7 @@ def _elastic_constants(material: Material) -> tuple[float, float]:
 
 
 def is_turned_left_flank(m: GrooveMap, side: int) -> bool:
-    """Return whether a flank equals the left flank of its groove, turned about the radius through the ball's centre.
+    """Return whether a flank is the left flank of the same groove, turned by 180 deg about the radius through the ball.
 
     Parameters
     ----------
@@ -296,7 +297,7 @@ class ModalBody:
         Returns
         -------
         (k,) Index
-            Indices of the rows and columns.
+            Indices of the contact's k modes among the rows, and columns, of that matrix.
         """
         before = sum(V.shape[1] for V in list(self.modes.values())[: list(self.modes).index(side)])
         return np.asarray(ball * self.modes_per_ball + before + np.arange(self.modes[side].shape[1]))
@@ -369,11 +370,11 @@ def stiffness_and_modes(
     mesh : Mesh
         Coarse body.
     sockets : Sequence[Socket]
-        Its sockets.
+        Sockets of the body.
     patches : dict[int, CondensedPatch]
         Condensed patch of each flank.
     count : int
-        Number of modes of every socket.
+        Number of displacement modes of every contact.
     settings : Settings
         Mesh choices.
 
@@ -384,7 +385,7 @@ def stiffness_and_modes(
     rows : (r, n) sparse array
         Rows Q of the r modes of all sockets on these degrees of freedom, socket after socket.
     by_flank : dict[int, tuple[Array, Array]]
-        Modes V and their rows Q in the frame of the patch, by flank.
+        For each flank, the modes V and their rows Q in the frame of the patch.
     """
     K = assemble_body_stiffness(
         mesh_of_order(mesh, body_kind(settings)), sockets, patches, material.youngs_modulus, material.poissons_ratio
@@ -405,9 +406,9 @@ def ball_compliance(
     material : Material
         Elastic material.
     mesh : BallBody
-        The ball.
+        Mesh of the ball.
     patches : dict[int, SidePatches]
-        Patches of each flank.
+        Condensed patches of each flank.
     settings : Settings
         Mesh choices.
 
@@ -452,11 +453,11 @@ def screw_response(
     mesh : GroovedBody
         Mesh of the stretch.
     layout : BallLayout
-        Places of the balls.
+        Positions of the balls.
     sides : tuple[int, ...]
         Flanks 0 to 3 that carry contacts.
     patches : dict[int, CondensedPatch]
-        Condensed patch of each of the screw's sides.
+        Condensed patch of each flank of the screw.
     settings : Settings
         Mesh choices.
     dims : Dimensions
@@ -531,10 +532,11 @@ def section_motion_matrix(mesh: Mesh, z: float) -> sp.csr_array:
 
 
 def screw_transform(mesh: GroovedBody, dims: Dimensions, high: float) -> sp.csc_array:
-    """Return the matrix that maps the free degrees of freedom of the screw's 3D stretch to all of them.
+    """Return the matrix that maps the free degrees of freedom of the screw's 3D stretch to all its degrees of freedom.
 
-    ``dims`` says whether the bore of the screw is fixed. If it is not, the lower end is fixed, and the upper end is a rigid
-    section with its reference point at ``high`` [m].
+    ``mesh``: mesh of the stretch; ``dims``: dimensions, which say whether the bore of the screw is fixed; ``high``: axial
+    position of the upper end [m]. If the bore is not fixed, the lower end is, and the upper end is a rigid section, whose
+    six motions about its centre come last.
     """
     if dims.screw_held == "bore":
         return free_transform(mesh.mesh, freedoms_on(mesh.mesh, "bore"))
@@ -547,9 +549,9 @@ def points_in_bolt_circles(x: Array, y: Array, seat: tuple[float, float], count:
     Parameters
     ----------
     x, y : (n,) Array
-        Coordinates [m].
+        Coordinates of the points [m].
     seat : tuple[float, float]
-        Radii of the annulus, as wide as the circles that are fixed [m].
+        Inner and outer radius of an annulus; the circles lie on its middle and are as wide as it [m].
     count : int
         Number of bolts, the first at azimuth 0.
 
@@ -568,7 +570,7 @@ def points_in_bolt_circles(x: Array, y: Array, seat: tuple[float, float], count:
 
 
 def nut_transform(mesh: GroovedBody, dims: Dimensions) -> sp.csc_array:
-    """Return the matrix that maps the free degrees of freedom of the nut to all of them.
+    """Return the matrix that maps the free degrees of freedom of the nut to all its degrees of freedom.
 
     ``dims``: dimensions of the solid parts, which name the fixed surface of the nut.
     """
@@ -602,11 +604,11 @@ def nut_response(
     mesh : GroovedBody
         Mesh of the nut.
     layout : BallLayout
-        Places of the balls.
+        Positions of the balls.
     sides : tuple[int, ...]
         Flanks 0 to 3 that carry contacts.
     patches : dict[int, CondensedPatch]
-        Condensed patch of each of the nut's sides.
+        Condensed patch of each flank of the nut.
     settings : Settings
         Mesh choices.
     dims : Dimensions

@@ -33,7 +33,10 @@ SAMPLES = 16
 
 
 def sampled_forces(setup: Setup, side: int) -> Array:
-    """Return the forces at which the approach of the contact on a flank (0 to 3) is sampled ``(f,)`` [N]."""
+    """Return the f contact forces ``(f,)`` [N] at which the approach of the contact on a flank is computed.
+
+    ``side``: flank 0 to 3.
+    """
     return resolved_forces(setup.map, side, setup.patches[side].groove, setup.scene.balls.material, SAMPLES)
 
 
@@ -43,7 +46,7 @@ def _unit_hertz_approach(setup: Setup, side: int) -> float:
 
 
 def patch_approaches(setup: Setup, side: int, loads: Array) -> Array:
-    """Compute the approach of ball and groove from the local compliance of their contact, as a mean over grid positions.
+    """Compute the approach of ball and groove by the local compliance of their contact, a mean over positions on the grid.
 
     Parameters
     ----------
@@ -52,12 +55,12 @@ def patch_approaches(setup: Setup, side: int, loads: Array) -> Array:
     side : int
         Flank 0 to 3.
     loads : (f,) Array
-        Forces [N].
+        Contact forces [N].
 
     Returns
     -------
     (f,) Array
-        Approaches [m].
+        Approach under each force [m].
     """
     pair = setup.patches[side]
     return mean_approaches(setup.map, side, pair.groove, pair.local, loads)
@@ -90,7 +93,7 @@ def hertz_nodal_forces(setup: Setup, side: int, load: float) -> Array:
 
 
 def mean_body_compliance(setup: Setup, side: int, force: Array) -> float:
-    """Compute the compliance of screw or nut between a contact's force and its displacement, mean over all balls.
+    """Compute the displacement of a contact by the deformation of screw or nut under its own unit force, mean of all balls.
 
     Parameters
     ----------
@@ -134,7 +137,7 @@ def ball_compliance_matrix(setup: Setup, spreads: dict[int, Array]) -> Array:
 
 
 def compliance_beyond_patches(setup: Setup, spreads: dict[int, Array]) -> Array:
-    """Compute the displacement of every contact per unit of its force that is not due to its patches.
+    """Compute the displacement of the contacts per unit of their force, without the local compliance of their patches.
 
     It comes from screw or nut, and from the ball loaded at two opposite contacts; half of the ball's response counts
     for each of the two contacts.
@@ -159,7 +162,7 @@ def compliance_beyond_patches(setup: Setup, spreads: dict[int, Array]) -> Array:
 
 
 def local_compliance_terms(setup: Setup, spreads: dict[int, Array]) -> tuple[Array, Array]:
-    """Compute the approach of every flank's contact over its force, less Hertz's law and the compliance matrices.
+    """Compute the part of every contact's approach that neither Hertz's law nor the compliance matrices contain.
 
     Parameters
     ----------
@@ -196,9 +199,9 @@ def body_compliance_matrix(balls: int, body: ScrewResponse | NutResponse, spread
     Parameters
     ----------
     balls : int
-        Number of balls.
+        Number of balls N.
     body : ScrewResponse | NutResponse
-        Screw or nut.
+        Condensed screw or nut.
     spreads : dict[int, Array]
         By flank, the forces on the pressure functions of a contact, whose resultant is 1, of `hertz_nodal_forces`.
 

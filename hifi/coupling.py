@@ -73,7 +73,7 @@ def assemble_compliance(
     mounted : MountedShaft
         Stretches of the screw and nuts on movable housings, under their supports and loads.
     leave_out : frozenset[str], optional
-        Parts of the model that are left out, of `hifi.reference.INGREDIENTS`.
+        Names of the parts of the model that are left out, of `hifi.reference.INGREDIENTS`.
 
     Returns
     -------
@@ -109,7 +109,7 @@ def assemble_compliance(
 
 
 def ball_block(setup: Setup, sides: tuple[int, ...], *, rigid: bool) -> BallBlock:
-    """Return the compliance of one ball and the patches of its grooves between the contact nodes of some flanks.
+    """Return the compliance of one ball with the patches of its grooves, between the contact nodes of some flanks.
 
     Parameters
     ----------
@@ -118,7 +118,7 @@ def ball_block(setup: Setup, sides: tuple[int, ...], *, rigid: bool) -> BallBloc
     sides : tuple[int, ...]
         Flanks 0 to 3.
     rigid : bool
-        Whether the ball is rigid beyond its patches.
+        Whether the ball is rigid apart from its patches.
 
     Returns
     -------
@@ -160,7 +160,7 @@ def keep_local_response(G: Array, body: ModalBody) -> Array:
 
 
 def mount_screw(setup: Setup, scene: Scene, leave_out: frozenset[str] = frozenset()) -> MountedShaft:
-    """Mount the screw on the supports and under the loads of a scene.
+    """Compute the compliance of the screw's contacts with the supports and loads of a scene.
 
     If the 3D shaft is left out, the screw is a beam with the same local response at its contacts.
 
@@ -189,7 +189,7 @@ def mount_screw(setup: Setup, scene: Scene, leave_out: frozenset[str] = frozense
 
 
 def normal_motion_of_nodes(C: Compliance, z: Array) -> Array:
-    """Compute the motion of every contact node along its normal from the modal motions z ``(r,)``.
+    """Compute the motion of every contact node along its normal from the displacements of the modes.
 
     Parameters
     ----------
@@ -207,7 +207,7 @@ def normal_motion_of_nodes(C: Compliance, z: Array) -> Array:
 
 
 def expected_touching_nodes(p: PlacedSet, gap: Array) -> Array:
-    """Mark the contact nodes that are expected to touch: the third of each flank with the smallest gaps.
+    """Return which contact nodes are expected to touch: on each flank, the third of its nodes with the smallest gaps.
 
     Parameters
     ----------
@@ -253,7 +253,9 @@ def average_over_pressure_functions(p: PlacedSet, values: Array) -> Array:
 
 
 def grid_gap_corrections(p: PlacedSet, forces: Array, directions: Array) -> Array:
-    """Compute the corrections of all gaps for the positions of the contacts on their mesh grids (`hifi.bodies.grid_wave`).
+    """Compute corrections of all gaps that remove the effect of each contact's position on its mesh grid.
+
+    The corrections are tabulated by `hifi.bodies.grid_wave`.
 
     Parameters
     ----------
@@ -316,7 +318,7 @@ def vectors_to_groove_nodes(p: PlacedSet, drawn: Specimen) -> Array:
 
 
 def gap_closing_matrix(directions: Sequence[Array], free_motions: Array) -> sp.csr_array:
-    """Assemble the matrix N that gives the closing of each gap by unit rigid motions of balls, shaft and housings.
+    """Assemble the matrix N that gives how much each gap closes by unit rigid motions of balls, shaft and housings.
 
     Parameters
     ----------
@@ -384,7 +386,7 @@ def ball_motion_relative_to_grooves(p: PlacedSet, balls: Array, along: Array, di
     balls : (balls, 3) Array
         Motions of the ball centres [m].
     along : (balls, n) Array
-        Motions of the grooves' nodes along their normals, by the bodies' modes and rigid motions [m].
+        Motions of the grooves' nodes along their normals, which the modes and rigid motions of the bodies cause [m].
     directions : (balls, n, 3) Array
         Contact normals at the nodes.
 
@@ -407,9 +409,9 @@ def ball_motion_relative_to_grooves(p: PlacedSet, balls: Array, along: Array, di
 
 
 def helical_direction(p: PlacedSet) -> Array:
-    """Return the velocity field of the track's helical motion at the n contact nodes of a ball, in its frame ``(n, 3)``.
+    """Return the velocities of the track's helical motion at the n contact nodes of a ball ``(n, 3)``, without unit.
 
-    The field has length 1 at the ball's centre.
+    They are in the ball's frame, and scaled so that the velocity at the ball's centre is 1.
     """
     m = p.setup.map
     x = np.concatenate([p.setup.patches[s].groove.points for s in p.sides])

@@ -145,14 +145,14 @@ def nodal_stress(mesh: Mesh, u: Array, material: Material, elements: Index | Non
 
 
 def contact_forces(setup: Setup, result: ReferenceResult) -> dict[int, Array]:
-    """Split the normal forces of the pressure functions of all balls by flank.
+    """Return the normal forces of the pressure functions of all balls, separately for each flank.
 
     Parameters
     ----------
     setup : Setup
         The prepared geometry.
     result : ReferenceResult
-        Solution of the reference.
+        Solution of the 3D reference for this geometry.
 
     Returns
     -------
@@ -208,7 +208,7 @@ def refuse_beyond_low_end(scene: Scene, dims: Dimensions) -> None:
     if dims.screw_held != "bore" and beyond:
         raise ValueError(
             f"{scene.name}: the screw is supported or loaded at {1e3 * beyond[0]:.4g} mm, beyond the low end of its 3D "
-            f"stretch at {1e3 * low:.4g} mm; its field can be computed only if all supports and loads lie below that"
+            f"stretch at {1e3 * low:.4g} mm; allowed for its stress field: supports and loads below that end"
         )
 
 
@@ -237,8 +237,8 @@ def _coarse_displacement(
 ) -> Array:
     """Solve K q = Q^T V^T f for the displacements of a coarse body ``(n, 3)`` [m] under its contact loads.
 
-    ``forces``: normal forces by flank, of `contact_forces`; T: matrix that maps the free degrees of freedom to all of them;
-    ``screw``: whether the body is the screw; otherwise it is the nut.
+    ``mesh``: mesh of the body with n nodes; ``forces``: normal forces by flank, of `contact_forces`; T: matrix that maps
+    the free degrees of freedom to all of them; ``screw``: whether the body is the screw (True) or the nut.
     """
     material = (setup.scene.screw if screw else setup.scene.nut).material
     patches = {s: p.groove for s, p in setup.patches.items() if (s < 2) == screw}
@@ -283,7 +283,9 @@ def mesh_ball_patch(setup: Setup, meshes: Meshes, side: int) -> PatchMesh:
 def groove_patch_field(
     setup: Setup, meshes: Meshes, u: Array, ball: int, side: int, forces: dict[int, Array]
 ) -> SolidField:
-    """Compute displacements and stresses of one groove patch, in the frame of its ball: azimuth 0, origin on the axis.
+    """Compute displacements and stresses of one groove patch, in a frame turned to its ball.
+
+    The ball is at azimuth 0 and z = 0 of that frame, whose origin lies on the screw's axis.
 
     Parameters
     ----------
@@ -325,7 +327,9 @@ def _patch_field(mesh: PatchMesh, normals: Array, material: Material, forces: Ar
 
 
 def coarse_field(setup: Setup, mesh: GroovedBody, u: Array, ball: int, material: Material, reach: float) -> SolidField:
-    """Extract displacements and stresses of a coarse body near a ball, in the ball's frame: azimuth 0, origin on the axis.
+    """Return displacements and stresses of a coarse body near one ball, in a frame turned to the ball.
+
+    The ball is at azimuth 0 and z = 0 of that frame, whose origin lies on the screw's axis.
 
     Parameters
     ----------
@@ -334,7 +338,7 @@ def coarse_field(setup: Setup, mesh: GroovedBody, u: Array, ball: int, material:
     mesh : GroovedBody
         Mesh of the body.
     u : (n, 3) Array
-        Its displacements [m].
+        Displacements of the body's nodes [m].
     ball : int
         Number of the ball, from 0.
     material : Material
@@ -360,7 +364,7 @@ def coarse_field(setup: Setup, mesh: GroovedBody, u: Array, ball: int, material:
 
 
 def ball_fields(setup: Setup, meshes: Meshes, ball: int, forces: dict[int, Array]) -> dict[int | None, SolidField]:
-    """Compute displacements and stresses of one ball about its centre, in its frame.
+    """Compute displacements and stresses of one ball, in a frame that is turned to the ball, with its centre as origin.
 
     Parameters
     ----------
@@ -452,7 +456,7 @@ def contact_pressure(scene: Scene, m: GrooveMap, side: int, patch: CondensedPatc
         The contact carries no load.
     """
     if not forces.sum() > 0.0:
-        raise ValueError(f"the contact on flank {side} carries no load, so that it has no pressure: its force must be > 0")
+        raise ValueError(f"the contact on flank {side} got a force of {forces.sum():.3g} N; allowed for a pressure: > 0 N")
     arms = patch.points - np.array([m.R, 0.0, 0.0])
     n, t1, t2 = directions(m, side)
     across, along = arms @ t1, arms @ t2
@@ -500,7 +504,7 @@ def ball_contact_pressures(
     """
     sides = tuple(s for s in range(4) if loads[s] > 0.0)
     if not sides:
-        raise ValueError(f"ball {ball + 1} carries no load, so that it has no contact pressure: a contact load must be > 0")
+        raise ValueError(f"ball {ball + 1} carries no load, so that it has no contact pressure; allowed: a load > 0 N")
     m, all_balls, dims = GrooveMap.of(scene), ball_layout(scene), solid_dimensions(scene)
     row = slice(ball, ball + 1)
     layout = BallLayout(*(getattr(all_balls, x.name)[row] for x in fields(BallLayout)))

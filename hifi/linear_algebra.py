@@ -51,7 +51,10 @@ class Supernodes(NamedTuple):
 
 
 def symbolic_factor(K: sp.csc_array) -> Supernodes:
-    """Compute the elimination order and the supernodes of a sparse matrix of symmetric pattern K ``(n, n)``."""
+    """Compute the elimination order and the supernodes of a sparse matrix, without regard to its values.
+
+    K: matrix of symmetric pattern (n, n).
+    """
     graph, group = compressed_graph(K)
     dissected = _nested_dissection(graph, group)
     tree = _elimination_tree(graph[dissected][:, dissected])
@@ -166,9 +169,9 @@ def _postorder(parent: Index) -> Index:
 
 
 def _renumbered_parents(parent: Index, order: Index) -> Index:
-    """Return the parents of a tree's vertices ``(n,)`` after the vertices are renumbered by their places in an order.
+    """Return the parent of each vertex of a tree ``(n,)`` after the vertices are renumbered in a new order.
 
-    ``parent``: parent of each vertex (n,), n for a root; ``order``: vertex at each place of the order (n,).
+    ``parent``: parent of each vertex (n,), n for a root; ``order``: old number of each vertex, in the new order (n,).
     """
     place = np.empty(parent.size + 1, dtype=np.int64)
     place[order], place[-1] = np.arange(order.size), order.size
@@ -253,7 +256,7 @@ class EliminatedFront(NamedTuple):
 
 
 def gram_by_fronts(K: sp.csc_array, B: sp.csr_array, nodes: Supernodes) -> Array:
-    """Compute B^T K^-1 B by multifrontal elimination, without storing the factor of K.
+    """Compute the matrix B^T K^-1 B by multifrontal elimination, without storing the factor of K.
 
     Parameters
     ----------
@@ -294,7 +297,8 @@ def factor_by_fronts(K: sp.csc_array, nodes: Supernodes) -> Callable[[Array], Ar
     Returns
     -------
     callable
-        Function that solves K x = rhs, of shape ``(n,)`` or ``(n, k)``; it holds the factor in memory.
+        Function that returns the solution x of K x = rhs for an array ``rhs`` of shape ``(n,)`` or ``(n, k)``; it keeps the
+        factor in memory.
 
     Raises
     ------
@@ -321,9 +325,10 @@ def factor_by_fronts(K: sp.csc_array, nodes: Supernodes) -> Callable[[Array], Ar
 
 
 def _eliminate_fronts(K: sp.csc_array, B: sp.csr_array, nodes: Supernodes) -> Iterator[EliminatedFront]:
-    """Eliminate the fronts of a matrix K ``(n, n)``, bordered by the columns of B ``(n, m)``, and yield them one by one.
+    """Eliminate a matrix supernode by supernode, and yield each eliminated front (dense block of a supernode).
 
-    ``nodes``: symbolic factor of K. Raises ArithmeticError if K is not positive definite.
+    K: matrix (n, n); B: further columns (n, m) that the elimination transforms as well; ``nodes``: symbolic factor of K.
+    Raises ArithmeticError if K is not positive definite.
     """
     place, local = np.empty((2, K.shape[0]), dtype=np.int64)  # of a freedom in the order, of a row in its front
     place[nodes.order] = np.arange(K.shape[0])
@@ -364,7 +369,7 @@ def _sparse_entries(A: sp.csc_array | sp.csr_array, lines: Index) -> tuple[Index
     """List the entries of some columns of a csc matrix, or of some rows of a csr matrix.
 
     ``lines``: indices of these columns or rows. Returns, for each entry, the index of its row (csc) or column (csr), the
-    place of its line in ``lines``, and its value.
+    position in ``lines`` of the column or row to which it belongs, and its value.
     """
     begin = A.indptr[lines]
     count = A.indptr[lines + 1] - begin
@@ -374,10 +379,10 @@ def _sparse_entries(A: sp.csc_array | sp.csr_array, lines: Index) -> tuple[Index
 
 
 def _add_lower_triangle(target: Array, places: Index, block: Array) -> None:
-    """Add the lower triangle of a child's block to the array ``target`` in Fortran order, which is changed.
+    """Add the lower triangle of a child's block to the block of its parent, in place.
 
-    ``places``: rows of the array to which the rows of the block are added; its first entries are the columns as well.
-    `WIDTH` columns are added at once.
+    ``target``: array in Fortran order that is changed; ``places``: its rows to which the rows of ``block`` are added, of
+    which the first are also the columns. `WIDTH` columns are added at once.
     """
     flat, start = target.ravel(order="K"), places * target.shape[0]
     for k in range(0, block.shape[1], WIDTH):
@@ -444,7 +449,7 @@ def factor(K: sp.sparray) -> Solve:
     Returns
     -------
     callable
-        Function that solves K x = rhs, of shape ``(n,)`` or ``(n, k)``.
+        Function that returns the solution x of K x = rhs for an array ``rhs`` of shape ``(n,)`` or ``(n, k)``.
 
     Raises
     ------
@@ -469,14 +474,14 @@ def factor(K: sp.sparray) -> Solve:
 
 
 def compliance(K: sp.sparray, rows: sp.sparray) -> Array:
-    """Compute the compliance rows K^-1 rows^T between several loads of a constrained body, made exactly symmetric.
+    """Compute the compliance R K^-1 R^T between several load cases R of a constrained body, made exactly symmetric.
 
     Parameters
     ----------
     K : (n, n) sparse array
         Stiffness matrix.
     rows : (m, n) sparse array
-        m loads as rows.
+        Matrix R of m load cases, one in each row.
 
     Returns
     -------
@@ -498,7 +503,7 @@ def compliance(K: sp.sparray, rows: sp.sparray) -> Array:
 
 
 def gram_of_inverse(K: sp.sparray, B: sp.sparray) -> Array:
-    """Compute B^T K^-1 B, for a large K without storing its factor.
+    """Compute the matrix B^T K^-1 B for a stiffness K and loads B; a large K is eliminated without storing its factor.
 
     The result is checked by an additional column K x with a known solution x. If the check fails, a warning is given,
     and the whole factor is stored and solved with; that factorisation reports what is wrong with the matrix. Small
@@ -547,7 +552,7 @@ def _positive_diagonal(matrix: sp.csc_array) -> Array:
 
 
 def _check_response(solve: Solve, diagonal: Array) -> None:
-    """Raise FactorError if the response to a random load shows that a matrix is singular to working precision.
+    """Check a factorised matrix by a random load; raise FactorError if it is singular to working precision.
 
     ``solve``: function that solves for a right-hand side with the factorised matrix; ``diagonal``: its diagonal (n,).
     """
@@ -561,7 +566,10 @@ def _check_response(solve: Solve, diagonal: Array) -> None:
 
 
 def _run_elimination(eliminate: Callable[[], T]) -> T:
-    """Run an elimination and report its breakdown as a FactorError."""
+    """Call a function that eliminates a matrix, and raise FactorError if it breaks down.
+
+    ``eliminate``: function without arguments, whose result is returned.
+    """
     try:
         return eliminate()
     except ArithmeticError as error:
@@ -569,7 +577,10 @@ def _run_elimination(eliminate: Callable[[], T]) -> T:
 
 
 def _superlu_solver(matrix: sp.csc_array) -> Solve:
-    """Factorise a matrix by SuperLU and return a function that solves with it; FactorError if a pivot is not positive."""
+    """Factorise a matrix K by SuperLU, and return a function that gives the solution x of K x = rhs.
+
+    Raises FactorError if a pivot is not positive.
+    """
     try:
         lu = splu(matrix, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
     except RuntimeError as error:

@@ -110,7 +110,7 @@ def solve_reference(
     frozen: bool = False,
     step: Callable[[str], None] = lambda _: None,
 ) -> ReferenceResult:
-    """Solve the contacts of a prepared geometry for one load case or pattern of manufacturing errors.
+    """Solve all contacts of a prepared geometry by the 3D reference, for one load case or pattern of manufacturing errors.
 
     Parameters
     ----------
@@ -128,12 +128,12 @@ def solve_reference(
     frozen : bool, default False
         Whether to compute the contact loads with frozen normals and gaps as well; both solutions share the first round.
     step : Callable[[str], None], optional
-        Called with a progress text while a solution takes long.
+        Function that is called with a progress text in every round of a solution that takes longer than `SLOW` seconds.
 
     Returns
     -------
     ReferenceResult
-        The solution; its ``judge_convergence`` tells whether it converged.
+        The solution; its ``status`` says whether it converged.
 
     Raises
     ------
@@ -142,7 +142,7 @@ def solve_reference(
     """
     if leave_out - set(INGREDIENTS):
         unknown = sorted(leave_out - set(INGREDIENTS))
-        raise ValueError(f"unknown parts of the model to leave out: {unknown}; allowed: {', '.join(INGREDIENTS)}")
+        raise ValueError(f"parts of the model to leave out: got {', '.join(unknown)}; allowed: {', '.join(INGREDIENTS)}")
     begin, moving = perf_counter(), updates > 0 and "moving normals" not in leave_out
     placed = PlacedSet(setup, scene, tuple(s for s in setup.sides if sides is None or s in sides))
     case = LoadCase((placed,), Frame.from_scene(scene), mount_screw(setup, scene, leave_out), leave_out)
@@ -214,7 +214,8 @@ class LoadCase:
         last : ContactRound
             The last round.
         moving : bool
-            True: normals and gaps follow the motion; False: only the gaps are corrected for the mesh grid.
+            Whether normals and gaps follow the motion of balls and grooves; if not, only the gaps are corrected for the
+            contacts' positions on their mesh grids.
 
         Returns
         -------
@@ -240,7 +241,10 @@ class LoadCase:
         return np.split(last.result.motions[: 3 * self.balls].reshape(-1, 3), ends)
 
     def split_by_set(self, pairs: Array) -> list[Array]:
-        """Split values at the contact nodes of all balls ``(pairs,)`` by nut or bearing, ``(balls, n)`` each."""
+        """Split values at the contact nodes of all balls into one array ``(balls, n)`` for each nut or bearing.
+
+        ``pairs``: values at all contact pairs (pairs,); n: number of contact nodes of one ball.
+        """
         ends = np.cumsum([p.ball_count * p.nodes_per_ball for p in self.sets])[:-1]
         return [of_set.reshape(p.ball_count, -1) for p, of_set in zip(self.sets, np.split(pairs, ends), strict=True)]
 
@@ -301,7 +305,7 @@ class LoadCase:
         most : int
             Largest number of updates.
         step : Callable[[int], None]
-            Called with the number of each round.
+            Function that is called with the number of each round before it is solved.
         moving : bool
             Whether normals and gaps follow the motion, as for `solve_next_round`.
 
@@ -310,7 +314,7 @@ class LoadCase:
         last : ContactRound
             The last round.
         updates : int
-            Number of updates.
+            Number of updates that were made.
         left : float
             Largest change of any load that further rounds may cause [N].
         """
@@ -379,7 +383,7 @@ class LoadCase:
         return z, line[first], housings
 
     def unbalanced_forces(self, last: ContactRound) -> tuple[float, float, float]:
-        """Compute the largest unbalanced forces over the largest contact load.
+        """Compute how far balls, shaft and housings are from equilibrium.
 
         Parameters
         ----------
@@ -404,7 +408,10 @@ class LoadCase:
         return a / largest, b / largest, c / largest
 
     def forces_on_shaft(self, last: ContactRound) -> tuple[Array, ...]:
-        """Compute the force of each nut or bearing on the shaft and its moment about the nut's centre ``(6,)`` [N, N m]."""
+        """Compute the force and moment ``(6,)`` [N, N m] that each nut or bearing exerts on the shaft.
+
+        Moments are about the centre of the nut or bearing.
+        """
         arms = [self.mounted.origin - p.shift - p.setup.scene.nut.position for p in self.sets]
         each = zip(arms, last.rigid_normal_motion, last.forces, strict=True)
         return tuple(transport(arm).T @ np.einsum("ink,in->k", rows[..., :6], f) for arm, rows, f in each)
@@ -419,7 +426,7 @@ class LoadCase:
         most : int
             Largest number of updates.
         report : Callable[[int], None], optional
-            Called with the number of each round.
+            Function that is called with the number of each round before it is solved.
         moving : bool, default True
             Whether normals and gaps follow the motion, as for `solve_next_round`.
         frozen : bool, default False
@@ -505,7 +512,10 @@ def remaining_load_change(loads: Sequence[Array]) -> float:
 
 
 def _mean_load(load: Array) -> float:
-    """Return the mean load [N] of the contacts that carry load; 0 if none does."""
+    """Return the mean of the contact loads above zero [N]; 0 if there are none.
+
+    ``load``: contact loads of all balls (balls, 4) [N].
+    """
     return float(load[load > 0.0].mean()) if load.any() else 0.0
 
 

@@ -50,10 +50,10 @@ class SetBodies:
 
 
 def meshed_bodies(assembly: Assembly) -> tuple[SetBodies, ...]:
-    """Describe the 3D bodies of each nut or bearing of an assembly, which are meshed.
+    """Return the geometry that is meshed in 3D for each nut or bearing of an assembly.
 
-    Its stretch of shaft reaches half the way to the next nut or bearing, but not farther beyond the nut than for a single
-    one on its shaft.
+    It includes a stretch of shaft, which reaches half the way to the next nut or bearing, but not farther beyond the nut
+    than for a single one on its shaft.
 
     Parameters
     ----------
@@ -98,10 +98,11 @@ def meshed_bodies(assembly: Assembly) -> tuple[SetBodies, ...]:
 def _meshed_bodies_of_set(
     parts: Scene, assembly: Assembly, room: float, stations: set[float], reach: tuple[float, float]
 ) -> SetBodies:
-    """Describe the 3D bodies of one nut or bearing of an assembly, which are meshed.
+    """Return the geometry that is meshed in 3D for one nut or bearing of an assembly.
 
-    ``room``: length of shaft that is available beyond its faces [m]; ``stations``: axial positions of all supports and
-    loads [m]; ``reach``: lowest and highest axial position at which the shaft is needed [m].
+    ``parts``: parts of the nut or bearing; ``room``: length of shaft that is available beyond its faces [m]; ``stations``:
+    axial positions of all supports and loads [m]; ``reach``: lowest and highest axial position at which the shaft is needed
+    [m].
     """
     wanted = SHAFT * parts.track.pitch_radius if parts.solid.shaft is None else parts.solid.shaft
     half = parts.nut.length / 2.0 + min(wanted, room)
@@ -143,7 +144,7 @@ def solve_sets(
     frozen : bool, default False
         Whether to compute the contact loads with frozen normals and gaps as well.
     step : Callable[[str], None], optional
-        Called with a progress text while a solution takes long.
+        Function that is called with a progress text in every round of a solution that takes long.
 
     Returns
     -------
@@ -167,7 +168,11 @@ def solve_sets(
 
 
 def _mount_assembly(assembly: Assembly, placed: Sequence[PlacedSet], frame: Frame) -> MountedShaft:
-    """Mount the stretches of a shaft and the nuts on movable housings, under the supports and loads of ``frame``."""
+    """Compute the compliance of a shaft's stretches, and of nuts on movable housings, with their supports and loads.
+
+    ``placed``: the nuts and bearings at their positions; ``frame``: supports, loads and housings. Raises ValueError if a
+    rigid nut is on a housing that moves.
+    """
     carried = []
     for p in placed:
         if p.housing is None:
@@ -182,7 +187,7 @@ def _mount_assembly(assembly: Assembly, placed: Sequence[PlacedSet], frame: Fram
 
 
 def _section_function(assembly: Assembly, placed: Sequence[PlacedSet]) -> Callable[[float], ShaftSection]:
-    """Return a function that gives the shaft's section at an axial position [m].
+    """Return a function that gives the stiffnesses of the shaft's section at an axial position [m].
 
     On a plain segment of the shaft it is the section of the segment, elsewhere that of the first thread.
     """

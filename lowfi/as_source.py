@@ -101,7 +101,10 @@ def element_stiffness(length: float, s: BeamSection) -> Array:
 
 
 def beam_matrix(problem: Problem) -> Array:
-    """Return the dense stiffness matrix ``(6 n, 6 n)`` of the screw, a beam with n nodes."""
+    """Return the stiffness matrix ``(6 n, 6 n)`` of the screw, a beam with n nodes, as a dense array.
+
+    ``problem``: arrays of the scene, with the positions of the nodes and the section of the beam.
+    """
     n = problem.nodes.size
     k = np.zeros((6 * n, 6 * n))
     for e, length in enumerate(np.diff(problem.nodes)):
@@ -125,7 +128,7 @@ class System:
     axes: Array
 
     def motion_of_flank(self, side: int, gamma: Array) -> tuple[NDArray[np.int64], Array, Array, Array]:
-        """Return the matrices that map nodal motions of the screw to motions of one of its flanks at the contacts.
+        """Return the matrices that give the motion of a flank at its contacts from the motions of the screw's nodes.
 
         Parameters
         ----------
@@ -172,9 +175,10 @@ class System:
         return 6 * j, m0, m1, m2
 
     def flank(self, side: int, gamma: Array) -> tuple[Array, Array, Array]:
-        """Return the point A(gamma) of a flank at a contact angle, and its first and second derivative, ``(N, 2)`` each.
+        """Return the point A(gamma) of a flank at given contact angles, and its first and second derivative by the angle.
 
-        Coordinates are radial and binormal [m], from the nominal ball centre (Lin 2.3 and 2.27).
+        ``side``: number of the flank; ``gamma``: contact angles (N,) [rad]. Each result is (N, 2). Coordinates are radial
+        and binormal [m], from the nominal ball centre (Lin 2.3 and 2.27).
         """
         drawn = self.problem.drawn
         r, r1, r2 = groove_profile(gamma, drawn.radius[side], drawn.profile[side])
@@ -231,7 +235,8 @@ def equations_and_jacobian(
     system
         Constants of the equations.
     x
-        Ball centres, contact angles and nodal motions.
+        Unknowns: radial and binormal positions of the N ball centres [m], then the four contact angles of each ball [rad],
+        then the six motions of each of the n nodes [m, rad].
     load
         Loads on the nodes ``(6 n,)`` [N, N m].
     jacobian
@@ -286,7 +291,7 @@ def equations_and_jacobian(
 
 
 def initial_state(system: System, start: Start, fraction: float) -> Array:
-    """Return the unknowns from which Newton's method starts: the nominal state, or a designer's guess.
+    """Return starting values of the unknowns for Newton's method: those of the nominal state, or a designer's guess.
 
     The guess (if ``start`` is not "nominal") shifts the screw along its axis as if all balls shared the part ``fraction``
     of the axial load equally.
@@ -327,7 +332,7 @@ def solve_source(
         ``"source"``: lever arm and axial position of a contact depend on its contact angle (Lin 2.18-2.21); ``"arc"``:
         flanks are rigid arcs as in the solver that minimises energy, with which the result then agrees to round-off.
     start
-        Nominal state, a designer's guess (`initial_state`), or ten load steps from that guess.
+        Starting values: the nominal state, a designer's guess (`initial_state`), or ten load steps from that guess.
     everything
         Whether parts of the shaft that do not influence the result are modelled too.
     member
@@ -342,7 +347,7 @@ def solve_source(
     """
     begin = perf_counter()
     if scene.ingredients.screw == "rigid":
-        raise ValueError("Lin's equations cannot be set up for a rigid screw; they need a screw that is modelled as a beam")
+        raise ValueError("Lin's equations got a rigid screw; allowed: a screw that is modelled as a beam")
     layout = ball_layout(scene)
     problem = build(scene, specimen(scene, layout, member), layout, np.ones(4, dtype=bool), everything=everything)
     axes = np.stack([layout.radial, layout.binormal], axis=1)

@@ -56,12 +56,15 @@ _KEPT = 4
 
 
 def is_compiled(module_name: str) -> bool:
-    """Return whether a module of this name belongs to the compiled copy of a kernel package."""
+    """Return whether the name of a module is that of a compiled copy of a kernel package, or of a module in it."""
     return _MARK in module_name
 
 
 def kernel(function: F) -> F:
-    """Decorate a kernel: compile it by numba if its module belongs to a compiled copy, otherwise return it unchanged."""
+    """Decorate a kernel (a function with numerical loops): compile it by numba if its module belongs to a compiled copy.
+
+    In the plain package the function is returned unchanged.
+    """
     if not is_compiled(function.__module__):
         return function
     import numba
@@ -144,11 +147,11 @@ def _load_file_as(name: str, path: Path, **given: Any) -> ModuleType:
 
 
 def load_driver(system: str, driver: str) -> ModuleType:
-    """Load a solver's source file ``driver`` for one system of equations, so that numba can cache its machine code.
+    """Load a copy of a solver's source file for one system of equations, so that numba can cache its machine code.
 
-    ``system`` is the name of the module with the functions of the equations (energy, gradient, ...). The copy of the driver
-    gets this module as its global ``system``. Passing the functions as arguments instead would need closures, whose machine
-    code numba does not cache.
+    ``system``: name of the module with the functions of the equations (energy, gradient, ...); ``driver``: name of the
+    solver's file in the same folder, without its suffix. The copy gets the module as its global ``system``. Passing the
+    functions as arguments instead would need closures, whose machine code numba does not cache.
     """
     of = sys.modules[system]
     return _load_file_as(f"{system}_{driver}", Path(str(of.__file__)).with_name(f"{driver}.py"), system=of)
@@ -179,9 +182,10 @@ _afterwards: dict[str, Callable[[], object]] = {}
 
 
 def register_compile_job(package: str, job: Callable[[], object]) -> None:
-    """Register a job that calls, and so compiles, the kernels of a package; `compile_afterwards` runs it.
+    """Register a function that calls, and so compiles, the kernels of a package after the result of a command is printed.
 
-    Commands call `compile_afterwards` last, after their result is printed.
+    Commands call `compile_afterwards` last, which calls the registered functions. ``package``: name of the kernel package;
+    ``job``: function without arguments.
     """
     _afterwards[package] = job
 
@@ -197,7 +201,7 @@ def compile_afterwards() -> None:
 
 @cache
 def digest() -> str:
-    """Return a digest of the sources of all kernel packages, of their argument types, and of this module."""
+    """Return a digest (20 hexadecimal digits) of the sources of all kernels, their argument types and this module."""
     digest = hashlib.sha256(Path(__file__).read_bytes())
     for package in PACKAGES:
         folder = _package_folder(package)
@@ -237,7 +241,10 @@ def code_folder() -> Path | None:
 
 @contextmanager
 def _numba_writes_to(package: str) -> Iterator[None]:
-    """Set numba's cache folder to that of a kernel package while its kernels are declared; each remembers its folder."""
+    """Set numba's cache folder to that of a kernel package during a ``with`` block, in which its kernels are declared.
+
+    Every kernel remembers its folder.
+    """
     import numba
 
     before, folder = numba.config.CACHE_DIR, code_folder()

@@ -79,7 +79,7 @@ def half_width(line_load: Array | float, curvature: Array | float, modulus: floa
     """
     k = np.asarray(curvature, dtype=float)
     if np.any(k <= 0.0):
-        raise ValueError("relative curvature of a line contact must be positive")
+        raise ValueError(f"the relative curvature of a line contact got {float(k.min()):g} 1/m; allowed: above 0")
     return np.sqrt(4.0 * np.asarray(line_load, dtype=float) / (np.pi * modulus * k))
 
 
@@ -328,7 +328,9 @@ class TaperedRow:
             The load is negative: a row of tapered rollers carries thrust in one direction only.
         """
         if load < 0.0:
-            raise ValueError("a row of rollers carries thrust in one direction only: the load must not be negative")
+            raise ValueError(
+                f"a row of rollers, which carries thrust in one direction only, got {load:g} N; allowed: at least 0 N"
+            )
         b = self.bearing
         sin = np.sin(b.cup_angle)
         return float(b.law().approach(load / (b.rollers * b.length * sin)) / sin)
@@ -422,10 +424,11 @@ def slice_roller(bearing: TaperedBearing, slices: int, profile: Callable[[Array]
 
 
 def slice_contacts(bearing: TaperedBearing, line_loads: Array) -> tuple[Array, Array]:
-    """Return half-width and largest pressure of every slice of a roller at cone and cup, by Hertz's line contact.
+    """Return half-width and largest pressure of the contacts of every slice of a roller with cone and cup.
 
-    b^2 = 4 q R/(pi E*), p = 2 q/(pi b) = sqrt(q E*/(pi R)), with each slice's curvature 1/R = 1/R_roller +- 1/R_race. Valid
-    for b small against the roller's radius; the peak at the sharp end of a straight roller is not included.
+    They follow from Hertz's line contact, b^2 = 4 q R/(pi E*), p = 2 q/(pi b) = sqrt(q E*/(pi R)), with each slice's
+    curvature 1/R = 1/R_roller +- 1/R_race. Valid for b small against the roller's radius; the peak at the sharp end of a
+    straight roller is not included.
 
     Parameters
     ----------
@@ -437,7 +440,7 @@ def slice_contacts(bearing: TaperedBearing, line_loads: Array) -> tuple[Array, A
     Returns
     -------
     tuple[Array, Array]
-        Half-widths b [m] and largest pressures p [Pa], ``(..., n, 2)`` each, zero without load.
+        Half-widths b [m] and largest pressures p [Pa], ``(..., n, 2)`` each, for cone, then cup; zero without load.
 
     References
     ----------
@@ -451,7 +454,10 @@ def slice_contacts(bearing: TaperedBearing, line_loads: Array) -> tuple[Array, A
 
 
 def slice_state(roller: SlicedRoller, approach: float) -> SliceState:
-    """Return force, stiffness and line loads of a sliced roller at an approach of its raceways [m]."""
+    """Return force, stiffness and line loads of a sliced roller at a given approach of its raceways.
+
+    ``approach``: approach of the raceways in the roller's middle, without crown [m].
+    """
     q = roller.law.line_load(approach - roller.drop)
     width = roller.length / roller.places.size
     return SliceState(float(width * q.sum()), float(width * roller.law.slope(q).sum()), q)
@@ -466,7 +472,7 @@ def approach_under_force(roller: SlicedRoller, force: float) -> float:
         The force is not positive.
     """
     if force <= 0.0:
-        raise ValueError("a roller carries compression only: the force must be positive")
+        raise ValueError(f"the force on a roller got {force:g} N; allowed: above 0 N, compression")
     low = float(roller.drop.min())
     high = float(roller.law.approach(force / roller.length).max() + roller.drop.max()) * (1.0 + 1e-9)
     return float(brentq(lambda d: slice_state(roller, d).force - force, low, high, xtol=1e-22, rtol=8.9e-16))

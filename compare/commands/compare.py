@@ -433,8 +433,7 @@ def rolling_table(name: str, rows: Sequence[RollingRow]) -> Any:
 
     ``name``: name of the scene. ``rows``: values of one quantity each by all models.
     """
-    from rollbench.compare.studies.rolling.rows import UNSTATED
-    from rollbench.compare.studies.rolling.rows import without_infinity
+    from rollbench.compare.studies.rolling.rows import UNSTATED, without_infinity
 
     state = f" ({rows[0].load_state} load state{UNSTATED})" if rows[0].load_state else ""
     title = f"{name}{state}: low-order model against the 3D model of rolling"

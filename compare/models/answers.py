@@ -27,11 +27,19 @@ from rollbench.compare.models.loading import (
     preload,
 )
 from rollbench.compare.models.registry import MODELS, Options, key_of_error, read_condensed, run_model
-from rollbench.lowfi.bearings.rib import RibContact, rib_contact
-from rollbench.lowfi.bearings.roller_torque import RollerTorque, roller_torque
-from rollbench.lowfi.bearings.torque import VISCOUS, BallTorque, Kind, ball_torque, viscous_torque
+from rollbench.lowfi.bearings.tapered_roller import RibContact, rib_contact
+from rollbench.lowfi.bearings.torque import (
+    VISCOUS,
+    BallTorque,
+    Kind,
+    RollerTorque,
+    ball_torque,
+    roller_torque,
+    viscous_torque,
+)
 from rollbench.lowfi.compliance.parts import LADDER, REFINED
-from rollbench.lowfi.rating import reference, roller_life
+from rollbench.lowfi.rating import iso_lives, roller_life
+from rollbench.lowfi.rating.catalogue_checks import ShaftLimits, shaft_limits
 from rollbench.lowfi.rating.contacts import (
     Contact,
     Ratings,
@@ -45,10 +53,9 @@ from rollbench.lowfi.rating.contacts import (
     worst_contact,
     worst_roller,
 )
+from rollbench.lowfi.rating.iso_lives import ModifiedLife, modified_life
 from rollbench.lowfi.rating.life import Life, dynamic_rating, life
-from rollbench.lowfi.rating.modified import ModifiedLife, modified_life
 from rollbench.lowfi.rating.rigidity import Rigidities, axial_force, rigidities
-from rollbench.lowfi.rating.shaft import ShaftLimits, shaft_limits
 from rollbench.lowfi.statics.result import AxisResult, SetResult, StaticResult
 from rollbench.lowfi.statics.tangent import Tangent, tangent_stiffness
 from rollbench.lowfi.warned import Warned
@@ -160,7 +167,7 @@ class LoadAnswers:
     words: str = quantity("rating_refused", "why there is no rating", show=lambda words: words or None, default="")
     #: Life modified for reliability, lubricant and contamination.
     modified: ModifiedLife | None = quantity("modified_life", default=None)
-    reference: reference.ReferenceLife | None = quantity("reference_life", default=None)
+    reference: iso_lives.ReferenceLife | None = quantity("reference_life", default=None)
 
 
 @record
@@ -182,7 +189,7 @@ class RollerAnswers:
     ratings: Ratings = quantity("ratings")
     #: Friction torque, running and from rest.
     torque: RollerTorque | None = quantity("roller_torque")
-    reference: reference.ReferenceLife | None = quantity("reference_life")
+    reference: iso_lives.ReferenceLife | None = quantity("reference_life")
 
 
 @dataclass(frozen=True)
@@ -264,7 +271,7 @@ def load_answers(scene: Scene, load: Array, angle: Array, member: int = 0, press
         words = str(error)
     worst = worst_contact(scene, drawn, load, angle, pressure)
     safety = None if worst is None else static_safety(scene, drawn, worst)
-    modified, basic = modified_life(scene, rated_life), reference.ball_reference_life(scene, rated_life)
+    modified, basic = modified_life(scene, rated_life), iso_lives.ball_reference_life(scene, rated_life)
     return LoadAnswers(worst, safety, reach, rated_life, rated, words, modified, basic)
 
 
@@ -515,7 +522,7 @@ def roller_answers(row: RollerRow, line_loads: Array, speed: float | None, lubri
         roller_life.life(row, line_loads),
         roller_life.ratings(row),
         roller_torque(row, line_loads, speed, lubricant),
-        reference.roller_reference_life(row, line_loads),
+        iso_lives.roller_reference_life(row, line_loads),
     )
 
 

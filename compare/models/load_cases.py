@@ -24,9 +24,10 @@ from rollbench.compare.models.model_form import ModelForm, estimate
 from rollbench.compare.models.registry import Options, run_model
 from rollbench.compare.scenes.duty_cycle import DutyCycle, LoadCase
 from rollbench.lowfi.bearings.axis import TorqueBudget, acceleration_torque, reflected_inertia, screw_inertia
-from rollbench.lowfi.bearings.roller_torque import roller_torque
-from rollbench.lowfi.bearings.torque import BallTorque, Band
-from rollbench.lowfi.rating import reference, roller_life
+from rollbench.lowfi.bearings.torque import BallTorque, Band, roller_torque
+from rollbench.lowfi.rating import iso_lives, roller_life
+from rollbench.lowfi.rating.catalogue_checks import overall_warnings
+from rollbench.lowfi.rating.iso_lives import ModifiedLife, modified_life
 from rollbench.lowfi.rating.life import (
     SLOPE,
     EquivalentLife,
@@ -37,8 +38,6 @@ from rollbench.lowfi.rating.life import (
     life,
     system_life,
 )
-from rollbench.lowfi.rating.modified import ModifiedLife, modified_life
-from rollbench.lowfi.rating.overall_friction import overall_warnings
 from rollbench.lowfi.statics.result import AxisResult, SetResult, StaticResult
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly, RollerRow
@@ -400,7 +399,7 @@ class Lives:
     set: str = ""
     #: Life by the contact loads, modified for reliability and lubricant.
     modified: ModifiedLife | None = quantity("modified_life", default=None)
-    reference: reference.ReferenceLife | None = quantity("reference_life", default=None)
+    reference: iso_lives.ReferenceLife | None = quantity("reference_life", default=None)
 
     @property
     @Stated(
@@ -580,9 +579,9 @@ def _lives_of_set(cycle: DutyCycle, name: str, each: Sequence[SolvedSet | None])
     parts, shares, forces = [s.parts for s, _ in used], [share for _, share in used], [s.force for s, _ in used]
     row = cycle.sets[name]
     if isinstance(row, RollerRow):
-        basic = reference.roller_reference_life(row, roller_life.equivalent_line_loads([s.load for s, _ in used], shares))
+        basic = iso_lives.roller_reference_life(row, roller_life.equivalent_line_loads([s.load for s, _ in used], shares))
         return Lives(rated, words, roller_life.equivalent_life(row, shares, forces), "", name, None, basic)
-    modified, basic = modified_life(row, rated), reference.ball_reference_life(row, rated)
+    modified, basic = modified_life(row, rated), iso_lives.ball_reference_life(row, rated)
     try:
         scenes = [x for x in parts if isinstance(x, Scene)]
         standard = equivalent_life(scenes, shares, forces, max(s.preload for s, _ in used))

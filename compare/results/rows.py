@@ -25,15 +25,13 @@ from rollbench.compare.results.scene_json import (
     set_json,
     together_json,
 )
-from rollbench.lowfi.bearings.rib import RibContact
-from rollbench.lowfi.bearings.roller_torque import RollerTorque
-from rollbench.lowfi.bearings.torque import BallTorque
+from rollbench.lowfi.bearings.tapered_roller import RibContact
+from rollbench.lowfi.bearings.torque import BallTorque, RollerTorque
+from rollbench.lowfi.rating.catalogue_checks import ShaftLimits
 from rollbench.lowfi.rating.contacts import Contact, Ratings, RollerContact, StaticSafety, Truncation
+from rollbench.lowfi.rating.iso_lives import ModifiedLife, ReferenceLife
 from rollbench.lowfi.rating.life import EquivalentLife, Life, SystemLife
-from rollbench.lowfi.rating.modified import ModifiedLife
-from rollbench.lowfi.rating.reference import ReferenceLife
 from rollbench.lowfi.rating.rigidity import Rigidities
-from rollbench.lowfi.rating.shaft import ShaftLimits
 from rollbench.meshes.one_arc import Clearance
 from rollbench.meshes.quantity import Stated, stated_in
 

@@ -32,14 +32,12 @@ if TYPE_CHECKING:
     from rollbench.compare.models import loading
     from rollbench.compare.models.load_cases import AxisDrive
     from rollbench.compare.models.model_form import ModelForm
-    from rollbench.lowfi.bearings.rib import RibContact
-    from rollbench.lowfi.bearings.roller_torque import RollerTorque
-    from rollbench.lowfi.bearings.torque import BallTorque
+    from rollbench.lowfi.bearings.tapered_roller import RibContact
+    from rollbench.lowfi.bearings.torque import BallTorque, RollerTorque
     from rollbench.lowfi.rating import life as rating
+    from rollbench.lowfi.rating.catalogue_checks import ShaftLimits
+    from rollbench.lowfi.rating.iso_lives import ModifiedLife, ReferenceLife
     from rollbench.lowfi.rating.life import SystemLife
-    from rollbench.lowfi.rating.modified import ModifiedLife
-    from rollbench.lowfi.rating.reference import ReferenceLife
-    from rollbench.lowfi.rating.shaft import ShaftLimits
 
 
 class Status(StrEnum):

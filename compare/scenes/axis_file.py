@@ -299,7 +299,7 @@ def _roller_end_faults(at: str, r: RollerKeys) -> Iterator[Fault]:
         advice = "write the height of the rib contact above the cone's race, usually 0.05 to 0.2 of the roller's diameter"
         yield Fault((f"{at}.rib_height",), f"below {mm(0.5 * r.diameter)}", advice)
     elif r.end_radius is not None:
-        from rollbench.lowfi.bearings.rib import rib_geometry, rib_height
+        from rollbench.lowfi.bearings.tapered_roller import rib_geometry, rib_height
         from rollbench.lowfi.rollers import tapered_bearing
 
         row = _roller_row(r, Material(2e11, 0.3))  # the geometry does not depend on the moduli

@@ -22,8 +22,8 @@ from rollbench.compare.scenes.duty_cycle import DutyCycle
 from rollbench.compare.scenes.from_rexs import RIGID, SEAT
 from rollbench.compare.scenes.rexs_model import STIFFNESS, RexsModel, Value, text_of
 from rollbench.lowfi.rating.contacts import contact_pressures, race_pressures
+from rollbench.lowfi.rating.iso_lives import ReferenceLife
 from rollbench.lowfi.rating.life import is_thrust
-from rollbench.lowfi.rating.reference import ReferenceLife
 from rollbench.lowfi.rating.roller_life import is_thrust as is_thrust_row
 from rollbench.lowfi.rollers import slice_middles, tapered_bearing
 from rollbench.lowfi.statics.result import AxisResult, SetResult

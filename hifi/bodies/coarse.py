@@ -67,7 +67,7 @@ NO_RESULTANT = 1e-9
 
 
 def reduce_to_modes(patch: CondensedPatch, count: int) -> tuple[Array, Array]:
-    """Reduce the transfer H of contact loads from a patch to its socket to few modes: V Q approximates H.
+    """Approximate the matrix H, by which a patch transfers contact loads to its socket, by a product V Q of few modes.
 
     The first modes belong to the independent resultants (forces and moments) of the contact loads. Each gives the nodal
     forces on the socket that contact pressures cause on average per unit of the resultant, so that Q^T V^T f is in
@@ -119,7 +119,7 @@ def _strongest_directions(traces: Array, least: float) -> Array:
 
 
 def rigid_motions(patch: CondensedPatch) -> tuple[Array, Array]:
-    """Compute the rigid motions of a patch at its socket and at its contact.
+    """Compute six independent rigid motions of a patch, as displacements of its socket and of its contact.
 
     Parameters
     ----------
@@ -167,17 +167,17 @@ def contact_pressures(patch: CondensedPatch) -> Array:
 
 
 def freedoms_of_nodes(nodes: Index) -> Index:
-    """Return the degrees of freedom 3 i + k of nodes i.
+    """Return the indices 3 i, 3 i + 1, 3 i + 2 of the degrees of freedom of nodes i, along x, y and z.
 
     Parameters
     ----------
     nodes : (n,) Index
-        Nodes i.
+        Indices i of the nodes.
 
     Returns
     -------
     (3 n,) Index
-        Degrees of freedom.
+        Indices of the degrees of freedom, node after node.
 
     Examples
     --------
@@ -208,10 +208,10 @@ def mesh_of_order(mesh: Mesh, kind: str) -> Mesh:
     Raises
     ------
     ValueError
-        ``kind`` is neither of them.
+        ``kind`` is neither "P1" nor "P2".
     """
     if kind not in ("P1", "P2"):
-        raise ValueError(f"the element order of a coarse body must be P1 or P2, got {kind!r}")
+        raise ValueError(f"the element order of a coarse body got {kind!r}; allowed: 'P1' or 'P2'")
     if kind == "P2":
         return mesh
     points = points_of(mesh)
@@ -227,9 +227,9 @@ def assemble_body_stiffness(
     Parameters
     ----------
     mesh : Mesh
-        Coarse body of n nodes.
+        Mesh of the coarse body, of n nodes.
     sockets : Sequence[Socket]
-        Its sockets.
+        Sockets of the body.
     patches : dict[int, CondensedPatch]
         Condensed patch of each flank.
     young : float
@@ -260,7 +260,7 @@ def assemble_body_stiffness(
 
 
 def assemble_mode_rows(sockets: Sequence[Socket], rows: dict[int, Array], size: int) -> sp.csr_array:
-    """Assemble the rows Q of all sockets' modes on the body's degrees of freedom, from those in the local frame of a patch.
+    """Assemble the rows Q of the modes of all contacts on the body's degrees of freedom, rotated from the patches' frames.
 
     Parameters
     ----------
@@ -337,14 +337,14 @@ def rigid_loads(mesh: Mesh) -> Array:
 
 
 def free_transform(mesh: Mesh, held: Index) -> sp.csc_array:
-    """Return the matrix that maps the free degrees of freedom of a body to all of them, with some fixed.
+    """Return the matrix that maps the free degrees of freedom of a body to all its degrees of freedom; the others are zero.
 
     Parameters
     ----------
     mesh : Mesh
         The body.
     held : Index
-        Fixed degrees of freedom.
+        Indices of the fixed degrees of freedom.
 
     Returns
     -------
@@ -356,10 +356,10 @@ def free_transform(mesh: Mesh, held: Index) -> sp.csc_array:
 
 
 def end_transform(mesh: Mesh, high: float) -> sp.csc_array:
-    """Return the matrix C that maps the free degrees of freedom to all, for a body fixed at its "low end".
+    """Return the matrix C that maps the free degrees of freedom to all, for a body with a fixed and a rigid end.
 
-    Its "high end" is a rigid section. C^T K C is the Galerkin stiffness; scikit-fem's `mpc` uses only the equations of the
-    free degrees of freedom.
+    The boundary "low end" is fixed, and the boundary "high end" is a rigid section. C^T K C is the Galerkin stiffness;
+    scikit-fem's `mpc` uses only the equations of the free degrees of freedom.
 
     Parameters
     ----------
@@ -432,7 +432,7 @@ def fine_compliance(piece: BodyPiece, patch: PatchMesh, normals: Array, young: f
 
 
 def piece_compliance(piece: BodyPiece, patch: PatchMesh, rows: sp.csr_array, young: float, poisson: float) -> Array:
-    """Compute the response of a piece of a body to loads on the patch in its socket.
+    """Compute the compliance between load cases on a patch in the socket of a piece of a body.
 
     The patch is not condensed: it is solved together with the piece.
 
@@ -452,7 +452,7 @@ def piece_compliance(piece: BodyPiece, patch: PatchMesh, rows: sp.csr_array, you
     Returns
     -------
     (m, m) Array
-        Compliance between the load cases: displacements on which the loads do work, per unit of load [m/N].
+        Compliance [m/N]: work of load case i on the displacements by a unit of load case j.
 
     Raises
     ------
@@ -516,14 +516,14 @@ def coarse_compliance(piece: BodyPiece, patch: CondensedPatch, rows: Array, youn
 
 
 def local_compliance(fine: Array, V: Array, coarse: Callable[[float], Array]) -> Array:
-    """Compute the local compliance A_own of a contact, in addition to the modes that the coarse body represents.
+    """Compute the local compliance A_own of a contact, which is left when the coarse body's share is subtracted.
 
     Parameters
     ----------
     fine : (c, c) Array
         Compliance C_fine between the pressure functions in the finely meshed piece [m/N].
     V : (c, k) Array
-        Modes of the contact that the coarse body represents.
+        Displacement modes of the contact that the coarse body represents.
     coarse : Callable[[float], Array]
         Function that returns G_coarse ``(k, k)`` [m/N] of a mesh whose element sizes are scaled by its argument.
 
@@ -540,7 +540,7 @@ def local_compliance(fine: Array, V: Array, coarse: Callable[[float], Array]) ->
 def _free_and_balancing_loads(piece: BodyPiece) -> tuple[Index, sp.csr_array]:
     """Return the free degrees of freedom of a piece, and the nodal forces ``(6, 3 n)`` that balance its loads.
 
-    They are the forces of body forces that are distributed like rigid motions; there are none if the piece is fixed.
+    These are nodal forces of body forces that are distributed like rigid motions; there are none if the piece is fixed.
     """
     size = piece.mesh.doflocs.size
     if piece.held:
@@ -550,7 +550,7 @@ def _free_and_balancing_loads(piece: BodyPiece) -> tuple[Index, sp.csr_array]:
 
 
 def _rigid_modes_in_patch_frame(patch: PatchMesh, piece: BodyPiece) -> Array:
-    """Compute the rigid motions of the body's frame at the nodes of a patch, in the patch's frame, ``(3 n, 6)``."""
+    """Compute the displacements of a patch's n nodes, in the patch's frame, by rigid motions of the body ``(3 n, 6)``."""
     rigid = rigid_modes(points_of(patch.mesh) @ piece.rotation.T).reshape(-1, 3, 6)
     return np.asarray(np.einsum("ba,nbk->nak", piece.rotation, rigid).reshape(-1, 6))
 

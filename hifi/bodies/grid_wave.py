@@ -46,7 +46,7 @@ FILLED, COARSEST, LEAST = 0.85, 1.0, 0.6
 
 
 def unit_hertz(m: GrooveMap, side: int, material: Material) -> HertzSolution:
-    """Solve the Hertz contact of a flank under 1 N, x across the groove and y along it.
+    """Solve the Hertz contact of ball and groove at a flank under 1 N, with x across the groove and y along it.
 
     The approach grows as F^(2/3), the semi-axes as F^(1/3).
 
@@ -91,8 +91,7 @@ def cell_sizes(m: GrooveMap, side: int, patch: CondensedPatch) -> Array:
     """
     if patch.shape is None:
         raise ValueError(
-            "the cell sizes of a contact zone cannot be computed for a patch without a grid of contact nodes: "
-            "it must consist of hexahedra"
+            "the cell sizes of a contact zone got a patch without a grid of contact nodes; allowed: a patch of hexahedra"
         )
     _, tangent, forward = directions(m, side)
     n, k = (count // 2 for count in patch.shape)
@@ -101,9 +100,10 @@ def cell_sizes(m: GrooveMap, side: int, patch: CondensedPatch) -> Array:
 
 
 def resolved_forces(m: GrooveMap, side: int, patch: CondensedPatch, material: Material, count: int) -> Array:
-    """Choose forces for which a patch resolves the contact: from a short semi-axis of one cell to the size of its zone.
+    """Choose forces under which the cells of a patch resolve the contact ellipse.
 
-    If the grid is too coarse for that, the range begins at a fraction of the largest ellipse.
+    Under the smallest force the short semi-axis is one cell long, under the largest one the ellipse fills the zone. If the
+    grid is too coarse for that, the range begins at a fraction of the largest ellipse.
 
     Parameters
     ----------
@@ -139,7 +139,7 @@ def approaches_at(
     place: tuple[float, float],
     start: Flags | None = None,
 ) -> tuple[Array, Flags]:
-    """Compute the approaches of a contact at a given position on its grid, pressed straight in along the normal.
+    """Compute the approaches of a contact under several forces along the normal, at a given position on its mesh grid.
 
     Parameters
     ----------
@@ -156,7 +156,7 @@ def approaches_at(
     place : tuple[float, float]
         Distance of the contact from the nominal one across and along the groove, in cells.
     start : (f, c) Mask, optional, default None
-        Whether each contact pair is closed at a neighbouring position, to start from; None: unknown.
+        First guess: whether each contact pair is closed, as at a neighbouring position; None: no guess.
 
     Returns
     -------
@@ -203,7 +203,7 @@ def unilateral_approaches(
     loads : (f,) Array
         Loads [N].
     start : (f, c) Mask, optional, default None
-        Whether each pair is closed under each load, to start from; None: start from the pairs of the load before.
+        First guess: whether each pair is closed under each load; None: the pairs that are closed under the load before.
 
     Returns
     -------
@@ -239,7 +239,7 @@ def unilateral_approaches(
 
 
 def fit_force_law(loads: Array, approach: Array) -> Array:
-    """Fit a smooth law of the force to approaches: Hertz's F^(2/3) times a sum of the `POWERS` of F.
+    """Fit a smooth function of the force F to approaches: Hertz's F^(2/3) times a sum of the `POWERS` of F.
 
     The fit minimises the squares of relative errors.
 
@@ -268,10 +268,10 @@ def fit_force_law(loads: Array, approach: Array) -> Array:
 def periodic_approaches(
     m: GrooveMap, side: int, patch: CondensedPatch, C: Array, loads: Array, counts: tuple[int, int]
 ) -> tuple[Array, Array]:
-    """Compute the approaches of a contact at evenly spaced positions in a cell, without their trend from cell to cell.
+    """Compute the approaches of a contact at evenly spaced positions within one cell of its mesh grid.
 
-    Away from the middle of its zone a contact has another compliance beneath it, which is physical and not an effect of the
-    grid. That is the trend, from positions half a cell away on either side.
+    The trend from cell to cell is subtracted. Away from the middle of its zone a contact has another compliance beneath it,
+    which is physical and not an effect of the grid. That is the trend, from positions half a cell away on either side.
 
     Parameters
     ----------
@@ -352,7 +352,7 @@ class GridWave:
     directions: Array
 
     def at(self, loads: Array, centres: Array) -> Array:
-        """Interpolate the gap corrections of contacts of given loads and positions.
+        """Interpolate the gap corrections at n contacts from the table.
 
         Beyond the tabulated forces, the correction at the nearest force is scaled in proportion to Hertz's approach. A
         contact without load has no correction.
@@ -360,9 +360,9 @@ class GridWave:
         Parameters
         ----------
         loads : (n,) Array
-            Loads [N].
+            Loads of the contacts [N].
         centres : (n, 3) Array
-            Centres of pressure in the ball's frame [m].
+            Centres of pressure of the contacts, in the frames of their balls [m].
 
         Returns
         -------

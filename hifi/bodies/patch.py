@@ -114,12 +114,12 @@ class CondensedPatch:
 
 
 def graded_boundaries(inner: float, step: float, growth: float) -> Array:
-    """Divide [-1, 1] into equal steps over [-inner, inner] and growing steps towards the ends.
+    """Divide the interval [-1, 1] into equal steps over its inner part and growing steps towards its ends.
 
     Parameters
     ----------
     inner : float
-        Half the length of the equally divided part.
+        Half the length of the equally divided part, from -inner to inner.
     step : float
         Approximate step in that part.
     growth : float
@@ -172,7 +172,7 @@ def growing_boundaries(start: float, end: float, first: float, ratio: float) -> 
 def build_patch(
     lines: PatchLines, zone: tuple[float, float], place: Callable[[Array], Array], socket: SocketMesh
 ) -> PatchMesh:
-    """Mesh a patch with 27-node hexahedra.
+    """Mesh a patch with 27-node hexahedra, and tie it to the socket of a coarse body.
 
     The interface nodes are moved onto the socket's second-order triangles, so that rigid motions of the socket cause no
     strain.
@@ -270,7 +270,7 @@ def _named_patch(
     tie: sp.csr_array,
     socket: Array,
 ) -> PatchMesh:
-    """Collect the data of a patch, and name its boundaries.
+    """Create a patch from its mesh and the data of its nodes, and name its boundaries.
 
     A face belongs to the surface, the contact or the interface if all its corners do. ``xi``: local coordinates of the
     nodes (n, 3); ``top``: whether each node lies on the surface (n,); the other arguments are the fields of `PatchMesh`.
@@ -286,9 +286,9 @@ def _named_patch(
 
 
 def pressure_mean_rows(mesh: PatchMesh, normals: Array, carrier: PatchMesh | None = None) -> sp.csr_array:
-    """Return the matrix that gives normal displacements, averaged with the weight of each pressure basis function.
+    """Return the matrix that gives mean normal displacements of a contact from the displacements of a patch's nodes.
 
-    It acts on the displacements of a patch's nodes.
+    Each mean is weighted by one basis function of the contact pressure.
 
     Parameters
     ----------

@@ -61,7 +61,7 @@ class BallBlock:
 
     @cached_property
     def sides(self) -> tuple[slice, ...]:
-        """Slice of the ball's contact pairs that belongs to each flank."""
+        """Slice of the flank's pairs within the contact pairs of the ball, for each flank."""
         return _consecutive_slices([len(a) for a in self.local])
 
     @cached_property
@@ -83,7 +83,7 @@ class BallBlock:
         return np.asarray(block_diag(*self.local) + self._all_modes @ self.coupling @ self._all_modes.T)
 
     def factor(self, active: Flags, known: BlockFactor | None = None) -> BlockFactor:
-        """Factorise the rows and columns of the active contact pairs.
+        """Factorise the compliance D between the active contact pairs.
 
         Parameters
         ----------
@@ -95,7 +95,7 @@ class BallBlock:
         Returns
         -------
         BlockFactor
-            The factor.
+            Inverse D_aa^-1 of the compliance between the active pairs, in factorised form.
         """
         sides = []
         for s, pairs in enumerate(self.sides):
@@ -217,7 +217,7 @@ class BlockFactor:
 
 
 def block_of_dense_matrix(matrix: Array) -> BallBlock:
-    """Wrap one dense matrix ``(n, n)`` as a `BallBlock` without modes."""
+    """Make a `BallBlock` without modes from a dense compliance matrix ``(n, n)`` [m/N] between n contact pairs."""
     return BallBlock((matrix,), (np.zeros((len(matrix), 0)),), np.zeros((0, 0)))
 
 
@@ -237,12 +237,12 @@ class Compliance:
 
     @cached_property
     def pairs(self) -> tuple[slice, ...]:
-        """Slice of all contact pairs that belongs to each ball."""
+        """Slice of the ball's pairs within the contact pairs of all balls, for each ball."""
         return _consecutive_slices([len(block) for block in self.blocks])
 
     @cached_property
     def columns(self) -> tuple[slice, ...]:
-        """Columns of U and rows of G that belong to each ball."""
+        """Slice of the columns of U, and of the rows of G, that belongs to each ball."""
         return _consecutive_slices([modes.shape[1] for modes in self.modes])
 
     def amplitude(self, forces: Array) -> Array:
@@ -256,7 +256,7 @@ def _consecutive_slices(counts: Sequence[int]) -> tuple[slice, ...]:
 
 
 def uncoupled_compliance(block: Array | BallBlock) -> Compliance:
-    """Create the compliance of one ball, or of one dense matrix.
+    """Create the compliance of a single ball, given as a `BallBlock` or as a dense matrix.
 
     Parameters
     ----------
@@ -388,7 +388,8 @@ def press_ball(block: BallBlock, gap: Array, start: BallContacts | Flags, most: 
     gap : (n,) Array
         Gaps g without contact forces of this ball [m].
     start : BallContacts | Flags
-        Active pairs to start from, or a state, whose factors of unchanged flanks are reused.
+        First guess: whether each pair is active (n,), or an earlier contact state, whose factors of unchanged flanks are
+        reused.
     most : int, default 60
         Largest number of changes of the active set.
 
@@ -437,7 +438,7 @@ class NewtonFactor(NamedTuple):
     outer: tuple[Array, Indices]
 
     def step(self, back: Array, moved: Array, balance: Array) -> tuple[Array, Array]:
-        """Compute the Newton step of modal amplitudes and rigid motions.
+        """Compute the Newton step from the residuals of modal amplitudes and rigid motions.
 
         Parameters
         ----------
@@ -464,7 +465,7 @@ class NewtonFactor(NamedTuple):
         return dw, dy
 
     def _solve_inner(self, rhs: Array) -> Array:
-        """Multiply a vector of one entry per column of R by (I + R^T G R)^-1."""
+        """Multiply a vector ``rhs``, with an entry for each column of the factors R of all balls, by (I + R^T G R)^-1."""
         return dpotrs(self.inner, rhs, lower=1)[0].ravel() if rhs.size else rhs
 
 
@@ -500,7 +501,7 @@ def low_rank_factors(matrix: Array, loads: Array, scale: Array) -> tuple[Array, 
 
 @dataclass
 class SolverState:
-    """State of all balls at the end of a solution, from which another one may start."""
+    """State of all balls at the end of a solution, which may be the first guess of a similar problem."""
 
     #: Modal amplitudes w of the contact forces ``(r,)`` [N].
     w: Array
@@ -557,10 +558,10 @@ class _EnergySystem:
         return self.C.amplitude(np.concatenate([ball.forces for ball in self.balls])) - w, balance
 
     def state_of_touching_pairs(self, touching: Sequence[Flags]) -> tuple[Array, Array]:
-        """Compute modal amplitudes w and rigid motions y as if exactly the expected contact pairs of each ball touched.
+        """Compute starting values of w and y as if exactly the expected contact pairs of each ball touched.
 
-        ``touching``: for each ball, whether each pair is expected to touch (n_i,). The results are starting values, in
-        which the forces of some pairs may be negative.
+        ``touching``: for each ball, whether each pair is expected to touch (n_i,). Returns the modal amplitudes w (r,) [N]
+        and the rigid motions y (k,) [m, rad]; the forces of some pairs may be negative.
         """
         for i, (gap, active) in enumerate(zip(self.gaps, touching, strict=True)):
             factor = self.C.blocks[i].factor(active)
@@ -569,7 +570,7 @@ class _EnergySystem:
         return self.factor(HOLD).step(back, self.C.coupling @ back, balance)
 
     def factor(self, shift: float) -> NewtonFactor:
-        """Assemble and factorise Newton's equations at the states of the balls.
+        """Assemble and factorise Newton's equations at the present contact states of the balls.
 
         ``shift``: stiffness [N/m] that regularises motions not constrained by contacts.
 
@@ -628,15 +629,15 @@ def solve_balls(
     Parameters
     ----------
     C : Compliance
-        Compliance of n pairs.
+        Compliance C between n contact pairs.
     gap : (n,) Array
         Gaps g0 of the undeformed bodies [m].
     N : (n, k) sparse array
-        Gap closed by a unit of each rigid motion.
+        Gap of each pair that a unit of each rigid motion closes.
     f : (k,) Array
         Loads on the rigid motions [N, N m].
     start : SolverState | None, default None
-        State of a similar problem's solution to start from.
+        State at the end of the solution of a similar problem, as the first guess; None: the undeformed bodies.
     touching : sequence of (n_i,) Masks, optional
         Contact pairs of each ball that are expected to touch; used if there is no ``start``.
     tolerance : float, default 1e-10

@@ -67,7 +67,7 @@ def boussinesq(points: Array, sources: Array, young: float, poisson: float) -> A
     """Compute the displacements of the half-space z > 0 under unit normal forces on its surface, by Boussinesq.
 
     u_r = (1 + nu)/(2 pi E) (r z/R^3 - (1 - 2 nu) r/(R (R + z))), u_z = (1 + nu)/(2 pi E) (z^2/R^3 + 2 (1 - nu)/R), where R
-    is the distance from the force and r its part along the surface. The displacement is infinite at the place of a force.
+    is the distance from the force and r its part along the surface. The displacement is infinite where a force acts.
 
     Parameters
     ----------
@@ -105,7 +105,7 @@ def boussinesq(points: Array, sources: Array, young: float, poisson: float) -> A
 
 
 def nodal_contact_areas(mesh: BlockMesh) -> Array:
-    """Compute the area of the contact plane that each node carries: its consistent area.
+    """Compute the area of the contact plane that each node carries, the integral of its shape function.
 
     A uniform pressure loads only the midside nodes of 6-node triangles, not their corners, so that only midside nodes may
     touch. Pressures defined at the corners too, or linear between them, oscillate by tens of per cent on the same meshes.

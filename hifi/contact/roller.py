@@ -133,9 +133,9 @@ def _distance_from_apex(row: RollerRow) -> float:
 
 
 def profile_depths(row: RollerRow, x: Array) -> tuple[Array, Array]:
-    """Return the depths [m] of a roller's crown and of the rounding of its ends below a straight line.
+    """Return how far a roller's profile lies below a straight line by its crown, then by the rounding of its ends [m].
 
-    ``x``: distances from the roller's middle [m].
+    ``row``: row of rollers; ``x``: distances from the roller's middle [m]. The results have the shape of ``x``.
     """
     beyond = np.maximum(np.abs(x) - 0.5 * row.length, 0.0)
     r = row.edge_radius
@@ -146,8 +146,9 @@ def profile_depths(row: RollerRow, x: Array) -> tuple[Array, Array]:
 def _cell_boundaries(row: RollerRow, cells: int, load: float) -> tuple[Array, float, Array]:
     """Compute the cell boundaries along a roller and its races, as distances from the roller's middle [m].
 
-    ``cells``: cells along half of the roller; ``load``: force of a race on the roller [N]. Returns the boundaries on the
-    roller, the end of the contact zone, and the boundaries on the races beyond the roller.
+    ``cells``: number of cells along half of the roller; ``load``: force of a race on the roller [N]. Returns the boundaries
+    on the roller, the distance of the contact zone's end from the middle, and the boundaries on the races beyond the
+    roller.
     """
     half, r = 0.5 * row.length, row.edge_radius
     if r is None:
@@ -254,7 +255,7 @@ def condense_roller(row: RollerRow, cells: int, load: float) -> CondensedRoller:
 
 
 def _distance_from_tangent_plane(along: Array, across: Array, angle: float) -> Array:
-    """Return the distance of a cone from its tangent plane [m].
+    """Return the distances of points on a cone from the plane that touches it along a generator [m].
 
     ``along``: distance from the apex along the line at which cone and plane touch [m]; ``across``: distance from that line
     in the plane [m]; ``angle``: half angle of the cone [rad].
@@ -264,7 +265,10 @@ def _distance_from_tangent_plane(along: Array, across: Array, angle: float) -> A
 
 
 def _pressure_loads(body: SweptBody) -> sp.csr_array:
-    """Assemble the nodal forces of a unit force into the body on each pressure function of the contact zone, as rows."""
+    """Assemble the nodal forces of a unit force on each basis function of the contact pressure, one in each row.
+
+    ``body``: quarter roller or race; the forces press into it, along the normals of its contact zone.
+    """
     contact = body.contact.ravel()
     W = mean_weights(contact_weights(body.mesh, contact)).tocoo()
     normal = body.inward.reshape(-1, 3)[W.col]
@@ -320,7 +324,7 @@ def race_compliance(body: SweptBody, law: object, half: float) -> Array:
 
 
 def _closing_motions(roller: SweptBody, cup: SweptBody, middle: float) -> Array:
-    """Return the gap closed by a unit of the cup's approach, of the roller's motion towards the cup, and of its tilt.
+    """Return how much each gap closes by a unit of the cup's approach, of the roller's motion to the cup, and of its tilt.
 
     ``middle``: distance of the roller's middle from the apex, along the roller's axis [m]. The result is ``(2 m n, 3)``,
     the contact with the cup first.
@@ -342,7 +346,7 @@ STEP = 0.01
 
 
 def press_roller(bodies: CondensedRoller, load: float) -> RollerState:
-    """Press a roller between its races by a given force, and find its stiffness by small changes of the force.
+    """Solve the contacts of a roller that is pressed between its races, and its stiffness by small changes of the force.
 
     Parameters
     ----------

@@ -105,7 +105,7 @@ def elasticity(young: float, poisson: float) -> Any:
 
 
 def nodal_share_form(axis: int | None = None) -> Any:
-    """Return the linear form int N_i dA or int N_i dV, which assigns each node its share of an area or volume.
+    """Return the linear form int N_i dA or int N_i dV, which gives each node i its share of an area or volume.
 
     Parameters
     ----------
@@ -248,7 +248,7 @@ class CurvedMap(MappingIsoparametric):  # type: ignore[misc]
 
 
 def stiffness_quadrature(mesh: Mesh) -> tuple[Array, Array]:
-    """Return the quadrature rule for the stiffness of the mesh's element.
+    """Return the quadrature rule with which the stiffness of a mesh is integrated, in reference coordinates of a cell.
 
     It passes the patch test on curved cells (the cofactors of the map times the gradients are integrated exactly) and
     integrates the stiffness of a plane-faced cell exactly. (scikit-fem's rule of degree 3 on tetrahedra has a negative

@@ -83,7 +83,7 @@ def choose_patch_lines(
 def choose_socket_size(
     scene: Scene, m: GrooveMap, layout: BallLayout, sides: tuple[int, ...], dims: Dimensions, settings: Settings
 ) -> SocketSize:
-    """Choose the size of the sockets so that the expected contact ellipses fit in.
+    """Choose the size of the sockets (pockets of the coarse bodies for fine patches) so that the contact ellipses fit in.
 
     Parameters
     ----------
@@ -118,10 +118,10 @@ def choose_socket_size(
 
 
 def contact_reach_along(m: GrooveMap, side: int, angle: Array, across: Array, along: Array) -> float:
-    """Compute how far contact ellipses extend along the groove from the lines of constant azimuth of a patch.
+    """Compute the largest distance along the groove of contact ellipses from the middle line of a patch.
 
-    An ellipse lies across its helix, but a patch's lines lie at constant azimuth. By the lead angle the ends of the
-    ellipse's long axis are ahead of these lines and behind.
+    An ellipse lies across its helix, but the lines of a patch lie at constant azimuth. By the lead angle the ends of the
+    ellipse's long axis therefore lie ahead of these lines and behind them.
 
     Parameters
     ----------
@@ -149,7 +149,7 @@ def contact_reach_along(m: GrooveMap, side: int, angle: Array, across: Array, al
 def ball_socket_and_map(
     m: GrooveMap, size: SocketSize, side: int, zone: tuple[float, float]
 ) -> tuple[BallSocket, Callable[[Array], Array]]:
-    """Return the socket of the ball at a flank, and the map from local coordinates into it.
+    """Return the socket of the ball at a flank, and the function that maps local coordinates into it.
 
     In the contact zone the map's rays pass exactly through the nodes of the groove.
 
@@ -253,7 +253,7 @@ def mesh_parts(
     settings : Settings
         Mesh choices.
     cache : Cache, optional, default None
-        Cache of meshes; None: mesh everything.
+        Cache of meshes on disk; None: all parts are meshed.
 
     Returns
     -------
@@ -353,7 +353,7 @@ def rotation_about_z(phi: float) -> Array:
 
 
 def rotated_sockets(mesh: GroovedBody, places: tuple[Place, ...]) -> list[Socket]:
-    """Create the sockets of a body, rotated to the azimuths of its contacts.
+    """Create the sockets of a body, with their rotations to the azimuths of its contacts.
 
     Parameters
     ----------
@@ -371,7 +371,7 @@ def rotated_sockets(mesh: GroovedBody, places: tuple[Place, ...]) -> list[Socket
 
 
 def body_kind(settings: Settings) -> Literal["P1", "P2"]:
-    """Return the element order of the coarse bodies, which is that of the patches.
+    """Return the element type of the coarse bodies, whose order is that of the patches.
 
     Parameters
     ----------

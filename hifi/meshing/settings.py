@@ -136,7 +136,10 @@ class ExpectedContacts:
     gap: Array
 
     def semi(self) -> tuple[float, float]:
-        """Return the semi-axes (a, b) [m] of a typical contact: mean over the balls of the larger contact of each."""
+        """Return the semi-axes across and along the groove of a typical contact [m].
+
+        They are means over the loaded balls, of the more heavily loaded contact of each, scaled to their mean load.
+        """
         largest = self.load.max(axis=1)
         ball = np.flatnonzero(largest > LOADED * largest.max(initial=0.0))
         if not ball.size:
@@ -146,7 +149,10 @@ class ExpectedContacts:
         return float((self.across[ball, side] * scale).mean()), float((self.along[ball, side] * scale).mean())
 
     def reach(self) -> tuple[float, float]:
-        """Return the largest distances from nominal contact point to a contact's edge, across and along the groove [m]."""
+        """Return the largest distances from the nominal contact point to a contact's edge [m].
+
+        The first distance is across the groove, the second along it.
+        """
         return float((self.across + np.abs(self.shift)).max()), float(self.along.max())
 
     def sides(self) -> tuple[int, ...]:
@@ -254,7 +260,7 @@ def contacts_under_assumed_load(scene: Scene, idle: ExpectedContacts, load: floa
     scene : Scene
         Parts of the nut or bearing.
     idle : ExpectedContacts
-        Its estimated contacts without load.
+        Estimated contacts of the nut or bearing without load.
     load : float
         Load of each contact [N].
 
@@ -294,7 +300,8 @@ def nut_shift_for_axial_force(scene: Scene, force: float) -> float:
 def _touchable_flanks(scene: Scene, thrust: Thrust) -> tuple[bool, ...]:
     """Return whether each of the four flanks can touch under thrust in a given direction.
 
-    A groove of a single arc has one flank on each body.
+    ``thrust``: direction in which the nut or bearing can carry thrust, such as "+z" or "both". A groove of a single arc has
+    one flank on each body.
     """
     if (sides := sides_of_arc(scene)) and thrust in ("both", "deep groove"):
         return tuple(s in sides for s in range(4))
@@ -302,7 +309,10 @@ def _touchable_flanks(scene: Scene, thrust: Thrust) -> tuple[bool, ...]:
 
 
 def _estimate_contacts(sets: tuple[_NutOnShaft, ...], frame: Frame) -> tuple[ExpectedContacts, ...]:
-    """Estimate the contacts of each nut or bearing on a shaft with the supports and loads of ``frame``."""
+    """Estimate the contacts of each nut or bearing on a shaft.
+
+    ``sets``: the nuts and bearings; ``frame``: supports and loads of the shaft. Raises ValueError without equilibrium.
+    """
     model = _build_estimate(sets, frame)
     load, vectors = _solve_equilibrium(model)
     gap = model.touch - np.linalg.norm(vectors, axis=2)
@@ -344,7 +354,10 @@ def _contact_modulus(first: Material, second: Material) -> float:
 
 
 def _build_estimate(sets: tuple[_NutOnShaft, ...], frame: Frame) -> _EstimateModel:
-    """Assemble the equations of the contact estimate for all nuts or bearings on a shaft."""
+    """Assemble the equations of the contact estimate for all nuts or bearings on a shaft.
+
+    ``sets``: the nuts and bearings; ``frame``: supports and loads of the shaft.
+    """
     layouts, count = [ball_layout(s.scene) for s in sets], len(frame.housings)
     first, n = sets[0].scene, sum(x.z.size for x in layouts)
     rigid = any(s.scene.ingredients.screw == "rigid" or solid_dimensions(s.scene).screw_held == "bore" for s in sets)

@@ -9,7 +9,7 @@ moves by V dt through every contact, so that
 
     s dt = A q(t) - A_shifted q(t - dt) + rigid slip dt,
 
-where A_shifted gives the old displacements at the old place of the material; nothing is interpolated. The method is of
+where A_shifted gives the old displacements at the old position of the material; nothing is interpolated. The method is of
 first order in the step. Contact forces are prescribed and constant; the frame moves with each ball's centre.
 """
 
@@ -139,7 +139,7 @@ class RollingResult:
 
 @lru_cache(maxsize=16)
 def unit_load_patch(radii: tuple[float, float], young: float, poisson: float, shape: tuple[int, int]) -> Patch:
-    """Solve the contact of half-spaces under 1 N on a grid, with its `Patch.transport` computed.
+    """Solve the contact of two half-spaces under 1 N on a grid of cells, and compute its `Patch.transport`.
 
     ``radii``: relative radii along and across the groove [m]; ``shape``: numbers of cells along and across. The contact
     under any other force is similar, with lengths in proportion to the cube root of the force.
@@ -153,7 +153,7 @@ def unit_load_patch(radii: tuple[float, float], young: float, poisson: float, sh
 def finite_body_patch(
     load: float, radii: tuple[float, float], material: tuple[float, float], shape: tuple[int, int], kernel: SmoothKernel
 ) -> Patch:
-    """Solve the contact of finite bodies on a grid under a force.
+    """Solve the normal contact of two finite bodies on a grid of cells.
 
     ``load``: contact force [N]; ``radii``: relative radii along and across the groove [m]; ``material``: Young's modulus
     [Pa] and Poisson's ratio; ``shape``: numbers of cells along and across; ``kernel``: compliance of the finite bodies
@@ -178,7 +178,7 @@ def grid_contact(scene: kinematics.Rolling, touch: kinematics.GrooveContact, cho
 def finite_body_kernel(
     scene: kinematics.Rolling, touch: kinematics.GrooveContact, bodies: Sizes | None
 ) -> SmoothKernel | None:
-    """Compute the smooth compliance of finite bodies beyond that of half-spaces (kernel) at a contact, in its axes.
+    """Compute the kernel of a contact: the compliance of its finite bodies less that of half-spaces, in the contact's axes.
 
     Parameters
     ----------
@@ -192,7 +192,7 @@ def finite_body_kernel(
     Returns
     -------
     SmoothKernel | None
-        The kernel; None for half-spaces.
+        The kernel; None if ``bodies`` is None.
 
     Raises
     ------
@@ -225,7 +225,7 @@ def compute_body_kernels(scenes: Sequence[kinematics.Rolling], bodies: Sizes | N
     Returns
     -------
     float
-        Processor time [s].
+        Processor time of the kernels that were computed [s].
     """
     if bodies is None:
         return 0.0
@@ -234,14 +234,12 @@ def compute_body_kernels(scenes: Sequence[kinematics.Rolling], bodies: Sizes | N
 
 
 def _largest_load(scene: kinematics.Rolling) -> float:
-    """Return the largest contact force of all balls with grooves [N]."""
+    """Return the largest contact force between any ball and a groove [N]."""
     return max(t.load for b in scene.balls for t in b.touches)
 
 
 def contact_place(scene: kinematics.Rolling, touch: kinematics.GrooveContact) -> tuple[ContactPosition, Array]:
-    """Describe the position of a contact on its groove, and the direction to the groove's bottom.
-
-    Raises ValueError if that direction is unknown.
+    """Return the position of a contact on its groove, and the direction from the ball's centre to the groove's bottom.
 
     Parameters
     ----------
@@ -256,6 +254,11 @@ def contact_place(scene: kinematics.Rolling, touch: kinematics.GrooveContact) ->
         Position of the contact, for `hifi.rolling.bodies.contact_kernel`.
     bottom : (3,) Array
         Unit vector from the ball's centre to the bottom of the groove.
+
+    Raises
+    ------
+    ValueError
+        The direction to the groove's bottom is unknown.
     """
     if touch.bottom is None:
         raise ValueError(
@@ -287,7 +290,7 @@ def loaded_contacts(scene: kinematics.Rolling) -> list[tuple[int, int, kinematic
 
 
 def friction_contacts(scene: kinematics.Rolling, choices: Choices) -> list[Contact]:
-    """Prepare the loaded contacts for the friction solver.
+    """Prepare the loaded contacts of elastic bodies for the friction solver (`hifi.rolling.friction`).
 
     Parameters
     ----------
@@ -309,14 +312,14 @@ def friction_contacts(scene: kinematics.Rolling, choices: Choices) -> list[Conta
 
 
 def ball_equilibrium(scene: kinematics.Rolling, contacts: Sequence[Contact]) -> kinematics.BallEquilibrium:
-    """Create the equilibrium equations of the balls for the friction solver.
+    """Create the equilibrium equations of the balls, which the friction solver satisfies together with the friction law.
 
     Parameters
     ----------
     scene : kinematics.Rolling
         The balls.
     contacts : Sequence[Contact]
-        Their loaded contacts.
+        Loaded contacts of the balls, as from `friction_contacts`.
 
     Returns
     -------
@@ -396,9 +399,9 @@ def solve_rolling(
     scene : kinematics.Rolling
         The balls and their contact loads.
     choices : Choices | None, default None
-        Numerical choices.
+        Numerical choices; None: the defaults of `Choices`.
     near : RollingResult | None, default None
-        Solution on the same grid to start from.
+        Solution on the same grid, whose motions and forces are the starting values; None: estimated starting values.
     path : tuple[float, ...], default PATH
         Creeping speeds that smooth Coulomb's law, one after the other, as for `hifi.rolling.friction.solve_friction`.
 
@@ -425,9 +428,10 @@ def solve_rolling(
 def _collect_result(
     scene: kinematics.Rolling, choices: Choices, contacts: Sequence[Contact], solution: Friction, seconds: float
 ) -> RollingResult:
-    """Collect the motions, forces and losses of all balls from the solution of the friction solver.
+    """Compute the motions, forces and losses of all balls from the solution of the friction solver.
 
-    ``seconds``: processor time of the solution [s].
+    ``contacts``: contacts of the friction solver, in the order of `loaded_contacts`; ``seconds``: processor time of the
+    solution [s].
     """
     speed, rotation, force = split_unknowns(scene, solution.motions)
     outs, power, wrench = [], 0.0, np.zeros((len(scene.balls), 6))
@@ -471,7 +475,7 @@ def without_ball_contacts(scene: kinematics.Rolling) -> kinematics.Rolling:
 
 
 def hertz_semi_axes(scene: kinematics.Rolling, touch: kinematics.GrooveContact) -> tuple[float, float]:
-    """Compute the Hertzian semi-axes of a contact along and across the groove [m].
+    """Compute the Hertzian semi-axes of a ball's contact with a groove.
 
     Parameters
     ----------
@@ -483,7 +487,7 @@ def hertz_semi_axes(scene: kinematics.Rolling, touch: kinematics.GrooveContact) 
     Returns
     -------
     tuple[float, float]
-        Semi-axes [m].
+        Semi-axes along and across the groove [m].
     """
     ellipse = hertz(touch.load, *touch.radii, scene.young, scene.poisson)
     return ellipse.semi_x, ellipse.semi_y
@@ -523,7 +527,7 @@ class RigidResult:
 
 
 def disk_quadrature(points: int) -> tuple[Array, Array]:
-    """Build a rule for integrals over the unit disk, by midpoints in angles.
+    """Build a quadrature rule for the unit disk, with midpoints in angles t, x = cos(t).
 
     Parameters
     ----------
@@ -559,7 +563,7 @@ def solve_rigid_rolling(
     scene : kinematics.Rolling
         The balls and their contact loads.
     points : int, default POINTS
-        Points of the quadrature along each axis of an ellipse.
+        Number of quadrature points along each axis of a contact ellipse.
     curved : bool, default True
         Whether contacts lie on the curved surface that ball and groove share; otherwise they lie on its tangent plane.
     bodies : Sizes | None, default None
@@ -650,7 +654,10 @@ class _ContactWithoutHistory:
     before: Array
 
     def with_history(self, forces: Array) -> Contact:
-        """Return the contact of the present step, given the tangential forces ``(2 n,)`` [N] of the last step."""
+        """Return the contact with the displacements that the last step's forces cause, for the friction solver.
+
+        ``forces``: tangential forces at the end of the last step, all x and then all y (2 n,) [N].
+        """
         return replace(self.contact, elastic=self.present, given=self.contact.given - self.before @ forces)
 
 
@@ -664,11 +671,11 @@ def run_from_rest(
     scene : Rolling
         The balls and their contact loads.
     duration : float
-        Duration of the run [s].
+        Simulated time from rest [s].
     steps : int
-        Number of steps.
+        Number of time steps.
     gap : float, default 0.0
-        Gaps between neighbours at first [m].
+        Gap between neighbouring balls at the beginning [m].
     choices : Choices | None, default None
         Numerical choices.
 
@@ -680,21 +687,21 @@ def run_from_rest(
     Raises
     ------
     ValueError
-        Duration or steps are not positive, the gap is negative, or steps carry material from beyond the contact zone
-        of finite bodies.
+        Duration or number of steps is not positive, the gap is negative, or a step carries material from beyond the
+        contact zone of finite bodies.
     """
     if not duration > 0.0 or steps < 1 or gap < 0.0:
         raise ValueError(
-            f"the run from rest got a duration of {duration} s, {steps} steps and a gap of {gap} m: "
-            "the duration must be > 0, the number of steps at least 1, and the gap not negative"
+            f"rolling from rest got a duration of {duration} s, {steps} steps and a gap of {gap} m; "
+            "allowed: a duration > 0, at least 1 step, and a gap >= 0"
         )
     return _run_steps(scene, duration / steps, steps, gap, choices or Choices())
 
 
 def _run_steps(scene: Rolling, dt: float, steps: int, gap: float, choices: Choices) -> TransientResult:
-    """Compute the motion of balls from rest in ``steps`` steps of ``dt`` [s], with ``gap`` [m] between neighbours at first.
+    """Compute the motion of balls from rest in equal time steps, up to the first step that does not converge.
 
-    The run ends before the first step that does not converge.
+    ``dt``: length of a step [s]; ``steps``: number of steps; ``gap``: gap between neighbouring balls at the beginning [m].
     """
     begin = process_time()
     carried = _contacts_without_history(scene, choices, dt)
@@ -720,7 +727,10 @@ def _run_steps(scene: Rolling, dt: float, steps: int, gap: float, choices: Choic
 
 
 def _contacts_without_history(scene: Rolling, choices: Choices, dt: float) -> list[_ContactWithoutHistory]:
-    """Prepare the loaded contacts for time steps of ``dt`` [s], without the displacements by the last step's forces."""
+    """Prepare the loaded contacts for time steps; the displacements by the last step's forces are added in every step.
+
+    ``dt``: length of a step [s].
+    """
     out = []
     for (_, _, touch), contact in zip(loaded_contacts(scene), friction_contacts(scene, choices), strict=True):
         patch = grid_contact(scene, touch, choices)
@@ -743,11 +753,12 @@ def _step_results(
     y: Array,
     gaps: Array,
 ) -> tuple[Array, Array, Array, Array, float, float, float]:
-    """Collect the results at the end of a time step.
+    """Compute speeds, forces, losses and stored power of all balls at the end of a time step.
 
-    ``forces``: tangential forces of each contact [N] before and after the step; ``slips``: slips [m/s] of each contact;
-    ``y``: unknowns of `split_unknowns`; ``gaps``: gaps between balls [m]. Returns the balls' speeds along the track, their
-    rotations [rad/s], the forces between balls [N], the gaps [m], the loss, the power put in and the power stored [W].
+    ``carried``: the contacts as prepared for all steps; ``forces``: tangential forces of each contact [N] before and after
+    the step; ``slips``: slips [m/s] of each contact; ``y``: unknowns of `split_unknowns`; ``gaps``: gaps between balls [m].
+    Returns the balls' speeds along the track, their rotations [rad/s], the forces between balls [N], the gaps [m], the
+    loss, the power that the grooves put in, and the power that elastic displacements store [W].
     """
     old, new = forces
     speed, rotation, press = split_unknowns(scene, y)

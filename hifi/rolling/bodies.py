@@ -43,7 +43,7 @@ from rollbench.hifi.rolling.contact_bodies import (
     mesh_whole_ball,
 )
 from rollbench.hifi.rolling.patch import SmoothKernel, monomials
-from rollbench.hifi.side_by_side import Job, compute_records
+from rollbench.hifi.setup import Job, compute_records
 from rollbench.meshes.arrays import Array, Index
 from rollbench.meshes.ball_body import build_ball
 from rollbench.meshes.cache import Cache
@@ -109,9 +109,9 @@ def mesh_contact_pieces(
     curve : BallPath
         Path of the balls' centres.
     ball, groove : float
-        Radii [m].
+        Radii of ball and groove [m].
     angle : float
-        Angle from the groove's bottom to the contact [rad].
+        Angle at the ball's centre from the groove's bottom to the contact [rad].
     zone : Zone
         Contact zone.
     outer : bool
@@ -165,21 +165,21 @@ def mesh_contact_pieces(
 
 
 def groove_map(curve: BallPath, ball: float, groove: float, angle: float) -> GrooveMap:
-    """Describe the geometry of a track whose grooves are all alike, as the static reference does.
+    """Describe a track whose four groove flanks have the same radius, by the groove map of the static 3D reference.
 
     Parameters
     ----------
     curve : BallPath
         Path of the balls' centres.
     ball, groove : float
-        Radii [m].
+        Radii of ball and groove [m].
     angle : float
         Contact angle [rad].
 
     Returns
     -------
     GrooveMap
-        Map of the track.
+        Geometry of the track.
     """
     signs = np.array(SIDE_SIGNS)
     to_contact = signs * np.array([np.cos(angle), np.sin(angle)])
@@ -236,14 +236,14 @@ def _grid_numbers(patch: PatchMesh, axes: Array, centre: Array) -> Index:
 def cerruti(points: Array, sources: Array, shear: float, poisson: float) -> Array:
     """Compute the displacements of the half-space z > 0 under unit forces along x on its surface, by Cerruti.
 
-    The displacement is infinite at the place of a force. n: number of points; m: number of forces.
+    The displacement is infinite at the point where a force acts. n: number of points; m: number of forces.
 
     Parameters
     ----------
     points : (n, 3) Array
         Points [m].
     sources : (m, 2) Array
-        Places x, y of the forces at z = 0 [m].
+        Coordinates x, y of the points on the surface z = 0 where the forces act [m].
     shear : float
         Shear modulus [Pa].
     poisson : float
@@ -336,9 +336,10 @@ def traction_loads(
 
 
 def free_response(body: ContactBody, rows: sp.csr_array, young: float, poisson: float) -> Array:
-    """Compute the response of a free body to several load cases: motions that the loads do work on, per unit of load.
+    """Compute the compliance between several load cases of a free body.
 
-    The loads are balanced by body forces, and rigid motions are removed from the response.
+    The loads are balanced by body forces that are distributed like rigid motions, and rigid motions are removed from the
+    displacements.
 
     Parameters
     ----------
@@ -354,7 +355,7 @@ def free_response(body: ContactBody, rows: sp.csr_array, young: float, poisson: 
     Returns
     -------
     (m, m) Array
-        Compliance between the load cases [m/N].
+        Compliance [m/N]: work of load case i on the displacements by a unit of load case j.
     """
     K, points = forms.assemble(elasticity(young, poisson), body.mesh), points_of(body.mesh)
     relief, rigid = rigid_loads(body.mesh), rigid_modes(points)
@@ -381,9 +382,10 @@ def fixed_response(body: ContactBody, rows: sp.csr_array, young: float, poisson:
 
 
 def half_space_response(body: ContactBody, rows: sp.csr_array, young: float, poisson: float) -> Array:
-    """Compute the response of a block of a half-space whose cut faces move as in the half-space.
+    """Compute the compliance between m load cases of a block of a half-space, whose cut faces move as in the half-space.
 
-    The method is that of `hifi.contact.block`. The arguments are those of `free_response`; ``body`` is the block.
+    The motion of the cut faces is that of Boussinesq's and Cerruti's point forces, as in `hifi.contact.block`. The
+    arguments are those of `free_response`; ``body`` is the block.
 
     Returns
     -------
@@ -424,10 +426,10 @@ def half_space_response_on_equal_nodes(
     frame: ContactAxes | None = None,
     near: tuple[Array, Array, Array] | None = None,
 ) -> Array:
-    """Compute the response of a half-space whose contact zone has its nodes where the body's are, seen along the normal.
+    """Compute the compliance of a half-space whose contact nodes have the tangential coordinates of the body's nodes.
 
-    A zone that is wider by a fraction e responds to a linear traction by 2 e to 3 e less. With equal nodes this effect is
-    in both responses, and cancels in their difference.
+    A contact zone that is wider by a fraction e moves by 2 e to 3 e less under a linear traction. With equal nodes this
+    error is the same in both bodies, and cancels in the difference of their compliances.
 
     Parameters
     ----------
@@ -498,7 +500,10 @@ MOST = 32
 
 
 def cached_result(make: Callable[P, T]) -> Callable[P, T]:
-    """Decorate the function ``make`` so that its results are cached by its arguments."""
+    """Decorate a function so that its results are cached in memory by its arguments.
+
+    ``make``: function that computes a kernel.
+    """
 
     @wraps(make)
     def cached(*arguments: P.args, **named: P.kwargs) -> T:
@@ -512,12 +517,12 @@ def cached_result(make: Callable[P, T]) -> Callable[P, T]:
 
 
 def _call_key(call: partial[Any]) -> tuple[object, ...]:
-    """Return the key of a call in the cache: the function's name and its arguments."""
+    """Return the key of a call in the cache of kernels: the function's name, then its arguments."""
     return call.func.__name__, call.args, *call.keywords.items()
 
 
 def _store_result(key: tuple[object, ...], value: Any) -> None:
-    """Cache a result, and remove the oldest results above the largest number."""
+    """Store the result of a call in the cache of kernels, and delete the oldest results if there are more than `MOST`."""
     _KEPT[key] = value
     while len(_KEPT) > MOST:
         del _KEPT[next(iter(_KEPT))]
@@ -569,7 +574,7 @@ def patch_kernels(
     *,
     outer: bool,
 ) -> tuple[SmoothKernel, SmoothKernel]:
-    """Compute the kernels that the static reference's patches of groove and ball add to a half-space.
+    """Compute the kernels of groove and ball from patches of the static reference: their compliances less a half-space's.
 
     Parameters
     ----------
@@ -582,13 +587,13 @@ def patch_kernels(
     zone : Zone
         Contact zone.
     bends : tuple[float, float]
-        Curvatures of the shared surface [1/m].
+        Curvatures along x and y of the surface that ball and groove share [1/m], positive towards the ball.
     young : float
         Young's modulus [Pa].
     poisson : float
         Poisson's ratio.
     degree : int
-        Degree of the kernel.
+        Degree of the kernel's polynomials.
     outer : bool
         Whether the groove is that of the nut or outer ring.
 
@@ -609,18 +614,18 @@ def patch_kernels(
 
 
 def groove_kernel(added: Array, zone: Zone, degree: int) -> SmoothKernel:
-    """Convert the response of a groove to a kernel of forces on the ball and motions of the ball relative to the groove.
+    """Convert the compliance of a groove to a kernel of forces on the ball and motions of the ball relative to the groove.
 
-    Tangential forces and motions change their signs.
+    Tangential forces and motions change their signs, because those of ball and groove are opposite.
 
     Parameters
     ----------
     added : (3 k, 3 k) Array
-        Response of the groove less that of the half-space [m/N]; k: number of monomials of the kernel.
+        Compliance of the groove less that of the half-space [m/N]; k: number of monomials of the kernel.
     zone : Zone
         Contact zone.
     degree : int
-        Degree of the kernel.
+        Degree of the kernel's polynomials.
 
     Returns
     -------
@@ -667,7 +672,7 @@ class ContactPosition:
         return one, two
 
     def zone(self, load: float, young: float, poisson: float, sizes: Sizes) -> Zone:
-        """Compute the size of the contact zone under a load.
+        """Compute the contact zone under a load: the Hertzian ellipse's semi-axes times `Sizes.margin`, with its cells.
 
         Parameters
         ----------
@@ -693,7 +698,7 @@ def _kernel_calls(at: ContactPosition, load: float, young: float, poisson: float
     """List the calls that compute the kernels of ball and groove, whose sum is the kernel of the contact.
 
     These are two calls for a whole ball and a grooved bar, or one call for the patches of both. ``at``: position of the
-    contact; ``load``: contact load [N].
+    contact; ``load``: contact load [N]; ``sizes``: meshes of the bodies.
     """
     zone, common = at.zone(load, young, poisson, sizes), (at.bends, young, poisson, sizes.degree)
     if sizes.patches and at.curve is not None:
@@ -705,7 +710,10 @@ def _kernel_calls(at: ContactPosition, load: float, young: float, poisson: float
 
 @lru_cache(maxsize=8)
 def _summed_kernel(at: ContactPosition, load: float, young: float, poisson: float, sizes: Sizes) -> SmoothKernel:
-    """Compute the sum of the kernels of ball and groove at a contact ``at`` under ``load`` [N]."""
+    """Compute the sum of the kernels of ball and groove at one contact.
+
+    ``at``: position of the contact; ``load``: contact load [N]; ``sizes``: meshes of the bodies.
+    """
     kernels = [call() for call in _kernel_calls(at, load, young, poisson, sizes)]
     first, second = kernels if len(kernels) == 2 else kernels[0]
     kernel: SmoothKernel = first + second
@@ -721,10 +729,10 @@ def _rounded_for_sharing(at: ContactPosition, load: float) -> tuple[ContactPosit
 
 
 def contact_kernel(at: ContactPosition, load: float, young: float, poisson: float, sizes: Sizes) -> SmoothKernel:
-    """Compute the kernel that ball and groove of a contact add to half-spaces.
+    """Compute the kernel of a contact: the compliance of its ball and groove less that of two half-spaces.
 
-    y points towards the bottom of the groove, x is right-handed with y and the normal. Other contacts of the ball are not
-    included.
+    Axis y of the kernel points towards the bottom of the groove; x, y and the normal are right-handed. The effect of the
+    ball's other contacts is not included.
 
     Parameters
     ----------
@@ -762,7 +770,7 @@ def compute_and_cache_kernels(
     Parameters
     ----------
     contacts : Iterable[tuple[ContactPosition, float]]
-        Contacts and their largest loads [N].
+        Position of each contact, and the largest load of the contacts that share its kernel [N].
     young : float
         Young's modulus [Pa].
     poisson : float
@@ -775,7 +783,7 @@ def compute_and_cache_kernels(
     Returns
     -------
     float
-        Processor time of all kernels [s].
+        Processor time of the kernels that were computed here [s].
 
     Raises
     ------
@@ -796,12 +804,15 @@ def compute_and_cache_kernels(
 
 
 def _compute_uncached(call: partial[Any]) -> tuple[Any, float]:
-    """Run a call without caching its result in this process; return the result and the processor time [s]."""
+    """Compute a kernel without caching it in this process.
+
+    ``call``: call of a function that `cached_result` decorates. Returns the kernel and the processor time [s].
+    """
     begin = process_time()
     return call.func.__wrapped__(*call.args, **call.keywords), process_time() - begin  # type: ignore[attr-defined]
 
 
 def clear_kernel_cache() -> None:
-    """Clear the cache of kernels."""
+    """Delete all kernels that are cached in memory."""
     _summed_kernel.cache_clear()
     _KEPT.clear()

@@ -113,9 +113,9 @@ class ContactBody:
 def _named_contact_body(
     zone: Zone, x: Array, y: Array, z: Array, points: Array, held: list[tuple[int, float]], sense: int
 ) -> ContactBody:
-    """Make a body from a tensor grid whose nodes are moved, and name its boundaries.
+    """Make a body around a contact from a tensor grid whose nodes are moved, and name its boundaries.
 
-    ``x``, ``y``, ``z``: cell boundaries of the grid [m]; ``points``: places to which its n nodes are moved (n, 3) [m];
+    ``x``, ``y``, ``z``: cell boundaries of the grid [m]; ``points``: positions to which its n nodes are moved (n, 3) [m];
     ``held``: axis and coordinate of each face of the grid that is fixed; ``sense``: 1 for a groove, -1 for the ball.
     """
     flat = tensor_grid(x, y, z, "Q2")

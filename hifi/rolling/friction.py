@@ -94,17 +94,20 @@ class Friction:
 
 
 def zero_balance(y: Array) -> tuple[Array, Array]:
-    """Return f = 0 and a unit matrix as its derivative, for motions y that are prescribed and not solved for."""
+    """Return f = 0 of eq. (2) of this module, and a unit matrix as its derivative, for motions y that are prescribed.
+
+    With these equations the solver does not change the motions.
+    """
     return np.zeros(y.size), np.eye(y.size)
 
 
 def _as_rows(v: Array) -> Array:
-    """Rearrange a vector ``(2 n,)`` of all x and then all y into rows x, y ``(n, 2)``."""
+    """Rearrange a vector of all x components and then all y components (2 n,) into rows (x, y) of shape ``(n, 2)``."""
     return v.reshape(2, -1).T
 
 
 def _as_vector(v: Array) -> Array:
-    """Rearrange rows x, y ``(n, 2)`` into a vector ``(2 n,)`` of all x and then all y."""
+    """Rearrange rows (x, y) of shape (n, 2) into a vector ``(2 n,)`` of all x components and then all y components."""
     return np.asarray(v.T.ravel())
 
 
@@ -139,10 +142,11 @@ def full_slip_forces(bound: Array, slip: Array, eps: float = 0.0) -> Array:
 
 
 def _smoothed_newton_terms(c: Contact, q: Array, y: Array, eps: float, elastic: bool) -> tuple[Array, Array, Array]:
-    """Compute the residual of the smoothed friction law, and Newton's step dq = first + rest @ dy.
+    """Compute the residual of the smoothed friction law, and the terms of Newton's step dq = first + rest @ dy.
 
-    ``q``: tangential forces (2 n,) [N]; ``y``: motions of all bodies; ``eps``: creeping speed [m/s]; ``elastic``: whether
-    the slip by elastic displacements is included. Returns the residual (2 n,) [N], first (2 n,) [N] and rest (2 n, m).
+    dq: step of the tangential forces; dy: step of the motions. ``c``: the contact; ``q``: tangential forces (2 n,) [N];
+    ``y``: motions of all bodies; ``eps``: creeping speed [m/s]; ``elastic``: whether the slip by elastic displacements is
+    included. Returns the residual (2 n,) [N], first (2 n,) [N] and rest (2 n, m).
     """
     s = _as_rows(c.slip(q, y) if elastic else c.rigid_slip(y))
     size = np.sqrt((s**2).sum(axis=1) + eps * eps)
@@ -162,11 +166,11 @@ def _smoothed_newton_terms(c: Contact, q: Array, y: Array, eps: float, elastic: 
 
 
 def _exact_newton_terms(c: Contact, q: Array, y: Array, grip: Array) -> tuple[Array, Array, Array]:
-    """Compute the residual of Coulomb's law, eq. (1) of this module, and Newton's step dq = first + rest @ dy.
+    """Compute the residual of Coulomb's law, eq. (1) of this module, and the terms of Newton's step dq = first + rest @ dy.
 
-    ``q``: tangential forces (2 n,) [N]; ``y``: motions of all bodies; ``grip``: the parameter r of each cell (n,) [N s/m].
-    Returns the residual (2 n,) [N], first (2 n,) [N] and rest (2 n, m). There is one unknown for each slipping cell, and
-    two for each cell that sticks.
+    dq: step of the tangential forces; dy: step of the motions. ``c``: the contact; ``q``: tangential forces (2 n,) [N];
+    ``y``: motions of all bodies; ``grip``: the parameter r of each cell (n,) [N s/m]. Returns the residual (2 n,) [N],
+    first (2 n,) [N] and rest (2 n, m). There is one unknown for each slipping cell, and two for each cell that sticks.
     """
     n = c.bound.size
     s = c.slip(q, y)
@@ -240,10 +244,11 @@ class _FrictionSystem:
 def _damped_newton(
     system: _FrictionSystem, q: list[Array], y: Array, eps: float, *, elastic: bool
 ) -> tuple[list[Array], Array]:
-    """Run Newton's method on the smoothed friction law, damped where the residual would grow.
+    """Solve the smoothed friction law by Newton's method, with shorter steps where the residual would grow.
 
-    ``q``: tangential forces of every contact [N] and ``y``: motions of all bodies, to start from; ``eps``: creeping speed
-    [m/s]; ``elastic``: whether the slip by elastic displacements is included. Returns the forces and the motions.
+    ``q``, ``y``: starting values of the tangential forces of every contact [N] and of the motions of all bodies; ``eps``:
+    creeping speed [m/s]; ``elastic``: whether the slip by elastic displacements is included. Returns the forces and the
+    motions.
     """
     scale = max(float(c.bound.max()) for c in system.contacts)
 
@@ -276,9 +281,9 @@ def _smoothed_residual(c: Contact, q: Array, y: Array, eps: float, elastic: bool
 
 
 def _newton_without_smoothing(system: _FrictionSystem, q: list[Array], y: Array) -> Friction:
-    """Run Newton's method on eqs. (1) and (2) of this module, without smoothing.
+    """Solve eqs. (1) and (2) of this module by Newton's method, without smoothing of Coulomb's law.
 
-    ``q``: tangential forces of every contact [N] and ``y``: motions of all bodies, to start from.
+    ``q``, ``y``: starting values of the tangential forces of every contact [N] and of the motions of all bodies.
     """
     grips = [_projection_parameter(c) for c in system.contacts]
     largest = max(float(c.bound.max()) for c in system.contacts)
@@ -325,9 +330,9 @@ def solve_rigid_friction(
     balance : Balance
         Function that returns f of eq. (2) of this module and its derivative at the motions y.
     y : (k,) Array
-        Motions of all bodies to start from.
+        Starting values of the motions of all bodies.
     path : tuple[float, ...], default PATH
-        Creeping speeds over the largest slip, descending.
+        Creeping speeds that smooth Coulomb's law, over the largest slip, in descending order.
 
     Returns
     -------
@@ -352,7 +357,7 @@ def solve_rigid_friction(
     if not left <= RIGID:
         raise ValueError(
             "the search for the steady rolling of rigid bodies ends without equilibrium: the unbalanced force is "
-            f"{left:.1e} times the largest friction of a contact, allowed is {RIGID:.0e} times"
+            f"{left:.1e} times the largest friction of a contact; allowed: up to {RIGID:.0e} times"
         )
     slip = max(float(np.abs(c.motion @ (y - last)[c.columns]).max()) for c in contacts)
     return y, slip / max(float(np.abs(c.rigid_slip(y)).max()) for c in contacts)
@@ -378,11 +383,11 @@ def solve_friction(
         Function that returns f of eq. (2) of this module and its derivative at the motions y; by default the motions are
         prescribed.
     y : (k,) Array, optional, default None
-        Motions of all bodies to start from; None: no motions.
+        Starting values of the motions of all bodies; None: there are no motions.
     q : list[Array] | None, default None
-        Tangential forces of every contact ``(2 n,)`` [N] of a similar solution to start from.
+        Starting values: tangential forces of every contact ``(2 n,)`` [N] of a similar solution; None: no such values.
     path : tuple[float, ...], default PATH
-        Creeping speeds over the largest slip, descending.
+        Creeping speeds that smooth Coulomb's law, over the largest slip, in descending order.
 
     Returns
     -------

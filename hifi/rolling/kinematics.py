@@ -111,7 +111,7 @@ class BallPairContact:
     apart: float
 
     def forces(self, force: float, mu: float, slide: Array) -> Array:
-        """Compute the force on the first ball, in common axes; the force on the second is its opposite.
+        """Compute normal and friction force on the first ball, in common axes; the second ball carries the opposite force.
 
         Parameters
         ----------
@@ -198,7 +198,7 @@ def contact_axes(touch: GrooveContact, scene: Rolling) -> Array:
     if speed <= 1e-12 * track.length * max(abs(touch.ride), abs(scene.orbit), 1e-300):
         raise ValueError(
             f"a ball and its groove both move along the track at a speed of {touch.ride:.4g}, so that the ball does not "
-            "roll on the groove: their speeds must differ"
+            "roll on the groove; allowed: different speeds"
         )
     x = -flow / speed
     return np.stack([x, np.cross(touch.normal, x), touch.normal])
@@ -207,14 +207,14 @@ def contact_axes(touch: GrooveContact, scene: Rolling) -> Array:
 def contact_surface(
     touch: GrooveContact, scene: Rolling, local: Array, *, curved: bool, sunk: float = 0.0
 ) -> tuple[Array, Array]:
-    """Compute points and tangents of a contact's surface.
+    """Compute points on a contact's surface, and unit tangents of the surface there.
 
     Parameters
     ----------
     touch : GrooveContact
         The contact.
     scene : Rolling
-        Its balls.
+        The rolling balls.
     local : (n, 2) Array
         Coordinates of n points along the contact's axes x and y [m].
     curved : bool
@@ -239,7 +239,7 @@ def contact_surface(
 
 
 def rolling_speed(touch: GrooveContact, scene: Rolling) -> float:
-    """Compute the speed at which material passes through the contact.
+    """Compute the rolling speed of a contact, at which material passes through it.
 
     Parameters
     ----------
@@ -328,7 +328,7 @@ def elastic_friction_contact(
 def ball_to_ball_contact(
     one: int, two: int, frames: tuple[Array, Array], line: Array, track: Track, radius: float, apart: float = 0.0
 ) -> BallPairContact:
-    """Create the contact of two balls from their axes and the line between them.
+    """Create the contact of two neighbouring balls from their axes and the line between their centres.
 
     Parameters
     ----------

@@ -103,7 +103,10 @@ class SmoothKernel:
         return replace(self, M=0.5 * (self.M + self.M * np.outer(signs, signs)))
 
     def _coefficient_block(self, rows: slice, columns: slice) -> Array:
-        """Return the coefficients for some directions of displacements (rows) and of forces (columns)."""
+        """Return the coefficients M between forces and displacements in some of the three directions [m/N].
+
+        ``rows``: directions of the displacements; ``columns``: directions of the forces (`TANGENTS`, `NORMAL`).
+        """
         k = len(self.M) // 3
         return self.M[rows.start * k : rows.stop * k, columns.start * k : columns.stop * k]
 
@@ -117,12 +120,12 @@ class SmoothKernel:
         rows, columns : slice
             The r directions of the displacements and the c directions of the forces (`TANGENTS`, `NORMAL`).
         shift : float, default 0.0
-            Distance along x of the places of the displacements from those of the forces [m].
+            Distance along x from each force's point to the point where its displacement is taken [m].
 
         Returns
         -------
         (r n, c n) Array
-            Displacements per unit of force [m/N]: n rows and columns for the first direction, then n for the second.
+            Displacements per unit of force [m/N]; rows and columns are n for the first direction, then n for the second.
         """
         to = monomials(at + np.array([shift, 0.0]), self.scale, self.degree)
         by = monomials(at, self.scale, self.degree)
@@ -131,7 +134,7 @@ class SmoothKernel:
         return np.asarray(left @ self._coefficient_block(rows, columns) @ right.T)
 
     def slope(self, at: Array, rows: slice, columns: slice) -> Array:
-        """Compute the derivative along x of the displacements by unit forces ``(r n, c n)`` [1/N].
+        """Compute the derivative with respect to x of the displacements by unit forces ``(r n, c n)`` [1/N].
 
         The arguments and the order of rows and columns are those of `block`.
         """
@@ -165,10 +168,10 @@ MOST = 100
 
 
 def _over_rectangle(corner: Array) -> Array:
-    """Evaluate a double integral over a rectangle.
+    """Evaluate a double integral over a rectangle from its antiderivative.
 
     ``corner``: values of a double antiderivative at the corners of the rectangle (2, 2, ...), upper x and y first. The sum
-    is ordered so that places on opposite sides have the same value to the last digit.
+    is ordered so that points on opposite sides of the rectangle have the same value to the last digit.
     """
     return np.asarray((corner[0, 0] + corner[1, 1]) - (corner[0, 1] + corner[1, 0]))
 
@@ -185,7 +188,10 @@ def _corner_coordinates(x: Array, y: Array, dx: float, dy: float) -> tuple[Array
 
 
 def _log_sum(x: Array, y: Array) -> Array:
-    """Evaluate x ln(y + R) up to a function of x only, without cancellation for y < 0; its limit is 0 at x = 0."""
+    """Evaluate x ln(y + R), R^2 = x^2 + y^2, up to a function of x only, without cancellation for y < 0.
+
+    The value at x = 0 is the limit 0.
+    """
     with np.errstate(divide="ignore", invalid="ignore"):
         return np.where(x == 0.0, 0.0, x * np.arcsinh(y / np.abs(x)))
 
@@ -240,12 +246,12 @@ def rectangle_influence(x: Array, y: Array, dx: float, dy: float, young: float, 
 def _influence_table(
     cells: Index, size: Array, material: tuple[float, float], directions: slice, shift: float = 0.0
 ) -> Array:
-    """Tabulate the relative displacements by unit forces on one cell, at all offsets of a grid of w by h cells.
+    """Tabulate the relative displacements of two half-spaces by unit forces on one cell of a grid, at all other cells.
 
     ``cells``: columns and rows of the cells (n, 2); ``size``: sides of a cell (2,) [m]; ``material``: Young's modulus [Pa]
     and Poisson's ratio; ``directions``: the k directions of displacements and forces; ``shift``: distance upstream of the
-    cells' centres at which displacements are taken [m]. The result is ``(2 w - 1, 2 h - 1, k, k)`` [m/N]. Each force is
-    uniform over its cell.
+    cells' centres at which displacements are taken [m]. The result is ``(2 w - 1, 2 h - 1, k, k)`` [m/N] for all offsets in
+    a grid of w by h cells. Each force is uniform over its cell.
     """
     span = np.ptp(cells, axis=0)
     dx, dy = size
@@ -271,7 +277,9 @@ def _matrix_from_table(cells: Index, table: Array) -> Array:
 def solve_normal_contact(
     cells: Index, size: Array, gap: Array, load: float, material: tuple[float, float], extra: Array | None = None
 ) -> tuple[Array, float]:
-    """Solve the normal contact on a grid by a primal-dual active set; open cells carry exactly zero force.
+    """Solve the normal contact of two bodies on a grid of cells by a primal-dual active set.
+
+    Open cells carry exactly zero force.
 
     Parameters
     ----------
@@ -349,7 +357,7 @@ class Patch:
         return _influence_table(self.cells, self.size, self.material, TANGENTS, shift)
 
     def tangential(self, shift: float = 0.0) -> Array:
-        """Compute the compliance under tangential forces, each uniform over its cell.
+        """Compute the compliance between the cells under tangential forces, each uniform over its cell.
 
         Parameters
         ----------
@@ -359,7 +367,7 @@ class Patch:
         Returns
         -------
         (2 n, 2 n) Array
-            Displacement of body 1 past body 2 [m/N].
+            Displacement of body 1 past body 2 by unit forces [m/N], n rows and columns along x, then n along y.
         """
         half_space = _matrix_from_table(self.cells, self._table(shift))
         return half_space if self.regular is None else half_space + self.regular.block(self.at, TANGENTS, TANGENTS, shift)
@@ -399,7 +407,7 @@ class Patch:
         )
 
     def scaled(self, length: float, force: float) -> Patch:
-        """Scale a contact to a similar one, with lengths and normal forces multiplied. Raises ValueError for finite bodies.
+        """Return a similar contact of half-spaces, with lengths and normal forces multiplied by given factors.
 
         Parameters
         ----------
@@ -412,6 +420,11 @@ class Patch:
         -------
         Patch
             The similar contact.
+
+        Raises
+        ------
+        ValueError
+            The bodies are finite, so that contacts under different forces are not similar.
         """
         if self.regular is not None:
             raise ValueError(
@@ -428,16 +441,16 @@ class Patch:
 
 
 def _backward_difference(values: list[Array], step: float) -> Array:
-    """Compute the second-order backward difference per length.
+    """Compute a derivative along the flow by a backward difference of second order.
 
-    ``values``: values at a place, and one and two steps upstream of it; ``step``: length of a step [m].
+    ``values``: values at a point, and one and two steps upstream of it; ``step``: length of a step [m].
     """
     current, before, first = values
     return np.asarray((3.0 * current - 4.0 * before + first) / (2.0 * step))
 
 
 def cell_grid(shape: tuple[int, int], size: Array) -> tuple[Index, Array]:
-    """Create a grid of cells about the origin.
+    """Create a rectangular grid of cells about the origin.
 
     Parameters
     ----------
@@ -481,7 +494,7 @@ def equivalent_radii(
     poisson : float
         Poisson's ratio.
     regular : SmoothKernel | None
-        Contribution of finite bodies; None: half-spaces.
+        Kernel of finite bodies, their compliance beyond that of half-spaces; None: half-spaces.
 
     Returns
     -------
@@ -512,9 +525,9 @@ def hertz_patch(
     regular: SmoothKernel | None = None,
     margin: float = MARGIN,
 ) -> Patch:
-    """Solve the contact of two bodies of one material on a grid.
+    """Solve the normal contact of two bodies of one material on a grid of cells that covers Hertz's ellipse.
 
-    The pressure solves the contact problem of the grid; cells outside the contact are dropped.
+    The pressure solves the contact problem of the grid. Cells that carry no force are left out of the result.
 
     Parameters
     ----------
@@ -529,7 +542,8 @@ def hertz_patch(
     shape : tuple[int, int]
         Numbers of cells along x and y.
     regular : SmoothKernel | None, default None
-        Contribution of finite bodies; the tangential displacement by their pressure is in `Patch.strain` only.
+        Kernel of finite bodies, their compliance beyond that of half-spaces; None: half-spaces. Only `Patch.strain`
+        contains the tangential displacement that their pressure causes.
     margin : float, default MARGIN
         Width of the grid over that of Hertz's ellipse.
 

@@ -67,12 +67,12 @@ class Material:
 
 
 def rolling_scene(layout: Layout, material: Material, normals: Array, loads: Array) -> Rolling:
-    """Create a scene of rolling balls from contact directions and loads.
+    """Create the input of the rolling model from positions, contact directions and loads of balls.
 
     Parameters
     ----------
     layout : Layout
-        Places of balls and grooves.
+        Positions of balls and grooves.
     material : Material
         Elastic material and friction.
     normals : (N, k, 2) Array
@@ -105,10 +105,11 @@ def rolling_scene(layout: Layout, material: Material, normals: Array, loads: Arr
 
 
 def _groove_bottom(normals: Array, ride: Array, k: int) -> Array:
-    """Return the unit vector from a ball's centre to the bottom of the groove with contact k, in the section ``(2,)``.
+    """Return the unit vector from a ball's centre to the bottom of a groove, in the plane of the section ``(2,)``.
 
-    It lies between the contacts with both arcs of the groove. ``normals``: unit vectors to the ball's contacts (k, 2);
-    ``ride``: speeds of the grooves' bodies (k,), by which the two arcs of one body are recognised.
+    ``k``: index of a contact with the groove. The vector lies between the contacts with both arcs of the groove.
+    ``normals``: unit vectors to the ball's contacts (k, 2); ``ride``: speeds of the grooves' bodies (k,), by which the two
+    arcs of one body are recognised.
     """
     bottom = normals[ride == ride[k]].sum(axis=0)
     return np.asarray(bottom / np.linalg.norm(bottom))
@@ -120,7 +121,7 @@ def hertz_constants(layout: Layout, material: Material) -> Array:
     Parameters
     ----------
     layout : Layout
-        Relative radii of the k grooves.
+        Positions of balls and grooves, with the relative radii of the k grooves.
     material : Material
         Elastic material.
 
@@ -213,9 +214,9 @@ def screw_layout(
     Parameters
     ----------
     radius, groove_radius, pitch_radius : float
-        Radii [m].
+        Radii of the balls, of the grooves and of the pitch circle [m].
     lead : float
-        Lead [m]; negative: left-hand.
+        Lead of the helix [m]; negative: left-hand.
     contact_angle : float
         Contact angle [rad].
     outward : (k,) Array
@@ -274,7 +275,7 @@ def ring_layout(
     Parameters
     ----------
     radius, groove_radius, pitch_radius : float
-        Radii [m].
+        Radii of the ball, of the grooves and of the pitch circle [m].
     contact_angle : float
         Contact angle [rad].
     outward : (k,) Array
@@ -348,7 +349,7 @@ class Loads:
 
 
 def solve_static_problem(cell: StaticProblem) -> Loads:
-    """Solve the static equilibrium of balls and inner body; if there is none, the result has not converged.
+    """Solve the static equilibrium of balls and inner body.
 
     Parameters
     ----------
@@ -358,7 +359,7 @@ def solve_static_problem(cell: StaticProblem) -> Loads:
     Returns
     -------
     Loads
-        Contact forces and displacements.
+        Contact forces and displacements; ``converged`` is False if there is no equilibrium.
     """
     N, m = cell.normals.shape[0], cell.pull.size
     size = float(np.abs(cell.pull).sum() + np.abs(cell.push).sum())
@@ -453,7 +454,7 @@ def fix_inner_body(cell: StaticProblem, loads: Loads) -> StaticProblem:
     cell : StaticProblem
         The static problem.
     loads : Loads
-        Its equilibrium.
+        Equilibrium of that problem.
 
     Returns
     -------
@@ -467,7 +468,7 @@ def fix_inner_body(cell: StaticProblem, loads: Loads) -> StaticProblem:
 def solve_loads_with_rolling(
     layout: Layout, material: Material, cell: StaticProblem, choices: Choices, *, meet: bool
 ) -> tuple[Loads, bool]:
-    """Solve contact loads and rolling together, with friction that moves the balls across the track.
+    """Solve contact loads and steady rolling together, because friction across the track changes the contact loads.
 
     The inner body stays at its equilibrium without friction. The force of friction across the track is found by Anderson's
     acceleration, first on a coarse grid.
@@ -475,7 +476,7 @@ def solve_loads_with_rolling(
     Parameters
     ----------
     layout : Layout
-        Places of balls and grooves.
+        Positions of balls and grooves.
     material : Material
         Elastic material and friction.
     cell : StaticProblem
@@ -483,7 +484,7 @@ def solve_loads_with_rolling(
     choices : Choices
         Numerical choices of rolling.
     meet : bool
-        Whether balls touch each other.
+        Whether neighbouring balls may touch each other.
 
     Returns
     -------
@@ -518,10 +519,10 @@ def solve_loads_with_rolling(
 def _solve_rolling_under_loads(
     layout: Layout, material: Material, loads: Loads, choices: Choices, meet: bool, near: RollingResult | None = None
 ) -> RollingResult:
-    """Solve rolling under given contact loads.
+    """Solve steady rolling under given contact loads.
 
-    ``meet``: whether balls can touch each other; ``near``: another solution, from which the solver starts if the same
-    contacts are loaded.
+    ``loads``: contact forces and directions; ``meet``: whether balls can touch each other; ``near``: another solution, from
+    which the solver starts if the same contacts are loaded.
     """
     scene = rolling_scene(layout, material, loads.normal, loads.force)
     loaded = [(b, k) for b, k, _ in loaded_contacts(scene)]

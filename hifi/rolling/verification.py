@@ -60,7 +60,9 @@ class Creep:
     spin: float
 
     def slip(self, at: Array) -> Array:
-        """Compute the rigid slip over the rolling speed ``(2 n,)``, along and then across, at points ``at`` (n, 2) [m].
+        """Compute the rigid slip over the rolling speed ``(2 n,)`` at n points, all along and then all across.
+
+        ``at``: coordinates of the points along and across the rolling direction, from the contact's centre (n, 2) [m].
 
         Examples
         --------
@@ -130,7 +132,7 @@ def solve_steady_rolling(patch: Patch, creep: Creep, mu: float, elastic: float =
     Returns
     -------
     RolledContact
-        Force, moment and loss.
+        Force and moment on body 1, friction loss, and the solution in every cell.
     """
     return _solve_rolling_at_unit_speed(patch, elastic * patch.transport, creep.slip(patch.at), mu)
 
@@ -144,7 +146,7 @@ def solve_steady_rolling_as_contact(patch: Patch, creep: Creep, mu: float) -> Ro
     Parameters
     ----------
     patch : Patch
-        The contact.
+        Normal contact on its grid.
     creep : Creep
         The creepages.
     mu : float
@@ -153,7 +155,7 @@ def solve_steady_rolling_as_contact(patch: Patch, creep: Creep, mu: float) -> Ro
     Returns
     -------
     RolledContact
-        Force, moment and loss.
+        Force and moment on body 1, friction loss, and the solution in every cell.
     """
     step = float(patch.size[0])
     transport = (patch.tangential() - patch.tangential(step)) / step
@@ -163,7 +165,8 @@ def solve_steady_rolling_as_contact(patch: Patch, creep: Creep, mu: float) -> Ro
 def _solve_rolling_at_unit_speed(patch: Patch, transport: Array, slip: Array, mu: float) -> RolledContact:
     """Solve steady rolling at 1 m/s for a prescribed rigid slip.
 
-    ``transport``: slip by unit tangential forces (2 n, 2 n) [m/s/N]; ``slip``: rigid slip (2 n,) [m/s].
+    ``transport``: slip that unit tangential forces cause by elastic displacements (2 n, 2 n) [m/s/N]; ``slip``: rigid slip
+    (2 n,) [m/s]; ``mu``: coefficient of friction.
     """
     contact, solution = solve_for_given_slip(patch, transport, slip, mu)
     q = solution.forces[0]
@@ -184,14 +187,14 @@ class OnsetStep:
 
 
 def push_and_roll(patch: Patch, mu: float, share: float, steps: int) -> list[OnsetStep]:
-    """Push a contact along x and then roll it under the same force: from Cattaneo's state to Carter's.
+    """Simulate a contact that is pushed along x and then rolls under the same force: from Cattaneo's state to Carter's.
 
-    After the push, each step rolls by one cell, as in CONTACT's example.
+    After the push, the contact rolls by one cell in each step, as in an example of Kalker's program CONTACT.
 
     Parameters
     ----------
     patch : Patch
-        The contact.
+        Normal contact on its grid.
     mu : float
         Coefficient of friction.
     share : float
@@ -230,20 +233,20 @@ def push_and_roll(patch: Patch, mu: float, share: float, steps: int) -> list[Ons
 
 
 def stick_zone_deviations(patch: Patch, bound: Array, tangential: Array) -> Array:
-    """Compute the standard deviations along x and y of the distribution bound - abs(force) over a contact.
+    """Compute the standard deviations along x and y of mu p - abs(q) over a contact, a measure of the stick zone's size.
 
-    The distribution is zero where cells slip, and tractions are uniform over a cell. So the deviations measure the size of
-    the stick zone without counting its cells. Their error falls in second order, to a scatter of 0.1 % on 20 to 40 cells;
-    that of a count falls in first order.
+    mu p - abs(q), the force that is left before a cell slips, is zero where cells slip, and uniform over a cell. So the
+    deviations measure the size of the stick zone without counting its cells. Their error is of second order in the cell
+    size, with a scatter of 0.1 % on 20 to 40 cells; the error of a count is of first order.
 
     Parameters
     ----------
     patch : Patch
-        The contact.
+        Normal contact on a grid of n cells.
     bound : (n,) Array
-        Largest tangential forces [N].
+        Largest possible tangential force mu p of each cell [N].
     tangential : (2 n,) Array
-        Tangential forces [N].
+        Tangential forces q, all along x and then all along y [N].
 
     Returns
     -------
@@ -273,7 +276,7 @@ class NormalContact:
 def solve_normal_contact_at_rest(
     at: ContactPosition, load: float, young: float, poisson: float, shape: tuple[int, int], sizes: Sizes
 ) -> NormalContact:
-    """Solve the normal contact of finite bodies as in the rolling model.
+    """Solve the normal contact of finite bodies by the rolling model: half-spaces on a grid, with the bodies' kernel.
 
     Parameters
     ----------
@@ -330,7 +333,7 @@ def solve_by_static_reference(
     """
     if at.curve is None:
         raise ValueError(
-            "the static reference cannot solve the contact of a straight track: it needs the path of a ring or a helix"
+            "the static reference got the contact of a straight track; allowed: a path of the balls along a ring or a helix"
         )
     zone = at.zone(load, young, poisson, replace(Sizes(), cells=cells, growth=2.0, margin=1.2))
     groove, ball = mesh_contact_pieces(BallPath(*at.curve), at.ball, at.arc, at.angle, zone, outer=at.bend > 0.0)
@@ -361,7 +364,7 @@ def compare_with_carter(cells: int, share: float) -> tuple[Array, Array]:
     Parameters
     ----------
     cells : int
-        Cells across the contact.
+        Number of cells across the contact.
     share : float
         Tangential force Q over mu P, the normal force P times the coefficient of friction.
 
@@ -445,7 +448,7 @@ def compare_with_mindlin(cells: int, share: float, balls: Sizes | None = None) -
 def two_balls_kernel(radius: float, semi: float, young: float, poisson: float, sizes: Sizes) -> SmoothKernel:
     """Compute the kernel of two equal balls: their compliance at the contact less that of half-spaces.
 
-    ``radius``: radius of the balls [m]; ``semi``: radius of the contact [m]; ``sizes``: numerical choices.
+    ``radius``: radius of the balls [m]; ``semi``: radius of the circular contact [m]; ``sizes``: meshes of the balls.
     """
     zone = Zone((sizes.margin * semi,) * 2, sizes.cells, sizes.growth)
     ball = ball_kernel(radius, zone, (0.0, 0.0), young, poisson, sizes.degree)
@@ -458,29 +461,29 @@ def two_balls_kernel(radius: float, semi: float, young: float, poisson: float, s
 def compare_ball_friction_with_point(
     scene: Rolling, result: RollingResult, meeting: int, points: int = 60, bodies: Sizes | None = None
 ) -> tuple[float, float]:
-    """Compare the friction between two touching balls, distributed over their contact area, with that at a point.
+    """Compare the friction between two touching balls, distributed over their contact area, with friction at one point.
 
-    The whole contact slides, so that tractions are mu p against the local sliding, whatever the elasticity.
+    The whole contact slides, so that the tractions are mu p against the local sliding and do not depend on elasticity.
 
     Parameters
     ----------
     scene : Rolling
         The balls.
     result : RollingResult
-        Their steady rolling.
+        Steady rolling of the balls.
     meeting : int
-        Index of the ball-to-ball contact.
+        Index of the ball-to-ball contact among those of the scene.
     points : int, default 60
-        Points or cells along each axis.
+        Number of quadrature points, or of the grid's cells, along each axis of the contact.
     bodies : Sizes | None, default None
         Numerical choices of finite balls, on a grid; None: Hertz's circle, by quadrature.
 
     Returns
     -------
     force : float
-        Friction force over that at a point.
+        Distributed friction force over the friction force at one point.
     loss : float
-        Friction loss over that at a point.
+        Friction loss of the distributed force over that of the force at one point.
     """
     m, force = scene.meetings[meeting], float(result.force[meeting])
     touch = force, (0.5 * scene.radius,) * 2, scene.young, scene.poisson
@@ -526,9 +529,9 @@ def compare_half_space_displacements(zone: Zone, size: float, young: float, pois
     Returns
     -------
     computed : (3,) Array
-        Mean displacements by unit forces along x, y and inward, by finite elements [m/N].
+        Mean displacements along x, y and inward by unit forces in these directions, by finite elements [m/N].
     exact : (3,) Array
-        The same in closed form [m/N].
+        The same displacements in closed form [m/N].
     """
     block = mesh_half_space(size, zone)
     computed = half_space_response(block, traction_loads(block, zone, 0, (0.0, 0.0)), young, poisson).diagonal()
@@ -607,7 +610,7 @@ def linear_coefficients(ratio: float, poisson: float, shape: tuple[int, int]) ->
 def full_slip_by_quadrature(
     load: float, radii: tuple[float, float], young: float, poisson: float, creep: Creep, mu: float, points: int = 400
 ) -> tuple[Array, float]:
-    """Compute force and moment under Hertz's pressure if the whole contact slips like rigid bodies.
+    """Compute the friction force and moment of a Hertz contact whose bodies slip rigidly over the whole ellipse.
 
     Parameters
     ----------
@@ -624,7 +627,7 @@ def full_slip_by_quadrature(
     mu : float
         Coefficient of friction.
     points : int, default 400
-        Points of the quadrature along each axis.
+        Number of quadrature points along each axis of the ellipse.
 
     Returns
     -------
@@ -641,14 +644,14 @@ def full_slip_by_quadrature(
 
 
 def full_slip_within_cells(patch: Patch, creep: Creep, mu: float) -> tuple[Array, float]:
-    """Compute force and moment of full slip under a grid's pressures, by 20 midpoints along each axis of every cell.
+    """Compute the friction force and moment of full slip under the pressures of a grid, at 20 x 20 points in every cell.
 
-    This resolves the rotation of the slip about its pole; only the error of the staircase edge remains.
+    The points resolve the rotation of the slip about its pole; only the error of the grid's staircase edge remains.
 
     Parameters
     ----------
     patch : Patch
-        The contact.
+        Normal contact on its grid.
     creep : Creep
         The creepages.
     mu : float

@@ -97,7 +97,7 @@ def uniform_cantilever(length: float, per_length: Array) -> Array:
     Parameters
     ----------
     length : float
-        Length [m].
+        Length of the cantilever [m].
     per_length : (6, 6) Array
         Flexibility of the beam per unit length, as `ShaftSection.per_length`.
 
@@ -124,9 +124,9 @@ def beam_stiffness(length: float, section: ShaftSection) -> Array:
     Parameters
     ----------
     length : float
-        Length [m].
+        Length of the element [m].
     section : ShaftSection
-        Stiffnesses of the section.
+        Stiffnesses of the cross-section.
 
     Returns
     -------
@@ -154,7 +154,7 @@ class Frame:
 
     @staticmethod
     def from_scene(described: Scene | Assembly) -> Frame:
-        """Collect the frame of a single nut or bearing, whose nut is fixed, or of several on one shaft.
+        """Collect supports, loads and housings of a scene, whose nut is fixed, or of a shaft with several nuts or bearings.
 
         Parameters
         ----------
@@ -173,7 +173,7 @@ class Frame:
         return Frame(described.supports, described.loads, arm, moving, described.joints)
 
     def housing_index(self, housing: str | None) -> int | None:
-        """Find the index of a movable housing by its name; None if the housing is fixed or there is none."""
+        """Return the index of a movable housing among ``housings``; None if it is fixed, or if the name is None."""
         return next((k for k, h in enumerate(self.housings) if h.name == housing), None)
 
     @property
@@ -212,7 +212,7 @@ class Frame:
         return np.array([1.0] * 3 + [self.arm] * 3)
 
     def springs(self) -> list[tuple[Array, Array]]:
-        """List the springs between housings: relative motion of their ends, and stiffness.
+        """List the springs between housings, and between housings and the frame of the machine.
 
         Returns
         -------

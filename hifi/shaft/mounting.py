@@ -64,7 +64,7 @@ class Stretch:
         return self.ends[0] - SAME <= z <= self.ends[1] + SAME
 
     def lacks_port_at(self, z: float) -> bool:
-        """Return whether an axial position z [m] lies within the stretch at a place that has no port."""
+        """Return whether an axial position z [m] lies inside the stretch, away from its base and from all its ports."""
         inside = self.ends[0] + SAME < z < self.ends[1] - SAME
         return inside and not any(abs(z - known) <= SAME for known in (self.base, *self.ports))
 
@@ -115,15 +115,14 @@ class MountedShaft:
 def subtract_cut_ends(stretch: Stretch, cut: Array, m: GrooveMap, stations: Sequence[float]) -> Stretch:
     """Subtract the effect of the cut ends of a stretch where the shaft continues beyond them.
 
-    An end beyond which there are no supports or loads is unchanged: it is the end of the screw, free or fixed flat as the
-    scene says.
+    The effect of an end remains if there are no supports or loads beyond it: there the screw itself ends.
 
     Parameters
     ----------
     stretch : Stretch
         The stretch.
     cut : (6, 6) Array
-        Flexibility E of one cut end [m/N, 1/N, 1/(N m)], of `hifi.shaft.section`.
+        Flexibility E that one cut end adds [m/N, 1/N, 1/(N m)], of `hifi.shaft.section`.
     m : GrooveMap
         Geometry of the track.
     stations : Sequence[float]
@@ -248,7 +247,7 @@ def mount_stretches(
     rigid = stretches[0].rigid
     if any(s.rigid != rigid for s in stretches):
         raise ValueError(
-            "some rings on the shaft have a rigid bore, which moves with the shaft, and others have not: all or none must"
+            "rings on one shaft got rigid bores, which move with the shaft, and elastic ones; allowed: only one kind"
         )
     acted = frame.stations
     ends = {z for s in stretches for z in (s.base, *s.ports)}
@@ -355,9 +354,10 @@ class _JoinedStretch(NamedTuple):
 
 
 def _join_stretch(stretch: Stretch, place: _NodeFreedoms, size: int) -> _JoinedStretch:
-    """Compute the contribution of a stretch to a structure of ``size`` degrees of freedom.
+    """Compute the stiffness and compliance that a stretch adds to the mounted structure.
 
-    ``place``: gives the first degree of freedom of the node at an axial position.
+    ``place``: gives the first degree of freedom of the node at an axial position; ``size``: number of degrees of freedom of
+    the structure.
     """
     m, p = stretch.modes, 6 * len(stretch.ports)
     F_mm, F_mp, F_pp = stretch.F[:m, :m], stretch.F[:m, m : m + p], stretch.F[m : m + p, m : m + p]
@@ -392,7 +392,10 @@ class _NodeFreedoms:
 
 
 def _distinct_positions(stations: Sequence[float]) -> list[float]:
-    """Drop those sorted axial positions [m] that lie within `SAME` of the one before."""
+    """Return sorted axial positions [m] without those that lie within `SAME` of the one before.
+
+    ``stations``: axial positions in ascending order [m].
+    """
     return [z for k, z in enumerate(stations) if k == 0 or z - stations[k - 1] > SAME]
 
 
@@ -441,7 +444,10 @@ def pin_freedoms(motions: Array) -> list[int]:
 
 
 def _work_on_motions(frame: Frame, motions: Array, origin: float) -> Array:
-    """Compute the work of all loads on the k rigid motions of `free_motions` ``(k,)``; arguments as there."""
+    """Compute the work of all loads on k rigid motions ``(k,)``.
+
+    ``motions``: the rigid motions of `free_motions` (6 (1 + h), k); ``origin``: reference point of the screw's motion [m].
+    """
     total = np.zeros(len(motions))
     for body, at, wrench in frame.wrenches():
         total[6 * body : 6 * body + 6] += transport(at - origin if body == 0 else 0.0).T @ wrench
@@ -449,7 +455,7 @@ def _work_on_motions(frame: Frame, motions: Array, origin: float) -> Array:
 
 
 def beam_stretch(rows: Array, stations: Array, stretch: Stretch, section: ShaftSection) -> Stretch:
-    """Replace a 3D stretch by a plain beam: F of the contacts by beam theory, to see what the 3D shaft contributes.
+    """Replace the flexibility of a 3D stretch by that of a Timoshenko beam, to see what the 3D shaft contributes.
 
     Parameters
     ----------
@@ -495,7 +501,7 @@ def _motions_with_sections(rows: Array, stations: Array, stretch: Stretch) -> tu
     arms = np.concatenate([stations, stretch.ports, stretch.observers]) - stretch.base
     if arms.min() < 0.0:
         raise ValueError(
-            f"a contact or section lies {-1e3 * arms.min():.4g} mm below the base of the 3D stretch: all must lie above it"
+            f"a contact or section got a place {-1e3 * arms.min():.4g} mm below the base of the 3D stretch; allowed: above"
         )
     turn = np.zeros((c * k + 6 * (arms.size - c), 6 * arms.size))
     for i in range(c):

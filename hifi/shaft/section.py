@@ -89,7 +89,7 @@ def rotate_flexibility(flexibility: Array, azimuth: float) -> Array:
 
 
 def lower_cut_flexibility(cut: Array, m: GrooveMap, z: float) -> Array:
-    """Compute the flexibility of a cut lower end in the fixed frame: motion of the beam against the fixed section.
+    """Compute the flexibility that a cut lower end adds, in the fixed frame: motion of the beam against the fixed section.
 
     Parameters
     ----------
@@ -109,7 +109,7 @@ def lower_cut_flexibility(cut: Array, m: GrooveMap, z: float) -> Array:
 
 
 def upper_cut_flexibility(cut: Array, m: GrooveMap, z: float) -> Array:
-    """Compute the flexibility of a cut upper end in the fixed frame: motion of the rigid section against the beam.
+    """Compute the flexibility that a cut upper end adds, in the fixed frame: motion of the rigid section against the beam.
 
     Parameters
     ----------
@@ -129,11 +129,11 @@ def upper_cut_flexibility(cut: Array, m: GrooveMap, z: float) -> Array:
 
 
 def fit_cut_flexibility(m: GrooveMap, flexibilities: Sequence[tuple[float, Array]], per_length: Array) -> Array:
-    """Fit the flexibility E of one cut end to shafts of several lengths whose middle lies at ``m.z0``.
+    """Fit the flexibility E that one cut end adds to the flexibilities of shafts of several lengths.
 
-    The rotation by a shear force and the displacement by a moment, equal in all directions, are fitted together with E. The
-    shear flexibility is prescribed: another one would only be another definition of the beam's rotation, for which E
-    compensates.
+    The middle of every shaft lies at ``m.z0``. The rotation by a shear force and the displacement by a moment, equal in all
+    directions, are fitted together with E. The shear flexibility is prescribed: another one would only be another
+    definition of the beam's rotation, for which E compensates.
 
     Parameters
     ----------
@@ -193,7 +193,7 @@ OTHER_PHASE = 0.25
 
 
 def shaft_lengths(m: GrooveMap) -> tuple[float, float, float]:
-    """Choose the lengths of the short, the long and the third 3D shaft [m].
+    """Choose the lengths of the three 3D shafts from which `homogenise` computes the equivalent beam.
 
     Parameters
     ----------
@@ -203,7 +203,7 @@ def shaft_lengths(m: GrooveMap) -> tuple[float, float, float]:
     Returns
     -------
     tuple[float, float, float]
-        Lengths [m]; the first two are whole numbers of leads.
+        Lengths of the short, the long and the third shaft [m]; the first two are whole numbers of leads.
     """
     lead = 2.0 * np.pi * abs(m.rg)
     leads = int(np.ceil(2.4 * m.R / lead))
@@ -300,7 +300,7 @@ CELLS = (32, 12, 12)
 def helical_stiffness(
     m: GrooveMap, outer: float, bore: float, material: Material, cells: tuple[int, int, int] = CELLS
 ) -> tuple[Array, float]:
-    """Compute the stiffness of a grooved shaft per length, exact but for a plane mesh of its section.
+    """Compute the stiffness of a grooved shaft per length from helically symmetric fields, on a plane mesh of its section.
 
     Parameters
     ----------
@@ -353,13 +353,13 @@ def _section_mesh(m: GrooveMap, outer: float, bore: float, cells: tuple[int, int
     edge = float(zeta[-1])
     if edge >= 0.5 * period:
         raise ValueError(
-            f"the grooves of neighbouring turns of a shaft overlap: a groove is {2e3 * edge:.4g} mm wide, "
-            f"and must be narrower than {1e3 * period:.4g} mm, their distance"
+            f"the grooves of neighbouring turns of a shaft overlap: got a groove {2e3 * edge:.4g} mm wide; allowed: "
+            f"less than their distance of {1e3 * period:.4g} mm"
         )
     if bore >= r.min():
         raise ValueError(
-            f"the bore of a shaft cuts its groove: the radius of the bore is {1e3 * bore:.4g} mm, "
-            f"and must be smaller than {1e3 * r.min():.4g} mm"
+            f"the bore of a shaft cuts its groove: got a radius of {1e3 * bore:.4g} mm; allowed: less than "
+            f"{1e3 * r.min():.4g} mm"
         )
     length = np.concatenate([[0.0], np.cumsum(np.hypot(np.diff(r), np.diff(zeta)))])  # even cells along the flank
     at = np.linspace(0.0, length[-1], along // 2 + 1)
@@ -390,7 +390,7 @@ def _strain_components(value: Any, slope: Any, r: Array, rg: float, n: int) -> l
 def _strain_energy(
     basis: Basis, rg: float, n: int, material: Material, period: float, means: Sequence[tuple[int, int]]
 ) -> Array:
-    """Compute the energy of k average strains with the section's response to them, integrated over the section ``(k, k)``.
+    """Compute the stiffness of a section's period against k average strains ``(k, k)``, by the energy of its least state.
 
     ``basis``: finite-element space of the section; ``rg``: rise of the helix [m/rad]; n: number of waves around the axis;
     ``period``: length of the section's period [m]; ``means``: component of each average strain in `_strain_components`, and

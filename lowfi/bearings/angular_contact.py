@@ -69,7 +69,10 @@ class BallBearing:
         if self.balls < 1 or self.ball_diameter <= 0.0 or self.young <= 0.0 or not 0.0 <= self.poisson < 0.5:
             raise ValueError("balls, ball diameter and Young's modulus must be positive, Poisson's ratio in [0, 0.5)")
         if min(self.inner_groove, self.outer_groove) <= 0.5 * self.ball_diameter:
-            raise ValueError("groove radii must exceed the ball's radius")
+            radii = f"groove radii of {self.inner_groove:g} and {self.outer_groove:g} m"
+            raise ValueError(
+                f"the bearing got {radii}; allowed: more than the ball's radius of {0.5 * self.ball_diameter:g} m"
+            )
         if not -1e-12 * self.ball_diameter <= self.clearance <= 2.0 * self.centre_distance:
             raise ValueError("diametral clearance must lie between 0 and twice the distance of the groove centres")
 
@@ -192,7 +195,10 @@ class ThrustState:
     outer: HertzConstants
 
     def areas(self) -> tuple[Array, Array]:
-        """Return the areas pi a b of a ball's contact ellipses on inner and outer race [m^2] (Smith 1994, eq. 2.27)."""
+        """Return the areas pi a b of a ball's contact ellipses, on the inner, then on the outer race [m^2].
+
+        They follow Smith (1994), eq. 2.27.
+        """
         grown = np.pi * np.cbrt(self.ball_load) ** 2
         return grown * self.inner.C_a * self.inner.C_b, grown * self.outer.C_a * self.outer.C_b
 
@@ -274,9 +280,10 @@ def thrust_state(bearing: BallRows, displacement: Array | float) -> ThrustState:
 
 
 def _compliance_derivative(bearing: BallRows, angle: Array, inner: HertzConstants, outer: HertzConstants) -> Array:
-    """Return d(C_i + C_o)/d(alpha); of the curvatures only that along the track depends on the contact angle alpha.
+    """Return the derivative of the sum C_i + C_o of both races' Hertz constants with respect to the contact angle alpha.
 
-    ``angle``: contact angle alpha [rad]; ``inner``, ``outer``: Hertz constants of the contacts with inner and outer race.
+    Of the curvatures, only the one along the track depends on alpha. ``angle``: contact angle alpha [rad]; ``inner``,
+    ``outer``: Hertz constants of the contacts with inner and outer race.
     """
     d, dm, sin, cos = bearing.ball_diameter, bearing.pitch_diameter, np.sin(angle), np.cos(angle)
     bends = (-2.0 * dm * sin / (dm - d * cos) ** 2, 2.0 * dm * sin / (dm + d * cos) ** 2)
@@ -313,7 +320,9 @@ def contact_parameters(difference: float) -> tuple[float, float, float]:
     [0.6636, 3.2327, 0.4499]
     """
     if not 0.0 <= difference < 1.0:
-        raise ValueError("the ratio of curvature difference to curvature sum must lie in [0, 1); 1 is a line contact")
+        raise ValueError(
+            f"the ratio of curvature difference to curvature sum got {difference:g}; allowed: 0 to below 1, a line contact"
+        )
     h = hertz_constants(np.array(1.0 - difference), np.array(1.0 + difference), 1.0)
     unit = float(np.cbrt(4.0 / 3.0))
     return float(h.C) * unit**2, float(h.C_a) * unit, float(h.C_b) * unit
@@ -362,7 +371,7 @@ def axial_displacement(bearing: BallBearing, load: float) -> float:
     36.0
     """
     if load < 0.0:
-        raise ValueError("a row of balls carries thrust in one direction only: the load must not be negative")
+        raise ValueError(f"a row of balls, which carries thrust in one direction, got {load:g} N; allowed: at least 0 N")
     if load == 0.0:
         return 0.0
     high = 1e-9 * bearing.ball_diameter

@@ -65,9 +65,11 @@ class Axis:
     def __post_init__(self) -> None:
         """Check that the axis can carry a load; raise ValueError otherwise."""
         if min(self.length, self.area, self.young) <= 0.0:
-            raise ValueError("length, area and Young's modulus must be positive")
+            given = f"a length of {self.length:g} m, an area of {self.area:g} m^2 and a modulus of {self.young:g} Pa"
+            raise ValueError(f"the axis got {given}; allowed: values above 0")
         if min(self.left, self.right) < 0.0 or max(self.left, self.right) == 0.0:
-            raise ValueError("stiffnesses must not be negative, and at least one support needs an axial stiffness above 0")
+            given = f"stiffnesses of {self.left:g} and {self.right:g} N/m"
+            raise ValueError(f"the supports of the axis got {given}; allowed: none below 0, and at least one above 0")
 
 
 def _series_stiffness(*stiffness: float | Array) -> Array:
@@ -95,7 +97,8 @@ def branch_stiffnesses(axis: Axis, position: Array | float) -> tuple[Array, Arra
     """
     x = np.asarray(position, dtype=float)
     if np.any(x < 0.0) or np.any(x > axis.length):
-        raise ValueError("the nut's position must lie between the supports")
+        given = f"positions from {float(x.min()):g} to {float(x.max()):g} m"
+        raise ValueError(f"the nut got {given}; allowed: 0 to {axis.length:g} m, between the supports")
     ea = axis.young * axis.area
     with np.errstate(divide="ignore"):
         return _series_stiffness(axis.left, ea / x), _series_stiffness(axis.right, ea / (axis.length - x))
@@ -129,7 +132,9 @@ def shaft_stiffness(axis: Axis, position: Array | float) -> Array:
 
 
 def axis_stiffness(axis: Axis, position: Array | float, nut: float) -> Array:
-    """Return the axial stiffness k in eq. (1) of this module [N/m]: from carriage to frame through nut, shaft and supports.
+    """Return the axial stiffness between carriage and frame through nut, shaft and supports, k in eq. (1) of this module.
+
+    The unit is N/m.
 
     Parameters
     ----------
@@ -291,7 +296,7 @@ def screw_inertia(shaft: Assembly, density: float) -> float:
 
 
 def reflected_inertia(mass: float, lead: float, efficiency: float = 1.0) -> float:
-    """Return the moment of inertia that a mass moved by the nut adds to the screw's, m (lead/(2 pi))^2/e [kg m^2].
+    """Return the moment of inertia about the screw's axis that a mass moved by the nut adds, m (lead/(2 pi))^2/e [kg m^2].
 
     Parameters
     ----------
@@ -412,9 +417,10 @@ class BearingSet:
     def __post_init__(self) -> None:
         """Check that the fields have the same length and directions are +1 or -1; raise ValueError otherwise."""
         if not self.rows or not len(self.rows) == len(self.directions) == len(self.offsets):
-            raise ValueError("at least one bearing row is needed, and a direction and an offset for each row")
+            counts = f"{len(self.rows)} rows, {len(self.directions)} directions and {len(self.offsets)} offsets"
+            raise ValueError(f"a set of bearing rows got {counts}; allowed: equal numbers, at least 1")
         if any(s not in (1, -1) for s in self.directions):
-            raise ValueError("directions of bearing rows must be +1 or -1")
+            raise ValueError(f"directions of bearing rows got {list(self.directions)}; allowed: +1 and -1")
 
 
 @dataclass(frozen=True)
@@ -435,7 +441,7 @@ class BearingSetState:
 
 
 def _evaluate_each_row(bearings: BearingSet, displacement: float, law: Callable[[Row, float], float]) -> Array:
-    """Return load [N] or stiffness [N/m] of each row at a displacement of the inner rings [m].
+    """Evaluate the load [N] or the stiffness [N/m] of each bearing row at an axial displacement of the inner rings [m].
 
     ``law``: method of `Row` that gives the load or the stiffness of a row at its deflection [m]. Equal rows with the same
     deflection are evaluated once.
@@ -455,13 +461,16 @@ def _thrust_of_rows(bearings: BearingSet, displacement: float) -> Array:
 
 
 def bearing_set_state(bearings: BearingSet, displacement: float) -> BearingSetState:
-    """Return loads and stiffness of the bearings on a shaft at an axial displacement of their inner rings [m]."""
+    """Return loads and stiffness of the bearings on a shaft at a given axial displacement of their inner rings.
+
+    ``displacement``: axial displacement u [m], in the positive direction of the rows.
+    """
     stiffness = _evaluate_each_row(bearings, displacement, lambda row, d: row.stiffness(d))
     return BearingSetState(displacement, _thrust_of_rows(bearings, displacement), stiffness)
 
 
 def equilibrium(bearings: BearingSet, force: float = 0.0) -> BearingSetState:
-    """Return the state in which the bearings on a shaft balance an external thrust on their inner rings.
+    """Solve for the axial displacement at which the bearings on a shaft balance an external thrust on their inner rings.
 
     It solves eq. (2) of this module. Rows that lose contact carry no load. The displacement is solved for without
     linearisation, to round-off.
@@ -488,7 +497,9 @@ def equilibrium(bearings: BearingSet, force: float = 0.0) -> BearingSetState:
     """
     s = np.array(bearings.directions)
     if force != 0.0 and not np.any(s == np.sign(force)):
-        raise ValueError("no bearing row takes thrust in the direction of the force")
+        raise ValueError(
+            f"the external thrust got {force:g} N, but no row takes thrust in that direction; allowed: the opposite sign"
+        )
     if force == 0.0 and np.unique(s).size == 1:
         return bearing_set_state(bearings, -s[0] * max(bearings.offsets))
 
@@ -507,7 +518,7 @@ def equilibrium(bearings: BearingSet, force: float = 0.0) -> BearingSetState:
 
 
 def equal_rows(row: Row, directions: Sequence[int], gap: float) -> BearingSet:
-    """Return equal bearing rows on a shaft, all with the same gap between their rings that the locknut closes.
+    """Return a set of equal bearing rows on a shaft, whose locknut closes the same gap between the rings of each row.
 
     Closing the gaps deflects two opposed rows together by twice the gap.
 
@@ -524,7 +535,7 @@ def equal_rows(row: Row, directions: Sequence[int], gap: float) -> BearingSet:
 
 
 def preloaded_rows(row: Row, directions: Sequence[int], force: float) -> BearingSet:
-    """Return equal bearing rows on a shaft with a given preload; displacements count from the preloaded state.
+    """Return a set of equal bearing rows on a shaft with a given preload; displacements count from the preloaded state.
 
     Parameters
     ----------
@@ -542,7 +553,7 @@ def preloaded_rows(row: Row, directions: Sequence[int], force: float) -> Bearing
     """
     forward, back = sum(s == 1 for s in directions), sum(s == -1 for s in directions)
     if not forward or not back:
-        raise ValueError("a preload needs bearing rows of both directions")
+        raise ValueError(f"a preload got bearing rows of directions {list(directions)}; allowed: rows of both directions")
     depth = {1: row.deflection(force / forward), -1: row.deflection(force / back)}
     return BearingSet((row,) * len(directions), tuple(directions), tuple(depth[s] for s in directions))
 

@@ -57,7 +57,7 @@ BESIDE = 2.5
 
 
 def ball_axes(layout: BallLayout) -> Array:
-    """Return the axes of each ball's groove section: radial and binormal unit vectors ``(N, 2, 3)``."""
+    """Return the two axes of the groove's section at each of N balls: radial and binormal unit vectors ``(N, 2, 3)``."""
     return np.stack([layout.radial, layout.binormal], axis=1)
 
 
@@ -75,7 +75,7 @@ def contact_frames(scene: Scene, layout: BallLayout, screw: bool, flanks: Sequen
 
 @lru_cache(maxsize=32)
 def smooth_compliance(geometry: Scene, screw: bool, backend: Backend) -> TubeCompliance:
-    """Return the compliance of the smooth body that represents screw or nut, over the zone of `contact_zone`.
+    """Return the compliance of the smooth body that represents screw or nut, over the axial range of `contact_zone`.
 
     ``geometry``: scene of `geometry_only`; ``screw``: whether the body is the screw (True) or the nut; ``backend``: model
     of the bodies.
@@ -85,9 +85,9 @@ def smooth_compliance(geometry: Scene, screw: bool, backend: Backend) -> TubeCom
 
 
 def contact_zone(geometry: Scene, tube: Tube) -> tuple[float, float]:
-    """Return the lower and upper end of the axial range [m] of a smooth body that contains all contacts.
+    """Return the lower and upper end of the axial range [m] that contains all load patches on a smooth body.
 
-    The range follows from the nut's position and length.
+    It is the nut's length and `BESIDE` widths of a patch beyond either face. ``tube``: smooth body, for the patches' width.
     """
     half = geometry.nut.length / 2.0 + BESIDE * tube.width
     return geometry.nut.position - half, geometry.nut.position + half
@@ -111,7 +111,7 @@ def grooved_ring_compliance(geometry: Scene, screw: bool) -> RingCompliance:
 
 
 def flank_self_compliance(geometry: Scene, screw: bool, backend: Backend) -> float:
-    """Return the compliance of a contact by its own load that the true flank adds to Hertz and the smooth body [m/N].
+    """Return the motion of a contact by its own unit load beyond Hertz's law and the smooth body [m/N], on the true flank.
 
     It holds for a narrow patch; `flank_size_correction` adds the influence of the contact's size.
 
@@ -132,7 +132,7 @@ def flank_self_compliance(geometry: Scene, screw: bool, backend: Backend) -> flo
 def smooth_body_correction(
     scene: Scene, layout: BallLayout, screw: bool, backend: Backend, flanks: Sequence[int] = BOTH
 ) -> Array:
-    """Return the compliance ``(2 c, 2 c)`` [m/N] between c contacts that the smooth body has in addition to its beam.
+    """Return the compliance ``(2 c, 2 c)`` [m/N] of the smooth body between c contacts, less that of the smooth beam.
 
     Each contact has two axes (`contact_frames`). ``layout``: positions of the balls; ``screw``: whether the body is the
     screw (True) or the nut; ``flanks``: flanks with contacts, 0 left, 1 right. Raises ValueError if a contact lies beyond
@@ -190,9 +190,9 @@ def nut_beam(scene: Scene, layout: BallLayout, flanks: Sequence[int] = BOTH, fee
 
 @lru_cache(maxsize=32)
 def near_face_of_body(geometry: Scene, screw: bool, backend: Backend) -> NearFace:
-    """Return the compliance that grooves and end faces of screw or nut add between contacts of one turn.
+    """Return the compliance that grooves and end faces of screw or nut add between contacts of one or two turns.
 
-    Cached in memory by geometry; `cached_near_face` is cached on disk.
+    The result is cached in memory by the geometry, and that of `cached_near_face` on disk.
 
     ``geometry``: scene of `geometry_only`; ``screw``: whether the body is the screw (True) or the nut; ``backend``: model
     of the bodies.
@@ -209,10 +209,11 @@ def near_face_of_body(geometry: Scene, screw: bool, backend: Backend) -> NearFac
 @lru_cache(maxsize=32)
 @kept(NearFace)
 def cached_near_face(flank: Flank, tube: Tube, section: BeamSection, radii: tuple[float, float], near: bool) -> NearFace:
-    """Return `near_face_compliance`, cached on disk by its arguments; ends and flange of the tube have no influence.
+    """Return the result of `near_face_compliance`, cached on disk by its arguments.
 
     ``flank``: groove of the body; ``tube``: smooth body; ``section``: section of the beam; ``radii``: range of radii in
-    which a face is fixed [m]; ``near``: whether a contact has a face within reach.
+    which a face is fixed [m]; ``near``: whether a contact has a face within reach. Ends and flange of the tube have no
+    influence.
     """
     return near_face_compliance(flank, tube, section, radii, near=near)
 
@@ -265,7 +266,7 @@ def groove_and_face_correction(
 def body_between_contacts(
     scene: Scene, layout: BallLayout, screw: bool, backend: Backend, flanks: Sequence[int] = BOTH
 ) -> Array:
-    """Return the compliance ``(2 c, 2 c)`` [m/N] of screw (beyond its beam) or nut between c contacts, without cache.
+    """Compute the compliance ``(2 c, 2 c)`` [m/N] of screw (beyond its beam) or nut between c contacts, without a cache.
 
     It is `lowfi.compliance.bodies.whole_body` for a body that is not rigid and for balls at any positions. Arguments are
     those of `smooth_body_correction`.
@@ -321,7 +322,7 @@ def motions_by_end(scene: Scene, layout: BallLayout, backend: Backend) -> tuple[
 
 
 def motions_by_section(scene: Scene, layout: BallLayout, backend: Backend, at: float) -> Array:
-    """Return the motions ``(4 N, 6)`` of contacts by a unit wrench on a cross-section of the screw, without cache.
+    """Compute the motions ``(4 N, 6)`` of contacts by a unit wrench on a cross-section of the screw, without a cache.
 
     ``layout``: positions of the N balls; ``at``: axial position of the cross-section [m]. The function is
     `lowfi.compliance.bodies.section_response` for balls at any positions.
@@ -344,11 +345,11 @@ def motions_by_section(scene: Scene, layout: BallLayout, backend: Backend, at: f
 
 
 def motions_by_wrench_at(feel: Array, stations: Array, at: float) -> Array:
-    """Return the motions ``(2 c, 6)`` of c contacts by a unit wrench on a cross-section of the screw.
+    """Return the motions ``(2 c, 6)`` of c contacts, due to local strains at their grooves, by a unit wrench on a section.
 
-    ``feel`` ``(2 c, 6)``: motions by a unit wrench on the contact's own cross-section; ``stations``: axial positions of the
-    contacts, one for each axis ``(2 c,)`` [m]; ``at``: axial position of the loaded cross-section [m]. The wrench passes
-    only through the sections below ``at``, so contacts above it do not move.
+    ``feel`` ``(2 c, 6)``: these motions by a unit wrench on the contact's own cross-section; ``stations``: axial positions
+    of the contacts, one for each axis ``(2 c,)`` [m]; ``at``: axial position of the loaded cross-section [m]. The wrench
+    passes only through the sections below ``at``, so contacts above it do not move.
     """
     out, reach = feel.copy(), at - stations
     out[:, 0] += reach * feel[:, 4]
@@ -357,10 +358,11 @@ def motions_by_wrench_at(feel: Array, stations: Array, at: float) -> Array:
 
 
 def contact_motions_by_end_wrench(compliance: TubeCompliance, x: Array, axes: Array) -> Array:
-    """Return the motions ``(2 c, 6)`` of c contacts by a unit wrench on the mean motions of a shaft's high end.
+    """Return the motions ``(2 c, 6)`` of c contacts by a unit wrench on a shaft's high end.
 
-    ``compliance``: compliance of the smooth shaft; ``x`` ``(c, 3)``: contact points [m]; ``axes`` ``(c, 2, 3)``: directions
-    of their motions.
+    The wrench consists of three forces and three moments, which do work on the end's mean motions. ``compliance``:
+    compliance of the smooth shaft; ``x`` ``(c, 3)``: contact points [m]; ``axes`` ``(c, 2, 3)``: directions of their
+    motions.
     """
     points = points_in_space(x, axes)
     weights = patch_weights(compliance.z, points.z, compliance.tube.width)
@@ -372,7 +374,7 @@ def contact_motions_by_end_wrench(compliance: TubeCompliance, x: Array, axes: Ar
 
 
 def end_compliance(compliance: TubeCompliance) -> Array:
-    """Return the compliance ``(6, 6)`` of a shaft's high end: its mean motions by a unit wrench on them."""
+    """Return the compliance ``(6, 6)`` of a shaft's high end: its six mean motions by unit forces and moments on it."""
     (axial, twist), (shift, tilt) = compliance.corner
     out = np.zeros((6, 6))
     out[2, 2], out[2, 5], out[5, 2], out[5, 5] = axial[0], axial[1], twist[0], twist[1]

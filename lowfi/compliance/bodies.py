@@ -167,13 +167,13 @@ def refuse_flat_contact_angle(scene: Scene, screw: bool, backend: Backend) -> No
 
 
 def whole_body(scene: Scene, layout: BallLayout, screw: bool, backend: Backend, flanks: Sequence[int] = BOTH) -> Array:
-    """Return the compliance between contacts of the nut, or of the screw in addition to its beam.
+    """Return the compliance between all contacts of the nut, or of the screw in addition to its beam.
 
     The effect of end faces is included; the true flank at each contact (`BodyCompliance.e`) is not. The array is cached for
     all load cases of the same parts and balls, so it must not be modified.
 
-    The body is the screw if ``screw`` is True, otherwise the nut. ``layout``: positions of the balls; ``flanks``: numbers
-    of the flanks with contacts, 0 left, 1 right.
+    ``screw``: whether the body is the screw (True) or the nut; ``layout``: positions of the balls; ``backend``: model of
+    the bodies' compliance; ``flanks``: numbers of the flanks with contacts, 0 left, 1 right.
 
     Returns
     -------
@@ -197,7 +197,7 @@ WholeBody = Callable[[Scene, BallLayout, bool, Backend, Sequence[int]], Array]
 @lru_cache(maxsize=8)
 @kept(Coupling)
 def _cached_whole_body(scene: Scene, screw: bool, backend: Backend) -> Coupling:
-    """Return `whole_body` for both flanks and the balls of the scene, cached in memory and on disk.
+    """Return the result of `whole_body` for both flanks and the balls of a scene, cached in memory and on disk.
 
     ``screw``: whether the body is the screw (True) or the nut; ``backend``: model of the bodies.
     """
@@ -209,7 +209,7 @@ def _cached_whole_body(scene: Scene, screw: bool, backend: Backend) -> Coupling:
 @lru_cache(maxsize=64)
 @kept(float)
 def _cached_flank_compliance(geometry: Scene, screw: bool, backend: Backend) -> float:
-    """Return `flank_self_compliance` of `lowfi.compliance.between` [m/N], cached in memory and on disk.
+    """Return the result of `lowfi.compliance.between.flank_self_compliance` [m/N], cached in memory and on disk.
 
     ``screw``: whether the body is the screw (True) or the nut; ``backend``: model of the bodies.
     """
@@ -222,7 +222,8 @@ def ball_compliance(scene: Scene, semi_axes: tuple[float, float], backend: Backe
     """Return the compliance of a ball at its contacts, in addition to Hertz contact.
 
     Opposite contacts carry the same force, so the motion of one by the load on the other is added to its self-compliance.
-    ``semi_axes``: semi-axes of a typical contact ellipse [m].
+    ``semi_axes``: semi-axes of a typical contact ellipse [m]; ``backend``: model, which may treat the ball as half spaces
+    without further compliance.
     """
     if backend.ball == "half space":
         return BallCompliance(0.0, 0.0, 0.0, 1.0)
@@ -251,10 +252,11 @@ class EndResponse:
 
 
 def end_response(scene: Scene, layout: BallLayout, backend: Backend) -> EndResponse | None:
-    """Return the response of a scene's screw to a wrench on its high end; None if the screw is not an elastic shaft.
+    """Return the motions of a screw's contacts and of its high end by a unit wrench on that end, beyond those of its beam.
 
-    It is None for a screw that is rigid or only a beam, and for a bearing ring fixed at its bore. The arrays are cached for
-    all load cases of the same parts and balls, so they must not be modified.
+    ``layout``: positions of the balls; ``backend``: model of the bodies' compliance. The result is None for a screw that is
+    rigid or only a beam, and for a bearing ring fixed at its bore. The arrays are cached for all load cases of the same
+    parts and balls, so they must not be modified.
     """
     if backend.screw != "kernel" or fixed_surface(geometry_only(scene), True) != "section":
         return None
@@ -269,14 +271,14 @@ def end_response(scene: Scene, layout: BallLayout, backend: Backend) -> EndRespo
 @lru_cache(maxsize=8)
 @kept(EndResponse)
 def _cached_end_response(scene: Scene, backend: Backend) -> EndResponse:
-    """Return `end_response` for the balls of the scene, cached in memory and on disk."""
+    """Return the result of `end_response` for the balls of a scene, cached in memory and on disk."""
     from rollbench.lowfi.compliance.between import motions_by_end
 
     return EndResponse(*motions_by_end(scene, ball_layout(scene), backend))
 
 
 def section_response(scene: Scene, layout: BallLayout, backend: Backend, at: float) -> Array:
-    """Return the motions ``(4 N, 6)`` of the contacts of a screw by a unit wrench on one of its cross-sections.
+    """Return the motions ``(4 N, 6)`` of a screw's contacts by a unit wrench on a cross-section, beyond those of its beam.
 
     The order is that of `EndResponse.contacts`. ``layout``: positions of the N balls; ``at``: axial position of the section
     [m], inside the stretch of a screw for which `end_response` is not None. The array is cached as in `end_response`.
@@ -292,14 +294,14 @@ def section_response(scene: Scene, layout: BallLayout, backend: Backend, at: flo
 @lru_cache(maxsize=8)
 @kept(Coupling)
 def _cached_section_response(scene: Scene, backend: Backend, at: float) -> Coupling:
-    """Return `section_response` for the balls of the scene, cached in memory and on disk."""
+    """Return the result of `section_response` for the balls of a scene, cached in memory and on disk."""
     from rollbench.lowfi.compliance.between import motions_by_section
 
     return Coupling(motions_by_section(scene, ball_layout(scene), backend, at))
 
 
 def clear_kept_bodies() -> None:
-    """Clear the results on bodies that are cached in memory, so that the time of the next solve includes its set-up."""
+    """Delete all compliances of bodies that are cached in memory, so that a timed solution computes them again."""
     from rollbench.lowfi.compliance.between import (
         cached_near_face,
         cached_section_motions,
@@ -356,7 +358,10 @@ class Condensed:
         """
         bodies = load_condensed(path)
         if bodies.geometry != geometry_digest(scene):
-            raise ValueError("the file was made for other parts: track, screw, nut, balls or [solid] differ from the scene")
+            raise ValueError(
+                "the file of condensed bodies was made for other parts: track, screw, nut, balls or [solid] differ from "
+                "the scene"
+            )
         return Condensed(bodies)
 
     @property
@@ -394,7 +399,7 @@ class Condensed:
         file_G = self.bodies.screw if screw else self.bodies.nut
         if file_G.shape != (N * len(known),) * 2:
             raise ValueError(
-                "the file of condensed bodies does not have the scene's number of contacts; it must be made for this scene"
+                "the file of condensed bodies does not have the scene's number of contacts: export it again for this scene"
             )
         rows = normal_rows(scene, N, known)
         change = file_G - rows @ held @ rows.T
@@ -425,7 +430,7 @@ class Condensed:
         return BallCompliance(alone - 2.0 * abs(across), 0.0, float(np.sqrt(abs(across))), float(np.sign(across)))
 
     def describe(self) -> str:
-        """Return a sentence part that says which bodies, mesh level and flanks are taken from the file."""
+        """Return a phrase for reports that names the bodies, the mesh level and the flanks that are taken from the file."""
         names = ", ".join(SIDES[int(s)] for s in self.bodies.sides)
         level = self.bodies.level
         bodies = " and ".join(self.parts) if self.parts != PARTS else "screw, nut and balls"
@@ -433,10 +438,11 @@ class Condensed:
 
 
 def normal_rows(scene: Scene, N: int, sides: list[int]) -> Array:
-    """Return the matrix that gives the motions of N balls' contacts along their nominal normals, from those along two axes.
+    """Return the matrix that gives the motions of contacts along their nominal normals from those along two axes.
 
-    Its shape is ``(N f, 4 N)`` for the f flanks ``sides``. Its columns are two axes for each ball on the left flank, then
-    on the right flank; its rows go ball after ball, each with all flanks of ``sides``.
+    ``N``: number of balls; ``sides``: f flanks of one body (0, 1: screw; 2, 3: nut). The matrix is ``(N f, 4 N)``: its
+    columns are two axes for each ball on the left flank, then on the right flank; its rows go ball after ball, each with
+    all flanks of ``sides``.
     """
     beta = scene.track.contact_angle
     out = np.zeros((N * len(sides), 4 * N))
@@ -449,10 +455,11 @@ def normal_rows(scene: Scene, N: int, sides: list[int]) -> Array:
 
 
 def normal_and_tangent_rows(scene: Scene, N: int, sides: list[int], known: list[int]) -> tuple[Array, Array]:
-    """Return unit rows along the nominal normals of the flanks ``known``, then rows orthogonal to them.
+    """Return two matrices that split contact motions into those along the nominal normals of some flanks, and the others.
 
-    Columns are two axes for each of N balls and each of its f flanks ``sides``. The first matrix has a row for each ball
-    and each of the k flanks ``known``, ``(N k, 2 N f)``; the second completes it to an orthonormal basis.
+    ``N``: number of balls; ``sides``: f flanks with contacts; ``known``: k of these flanks. Columns are two axes for each
+    ball and each of its flanks ``sides``. The first matrix ``(N k, 2 N f)`` has a unit row along the normal for each ball
+    and each flank of ``known``; the rows of the second complete it to an orthonormal basis.
     """
     beta = scene.track.contact_angle
     along: list[Array] = []

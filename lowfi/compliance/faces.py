@@ -209,7 +209,7 @@ def _check_land(flank: Flank) -> None:
 
 
 def average_mirror_images(waves: Array) -> Array:
-    """Return the motions of flanks far from any face, averaged with their mirror image.
+    """Average the motions of flanks far from any face with those of the mirror image of the body.
 
     ``waves`` ``(n, 2, f)``: motions of 2 flanks by loads on f flanks in n harmonics [m/N]. By symmetry, flank a moves by a
     load on flank b of the groove behind as the flank opposite to b does by a load on the flank opposite to a. The computed
@@ -221,7 +221,7 @@ def average_mirror_images(waves: Array) -> Array:
 
 
 def append_high_harmonics(flank: Flank, waves: Array) -> Array:
-    """Append higher harmonics, estimated from a half space, to the harmonics of motions of narrow patches.
+    """Extend computed harmonics of the motions of narrow load patches by higher ones, estimated from a half space.
 
     ``waves`` ``(n, ...)``: motions of the flanks of the groove ``flank`` in n harmonics [m/N]. On a half space the mutual
     compliance of two Gaussian patches of standard deviation s in a wave of wavenumber k is proportional to exp(x) K_0(x)
@@ -236,10 +236,11 @@ def append_high_harmonics(flank: Flank, waves: Array) -> Array:
 
 
 def motions_by_wrench(points: Points, side: Array, strains: Array) -> Array:
-    """Return the motions ``(k c, 6)`` of c contacts, with k axes each, by a unit wrench on their own section.
+    """Return the motions ``(k c, 6)`` of c contacts, with k axes each, by a unit wrench on their own cross-sections.
 
-    Only tension and bending moments have an effect. ``points``: the contacts; ``side`` ``(c,)``: -1 for a flank at negative
-    z of its groove, 1 at positive z; ``strains``: see `groove_strains`.
+    The wrench consists of three forces and three moments; only tension and bending moments have an effect. ``points``: the
+    contacts; ``side`` ``(c,)``: -1 for a flank at negative z of its groove, 1 at positive z; ``strains``: see
+    `groove_strains`.
     """
     along_r, along_z = points.axes[..., 0], points.axes[..., 2] * side[:, None]
     stretch, bend = (along_r * x + along_z * y for x, y in strains)
@@ -274,10 +275,11 @@ def motions_beyond_smooth_beam(
 def motions_beyond_smooth_body(
     flank: Flank, smooth: Tube, grid: Grid, cuts: Sequence[int], held_radii: tuple[float, float], finer: Patch, kinds: int
 ) -> Array:
-    """Return the motions of the true flanks minus those of the smooth body, each under its own load patch.
+    """Return the motions of the true flanks minus those of the smooth body [m/N], each body under its own load patch.
 
-    ``finer``: size of the load patch and fineness of mesh and harmonics for the true flanks; the other arguments and the
-    axes of the result are those of `cut_motions`.
+    ``smooth``: smooth body of revolution; ``grid``: grid of the grooved body; ``finer``: size of the load patch and
+    fineness of mesh and harmonics for the true flanks; the other arguments and the axes of the result are those of
+    `cut_motions`.
     """
     width = finer.width * flank.map.ball
     true = flank_patch_loads(flank, grid, cuts, width, kinds)
@@ -291,14 +293,14 @@ def motions_beyond_smooth_body(
 
 
 def half_lead_grid(flank: Flank, grid: Grid) -> Grid:
-    """Return the part of a grooved body's grid from mid groove to mid land."""
+    """Return the part of a grooved body's grid between the middle of the loaded groove and the middle of the land."""
     z = grid.z[:, 0]
     half = slice(int(np.abs(z).argmin()), int(np.abs(z - flank.half).argmin()) + 1)
     return Grid(grid.r[half], grid.z[half])
 
 
 def grooved_grid(flank: Flank, mesh: tuple[int, int]) -> tuple[Grid, list[int]]:
-    """Return the grid of a body with its grooves, then the numbers of its lines in z at which an end face may be.
+    """Return the grid of a grooved body, then the numbers of the grid lines in z at which an end face may be.
 
     The grid reaches from the clamped end to the furthest face; mid groove of the loaded groove is at z = 0. ``mesh``:
     numbers of elements on the loaded flank and in depth.
@@ -343,7 +345,7 @@ def groove_nodes(flank: Flank, count: int, ends: Array) -> tuple[Array, Array]:
 
 
 def quarter_turn(along: Array) -> Array:
-    """Return the directions ``(..., 2)`` (r, z) perpendicular to given ones, turned by 90 deg from r towards z.
+    """Return directions ``(..., 2)`` (r, z) that are given ones turned by 90 deg, from r towards z.
 
     ``along`` ``(..., 2)``: the given directions (r, z).
     """
@@ -351,7 +353,7 @@ def quarter_turn(along: Array) -> Array:
 
 
 def flank_patch_loads(flank: Flank, grid: Grid, cuts: Sequence[int], width: float, kinds: int = 1) -> Array:
-    """Return nodal forces of unit loads on the true flanks at `pressed_points`.
+    """Return the nodal forces of unit loads on the true flanks, each a Gaussian patch about one of `pressed_points`.
 
     Loads act along the nominal load and, if ``kinds`` is 2, also across it; the latter is the difference of two slightly
     shifted patches. Patches end at the end face. ``cuts``: numbers of the grid lines in z at which the end face may be;
@@ -394,7 +396,7 @@ def smooth_patch_loads(flank: Flank, grid: Grid, line: int, cuts: Sequence[int],
 
 
 def pressed_points(flank: Flank, low: float) -> tuple[Array, Array]:
-    """Return the positions z ``(f,)`` [m], then the load directions ``(f, 2)`` (r, z) of the contacts on a groove's flanks.
+    """Return the axial positions ``(f,)`` [m], then the load directions ``(f, 2)`` (r, z), of the contacts on f flanks.
 
     The load directions are nominal. The flank pressed towards high z comes first, then the other one. Both flanks of the
     groove behind follow if the body, which begins at z = ``low`` [m], contains it.
@@ -488,11 +490,17 @@ def cut_motions(
 
 
 def distinct_loads(loads: Array, cuts: Sequence[int]) -> tuple[Array, list[list[int]]]:
-    """Return the different loads as rows, and for each end face the numbers of the rows that act.
+    """Collect the different load cases among those for several end faces, so that each is solved only once.
 
-    ``loads`` ``(f, cuts, nodes of the grid, 3)``: nodal forces for each end face; ``cuts``: numbers of the grid lines in z
-    at which the end face may be. If a patch lies wholly below an end face, its load equals that for the furthest face and
-    is solved only once.
+    ``loads`` ``(f, cuts, nodes of the grid, 3)``: nodal forces of f load patches for each end face; ``cuts``: numbers of
+    the grid lines in z at which the end face may be. A patch that lies entirely below an end face has the same load as for
+    the furthest face.
+
+    Returns
+    -------
+    tuple[Array, list[list[int]]]
+        The different load cases, one in each row ``(cases, 3 nodes)``; and for each end face the numbers of the rows that
+        hold the loads of the f patches.
     """
     rows, of = [x.ravel() for x in loads[:, -1]], [[0] * len(loads) for _ in cuts]
     for k, cut in enumerate(cuts):

@@ -55,7 +55,7 @@ class Grid:
         return int(self.r.shape[0]), int(self.r.shape[1])
 
     def cells(self) -> Index:
-        """Return the node numbers of every element ``(elements, 9)``; r varies fastest."""
+        """Return the numbers of the nine nodes of every element ``(elements, 9)``; nodes along r follow each other."""
         rows, columns = self.shape
         i, j = np.meshgrid(np.arange(0, rows - 1, 2), np.arange(0, columns - 1, 2), indexing="ij")
         corner = (i * columns + j).ravel()
@@ -64,7 +64,10 @@ class Grid:
 
 
 def refine_lines(ends: Array) -> Array:
-    """Return the node lines ``(2 k + 1,)`` of k quadratic elements, with mid nodes between their ends ``(k + 1,)``."""
+    """Return the positions ``(2 k + 1,)`` of the nodes of k quadratic elements in a row, which include their mid nodes.
+
+    ``ends``: positions of the elements' ends (k + 1,) [m].
+    """
     lines = np.empty(2 * ends.size - 1)
     lines[::2], lines[1::2] = ends, 0.5 * (ends[:-1] + ends[1:])
     return lines
@@ -112,7 +115,7 @@ class Layer:
     def elasticity(self, young: float, poisson: float, radius: Array) -> Array:
         """Return the elasticity matrix D ``(..., 6, 6)`` [Pa] of the layer at radii ``(...)`` [m]; see `elasticity_matrix`.
 
-        ``young`` [Pa], ``poisson``: constants of the solid material.
+        ``young``: Young's modulus [Pa] and ``poisson``: Poisson's ratio of the solid material.
         """
         f = np.interp(radius, self.radii, self.shares)
         S = np.zeros((*np.shape(f), 6, 6))
@@ -176,10 +179,10 @@ def element_matrices(grid: Grid, young: float, poisson: float, layer: Layer | No
 
 
 def strain_rows(over_r: Array, by_r: Array, by_z: Array) -> tuple[Array, Array]:
-    """Return the strain matrices B_0 and B_1 ``(elements, 6, 27)`` at one point of every element.
+    """Return the strain matrices B_0 and B_1 of the harmonics at one point of every element, ``(elements, 6, 27)`` each.
 
-    ``over_r``: shape functions divided by r; ``by_r``, ``by_z``: their derivatives along r and z, each ``(elements, 9)``
-    [1/m].
+    They give the strains rr, tt, zz, rz, rt, tz from the displacements U, V, W of nine nodes. ``over_r``: shape functions
+    divided by r; ``by_r``, ``by_z``: their derivatives along r and z, each ``(elements, 9)`` [1/m].
     """
     B0, B1 = np.zeros((len(by_r), 6, 27)), np.zeros((len(by_r), 6, 27))
     U, V, W = slice(0, 27, 3), slice(1, 27, 3), slice(2, 27, 3)
@@ -196,9 +199,9 @@ def factor_c(n: int) -> float:
 
 
 def solve_harmonic(bands: Array, n: int, loads: Array) -> Array:
-    """Return the displacements ``(k, ...)`` of harmonic n by loads ``(k, ...)`` on the k free degrees of freedom.
+    """Return the displacements [m] of a body's k free degrees of freedom by loads of harmonic n, in the shape of the loads.
 
-    ``bands``: stiffness parts from `Body.bands`.
+    ``bands``: stiffness parts from `Body.bands`; ``loads``: generalised forces (k, ...) [N].
 
     Raises
     ------
@@ -240,9 +243,10 @@ def condense_to_last(bands: Array, n: int, loads: Array, last: int) -> tuple[Arr
 
 
 def lower_corner(L: Array, first: int, size: int) -> Array:
-    """Return the diagonal block ``(size, size)``, from row ``first`` on, of a lower triangular matrix stored in bands.
+    """Return a square block on the diagonal of a lower triangular matrix that is stored in bands.
 
-    ``L``: the matrix, with row k of the array for the k-th diagonal below the main one.
+    ``L``: the matrix, with row k of the array for the k-th diagonal below the main one; ``first``: first row of the block;
+    ``size``: number of its rows.
     """
     place = np.arange(size)
     below = place[:, None] - place
@@ -283,10 +287,10 @@ class Body:
         return tuple(coo_array((k.ravel(), (row, column)), (size, size)).tocsr() for k in self.elements)
 
     def stiffness_of_rows(self, chosen: slice | Index = slice(None)) -> Array:
-        """Return the stiffness parts K_0, K_1, K_2 of radial rows of elements, assembled ``(3, rows, 3, m, 3, m)``.
+        """Return the assembled stiffness parts K_0, K_1, K_2 of radial rows of elements ``(3, rows, 3, m, 3, m)``.
 
-        A row consists of all elements between two axial positions. It has three grid lines with m degrees of freedom
-        each. ``chosen``: selection of the rows.
+        A row consists of all elements between two neighbouring element ends in z. It has three grid lines (both ends and
+        the middle) with m degrees of freedom each. ``chosen``: numbers of the rows, all by default.
         """
         columns, width = self.grid.shape[1] // 2, self.grid.shape[1]
         elements = self.elements.reshape(3, -1, columns, *(3,) * 6)[:, chosen]
@@ -304,12 +308,14 @@ class Body:
         return np.append(False, change < ALIKE * np.abs(rows).max())
 
     def bands(self, free: NDArray[np.bool_]) -> Array:
-        """Return the stiffness parts of the k degrees of freedom in ``free`` ``(3 nodes,)``, stored in lower bands.
+        """Return the stiffness parts K_0, K_1, K_2 of the free degrees of freedom, stored in lower bands.
+
+        ``free``: whether each degree of freedom is free (3 nodes,); k of them are.
 
         Returns
         -------
         Array
-            K_0, K_1, K_2 as ``(3, width, k)``.
+            Diagonals of K_0, K_1, K_2 from the main one downwards ``(3, bandwidth, k)``.
         """
         count, place = int(free.sum()), np.where(free, np.cumsum(free) - 1, -1)
         i = place[self.freedoms()]
@@ -326,7 +332,7 @@ class Body:
         return factor_c(n) * (self.parts[0] + n * self.parts[1] + n * n * self.parts[2])
 
     def axis_free(self, n: int) -> NDArray[np.bool_]:
-        """Return which degrees of freedom a regular field of harmonic n may have ``(3 nodes,)``; all, except on the axis.
+        """Return whether each degree of freedom is free in harmonic n ``(3 nodes,)``: all are, except on the axis r = 0.
 
         At r = 0, harmonic 0 allows W, harmonic 1 allows U and V (U = -V follows from the minimum of energy), and higher
         harmonics allow none.
@@ -338,15 +344,18 @@ class Body:
 
 
 def end_motions(body: Body, n: int) -> Array:
-    """Return the rows that give the mean rigid motions of a body's low end, for harmonic n (`mean_motions`)."""
+    """Return the matrix that gives the mean rigid motions of a body's low end from its nodes' displacements in harmonic n.
+
+    It is `mean_motions` for the nodes of that end, ``(2, 3 columns)`` for n = 0 or 1.
+    """
     return mean_motions(body.grid.r[0], n)
 
 
 def mean_motions(r: Array, n: int) -> Array:
-    """Return the rows ``(k, 3 columns)`` that give the k mean rigid motions of a section from its nodes' displacements.
+    """Return the matrix ``(k, 3 columns)`` that gives k mean rigid motions of a section from its nodes' displacements.
 
-    The nodes are at the radii r ``(columns,)`` [m]. Harmonic n = 0 has axial motion and twist, n = 1 has lateral shift and
-    tilt (u_z = - tilt r cos t), and higher harmonics have none.
+    ``r`` ``(columns,)``: radii of the nodes [m]; the displacements are U, V, W of harmonic ``n`` for each node. Harmonic n
+    = 0 has axial motion and twist, n = 1 has lateral shift and tilt (u_z = - tilt r cos t), and higher harmonics have none.
     """
     weights = np.zeros((2, r.size))  # weights of the nodes in the mean of f over the area, and of f r over its moment
     for a in range(0, r.size - 2, 2):
@@ -382,7 +391,10 @@ class BlockSum:
         return out
 
     def reach(self, low: int, high: int) -> tuple[int, int]:
-        """Return the range of rows, first and last + 1, that may be nonzero in the columns ``low`` to ``high`` - 1."""
+        """Return the first row, and the last row + 1, of the entries that may be nonzero in some columns.
+
+        ``low``: first column; ``high``: last column + 1.
+        """
         met = [(first, first + len(b)) for first, b in self.blocks if first < high and first + len(b) > low]
         return min((x[0] for x in met), default=low), max((x[1] for x in met), default=low)
 
@@ -446,10 +458,11 @@ class Stretch:
 
 
 def join_stretches(a: Stretch, b: Stretch, loads: Array) -> Stretch:
-    """Join two neighbouring stretches of a body, first a and then b, into one, and eliminate the grid line between them.
+    """Join two neighbouring stretches of a body into one, and eliminate the grid line between them.
 
-    ``loads`` ``(h, m, j)``: j unit loads on the m degrees of freedom of that line, in h harmonics. A stretch at an end of
-    the body has only one line. Loads whose part at a line is below round-off are neglected there.
+    ``a``: stretch at lower z; ``b``: stretch at higher z; ``loads`` ``(h, m, j)``: j unit loads on the m degrees of freedom
+    of that line, in h harmonics. A stretch at an end of the body has only one line. Loads whose part at a line is below
+    round-off are neglected there.
 
     Raises
     ------
@@ -470,9 +483,9 @@ def join_stretches(a: Stretch, b: Stretch, loads: Array) -> Stretch:
 
 
 def eliminate_freedoms(stretch: Stretch, line: slice) -> Stretch:
-    """Eliminate degrees of freedom of a stretch by static condensation, and return the stretch with the remaining ones.
+    """Eliminate degrees of freedom of a stretch by static condensation.
 
-    ``line``: range of the degrees of freedom that are eliminated.
+    ``line``: range of the degrees of freedom that are eliminated. The returned stretch has the remaining ones.
     """
     K, forces, motion = stretch.stiffness, stretch.forces, stretch.motion
     left = np.delete(np.arange(K.shape[1]), line)
@@ -503,9 +516,10 @@ def repeat_stretch(stretch: Stretch, count: int, loads: Array) -> Stretch:
 def _line_compliance_by_stretches(
     body: Body, n: Index, held: NDArray[np.bool_], line: int, rows: tuple[int, int], springs: Sequence[float]
 ) -> list[BlockSum]:
-    """Return `line_compliance` for harmonics n (0, or 1, or all above 1), by joining rows of elements to stretches.
+    """Return the result of `line_compliance` for some harmonics, by joining radial rows of elements to stretches.
 
-    Equal rows in succession are joined by doubling. The other arguments are those of `line_compliance`.
+    ``n``: numbers of the harmonics, either 0, or 1, or numbers above 1. Equal rows in succession are joined by doubling.
+    The other arguments are those of `line_compliance`.
     """
     count, width = body.grid.shape[0], 3 * body.grid.shape[1]
     powers = np.array([[factor_c(i), factor_c(i) * i, factor_c(i) * i * i] for i in n.tolist()])

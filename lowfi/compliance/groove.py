@@ -73,9 +73,10 @@ def groove_layer(flank: Flank, section: BeamSection) -> Layer:
 
 
 def groove_strains(flank: Flank, smooth: Tube) -> Array:
-    """Return the motions ``(2, 2)`` (r, z) [m/N, 1/N] of a contact by a unit tension and a unit moment on its section.
+    """Return the local motions ``(2, 2)`` of a contact along r and z by a unit tension, then by a unit bending moment.
 
-    The contact is on the flank at positive z, and the moment stretches the body's side with the contact. Motions of the
+    Tension and moment act on the contact's cross-section; their units are m/N and 1/N. The contact is on the flank at
+    positive z, and the moment stretches the body's side with the contact. Motions of the
     beam's section and of the smooth body are subtracted. A remainder is left because at a groove the body is thinner, and
     strains more, than on average.
     """
@@ -130,9 +131,10 @@ def flank_weights(grid: Grid, line: int, zeta: float, width: float, moment: int 
 
 
 def sampled_harmonics(limit: float, step: float = 1.28, first: int = 0) -> Array:
-    """Return the numbers of the Fourier harmonics that are computed, from ``first`` up to ``limit``.
+    """Return the numbers of the Fourier harmonics that are computed; `interpolate_harmonics` gives those between them.
 
-    Up to 4 all harmonics are taken, then each is ``step`` times the one before; `interpolate_harmonics` gives the others.
+    ``first``: lowest harmonic; ``limit``: number that the highest one reaches; ``step``: ratio of successive harmonics
+    above 4, up to which all are computed.
     """
     harmonics = [first]
     while harmonics[-1] < limit:
@@ -141,7 +143,7 @@ def sampled_harmonics(limit: float, step: float = 1.28, first: int = 0) -> Array
 
 
 def cubic_spline(known: ArrayLike, values: Array) -> Callable[[Array], Array]:
-    """Return the cubic spline through values ``(k, ...)`` at the positions ``known`` ``(k,)``.
+    """Return the cubic spline, as a function of position, through values ``(k, ...)`` at the positions ``known`` ``(k,)``.
 
     scipy.interpolate is imported here because it loads slowly and is not needed if the compliance is in the cache.
     """
@@ -185,10 +187,10 @@ def normal_load(flank: Flank, grid: Grid, width: float, zeta: float) -> Array:
 
 
 def self_motion_harmonics(flank: Flank, grid: Grid, load: tuple[Array, Array], n: Array) -> Array:
-    """Return the Fourier harmonics ``n`` of the motion of a patch on one flank by a unit load on it ``(k,)`` [m/N].
+    """Return Fourier harmonics of the motion of a patch on one flank by a unit load on it ``(k,)`` [m/N].
 
-    ``load``: nodal forces of two load cases, symmetric and antisymmetric to mid groove; the mean of both motions is that of
-    one loaded flank.
+    ``grid``: grid of the body; ``n`` ``(k,)``: numbers of the harmonics; ``load``: nodal forces of two load cases,
+    symmetric and antisymmetric to mid groove; the mean of both motions is that of one loaded flank.
     """
     rows, columns = grid.shape
     turned = Grid(grid.r[::-1], -grid.z[::-1])  # so that the plane at mid groove is last
@@ -223,7 +225,7 @@ def self_motion(flank: Flank, grid: Grid, load: tuple[Array, Array], width: floa
 
 
 def equal_patch_loads(flank: Flank, grid: Grid, width: float) -> tuple[Array, Array]:
-    """Return the loads for `self_motion_harmonics` of a patch on the true flank, along its normals.
+    """Return the nodal forces for `self_motion_harmonics` of a unit load patch on the true flank, along its normals.
 
     The symmetric and the antisymmetric load are the same on the computed half of the groove. ``width``: standard deviation
     of the patch [m].

@@ -81,9 +81,10 @@ RIGID = "rigid apart from the Hertzian contacts"
 
 
 def idealisation_statements(backend: Backend, scene: Scene) -> tuple[str, ...]:
-    """Return sentences on how a compliance model idealises the screw, the nut and the balls of a scene.
+    """Return three phrases that say how a compliance model idealises the screw, the nut and the balls of a scene.
 
-    Raises ValueError, as `meshes.solid.solid_dimensions`, if the dimensions are impossible.
+    ``backend``: model of the bodies' compliance. Raises ValueError, as `meshes.solid.solid_dimensions`, if the dimensions
+    are impossible.
     """
     ring = scene.track.lead == 0.0
     section = "Lin C.8" if backend.section == "scene" else "half a lead of its groove"
@@ -126,17 +127,15 @@ def geometry_only(scene: Scene) -> Scene:
 
 @lru_cache(maxsize=64)
 def parts_with_balls(scene: Scene) -> tuple[Scene, Array]:
-    """Return the scene of `geometry_only` with the positions of its N balls, and their azimuths ``(N,)`` [rad]."""
+    """Return the scene that `geometry_only` makes, but with all N balls, then the azimuths of the balls ``(N,)`` [rad]."""
     return replace(geometry_only(scene), balls=scene.balls), ball_layout(scene).azimuth
 
 
 @lru_cache(maxsize=64)
 def groove_of_body(scene: Scene, screw: bool) -> Flank:
-    """Return the groove of screw or nut on half a lead, or of a ring on half its width.
+    """Return the geometry of one groove flank with the body below it: half a lead of screw or nut, or half a ring.
 
-    Raises ValueError for impossible dimensions.
-
-    ``screw``: whether the body is the screw (True) or the nut.
+    ``screw``: whether the body is the screw (True) or the nut. Raises ValueError for impossible dimensions.
     """
     dims = solid_dimensions(scene)
     m = GrooveMap.of(scene)
@@ -150,7 +149,9 @@ def groove_of_body(scene: Scene, screw: bool) -> Flank:
 
 @lru_cache(maxsize=64)
 def fixed_surface(scene: Scene, screw: bool) -> str:
-    """Return the name of the surface where screw or nut is fixed (`Tube.held`); "rigid" for a body without compliance.
+    """Return the name of the surface at which the screw or the nut is fixed, as in `Tube.held`.
+
+    It is "rigid" for a body without compliance.
 
     ``screw``: whether the body is the screw (True) or the nut.
     """
@@ -164,7 +165,7 @@ def fixed_surface(scene: Scene, screw: bool) -> str:
 
 @lru_cache(maxsize=64)
 def grooved_section(geometry: Scene, screw: bool) -> BeamSection:
-    """Return the beam section of the grooved screw or nut; that of the plain shaft for a track without lead.
+    """Return the beam section of the grooved screw or nut, or of the plain shaft if the track has no lead.
 
     ``geometry``: scene of `geometry_only`; ``screw``: whether the body is the screw (True) or the nut.
     """
@@ -219,7 +220,7 @@ def smooth_body(geometry: Scene, screw: bool, backend: Backend) -> Tube:
 
 
 def is_ring(geometry: Scene, screw: bool) -> bool:
-    """Return whether a body is a bearing ring with one groove around it, which is itself a body of revolution.
+    """Return whether a body is a bearing ring that is elastic and, with its groove, a body of revolution.
 
     ``geometry``: scene of `geometry_only`; ``screw``: whether the body is the screw or inner ring (True), or the nut or
     outer ring.
@@ -240,9 +241,10 @@ def nut_beam_ends(tube: Tube) -> tuple[tuple[float, float], str]:
 
 
 def select_flanks(G: Array, flanks: Sequence[int]) -> Array:
-    """Return the rows and columns of given flanks ``(2 c, 2 c)`` from a matrix for both flanks of N balls ``(4 N, 4 N)``.
+    """Return the part ``(2 c, 2 c)`` of a compliance matrix that belongs to given flanks.
 
-    ``G``: the matrix, left flank first; ``flanks``: flanks that are kept, 0 left, 1 right.
+    ``G``: matrix for both flanks of N balls (4 N, 4 N), left flank first; ``flanks``: flanks of the result, 0 left, 1
+    right.
     """
     if len(flanks) == len(BOTH):
         return G

@@ -72,7 +72,8 @@ def groove_line(m: GrooveMap, land: float, screw: bool, count: int) -> tuple[Arr
 
     if beyond(low) or not beyond(high):
         raise ValueError(
-            "the cylinder of the land does not cut the groove's flank; it needs a land radius within the groove"
+            "the cylinder of the land does not cut the groove's flank; allowed: a land radius between the groove's apex "
+            "and the end of its arc"
         )
     for _ in range(60):
         middle = 0.5 * (low + high)
@@ -111,7 +112,7 @@ def cell_grid(
     half = pi * abs(m.rg) / m.starts if half is None else half
     r, zeta = groove_line(m, land, screw, 2 * mesh[0] + 1)
     if zeta[-1] >= half:
-        raise ValueError("the grooves of neighbouring turns overlap; a larger lead or a smaller groove is needed")
+        raise ValueError("the grooves of neighbouring turns overlap: increase the lead or reduce the groove")
     along = refine_lines(np.linspace(zeta[-1], half, mesh[1] + 1))[1:]
     surface, z = np.append(r, np.full(along.size, land)), np.append(zeta, along)
     share = refine_lines(1.0 - np.linspace(1.0, 0.0, mesh[2] + 1) ** 1.5)
@@ -140,7 +141,9 @@ def cell_section(m: GrooveMap, land: float, far: float, screw: bool, material: M
         Material of the body.
     """
     if m.rg == 0.0:
-        raise ValueError("the beam section of a groove is computed on half a lead; a track with a lead is needed")
+        raise ValueError(
+            "the beam section of a groove is computed on half a lead, got a lead of 0; allowed: any other lead"
+        )
     grid = cell_grid(m, land, far, screw)
     young, poisson = material.youngs_modulus, material.poissons_ratio
     body = Body(grid, young, poisson)
@@ -159,18 +162,19 @@ def cell_section(m: GrooveMap, land: float, far: float, screw: bool, material: M
 
 
 def cell_stiffness(body: Body, kind: str) -> float:
-    """Return the stiffness of a cell of half a lead [N/m or N m] for a kind of unit strain (`strained_cell`).
+    """Return the stiffness of a cell of half a lead against a unit motion of one end, as `strained_cell` defines it.
 
-    ``kind``: "axial", "torsion" or "bending".
+    ``body``: finite elements of the cell; ``kind``: "axial" (result in N/m), "torsion" or "bending" (N m).
     """
     return strained_cell(body, kind)[0]
 
 
 def strained_cell(body: Body, kind: str) -> tuple[float, Array]:
-    """Return the stiffness of a cell of half a lead under unit strain, and its motion ``(lines in z, lines in r, 3)`` [m].
+    """Return the stiffness of a cell of half a lead, and the motion of its nodes, for a unit motion of one of its ends.
 
     One plane of symmetry is fixed and the other one moves by one unit: u_z = 1 for the ``kind`` "axial" (stiffness in N/m),
-    u_t = r for "torsion", u_z = r cos t for "bending" (N m). The stiffness is twice the strain energy.
+    u_t = r for "torsion", u_z = r cos t for "bending" (N m). The stiffness is twice the strain energy. The second result
+    has the displacements along r, t and z at the grid's nodes (lines in z, lines in r, 3) [m].
     """
     shape = body.grid.shape
     n = 1 if kind == "bending" else 0
@@ -302,7 +306,10 @@ class Points:
 
 
 def points_in_space(x: Array, axes: Array) -> Points:
-    """Return contact points ``(c, 3)`` [m] and axes ``(c, 2, 3)``, given in x, y, z, in cylindrical coordinates."""
+    """Convert the positions of c contacts and the directions of their motions from x, y, z to cylindrical coordinates.
+
+    ``x``: contact points (c, 3) [m]; ``axes``: unit vectors of the two directions in which each contact moves (c, 2, 3).
+    """
     t = np.arctan2(x[:, 1], x[:, 0])
     c, s = np.cos(t), np.sin(t)
     r_hat = np.stack([c, s, 0 * c], axis=-1)
@@ -312,9 +319,9 @@ def points_in_space(x: Array, axes: Array) -> Points:
 
 
 def radial_ends(tube: Tube) -> tuple[Array, int]:
-    """Return the radii of element ends of a tube [m], then the number of the node line at the loaded radius.
+    """Return the radii at which a tube's finite elements end [m], then the number of the grid line at the loaded radius.
 
-    Elements are small near the loaded radius.
+    Elements are small near the loaded radius. Grid lines include those through the elements' mid nodes.
     """
     low, high, at = tube.bore, tube.outer, float(np.clip(tube.radius, tube.bore, tube.outer))
     h = tube.size[1]
@@ -334,7 +341,9 @@ def radial_ends(tube: Tube) -> tuple[Array, int]:
 
 
 def axial_ends(tube: Tube, zone: tuple[float, float]) -> Array:
-    """Return the positions of element ends of a tube in z [m]: uniform over the loaded zone, longer elements outside it.
+    """Return the axial positions at which a tube's finite elements end [m].
+
+    Elements are equally long over the loaded zone, and longer outside it.
 
     ``zone``: lower and upper end of the loaded zone [m].
     """
@@ -392,9 +401,9 @@ def fixed_freedoms(tube: Tube, grid: Grid) -> NDArray[np.bool_]:
 
 
 def tube_compliance(tube: Tube, zone: tuple[float, float]) -> TubeCompliance:
-    """Return the compliance of a tube's loaded grid line in all harmonics.
+    """Return the compliance of a tube between the nodes at the contacts' radius, in all Fourier harmonics.
 
-    ``zone``: lower and upper end of the axial range that contains all contacts [m].
+    ``zone``: lower and upper end of the axial range that contains all contacts [m], over which the nodes are loaded.
     """
     r_ends, line = radial_ends(tube)
     grid = tube_grid(*add_flange_ends(tube, r_ends, axial_ends(tube, zone)))
@@ -413,11 +422,11 @@ def tube_compliance(tube: Tube, zone: tuple[float, float]) -> TubeCompliance:
 
 
 def motions_by_section_load(tube: Tube, zone: tuple[float, float], at: float) -> TubeCompliance:
-    """Return the motions of a shaft's loaded grid line by unit loads on one of its cross-sections.
+    """Return the motions of a shaft's nodes at the contacts' radius by unit loads on one of its cross-sections.
 
-    They are in the field ``ends`` of the result. The shaft is fixed by the mean motions of its low end. The loads act on
-    the mean rigid motions (by least squares) of the material in a thin slice at the axial position ``at`` [m]. ``zone``:
-    lower and upper end of the axial range that contains all contacts [m].
+    The motions are in the field ``ends`` of the result; its field ``line`` is empty. The shaft is fixed by the mean motions
+    of its low end. The loads act on the mean rigid motions (by least squares) of the material in a thin slice at the axial
+    position ``at`` [m]. ``zone``: lower and upper end of the axial range that contains all contacts [m].
     """
     r_ends, line = radial_ends(tube)
     grid = tube_grid(r_ends, axial_ends(tube, zone))
@@ -482,7 +491,9 @@ def patch_weights(z: Array, at: Array, width: float) -> Array:
 
 
 def contact_compliance(compliance: TubeCompliance, points: Points, *, resultant: bool = True) -> Array:
-    """Return the compliance ``(2 c, 2 c)`` [m/N] between c contacts, each a Gaussian patch with two axes.
+    """Return the compliance ``(2 c, 2 c)`` [m/N] of a tube between c contacts, each a Gaussian patch with two axes.
+
+    ``compliance``: compliance of the tube's nodes; ``points``: positions and axes of the contacts.
 
     Spreading a force around the axis multiplies its harmonic n by exp(-(n width / radius)^2 / 2). Harmonics 0 and 1 are not
     reduced, because a patch must have the resultant of its force, to which the beam responds too (``resultant``; if False
@@ -532,7 +543,7 @@ def contact_compliance(compliance: TubeCompliance, points: Points, *, resultant:
 
 
 def project_on_surface(tube: Tube, x: Array) -> Array:
-    """Return contact points ``x`` ``(c, 3)`` [m], moved radially to the surface of a tube if they lie outside it."""
+    """Return the contact points ``x`` (c, 3) [m], with those outside the tube's material moved radially to its surface."""
     far = np.hypot(x[:, 0], x[:, 1])
     return np.asarray(x * np.stack([np.clip(far, tube.bore, tube.outer) / far] * 2 + [np.ones(len(x))], axis=1))
 
@@ -540,8 +551,9 @@ def project_on_surface(tube: Tube, x: Array) -> Array:
 def motion_rows(x: Array, axes: Array, origin: float | None = None) -> Array:
     """Return the motions of c contacts along their axes by six unit rigid motions of a cross-section ``(2 c, 6)``.
 
-    ``x`` ``(c, 3)``: contact points [m]; ``axes`` ``(c, 2, 3)``: directions of their motions. The section is at each
-    contact's axial position, or at ``origin`` [m] if given. Its motions are three translations, then three rotations.
+    ``x`` ``(c, 3)``: contact points [m]; ``axes`` ``(c, 2, 3)``: directions of their motions; ``origin``: axial position of
+    the section's centre [m], None for the axial position of each contact. The rigid motions are three translations along
+    x, y, z, then three rotations about these axes.
     """
     arm = x * np.array([1.0, 1.0, 0.0]) if origin is None else x - np.array([0.0, 0.0, origin])
     out = np.empty((*axes.shape[:2], 6))
@@ -552,9 +564,10 @@ def motion_rows(x: Array, axes: Array, origin: float | None = None) -> Array:
 
 
 def spring_compliance(tube: Tube, x: Array, axes: Array) -> Array:
-    """Return the part of the end springs (`end_springs`) in the compliance between c contacts ``(2 c, 2 c)`` [m/N].
+    """Return the compliance between c contacts that is due to the springs at a shaft's low end ``(2 c, 2 c)`` [m/N].
 
-    ``x`` ``(c, 3)``: contact points [m]; ``axes`` ``(c, 2, 3)``: directions of their motions.
+    The springs are those of `end_springs`. ``x`` ``(c, 3)``: contact points [m]; ``axes`` ``(c, 2, 3)``: directions of
+    their motions.
     """
     shift, tilt, axial, twist = end_springs(tube)
     rows = motion_rows(x, axes, tube.ends[0])
@@ -569,7 +582,7 @@ def cantilever_compliance(
     Parameters
     ----------
     rows
-        Each motion by unit motions of its cross-section ``(k, 6)`` (`motion_rows`).
+        Displacement of each of the k points by six unit rigid motions of its cross-section ``(k, 6)`` (`motion_rows`).
     stations
         Axial positions of the cross-sections ``(k,)`` [m].
     base
@@ -597,11 +610,12 @@ def cantilever_compliance(
 
 
 def section_jump_compliance(feel: Array, rows: Array, stations: Array, base: float) -> Array:
-    """Return the compliance ``(k, k)`` [m/N] that local strains at grooves add to k motions on a beam.
+    """Return the compliance ``(k, k)`` [m/N] between k points of a beam that is due to local strains at its grooves.
 
-    ``feel`` ``(k, 6)``: each motion by a unit wrench on its own cross-section. The wrench is that of all loads beyond the
-    section and of half the loads in it. By reciprocity a load at a section also moves all points beyond that section.
-    ``base``: axial position at which the beam is fixed [m]; ``rows``, ``stations``: see `cantilever_compliance`.
+    ``feel`` ``(k, 6)``: motion of each point by a unit wrench (three forces, three moments) that its own cross-section
+    transmits, which is the resultant of all loads beyond the section and of half the loads in it. By reciprocity a load at
+    a section also moves all points beyond that section. ``base``: axial position at which the beam is fixed [m]; ``rows``,
+    ``stations``: see `cantilever_compliance`.
     """
     reach, side = stations[:, None] - stations, np.sign(stations - base)
     moved = rows @ feel.T + reach * (np.outer(rows[:, 0], feel[:, 4]) - np.outer(rows[:, 1], feel[:, 3]))
@@ -612,10 +626,11 @@ def section_jump_compliance(feel: Array, rows: Array, stations: Array, base: flo
 def clamped_beam_compliance(
     rows: Array, stations: Array, ends: tuple[float, float], held: str, section: BeamSection, feel: Array | None = None
 ) -> Array:
-    """Return the compliance ``(k, k)`` [m/N] of k motions on a Timoshenko beam clamped at its "low", "high" or "both" ends.
+    """Return the compliance ``(k, k)`` [m/N] between k points of a Timoshenko beam that is clamped at one end or both.
 
     ``rows``, ``stations``: see `cantilever_compliance`; ``ends``: axial positions of the low and the high end [m];
-    ``held``: name of the clamped ends; ``feel``: see `section_jump_compliance`; None leaves the local strains out.
+    ``held``: clamped ends, "low", "high" or "both"; ``feel``: local motions at grooves, see `section_jump_compliance`, None
+    to neglect them.
     """
     low, high = ends
     if held != "both":

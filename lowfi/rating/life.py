@@ -146,7 +146,7 @@ class Life:
         error="as in revolutions",
     )
     def hours(self, speed: float) -> float:
-        """Return the basic rating life in hours at a speed of the rotating part [rad/s]."""
+        """Return the basic rating life in hours; ``speed``: speed of the rotating part [rad/s]."""
         return 1e6 * self.revolutions * 2.0 * pi / abs(speed) / 3600.0
 
 
@@ -235,7 +235,7 @@ def is_thrust(scene: Scene) -> bool:
 
 
 def filled_turns(scene: Scene) -> float:
-    """Return the number of turns of the track that are filled with balls, for all starts, without gaps between circuits.
+    """Return the number of turns of the track that are filled with balls: the sum over all starts, without gaps.
 
     Every ball counts with the median angle between neighbours; a single ball counts as a whole turn. The number is exact
     for equal spacing within circuits of at least two balls, for any gaps between the circuits. A longer distance between
@@ -276,13 +276,18 @@ def contact_capacity(scene: Scene) -> Array:
     """
     alpha = scene.track.contact_angle
     if float(groove_radii(scene).min()) <= scene.balls.radius:
-        raise ValueError("the load rating cannot be computed: all groove radii must be larger than the ball's radius")
+        raise ValueError(
+            f"the load rating got a groove radius of {1e3 * float(groove_radii(scene).min()):.4g} mm; "
+            f"allowed: more than the ball's radius of {1e3 * scene.balls.radius:.4g} mm"
+        )
     shape, D = _capacity_factors(scene)
     if scene.track.lead == 0.0:
         base = CONTACT * STEEL * (THRUST * (1.0 - sin(alpha) / 3.0) if is_thrust(scene) else SINGLE_ROW)
         return np.asarray(base * shape * cos(alpha) ** -0.3 * D**1.8 * scene.ball_count ** (-1.0 / 3.0))
     if sin(alpha) <= 0.0:
-        raise ValueError("the load rating of a screw cannot be computed: its contact angle must be above zero")
+        raise ValueError(
+            "the load rating of a screw cannot be computed, got a contact angle of 0 deg; allowed: above 0 deg"
+        )
     return np.asarray(_turn_rating(scene) * _turns_factor(scene) / (scene.ball_count * sin(alpha) * _lead_cosine(scene)))
 
 
@@ -419,7 +424,7 @@ def equivalent_contact_loads(loads: Sequence[Array], shares: Sequence[float]) ->
 
 
 def name_life_standard(scene: Scene) -> str:
-    """Return the name of the standard by which the life of a scene's screw or bearing is computed."""
+    """Return the name of the standard, for example "ISO 3408-5", by which a screw's or bearing's life is computed."""
     if scene.track.lead > 0.0:
         return "ISO 3408-5"
     return "ISO 281, ISO/TS 16281" + (" (thrust bearing)" if is_thrust(scene) else "")
@@ -559,7 +564,7 @@ def mean_force(shares: Array, force: Array) -> float:
 
 
 def _ratings_by_direction(scene: Scene) -> tuple[float, float]:
-    """Return the dynamic load ratings of a screw [N] for forces on the nut along +z and along -z.
+    """Return the dynamic load ratings of a screw for forces on the nut along +z, then along -z [N].
 
     A nut with a lead offset has one rating for each half; the half that is shifted along +z carries forces along -z. A nut
     with play has the same rating in both directions.
@@ -602,17 +607,18 @@ def radial_and_axial_factors(alpha: float) -> tuple[float, float, float]:
         return 1.25 * tan(alpha), 1.25 * tan(alpha) * (1.0 - 2.0 / 3.0 * sin(alpha)), 1.0
     if angle < ANGLES[0] - 1e-9:
         raise ValueError(
-            "the factors X and Y of ISO 281 cannot be computed for a contact angle below 20 deg, because they depend on "
-            "the standard's factor f_0 there; an angle of at least 20 deg is needed"
+            f"the factors X and Y of ISO 281 got a contact angle of {angle:.4g} deg; allowed: at least 20 deg, because "
+            "they depend on the standard's factor f_0 below that"
         )
     e, X, Y = (float(np.interp(angle, ANGLES, values)) for values in (LIMITS, RADIAL_FACTORS, AXIAL_FACTORS))
     return e, X, Y
 
 
 def _equivalent_bearing_load(scene: Scene, force: Array) -> float:
-    """Return the dynamic equivalent load P of a ball bearing by ISO 281 [N]; ``force``: force on the bearing ``(3,)`` [N].
+    """Return the dynamic equivalent load P of a ball bearing by ISO 281 [N].
 
-    Raises ValueError for a thrust bearing with a radial force that ISO 281 does not cover.
+    ``force``: force on the bearing along x, y and its axis z (3,) [N]. Raises ValueError for a thrust bearing with a radial
+    force that ISO 281 does not cover.
     """
     radial, axial, thrust = hypot(force[0], force[1]), abs(float(force[2])), is_thrust(scene)
     if not thrust and axial <= 1e-9 * radial:
@@ -626,7 +632,7 @@ def _equivalent_bearing_load(scene: Scene, force: Array) -> float:
 
 
 def _uncovered_loads(scene: Scene, *, ring: bool) -> str:
-    """Return the name of a load in a scene that the standard does not cover; empty if it covers all loads.
+    """Return words for a load in a scene that the life standard does not cover; empty if it covers all loads.
 
     ``ring``: whether the scene is a bearing (ISO 281); otherwise it is a ball screw (ISO 3408-5).
     """

@@ -86,7 +86,7 @@ class Rigidities:
 
 
 def approach_per_displacement(scene: Scene) -> float:
-    """Return the approach at a ball's two opposite contacts per axial displacement of the nut, sin(alpha) cos(phi).
+    """Return the ratio of the approach at a ball's two opposite contacts to the nut's displacement, sin(alpha) cos(phi).
 
     Parameters
     ----------
@@ -164,7 +164,8 @@ def body_compliance(scene: Scene) -> float | None:
     inner, outer = 2.0 * (track.pitch_radius - reach), 2.0 * (track.pitch_radius + reach)
     if scene.nut.outer_diameter <= outer or scene.screw.bore >= inner:
         raise ValueError(
-            "the axial compliance of nut and screw cannot be computed, because one of them has no wall behind its contacts"
+            "the axial compliance of nut and screw got a nut or screw without a wall behind its contacts; allowed: a nut "
+            f"wider than {1e3 * outer:.4g} mm and a bore narrower than {1e3 * inner:.4g} mm"
         )
     length = filled_turns(scene) / track.starts * track.lead
     nut, screw = scene.nut.material, scene.screw.material

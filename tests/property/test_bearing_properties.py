@@ -7,7 +7,7 @@ import pytest
 
 from rollbench.lowfi.bearings.angular_contact import BallBearing, BallRow, bearing_of_contact_angle
 from rollbench.lowfi.bearings.axis import BearingSet, equilibrium
-from rollbench.lowfi.bearings.combined_load import combined_equilibrium
+from rollbench.lowfi.bearings.tapered_roller import combined_equilibrium
 from rollbench.lowfi.rollers import TaperedBearing, TaperedRow
 
 SEEDS = range(12)

@@ -39,7 +39,7 @@ from rollbench.lowfi.bearings.angular_contact import (
     thrust_state,
 )
 from rollbench.lowfi.bearings.axis import BearingSet, equilibrium, lift_off_force, preloaded_rows
-from rollbench.lowfi.bearings.combined_load import load_zone
+from rollbench.lowfi.bearings.tapered_roller import load_zone
 from rollbench.lowfi.friction.whole.state import friction_state
 from rollbench.lowfi.hertz import HertzConstants, contact_modulus, hertz_constants
 from rollbench.lowfi.rating.life import (

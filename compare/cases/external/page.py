@@ -360,8 +360,8 @@ def runs_by_level(scene: str, held: str) -> dict[int, dict[str, Any]]:
 def mesh_percent(scene: Scene, loads: Mapping[int, Array]) -> float:
     """Return the largest mesh uncertainty of any contact load [% of the mean load], on the finest given mesh level.
 
-    It is the sum of two parts: the 95 % uncertainty by `compare.reference.estimate`, estimated from other scenes if only one
-    level is given, and the error near a free face.
+    It is the sum of two parts: the 95 % uncertainty by `compare.reference.estimate`, estimated from other scenes if only
+    one level is given, and the error near a free face.
 
     Parameters
     ----------

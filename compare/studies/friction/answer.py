@@ -17,7 +17,7 @@ from rollbench.lowfi.friction.whole.feedback import JAMMED
 from rollbench.lowfi.friction.whole.losses import CAUSES, WIDE
 from rollbench.lowfi.friction.whole.state import FrictionState
 from rollbench.lowfi.friction.whole.torque import ScrewTorque
-from rollbench.lowfi.rating.overall_friction import overall_warnings
+from rollbench.lowfi.rating.catalogue_checks import overall_warnings
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.lowfi.statics.validity import contact_warnings
 from rollbench.lowfi.warned import Warned, warning_line

@@ -8,7 +8,7 @@ from tests.axes import ANGLE, BALL, GROOVE, PITCH, ROLLERS, TURNING, assembly, b
 from tests.helpers import ALL_BUT_AXIAL, relative, small_screw
 
 from rollbench.compare.models.registry import MODELS
-from rollbench.lowfi.bearings import angular_contact, combined_load
+from rollbench.lowfi.bearings import angular_contact, tapered_roller
 from rollbench.lowfi.bearings.axis import BearingSet, equilibrium
 from rollbench.lowfi.rollers import TaperedRow as ThrustRow
 from rollbench.lowfi.statics.axis import elastic, held, system
@@ -60,7 +60,7 @@ def roller_set(**options):
 def test_rollers_share_thrust_and_radial_load_as_the_bearing_alone(radial):
     held = Support(0.15, tuple((k, 0.0) for k in ("uy", "rx", "ry", "rz")))
     found = solved(with_load(roller_set(), force=(radial, 0.0, 3000.0), at=0.15, held=held))
-    alone = combined_load.combined_equilibrium(system.tapered_bearing(ROLLERS), 3000.0, radial)
+    alone = tapered_roller.combined_equilibrium(system.tapered_bearing(ROLLERS), 3000.0, radial)
     # without moment equilibrium, as there: the shaft is kept from tilting, and slices are loaded evenly
     assert relative(found.sets[0].roller_load, alone.loads) < 1e-7
     assert np.ptp(found.sets[0].line_loads, axis=1).max() < 1e-6 * found.sets[0].line_loads.max()

@@ -12,7 +12,7 @@ from rollbench.compare.models.registry import Options
 from rollbench.compare.scenes import catalogue, scene_file
 from rollbench.compare.studies.friction.solve import solve_axis
 from rollbench.compare.studies.friction.whole import Choices
-from rollbench.lowfi.bearings.roller_torque import roller_torque
+from rollbench.lowfi.bearings.torque import roller_torque
 from rollbench.meshes.axis import Drive, RollingSet
 from rollbench.meshes.parts import Friction, Load, Lubricant, Motion
 

@@ -115,10 +115,10 @@ def test_a_set_facing_one_way_rests_loose():
 
 
 REFUSED = [
-    (lambda: BearingSet((), (), ()), "at least one bearing row"),
-    (lambda: BearingSet((ROW,), (1,), ()), "offset for each"),
-    (lambda: BearingSet((ROW,), (2,), (0.0,)), r"\+1 or -1"),
-    (lambda: equilibrium(BearingSet((ROW,), (1,), (0.0,)), -1.0), "direction of the force"),
+    (lambda: BearingSet((), (), ()), "got 0 rows"),
+    (lambda: BearingSet((ROW,), (1,), ()), "0 offsets; allowed: equal numbers"),
+    (lambda: BearingSet((ROW,), (2,), (0.0,)), r"got \[2\]; allowed: \+1 and -1"),
+    (lambda: equilibrium(BearingSet((ROW,), (1,), (0.0,)), -1.0), "thrust in that direction"),
     (lambda: preloaded_rows(ROW, (1, 1), 1e3), "both directions"),
     (lambda: lift_off_force(BearingSet((ROW,), (1,), (0.0,))), "negative direction"),
 ]

@@ -6,8 +6,14 @@ import numpy as np
 import pytest
 from tests.axes import ROLLERS
 
-from rollbench.lowfi.bearings.rib import mean_distance, rib_contact, rib_geometry, rib_height, roller_speed_ratios
-from rollbench.lowfi.bearings.roller_torque import HYSTERESIS, hysteresis_torque, roller_torque, rolling_force
+from rollbench.lowfi.bearings.tapered_roller import (
+    mean_distance,
+    rib_contact,
+    rib_geometry,
+    rib_height,
+    roller_speed_ratios,
+)
+from rollbench.lowfi.bearings.torque import HYSTERESIS, hysteresis_torque, roller_torque, rolling_force
 from rollbench.lowfi.rollers import tapered_bearing
 from rollbench.meshes.parts import Lubricant
 

@@ -9,7 +9,7 @@ from scipy.special import beta, gamma
 
 from rollbench.lowfi.bearings import as_printed
 from rollbench.lowfi.bearings.axis import equilibrium, preloaded_rows
-from rollbench.lowfi.bearings.combined_load import (
+from rollbench.lowfi.bearings.tapered_roller import (
     combined_equilibrium,
     energy_and_derivatives,
     load_zone,
@@ -133,7 +133,7 @@ def test_row_under_thrust():
     h = 1e-5 * u
     assert row.stiffness(u) == pytest.approx((row.thrust(u + h) - row.thrust(u - h)) / (2 * h), rel=1e-7)
     assert row.thrust(-1e-6) == row.stiffness(0.0) == row.deflection(0.0) == 0.0
-    with pytest.raises(ValueError, match="negative"):
+    with pytest.raises(ValueError, match="at least 0 N"):
         row.deflection(-1.0)
 
 

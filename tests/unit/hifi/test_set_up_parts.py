@@ -8,7 +8,7 @@ import pytest
 from tests.two_balls import SMALL, two_balls
 
 from rollbench.hifi import setup
-from rollbench.hifi.side_by_side import Job, compute_records
+from rollbench.hifi.setup import Job, compute_records
 from rollbench.meshes.cache import Cache
 
 pytestmark = pytest.mark.xdist_group("helped by processes")

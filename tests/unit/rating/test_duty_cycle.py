@@ -126,6 +126,6 @@ def test_rings_have_ISO_281_s_factors() -> None:
         ring, found = of_ring(force, angle)
         assert found.loads[0] == pytest.approx(load)
         assert found.revolutions == pytest.approx((dynamic_rating(ring) / load) ** 3, rel=1e-9)
-    for angle, words in ((15.0, "below 20 deg"), (60.0, "thrust")):
+    for angle, words in ((15.0, "at least 20 deg"), (60.0, "thrust")):
         with pytest.raises(ValueError, match=words):
             of_ring((1000.0, 0.0, 100.0), angle)

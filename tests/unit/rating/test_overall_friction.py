@@ -5,7 +5,7 @@ from math import atan, pi, tan
 import pytest
 
 from rollbench.compare.scenes import catalogue
-from rollbench.lowfi.rating.overall_friction import efficiency, overall_warnings
+from rollbench.lowfi.rating.catalogue_checks import efficiency, overall_warnings
 from rollbench.meshes.parts import Friction, Track
 
 TRACK = Track(16.5e-3, 20e-3, pi / 4.0)

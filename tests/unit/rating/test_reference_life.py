@@ -8,7 +8,7 @@ import pytest
 from tests.axes import ROLLERS
 
 import rollbench
-from rollbench.lowfi.rating import reference, roller_life
+from rollbench.lowfi.rating import iso_lives, roller_life
 from rollbench.lowfi.rating.life import dynamic_rating, life
 from rollbench.lowfi.rollers import circular_crown, slice_middles, slice_roller, slice_state, tapered_bearing
 
@@ -35,7 +35,7 @@ def test_rollers_by_the_standards_formulas_written_out_lamina_by_lamina():
         q_ei = (sum((f * q[j, k - 1]) ** 4 for j in range(Z)) / Z) ** (1 / 4)
         q_ee = (sum((f * q[j, k - 1]) ** 4.5 for j in range(Z)) / Z) ** (1 / 4.5)
         total += (Q_ci * n ** (-7 / 9) / q_ei) ** (-9 / 2) + (Q_ce * n ** (-7 / 9) / q_ee) ** (-9 / 2)
-    found = reference.roller_reference_life(ROW, uneven(n))
+    found = iso_lives.roller_reference_life(ROW, uneven(n))
     assert found.revolutions == pytest.approx(total ** (-8 / 9), rel=2e-2), "the fourth power of the rounded factors"
     assert found.capacities["inner"] == pytest.approx(Q_ci, rel=4e-3)
     assert found.capacities["outer"] == pytest.approx(Q_ce, rel=4e-3)
@@ -43,23 +43,23 @@ def test_rollers_by_the_standards_formulas_written_out_lamina_by_lamina():
 
 
 def test_life_of_rollers_falls_with_the_fourth_power_of_the_load():
-    lives = [reference.roller_reference_life(ROW, k * uneven(30)).revolutions for k in (1.0, 2.0)]
+    lives = [iso_lives.roller_reference_life(ROW, k * uneven(30)).revolutions for k in (1.0, 2.0)]
     assert lives[0] / lives[1] == pytest.approx(16.0, rel=1e-12)
-    assert reference.roller_reference_life(ROW, 0.0 * uneven(30)) is None
+    assert iso_lives.roller_reference_life(ROW, 0.0 * uneven(30)) is None
 
 
 @pytest.mark.parametrize(("angle", "reduced"), [(15.0, 0.83), (60.0, 0.73)])
 def test_without_the_edges_an_even_load_has_ISO_281s_load_times_the_reduction(monkeypatch, angle, reduced):
     """L = (lambda P/C)^-4: what ISO 281 takes off the capacity for ends and uneven loads is not taken off twice."""
-    monkeypatch.setattr(reference, "edge_stress", np.ones)
+    monkeypatch.setattr(iso_lives, "edge_stress", np.ones)
     row = replace(ROW, cup_angle=np.radians(angle))
     even = np.full((row.count, 15), 1e5)
     P, C = roller_life.life(row, even).equivalent, roller_life.dynamic_rating(row)
-    assert reference.roller_reference_life(row, even).revolutions == pytest.approx((reduced * P / C) ** -4, rel=1e-9)
+    assert iso_lives.roller_reference_life(row, even).revolutions == pytest.approx((reduced * P / C) ** -4, rel=1e-9)
 
 
 def test_few_slices_are_divided_and_a_profile_that_unloads_the_edges_makes_their_number_indifferent():
-    even = [reference.roller_reference_life(ROW, np.full((ROW.count, n), 1e5)).revolutions for n in (15, 30)]
+    even = [iso_lives.roller_reference_life(ROW, np.full((ROW.count, n), 1e5)).revolutions for n in (15, 30)]
     assert even[0] == even[1]
     bearing = tapered_bearing(ROW)
     lives = []
@@ -67,13 +67,13 @@ def test_few_slices_are_divided_and_a_profile_that_unloads_the_edges_makes_their
         roller = slice_roller(bearing, n, circular_crown(2.0))
         q = slice_state(roller, 8e-6).line_loads
         assert q[0] == q[-1] == 0.0
-        lives.append(reference.roller_reference_life(ROW, np.tile(q, (ROW.count, 1))).revolutions)
+        lives.append(iso_lives.roller_reference_life(ROW, np.tile(q, (ROW.count, 1))).revolutions)
     assert np.ptp(lives) < 0.01 * lives[0]
 
 
 def test_tilted_rollers_live_shorter_than_straight_ones():
-    level = reference.roller_reference_life(ROW, np.full((ROW.count, 30), 1e5)).revolutions
-    tilted = reference.roller_reference_life(
+    level = iso_lives.roller_reference_life(ROW, np.full((ROW.count, 30), 1e5)).revolutions
+    tilted = iso_lives.roller_reference_life(
         ROW, np.full((ROW.count, 1), 1e5) * (1.0 + 0.4 * slice_middles(2.0, 30))
     ).revolutions
     assert tilted < 0.9 * level
@@ -88,7 +88,7 @@ def test_radial_load_without_clearance_has_the_life_of_ISO_281():
     load = np.zeros((many, 4))
     load[:, 0] = load[:, 3] = np.maximum(np.cos(phi), 0.0) ** 1.5
     force = float(load[:, 0] @ np.cos(phi))
-    found = reference.ball_reference_life(ring, life(ring, load))
+    found = iso_lives.ball_reference_life(ring, life(ring, load))
     assert found.revolutions == pytest.approx((dynamic_rating(ring) / force) ** 3, rel=5e-3)
     assert found.equivalent == pytest.approx(force, rel=2e-3)
 
@@ -99,10 +99,10 @@ def test_axial_load_on_a_thrust_bearing_has_the_life_of_ISO_281():
     load = np.zeros((ring.ball_count, 4))
     load[:, [0, 3]] = 100.0
     thrust = 100.0 * ring.ball_count * np.sin(np.radians(60.0))
-    found = reference.ball_reference_life(ring, life(ring, load))
+    found = iso_lives.ball_reference_life(ring, life(ring, load))
     assert (found.revolutions, found.equivalent) == pytest.approx(((dynamic_rating(ring) / thrust) ** 3, thrust), rel=1e-9)
     assert found.loads == pytest.approx({"SL": 100.0, "NR": 100.0})
     assert (
-        reference.ball_reference_life(rollbench.read("lin-case1"), life(rollbench.read("lin-case1"), np.ones((32, 4))))
+        iso_lives.ball_reference_life(rollbench.read("lin-case1"), life(rollbench.read("lin-case1"), np.ones((32, 4))))
         is None
     )

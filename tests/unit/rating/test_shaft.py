@@ -10,10 +10,7 @@ from rollbench.compare.errors import InputError
 from rollbench.compare.models.registry import Options, run_model
 from rollbench.compare.scenes import scene_tables
 from rollbench.compare.scenes.catalogue import scene
-from rollbench.lowfi.rating.contacts import static_rating
-from rollbench.lowfi.rating.life import life
-from rollbench.lowfi.rating.modified import fatigue_limit, iso_factor, modified_life, reliability_factor
-from rollbench.lowfi.rating.shaft import (
+from rollbench.lowfi.rating.catalogue_checks import (
     FACTORS,
     buckling_load_and_critical_speed,
     free_lengths,
@@ -21,6 +18,9 @@ from rollbench.lowfi.rating.shaft import (
     shaft_compression,
     shaft_limits,
 )
+from rollbench.lowfi.rating.contacts import static_rating
+from rollbench.lowfi.rating.iso_lives import fatigue_limit, iso_factor, modified_life, reliability_factor
+from rollbench.lowfi.rating.life import life
 from rollbench.lowfi.statics.contacts import error_free_hertz
 from rollbench.meshes.helix import lead_angle
 from rollbench.meshes.parts import Motion, Operation, Support

@@ -27,7 +27,7 @@ from rollbench.lowfi.bearings.angular_contact import (
     thrust_state,
 )
 from rollbench.lowfi.bearings.axis import Axis, BearingSet, equal_rows, equilibrium, preloaded_rows
-from rollbench.lowfi.bearings.combined_load import CombinedState, combined_equilibrium, load_zone, load_zone_of_forces
+from rollbench.lowfi.bearings.tapered_roller import CombinedState, combined_equilibrium, load_zone, load_zone_of_forces
 from rollbench.lowfi.bearings.torque import (
     KILOGRAM_FORCE,
     LEAST_FILM,

@@ -1,6 +1,7 @@
-"""Limits of a screw shaft between its bearings: Euler's buckling load, critical speed and DN value.
+"""Checks of a ball screw by formulas of catalogues: buckling, critical speed, DN value and overall friction coefficient.
 
-The shaft is a bar of the thread's root diameter d (bore d_b) over the free length L, with the nut at its far end:
+The shaft between its bearings is a bar of the thread's root diameter d (bore d_b) over the free length L, with the nut at
+its far end:
 
     F_c = c pi^2 E I / L^2,                            I = pi (d^4 - d_b^4)/64,                                        (1)
     n_c = lambda^2/(2 pi L^2) sqrt(E I/(rho A)),       A = pi (d^2 - d_b^2)/4,                                         (2)
@@ -17,17 +18,27 @@ is not given, 76,200 mm/min is used, 3000 in rpm for returns by tubes (Engineers
 Valid for slender shafts, L above some 25 d (a shorter one yields before it buckles, and its bearings deflect before it
 whirls), with a thread over the whole length, of steel of 7850 kg/m3. Only loads and reactions that compress the shaft
 count.
+
+A scene's coefficient of sliding friction must not be confused with the overall coefficient of a catalogue. Catalogues and
+calculators treat a ball screw as a sliding thread with one small coefficient f for all losses. With the lead angle phi of
+the pitch circle its efficiency against the load is
+
+    eta = tan(phi)/tan(phi + arctan(f)).                                                                              (3)
+
+The coefficient of a scene, by contrast, is that of sliding in the contacts of the balls, which mostly roll: about 0.1 with
+grease, less with a full film. If f is used in its place, the computed loss is several times too small.
 """
 
 from __future__ import annotations
 
-from math import cos, pi, sin, sqrt
+from math import atan, cos, pi, sin, sqrt, tan
 
 import numpy as np
 
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.lowfi.warned import Warned
-from rollbench.meshes.parts import Scene, Support
+from rollbench.meshes.helix import lead_angle
+from rollbench.meshes.parts import Friction, Scene, Support, Track
 from rollbench.meshes.quantity import quantity, record
 
 #: Factors c and lambda by the supports of both ends.
@@ -226,3 +237,55 @@ def shaft_limits(scene: Scene, result: StaticResult) -> ShaftLimits | None:
         SHARE_OF_LOAD * load,
         min(SHARE_OF_SPEED * critical, allowed / across),
     )
+
+
+#: Twice the largest overall coefficient of catalogues (0.003 to 0.01 for ball screws, 0.001 to 0.002 for ball bearings).
+OVERALL = 0.02
+
+
+def efficiency(track: Track, coefficient: float) -> float:
+    """Return the efficiency of a ball screw that drives its load, from an overall coefficient of friction.
+
+    It follows from eq. (3) of this module.
+
+    Parameters
+    ----------
+    track
+        Track of the screw, for its lead angle.
+    coefficient
+        Overall coefficient of friction f for all losses; 0.003 to 0.01 for ball screws.
+
+    Examples
+    --------
+    A lead of 10 mm at a pitch diameter of 40 mm:
+
+    >>> round(efficiency(Track(20e-3, 10e-3, 0.785), 0.005), 4)
+    0.9405
+    """
+    phi = abs(lead_angle(track))
+    return tan(phi) / tan(phi + atan(coefficient))
+
+
+def overall_warnings(track: Track, friction: Friction) -> list[Warned]:
+    """Return a warning if a scene's coefficient of sliding friction is as small as overall coefficients of catalogues.
+
+    Parameters
+    ----------
+    track
+        Track of the balls; the efficiency is stated for a track with a lead.
+    friction
+        Coefficients of friction of the scene.
+    """
+    mu = max(friction.screw, friction.nut)
+    if not 0.0 < mu <= OVERALL:
+        return []
+    as_one = f", by which the efficiency would be {100.0 * efficiency(track, mu):.3g} %" if track.lead else ""
+    brief = (
+        f"friction coefficient {mu:g}, that of sliding in the contacts, is as low as overall coefficients of catalogues "
+        f"and calculators{as_one}"
+    )
+    text = (
+        f"{brief}; here it is about 0.1 with grease, less with a full film: if an overall coefficient was meant, friction "
+        "torque and losses are several times too small"
+    )
+    return [Warned("coefficient", text, brief)]

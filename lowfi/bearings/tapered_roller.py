@@ -1,0 +1,494 @@
+"""Tapered roller bearing: equilibrium under thrust and radial load, contact of the rollers with the rib, and speeds.
+
+The inner ring's axial and radial displacement compress the roller at azimuth psi by
+
+    delta = delta_a sin(alpha) + delta_r cos(alpha) cos(psi).                                                           (1)
+
+Equilibrium is the minimum of a convex energy in the two displacements. For comparison, ``solve_by_load_zone`` is Smith's
+method (1994, 3.1-3.21) with load-zone integrals and a power law.
+
+Sjovall's integrals: a roller (or ball) at azimuth psi is compressed by delta_n [1 - (1 - cos psi)/(2 eps)], with the load
+zone parameter eps = (1 + (delta_a/delta_r) tan alpha)/2 (Smith 1994, 3.1-3.3). It carries the largest load times the n-th
+power of that bracket. The integrals run over the loaded part of the circumference. They are written with w = 1/(2 eps),
+which is 0 for pure thrust.
+
+Contact of a roller's spherical large end with the rib of the cone, in an axial plane, seen from the common apex: the end is
+a sphere of radius R_s whose centre C lies on the roller's
+axis. It passes through the large end of the contact line with the cone, at the distance g = l + L/2 from the apex:
+
+    sin(theta_0) = g sin(gamma)/R_s,   s = g cos(gamma) - R_s cos(theta_0)  (distance of C from the apex).              (2)
+
+The rib is a conical surface about the bearing's axis that touches the sphere at the height h above the cone's race. There
+the normal makes the angle theta with the roller's axis, and beta - theta with the bearing's axis, beta = alpha - gamma:
+
+    theta = gamma - arcsin((h - s sin(gamma))/R_s).                                                                    (3)
+
+Along its generator the rib is straight. Across the generator it is concave, and its radius of curvature is the length of
+the normal up to the bearing's axis (Meusnier):
+
+    R_f = R_s + s sin(beta)/sin(beta - theta);   relative curvatures 1/R_s and 1/R_s - 1/R_f.                          (4)
+
+A sphere about the apex, R_s = g, therefore fits the rib all around the rim; manufacturers take R_s = 0.8 g to 0.95 g. By
+equilibrium of the roller along its axis the rib carries 2 Q sin(gamma), Q the load of a race. The tilt theta of the normal
+is neglected; it would multiply the load by 1/cos(theta), 0.1 to 0.3 % more. Pressure and contact ellipse follow by Hertz
+(Smith 1994, 3.1.1: sphere and cylinder of the rib's radius).
+
+Motion: all axes meet in the apex and the roller rolls on both races without sliding. Relative to the cup it therefore
+rotates about its contact line with the cup, relative to the cone about that with the cone. The angular speeds of these
+rotations, over that of the rings against each other, are
+
+    cone  sin(alpha)/sin(2 gamma),   cup  sin(alpha - 2 gamma)/sin(2 gamma).                                           (5)
+
+On the rib the end therefore slides as it rotates about the contact line with the cone, at the distance h from the middle of
+the contact.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from rollbench.lowfi.hertz import contact_modulus, hertz_constants
+from rollbench.lowfi.rollers import TaperedBearing, tapered_bearing
+from rollbench.meshes.arrays import Array
+from rollbench.meshes.axis import RollerRow
+from rollbench.meshes.numerics import brentq
+from rollbench.meshes.quantity import quantity, record
+
+# double-exponential quadrature on (0, 1), because at the end of the load zone the load is a fractional power of the angle
+_T = np.arange(-3.6, 3.6001, 0.03)
+
+_PLACES = 1.0 / (1.0 + np.exp(-np.pi * np.sinh(_T)))
+
+_WEIGHTS = 0.03 * np.pi * np.cosh(_T) * _PLACES / (1.0 + np.exp(np.pi * np.sinh(_T)))
+
+
+@dataclass(frozen=True)
+class LoadZone:
+    """Load zone, the loaded part of the circumference of a row of rolling elements, with Sjovall's integrals."""
+
+    #: Load zone parameter: 1/2 if half of the circumference is loaded, infinite for pure thrust.
+    eps: float
+    #: Sjovall's integral J_a of the thrust, dimensionless.
+    axial: float
+    #: Sjovall's integral J_r of the radial load, dimensionless.
+    radial: float
+    #: Half of the angle over which the row is loaded [rad].
+    half_angle: float
+
+
+def load_zone(eps: float, exponent: float) -> LoadZone:
+    """Return Sjovall's load-zone integrals J_a and J_r for a load zone parameter.
+
+    They hold for infinitely many rolling elements; the relative accuracy is 1e-12.
+
+    Parameters
+    ----------
+    eps
+        Load zone parameter, above 0; infinite for pure thrust.
+    exponent
+        Exponent n of load ~ deflection^n: 1.1 for rollers, 1.5 for balls.
+
+    Raises
+    ------
+    ValueError
+        The load zone parameter is not positive.
+
+    References
+    ----------
+    Smith (1994), 3.15 and 3.16.
+
+    Examples
+    --------
+    Stribeck's factor of a radially loaded row of balls without clearance, 4.37:
+
+    >>> round(1.0 / load_zone(0.5, 1.5).radial, 4)
+    4.3701
+    """
+    if not eps > 0.0:
+        raise ValueError(f"the load zone parameter got {eps:g}; allowed: above zero (1/2 for half of the circumference)")
+    w = 0.5 / eps
+    end = np.pi if w <= 0.5 else float(np.arccos(1.0 - 1.0 / w))
+    psi = end * _PLACES
+    lost = np.maximum(-2.0 * w * np.sin(0.5 * psi) ** 2, -1.0)
+    with np.errstate(divide="ignore"):
+        change = np.expm1(exponent * np.log1p(lost))  # load less a uniform load: no cancellation near pure thrust
+    weights = end / np.pi * _WEIGHTS
+    even = float(np.sin(end) / np.pi) if end < np.pi else 0.0
+    return LoadZone(eps, end / np.pi + float(weights @ change), even + float(weights @ (change * np.cos(psi))), end)
+
+
+def load_zone_of_forces(axial: float, radial: float, angle: float, exponent: float) -> LoadZone:
+    """Return the load zone of a row of rolling elements under thrust and radial load.
+
+    It is the load zone for which J_r/J_a = F_r tan(alpha)/F_a (Smith 1994, eq. 3.14).
+
+    Parameters
+    ----------
+    axial, radial
+        Forces F_a and F_r [N].
+    angle
+        Contact angle [rad].
+    exponent
+        Exponent n of load ~ deflection^n: 1.1 for rollers, 1.5 for balls.
+
+    Raises
+    ------
+    ValueError
+        The thrust is too small, F_a <= F_r tan(alpha), so that the rings separate, or the radial load is negative.
+    """
+    ratio = radial * np.tan(angle) / axial if axial > 0.0 else np.inf
+    if not 0.0 <= ratio < 1.0:
+        raise ValueError(
+            "the load zone cannot be computed: the thrust must be larger than F_r tan(alpha), or the rings separate, "
+            "and the radial load F_r must not be negative"
+        )
+    if ratio == 0.0:
+        return load_zone(np.inf, exponent)
+
+    def excess(log_eps: float) -> float:
+        """Return the logarithm of J_r/J_a over the ratio that the forces require, for a logarithm of eps."""
+        zone = load_zone(float(np.exp(log_eps)), exponent)
+        return float(np.log(zone.radial / zone.axial / ratio))
+
+    return load_zone(float(np.exp(brentq(excess, np.log(1e-8), np.log(exponent / ratio), xtol=1e-13))), exponent)
+
+
+#: Exponent n of the power law q ~ delta^n by which the load varies over the load zone (Smith 1994, eq. 3.15).
+EXPONENT = 1.1
+
+
+@dataclass(frozen=True)
+class CombinedState:
+    """Equilibrium of a tapered roller bearing under thrust and radial load, with every roller as a line contact."""
+
+    #: Axial displacement of the inner ring [m].
+    axial: float
+    #: Radial displacement of the inner ring [m].
+    radial: float
+    #: Load Q of either race on every roller ``(N,)`` [N].
+    loads: Array
+    #: Derivatives of the axial and radial force with respect to the axial and radial displacement ``(2, 2)`` [N/m].
+    stiffness: Array
+    #: Largest unbalanced force over the thrust.
+    residual: float
+    #: Whether the residual is below 1e-9.
+    converged: bool
+
+
+def roller_azimuths(bearing: TaperedBearing) -> Array:
+    """Return the azimuths of the rollers ``(N,)`` [rad]; the radial load points at the first roller."""
+    return 2.0 * np.pi * np.arange(bearing.rollers) / bearing.rollers
+
+
+def energy_and_derivatives(bearing: TaperedBearing, displacement: Array) -> tuple[float, Array, Array, Array]:
+    """Return strain energy, forces, stiffness and roller loads of a bearing at a displacement of its inner ring.
+
+    Parameters
+    ----------
+    bearing
+        The bearing.
+    displacement
+        Axial and radial displacement [m].
+
+    Returns
+    -------
+    tuple[float, Array, Array, Array]
+        Strain energy [J], axial and radial force ``(2,)`` [N], stiffness ``(2, 2)`` [N/m], roller loads ``(N,)`` [N].
+    """
+    direction = np.column_stack(
+        [np.full(bearing.rollers, np.sin(bearing.cup_angle)), np.cos(bearing.cup_angle) * np.cos(roller_azimuths(bearing))]
+    )
+    law, length = bearing.law(), bearing.length
+    q = law.line_load(direction @ displacement)
+    energy, slope = length * law.energy(q), length * law.slope(q)
+    return float(energy.sum()), length * (q @ direction), (direction.T * slope) @ direction, length * q
+
+
+def combined_equilibrium(bearing: TaperedBearing, axial: float, radial: float) -> CombinedState:
+    """Solve for the equilibrium of a tapered roller bearing under thrust and radial load, by Newton's method on its energy.
+
+    Parameters
+    ----------
+    bearing
+        The bearing.
+    axial, radial
+        Forces F_a and F_r [N]; the radial force points at the first roller.
+
+    Raises
+    ------
+    ValueError
+        The thrust is too small, F_a <= F_r tan(alpha), so that the rings separate, or the radial load is negative.
+    """
+    start = solve_by_load_zone(bearing, axial, radial)
+    force, x = np.array([axial, radial]), np.array([start.axial, start.radial])
+    for _ in range(100):
+        energy, inner, slope, loads = energy_and_derivatives(bearing, x)
+        off = inner - force
+        if np.abs(off).max() <= 1e-12 * axial:
+            break
+        # if only one roller is loaded, one direction has no stiffness: a small diagonal term keeps the step finite
+        step = -np.linalg.solve(slope + 1e-9 * np.trace(slope) * np.eye(2), off)
+        x = x + _damped_step(bearing, x, step, energy - float(force @ x), force) * step
+    residual = float(np.abs(off).max() / axial)
+    return CombinedState(float(x[0]), float(x[1]), loads, slope, residual, residual < 1e-9)
+
+
+def _damped_step(bearing: TaperedBearing, x: Array, step: Array, level: float, force: Array) -> float:
+    """Return the largest fraction 1, 1/2, 1/4, ... of a Newton step that does not raise the potential energy.
+
+    Round-off is tolerated. ``x``, ``step``: displacement and Newton step, axial and radial ``(2,)`` [m]; ``level``:
+    potential energy at ``x`` [J]; ``force``: external axial and radial force ``(2,)`` [N].
+    """
+    fraction = 1.0
+    while fraction > 1e-6:
+        trial = x + fraction * step
+        if _elastic_energy(bearing, trial) - float(force @ trial) <= level + 1e-14 * abs(level):
+            return fraction
+        fraction *= 0.5
+    return fraction
+
+
+def _elastic_energy(bearing: TaperedBearing, x: Array) -> float:
+    """Return the strain energy of the bearing [J]; infinite where a trial step leaves the range of the line contact.
+
+    ``x``: axial and radial displacement of the inner ring ``(2,)`` [m].
+    """
+    try:
+        return energy_and_derivatives(bearing, x)[0]
+    except ValueError:
+        return np.inf
+
+
+@dataclass(frozen=True)
+class ZoneState:
+    """Displacements and largest load of a bearing under thrust and radial load, by load-zone integrals."""
+
+    #: Axial displacement of the inner ring [m].
+    axial: float
+    #: Radial displacement of the inner ring [m].
+    radial: float
+    #: Largest roller load [N].
+    greatest: float
+    #: Load zone of the row.
+    zone: LoadZone
+
+
+def solve_by_load_zone(bearing: TaperedBearing, axial: float, radial: float) -> ZoneState:
+    """Return displacements and largest roller load of a bearing by Smith's load-zone method.
+
+    The integrals over the load zone and the law of the line contact are exact.
+
+    A power law distributes the load over the rollers, and the line contact of the most loaded roller gives its compression.
+    The result is exact for pure thrust. Otherwise its accuracy depends on the exponent and on the number of rollers, taken
+    as infinite. Arguments and errors are those of `combined_equilibrium`.
+
+    References
+    ----------
+    Smith (1994), 3.14 to 3.21.
+    """
+    zone = load_zone_of_forces(axial, radial, bearing.cup_angle, EXPONENT)
+    greatest = axial / (bearing.rollers * np.sin(bearing.cup_angle) * zone.axial)
+    normal = float(bearing.law().approach(greatest / bearing.length))
+    w = 0.5 / zone.eps
+    return ZoneState(
+        float((1.0 - w) * normal / np.sin(bearing.cup_angle)),
+        float(w * normal / np.cos(bearing.cup_angle)),
+        float(greatest),
+        zone,
+    )
+
+
+#: Height of the rib contact above the race, over the roller's diameter, if the scene does not give it.
+USUAL_HEIGHT = 0.1
+
+_U, _W = np.polynomial.legendre.leggauss(32)
+
+
+@dataclass(frozen=True)
+class Rib:
+    """Geometry of the contact of a roller's spherical end with the rib, by eqs. (2) to (4) of this module."""
+
+    #: Angle theta of the contact normal against the roller's axis [rad].
+    tilt: float
+    #: Relative curvatures along the rim and across the rim [1/m].
+    curvatures: tuple[float, float]
+    #: Radius of curvature R_f of the rib across its generator [m].
+    radius: float
+
+
+def rib_geometry(bearing: TaperedBearing, end_radius: float, height: float) -> Rib:
+    """Return the geometry of the contact of a roller's end with the rib, by eqs. (2) to (4) of this module.
+
+    Parameters
+    ----------
+    bearing
+        The bearing.
+    end_radius
+        Radius R_s of the spherical end [m].
+    height
+        Height h of the contact above the cone's race [m].
+
+    Raises
+    ------
+    ValueError
+        The sphere does not reach the rib or fits it without gap: R_s must be above the radius of the roller's large end and
+        below its distance from the apex. The message is the condition for ``end_radius``, which the check of scenes prints
+        as the allowed value.
+    """
+    gamma, beta = bearing.roller_angle, bearing.cup_angle - bearing.roller_angle
+    g = bearing.apex_distance + 0.5 * bearing.length
+    edge = g * float(np.sin(gamma))
+    if not edge < end_radius < g:
+        limits = f"above {1e3 * edge:.4g} mm, the radius of the roller's large end, and below {1e3 * g:.4g} mm"
+        raise ValueError(f"{limits}, its distance from the apex")
+    s = g * float(np.cos(gamma)) - float(np.sqrt(end_radius**2 - edge**2))
+    tilt = gamma - float(np.arcsin((height - s * np.sin(gamma)) / end_radius))
+    if not tilt < beta:
+        raise ValueError("a larger radius, with which the sphere can touch a rib of the cone")
+    radius = end_radius + s * float(np.sin(beta) / np.sin(beta - tilt))
+    return Rib(tilt, (1.0 / end_radius - 1.0 / radius, 1.0 / end_radius), radius)
+
+
+def rib_height(row: RollerRow) -> float:
+    """Return the height h of the rib contact above the race [m]; a tenth of the roller diameter if the row gives none.
+
+    Parameters
+    ----------
+    row
+        Row of tapered rollers.
+    """
+    return USUAL_HEIGHT * row.diameter if row.rib_height is None else row.rib_height
+
+
+@record
+class RibContact:
+    """Contact of the most loaded roller of a row with its rib."""
+
+    #: Number of the roller, from 1.
+    roller: int = quantity("roller", "roller of the largest load on the rib")
+    #: Force of the rib on the roller [N].
+    load: float = quantity(
+        "load_N",
+        "force of the rib on its large end, 2 Q sin(gamma), by balance along the roller",
+        error="that of the load",
+        heading="load on the rib",
+        note="roller {roller}",
+    )
+    #: Largest pressure [Pa]; None if the radius of the roller's end is not given.
+    pressure: float | None = quantity(
+        "pressure_MPa",
+        "largest pressure there by Hertz, sphere of the end on the hollow cone of the rib; null without `end_radius`",
+        error="a third of the load's, and of the height where that is assumed",
+        heading="pressure on the rib",
+    )
+    #: Semi-axis of the contact ellipse along the rim [m]; None if the radius of the roller's end is not given.
+    a: float | None = quantity("semi_axis_a_mm", "semi-axis of its ellipse along the rim", error="a third of the load's")
+    #: Semi-axis of the contact ellipse across the rim [m]; None if the radius of the roller's end is not given.
+    b: float | None = quantity("semi_axis_b_mm", "semi-axis across the rim", error="a third of the load's")
+    #: Height of the contact above the cone's race [m].
+    height: float = quantity("height_mm", "height of the contact above the cone's race, as given or assumed")
+    #: Text on assumptions and missing data.
+    words: str = quantity("words", "what is assumed or not known", show=lambda words: words or None, default="")
+
+
+def rib_contact(row: RollerRow, loads: Array) -> RibContact | None:
+    """Return the contact of the most loaded roller of a row with its rib.
+
+    Valid for straight or crowned rollers that touch their ribs, with a contact ellipse small against the roller's end. The
+    ellipse is truncated if its semi-axis b is larger than the height of the contact.
+
+    Parameters
+    ----------
+    row
+        Row of tapered rollers.
+    loads
+        Force of either race on each roller ``(count,)`` [N].
+
+    Returns
+    -------
+    RibContact | None
+        Load, pressure and ellipse of the contact; None without load.
+
+    Raises
+    ------
+    ValueError
+        The radius of the end is outside the range of `rib_geometry`.
+    """
+    if not (loads > 0.0).any():
+        return None
+    bearing, height = tapered_bearing(row), rib_height(row)
+    worst = int(loads.argmax())
+    load = 2.0 * float(loads[worst] * np.sin(bearing.roller_angle))
+    words = [] if row.rib_height is not None else [f"rib_height is assumed, {USUAL_HEIGHT:g} of the roller's diameter"]
+    a, b, pressure = None, None, None
+    if row.end_radius is None:
+        words.append("no pressure: rollers.end_radius, the sphere of the large end, is not given")
+    else:
+        a, b = map(float, rib_contact_ellipse(row, load))
+        pressure = 1.5 * load / (np.pi * a * b)
+        if b > height:
+            words.append("the contact ellipse extends beyond the rib's surface: the actual pressure is higher")
+    return RibContact(worst + 1, load, pressure, a, b, height, "; ".join(words))
+
+
+def rib_contact_ellipse(row: RollerRow, load: Array | float) -> tuple[Array, Array]:
+    """Return the semi-axes of the contact ellipse of a roller's end with the rib [m], along and across the rim.
+
+    Parameters
+    ----------
+    row
+        Row of tapered rollers.
+    load
+        Forces of the rib [N], any shape.
+
+    Returns
+    -------
+    tuple[Array, Array]
+        Arrays of the shape of the forces; zero, as for a point contact, if the radius of the end is not given.
+
+    Raises
+    ------
+    ValueError
+        The radius of the end is outside the range of `rib_geometry`.
+    """
+    root = np.cbrt(np.asarray(load, dtype=float))
+    if row.end_radius is None:
+        return 0.0 * root, 0.0 * root
+    E, nu = row.material.youngs_modulus, row.material.poissons_ratio
+    along, across = rib_geometry(tapered_bearing(row), row.end_radius, rib_height(row)).curvatures
+    h = hertz_constants(np.array(along), np.array(across), contact_modulus(E, nu, E, nu))
+    return np.asarray(h.C_a * root), np.asarray(h.C_b * root)
+
+
+def mean_distance(a: Array, b: Array, height: float) -> Array:
+    """Return the mean distance of the rib's contact pressure from the cone's contact line, int p r dA/F [m].
+
+    r is the distance from a point on the minor axis at the height h from the ellipse's centre. With s the relative radius
+    in the ellipse and u = sqrt(1 - s^2), the integral has the weight 3 u^2/(2 pi); Gauss and trapezoid rules give it to
+    1e-4.
+
+    Parameters
+    ----------
+    a, b
+        Semi-axes along and across the rim ``(n,)`` [m]; zero for a point contact, whose distance is the height.
+    height
+        Height h of the contact above the cone's race [m].
+    """
+    u, angle = 0.5 * (1.0 + _U[:, None]), 2.0 * np.pi * (np.arange(64) + 0.5) / 64.0
+    s = np.sqrt(1.0 - u**2)
+    x, y = (np.multiply.outer(np.asarray(k, dtype=float), s * f(angle)) for k, f in ((a, np.cos), (b, np.sin)))
+    weight = 1.5 * u**2 * _W[:, None] / 64.0
+    return np.asarray((weight * np.hypot(x, y + height)).sum(axis=(-2, -1)))
+
+
+def roller_speed_ratios(bearing: TaperedBearing) -> tuple[float, float]:
+    """Return the angular speeds of a roller relative to the cone, then relative to the cup, by eq. (5) of this module.
+
+    Both are ratios to the angular speed of the rings relative to each other.
+
+    ``bearing``: geometry of the row of rollers.
+    """
+    over = float(np.sin(2.0 * bearing.roller_angle))
+    return float(np.sin(bearing.cup_angle)) / over, float(np.sin(bearing.cone_angle)) / over
